@@ -1,0 +1,35 @@
+# Every target sets up .venv first if it is missing or out of date; nothing else needs to be installed.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: report test test-all bench lint clean
+
+report: .venv/ready
+	$(BIN)/polydraulic report --out report
+
+# Compiled first, then the quick tests once more in plain Python: the kernels must not depend on the compiler.
+test: .venv/ready
+	$(BIN)/pytest -m "not slow"
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -m "not slow"
+
+test-all: .venv/ready
+	$(BIN)/pytest
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -m "not slow"
+
+bench: .venv/ready
+	$(BIN)/python benchmarks/run.py
+
+lint: .venv/ready
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+.venv/ready: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --upgrade pip
+	$(BIN)/pip install --quiet --editable ".[all]"
+	touch $@
+
+clean:
+	rm -rf .venv report

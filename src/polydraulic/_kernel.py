@@ -1,0 +1,75 @@
+"""`@kernel` and `@driver`: compiled functions whose cache notices every edit.
+
+numba's disk cache looks at the file that holds a function, not at the files of the functions it calls: an edit to
+`valve.py` would leave a stale time loop behind. Here the cache folder is named by a digest of all sources of the
+package, so that any edit starts afresh.
+
+A kernel is a pure function of floats and named tuples, inlined where it is called; a driver owns arrays and loops.
+Neither may allocate (`_nrt=False` makes an allocation a compile error). With ``NUMBA_DISABLE_JIT=1`` both are
+plain Python. docs/architecture.md lists the rules for kernel code.
+"""
+
+import hashlib
+import os
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_DRIVER_OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "_nrt": False}
+KERNEL_OPTIONS: dict[str, Any] = {**_DRIVER_OPTIONS, "forceinline": True}
+_KEEP_DAYS = 30
+
+
+def source_digest() -> str:
+    """Digest of every Python source of the package: names the cache folder."""
+    root = Path(__file__).parent
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_folder() -> str | None:
+    """The folder for this state of the sources, or None where nothing can be written."""
+    chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    base = Path(chosen) / "polydraulic"
+    folder = base / source_digest()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.touch()
+        for other in base.iterdir():
+            if time.time() - other.stat().st_mtime > _KEEP_DAYS * 86400:
+                shutil.rmtree(other, ignore_errors=True)
+    except OSError:
+        return None
+    return str(folder) if os.access(folder, os.W_OK) else None
+
+
+_FOLDER = _cache_folder()
+
+
+def _compiled(function: F, options: dict[str, Any]) -> F:
+    # numba reads the folder when a function is decorated; other packages must not see ours.
+    theirs = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _FOLDER or theirs
+    try:
+        return numba.njit(cache=_FOLDER is not None, **options)(function)
+    finally:
+        numba.config.CACHE_DIR = theirs
+
+
+def kernel(function: F) -> F:
+    """Compile a pure function of floats and named tuples; it is inlined into its callers."""
+    return _compiled(function, KERNEL_OPTIONS)
+
+
+def driver(function: F) -> F:
+    """Compile a function that loops over arrays it is given."""
+    return _compiled(function, _DRIVER_OPTIONS)

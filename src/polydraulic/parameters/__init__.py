@@ -1,0 +1,24 @@
+"""Parameter sets and scenarios: TOML files -> typed trees in SI.
+
+Read `schema` first (what there is), then `load` (how it is read), `signals` and `scenario`.
+"""
+
+from polydraulic.parameters.load import Entry, load_machine, machine_entries
+from polydraulic.parameters.scenario import Scenario, load_scenario, scenario_names
+from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
+
+__all__ = [
+    "LINKS",
+    "Constant",
+    "Entry",
+    "Machine",
+    "Piecewise",
+    "Scenario",
+    "Signal",
+    "Sine",
+    "load_machine",
+    "load_scenario",
+    "machine_entries",
+    "scenario_names",
+]

@@ -1,0 +1,192 @@
+"""TOML -> Machine: each number is converted to SI once, and anything doubtful is one clear error.
+
+Every entry of a parameter file is ``key = { value = ..., unit = "...", source = "..." }``; switches have no unit.
+"""
+
+import tomllib
+import types
+from math import isfinite, pi, sin
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
+
+from polydraulic import units
+from polydraulic.errors import InputError
+from polydraulic.parameters.schema import Cylinder, Machine, Quantity
+
+Tree = TypeVar("Tree", bound=tuple)  # type: ignore[type-arg]
+_SETS = Path(__file__).parent / "sets"
+
+
+class Entry(NamedTuple):
+    """One number of a parameter file, as written there."""
+
+    key: str
+    value: Any
+    unit: str
+    source: str
+
+
+def load_machine(source: str | Path) -> Machine:
+    """Load a parameter set.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a set that comes with the package (``"cat215b"``), or the path of a TOML file.
+
+    Returns
+    -------
+    Machine
+        In SI units.
+
+    Raises
+    ------
+    InputError
+        Unknown or missing key, wrong unit, value out of range or not finite: file, key, value and what is allowed.
+    """
+    path = find(source, _SETS, "parameter set")
+    machine = build(Machine, read_toml(path), where="", path=path)
+    _check(machine, path)
+    return machine
+
+
+def machine_entries(source: str | Path) -> list[Entry]:
+    """Every number of a parameter set as its file gives it, with its source: for tables and documentation."""
+    found: list[Entry] = []
+
+    def walk(tree: dict[str, Any], where: str) -> None:
+        for key, item in tree.items():
+            if "value" in item:
+                found.append(Entry(where + key, item["value"], item.get("unit", ""), item["source"]))
+            else:
+                walk(item, f"{where}{key}.")
+
+    walk(read_toml(find(source, _SETS, "parameter set")), "")
+    return found
+
+
+def find(source: str | Path, folder: Path, what: str) -> Path:
+    """Path of a TOML file given by path, or by its name in a folder of the package."""
+    if Path(source).suffix == ".toml":
+        if not Path(source).is_file():
+            raise InputError(f"{what} {source}: no such file")
+        return Path(source)
+    path = folder / f"{source}.toml"
+    if not path.is_file():
+        raise InputError(
+            f"unknown {what} {str(source)!r}; choose one of {sorted(p.stem for p in folder.glob('*.toml'))} "
+            "or give the path of a .toml file"
+        )
+    return path
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Parse a TOML file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a TOML file ({error})") from error
+
+
+def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | None = None) -> Tree:
+    """Build a named tuple from nested dicts; keys that are missing are taken from `base`, if one is given."""
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: {where or 'file'} must be a table, not {data!r}")
+    hints = get_type_hints(cls, include_extras=True)
+    unknown = [key for key in data if key not in hints]
+    if unknown:
+        raise InputError(f"{path}: unknown key {where}{unknown[0]}; allowed here: {sorted(hints)}")
+    values = {}
+    for key, hint in hints.items():
+        if key not in data:
+            if base is None:
+                raise InputError(f"{path}: missing key {where}{key}; {cls.__name__} needs {sorted(hints)}")
+            values[key] = getattr(base, key)
+        elif isinstance(hint, type) and issubclass(hint, tuple):
+            part = None if base is None else getattr(base, key)
+            values[key] = build(hint, data[key], where=f"{where}{key}.", path=path, base=part)
+        elif hint is bool:
+            values[key] = _switch(data[key], f"{where}{key}", path)
+        else:
+            shape, quantity = get_args(hint)
+            size = len(get_args(shape)) if isinstance(shape, types.GenericAlias) else 0
+            values[key] = read_quantity(data[key], quantity, f"{where}{key}", path, size)
+    return cls(**values)
+
+
+def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int = 0) -> Any:
+    """Return one entry in SI: a float, or a tuple of `size` floats (-1: any number of them)."""
+    _entry(item, key, path, {"value", "unit", "source"})
+    unit, value = item["unit"], item["value"]
+    if unit not in units.FACTORS[quantity.unit]:
+        raise InputError(f"{path}: {key} has unit {unit!r}; allowed: {sorted(units.FACTORS[quantity.unit])}")
+    if size:
+        if not isinstance(value, list) or (size > 0 and len(value) != size) or not value:
+            raise InputError(f"{path}: {key} = {value!r}: must be a list of {size if size > 0 else 'some'} numbers")
+        return tuple(_number(v, unit, quantity, f"{key}[{i}]", path) for i, v in enumerate(value))
+    return _number(value, unit, quantity, key, path)
+
+
+def _number(value: Any, unit: str, quantity: Quantity, key: str, path: Path) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{path}: {key} = {value!r}: must be a number")
+    si = units.to_si(float(value), unit)
+    if not isfinite(si) or not quantity.allows(si):
+        raise InputError(f"{path}: {key} = {value} {unit}: must be finite and {quantity.range} {quantity.unit}")
+    return si
+
+
+def _switch(item: Any, key: str, path: Path) -> bool:
+    _entry(item, key, path, {"value", "source"})
+    if not isinstance(item["value"], bool):
+        raise InputError(f"{path}: {key} = {item['value']!r}: must be true or false")
+    return item["value"]
+
+
+def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
+    if not isinstance(item, dict) or set(item) != needed:
+        shown = sorted(item) if isinstance(item, dict) else repr(item)
+        raise InputError(f"{path}: {key} has {shown}; it needs exactly {sorted(needed)}")
+    texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
+    if texts:
+        raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a text")
+
+
+def _check(machine: Machine, path: Path) -> None:
+    """Conditions between several numbers."""
+
+    def require(good: bool, key: str, value: object, allowed: str) -> None:
+        if not good:
+            raise InputError(f"{path}: {key} = {value}: must be {allowed}")
+
+    spool, pumps, tank = machine.spool, machine.pumps, machine.tank
+    rising = all(a < b for a, b in zip(spool.knots, spool.knots[1:], strict=False)) and spool.knots[0] == 0.0
+    require(rising, "spool.knots", spool.knots, "rising from 0 m")
+    for key in ("deadband", "bypass_closed"):
+        require(getattr(spool, key) in spool.knots, f"spool.{key}", getattr(spool, key), f"one of the knots {spool.knots}")
+    require(spool.deadband < spool.bypass_closed, "spool.deadband", spool.deadband, "below spool.bypass_closed")
+    require(pumps.relief > tank.return_pressure, "pumps.relief", pumps.relief, "above tank.return_pressure")
+    for name in ("swing", "boom", "stick"):
+        link = getattr(machine, name)
+        shut = [k <= spool.deadband for k in spool.knots]
+        for key in ("inlet", "outlet_positive", "outlet_negative"):
+            table = getattr(link.valve, key)
+            closed = all(v == 0.0 for v, s in zip(table, shut, strict=True) if s)
+            require(closed, f"{name}.valve.{key}", table, "0 up to spool.deadband")
+        open_ends = [v for v, k in zip(link.valve.bypass, spool.knots, strict=True) if k >= spool.bypass_closed]
+        require(not any(open_ends), f"{name}.valve.bypass", link.valve.bypass, "0 from spool.bypass_closed on")
+        friction, stops, start, relief = link.friction, link.stops, link.initial, link.line.relief
+        require(friction.static >= friction.coulomb, f"{name}.friction.static", friction.static, "at least coulomb")
+        require(stops.low < stops.high, f"{name}.stops.low", stops.low, "below stops.high")
+        require(stops.low <= start.angle <= stops.high, f"{name}.initial.angle", start.angle, "within the stops")
+        require(relief > tank.return_pressure, f"{name}.line.relief", relief, "above tank.return_pressure")
+        for key in ("p_a", "p_b"):
+            value = getattr(start, key)
+            require(tank.floor <= value <= relief, f"{name}.initial.{key}", value, f"in [{tank.floor:g}, {relief:g}] Pa")
+    for name, sign in (("boom", 1.0), ("stick", -1.0)):
+        link = getattr(machine, name)
+        cylinder: Cylinder = link.cylinder
+        require(cylinder.rod < cylinder.bore, f"{name}.cylinder.rod", cylinder.rod, "below the bore")
+        ends = [sign * angle + cylinder.angle_offset for angle in link.stops]
+        turned = all(0.0 < angle < pi and sin(angle) > 0.0 for angle in ends)
+        require(turned, f"{name}.cylinder.angle_offset", cylinder.angle_offset, "so that the triangle never folds flat")

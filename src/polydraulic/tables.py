@@ -1,0 +1,184 @@
+"""Tables: named columns of numbers with units, read from and written to CSV and Parquet.
+
+A simulated run, a training database and a measured log are all such tables. In a CSV file the header carries the
+unit in brackets, ``boom.p_in [Pa]``; in a Parquet file it is in the metadata of the field.
+"""
+
+import json
+import os
+import re
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.errors import InputError
+
+_HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
+_INFO_KEY = b"polydraulic"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Named columns of equal length, each with a unit.
+
+    Attributes
+    ----------
+    columns : dict from name to (n_row,) array of float
+    units : dict from name to unit; empty string where none was given
+    info : what made the table (plain numbers and strings); kept in Parquet metadata
+    """
+
+    columns: dict[str, np.ndarray]
+    units: dict[str, str]
+    info: dict[str, object] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.columns:
+            raise InputError(f"no column {name!r}; the table has {list(self.columns)}")
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()), ()))
+
+    @property
+    def names(self) -> list[str]:
+        """Column names, in order."""
+        return list(self.columns)
+
+    def unit(self, name: str) -> str:
+        """Unit of a column; empty where none was given."""
+        return self.units.get(name, "")
+
+    def matrix(self, names: Sequence[str]) -> np.ndarray:
+        """Return the named columns side by side, shape (n_row, n_name)."""
+        return np.column_stack([self[name] for name in names])
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Give a temporary path beside `path` and move it there if all went well: a file is whole or absent.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}; choose a folder you may write to") from error
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)
+        temporary.replace(path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file whole or not at all."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_table(table: Table, path: str | Path) -> None:
+    """Write a table as ``.csv`` or ``.parquet``.
+
+    Raises
+    ------
+    InputError
+        If the ending is neither, or the place cannot be written.
+    """
+    ending = _ending(path)
+    with replacing(path) as temporary:
+        if ending == ".csv":
+            header = ",".join(f"{n} [{table.unit(n)}]" if table.unit(n) else n for n in table.names)
+            rows = table.matrix(table.names) if table.names else np.empty((0, 0))
+            np.savetxt(temporary, rows, fmt="%.17g", delimiter=",", header=header, comments="", encoding="utf-8")
+        else:
+            import pyarrow as pa
+            import pyarrow.parquet as pq
+
+            fields = [pa.field(n, pa.float64(), metadata={"unit": table.unit(n)}) for n in table.names]
+            schema = pa.schema(fields, metadata={_INFO_KEY: json.dumps(table.info)})
+            pq.write_table(pa.table([table[n] for n in table.names], schema=schema), temporary)
+
+
+def read_table(path: str | Path, columns: Sequence[str] | None = None) -> Table:
+    """Read a CSV or Parquet table; only `columns` if given.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not a table, lacks a column, or holds something that is not a finite number
+        (named with its column and row).
+    """
+    path = Path(path)
+    ending = _ending(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    import pyarrow as pa
+
+    try:
+        if ending == ".csv":
+            from pyarrow import csv
+
+            raw = csv.read_csv(path)
+        else:
+            import pyarrow.parquet as pq
+
+            raw = pq.read_table(path)
+    except (pa.ArrowInvalid, pa.ArrowKeyError, OSError) as error:
+        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({str(error).splitlines()[0]})") from error
+    names, units = [], {}
+    for entry in raw.schema:
+        match = _HEADER.match(entry.name) if ending == ".csv" else None
+        name = match["name"] if match else entry.name
+        unit = (match["unit"] if match else (entry.metadata or {}).get(b"unit", b"").decode()) or ""
+        if name in units:
+            raise InputError(f"{path}: column {name!r} appears twice; give each column its own name")
+        names.append(name)
+        units[name] = unit
+    wanted = list(columns) if columns is not None else names
+    missing = [name for name in wanted if name not in units]
+    if missing:
+        raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}")
+    data = {name: _numbers(raw.column(names.index(name)), name, path) for name in wanted}
+    stored = (raw.schema.metadata or {}).get(_INFO_KEY)
+    return Table(data, {name: units[name] for name in wanted}, json.loads(stored) if stored else {})
+
+
+def _ending(path: str | Path) -> str:
+    ending = Path(path).suffix.lower()
+    if ending not in (".csv", ".parquet"):
+        raise InputError(f"{path}: a table ends in .csv or .parquet, not in {ending!r}")
+    return ending
+
+
+def _numbers(column: object, name: str, path: Path) -> np.ndarray:
+    import pyarrow as pa
+
+    assert isinstance(column, pa.ChunkedArray)
+    if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
+        shown = next((str(v) for v in column.to_pylist() if v is not None), "nothing")
+        raise InputError(f"{path}: column {name!r} holds {shown!r}; every value must be a finite number")
+    values = column.cast(pa.float64()).to_numpy(zero_copy_only=False).astype(np.float64)
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise InputError(
+            f"{path}: column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
+            "every value must be a finite number: drop these rows or fill them first"
+        )
+    return values
