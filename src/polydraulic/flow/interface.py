@@ -1,0 +1,29 @@
+"""What a flow model gives for one step, whatever its kind."""
+
+from typing import NamedTuple
+
+from polydraulic.machine.pump import Circuit
+from polydraulic.machine.state import Links
+
+OK, NOT_CONVERGED, OUT_OF_DOMAIN = 0, 1, 2
+
+
+class Flows(NamedTuple):
+    """Flow through each main valve over one step.
+
+    Attributes
+    ----------
+    q_in : Links, m3/s
+        Into the pressurised port of each actuator.
+    k_out : Links, m3/s/Pa^0.5
+        Conductance of each outlet: Q_o = k_out sqrt(P_o - P_e). The hose stage solves the outlet implicitly.
+    boom : Circuit
+        Pump, bypass and relief flow of the boom circuit.
+    status : int
+        OK, NOT_CONVERGED or OUT_OF_DOMAIN.
+    """
+
+    q_in: Links
+    k_out: Links
+    boom: Circuit
+    status: int

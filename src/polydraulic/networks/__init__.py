@@ -1,0 +1,25 @@
+"""Polynomial abductive networks; usable without any hydraulics.
+
+Read in this order: `nodes` (the four polynomials), `moments` and `synthesis` (how a network grows), `table` (how it is
+evaluated), `regressor` and `regions` (the estimators), `model` and `model_file` (what leaves training), `plot`.
+"""
+
+from polydraulic.networks.model import Model, Variable, describe
+from polydraulic.networks.model_file import dump_models, load_models, parse_models
+from polydraulic.networks.regions import RegionRegressor
+from polydraulic.networks.regressor import AbductiveRegressor
+from polydraulic.networks.table import Network, NetworkTable, Node
+
+__all__ = [
+    "AbductiveRegressor",
+    "Model",
+    "Network",
+    "NetworkTable",
+    "Node",
+    "RegionRegressor",
+    "Variable",
+    "describe",
+    "dump_models",
+    "load_models",
+    "parse_models",
+]

@@ -1,0 +1,134 @@
+"""Model files: fitted models as JSON, data only.
+
+A file holds one model or several (one an output). Reading checks everything that the compiled evaluation relies on,
+so that a damaged file is an error and never a wrong number.
+"""
+
+import json
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from polydraulic.errors import InputError
+from polydraulic.networks.model import Edges, Model, Variable, n_cells
+from polydraulic.networks.nodes import KIND_NAMES, LINEAR, N_INPUTS, terms
+from polydraulic.networks.table import Network, Node
+
+SCHEMA = 1
+_SCALARS = ("y_mean", "y_scale", "y_low", "y_high")
+_VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
+
+
+def dump_models(models: Sequence[Model]) -> str:
+    """Models as JSON text; numbers are written so that they read back exactly."""
+    data = {"format": "polydraulic model", "schema": SCHEMA, "models": [_model_data(model) for model in models]}
+    return json.dumps(data, indent=1, allow_nan=False) + "\n"
+
+
+def load_models(path: str | Path) -> list[Model]:
+    """Read a model file.
+
+    Raises
+    ------
+    InputError
+        Missing, damaged, or written by a newer version.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a model file ({error})") from error
+    return parse_models(text, str(path))
+
+
+def parse_models(text: str, name: str) -> list[Model]:
+    """Models from JSON text; `name` says in errors where it came from."""
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{name}: not a model file: {error}") from error
+    if not isinstance(data, dict) or data.get("format") != "polydraulic model":
+        raise InputError(f"{name}: not a polydraulic model file")
+    if data.get("schema") != SCHEMA:
+        raise InputError(
+            f"{name}: has schema {data.get('schema')!r}, this version reads {SCHEMA}; "
+            "update polydraulic or write the model again"
+        )
+    try:
+        models = [_read_model(item) for item in data["models"]]
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        what = f"missing {error}" if isinstance(error, KeyError) else str(error)
+        raise InputError(f"{name}: damaged model file: {what}") from error
+    if not models:
+        raise InputError(f"{name}: holds no model")
+    return models
+
+
+def _model_data(model: Model) -> dict[str, Any]:
+    return {
+        "output": vars(model.output),
+        "inputs": [vars(variable) for variable in model.inputs],
+        "edges": [{"input": axis, "at": list(cuts)} for axis, cuts in model.edges.items()],
+        "training": model.training,
+        "networks": [
+            {
+                **{name: list(getattr(network, name)) for name in _VECTORS},
+                **{name: getattr(network, name) for name in _SCALARS},
+                "nodes": [
+                    {"kind": KIND_NAMES[node.kind], "inputs": list(node.inputs), "coef": list(node.coef)}
+                    for node in network.nodes
+                ],
+            }
+            for network in model.networks
+        ],
+    }
+
+
+def _read_model(data: Any) -> Model:
+    inputs = tuple(Variable(str(item["name"]), str(item["unit"])) for item in data["inputs"])
+    output = Variable(str(data["output"]["name"]), str(data["output"]["unit"]))
+    edges: Edges = {}
+    for item in data["edges"]:
+        cuts = _floats(item["at"], "edges")
+        _require(type(item["input"]) is int and 0 <= item["input"] < len(inputs), f"edge of input {item['input']!r}")
+        _require(bool(cuts) and all(a < b for a, b in zip(cuts, cuts[1:], strict=False)), f"edges {cuts} do not rise")
+        edges[item["input"]] = cuts
+    networks = tuple(_read_network(item, len(inputs)) for item in data["networks"])
+    _require(len(networks) == n_cells(edges), f"{len(networks)} networks for {n_cells(edges)} regions")
+    return Model(inputs, output, edges, networks, dict(data["training"]))
+
+
+def _read_network(data: Any, n_input: int) -> Network:
+    vectors = {name: _floats(data[name], name) for name in _VECTORS}
+    for name, values in vectors.items():
+        _require(len(values) == n_input, f"{name} has {len(values)} values for {n_input} inputs")
+    _require(all(scale > 0.0 for scale in vectors["x_scale"]), "x_scale must be positive")
+    _require(all(a <= b for a, b in zip(vectors["x_low"], vectors["x_high"], strict=True)), "x_low exceeds x_high")
+    nodes: list[Node] = []
+    for item in data["nodes"]:
+        _require(item["kind"] in KIND_NAMES, f"unknown node kind {item['kind']!r}")
+        kind = KIND_NAMES.index(item["kind"])
+        slots = tuple(item["inputs"])
+        _require(len(slots) == N_INPUTS[kind] if kind != LINEAR else len(slots) > 0, f"{item['kind']} node of {slots}")
+        _require(
+            all(type(slot) is int and 0 <= slot < n_input + len(nodes) for slot in slots),
+            f"node {len(nodes) + 1} reads {slots}; it may read slots 0 to {n_input + len(nodes) - 1}",
+        )
+        coef = _floats(item["coef"], "coef")
+        _require(len(coef) == len(terms(kind, len(slots))), f"{item['kind']} node with {len(coef)} coefficients")
+        nodes.append(Node(kind, slots, coef))
+    scalars = dict(zip(_SCALARS, _floats([data[name] for name in _SCALARS], "unitizer"), strict=True))
+    return Network(nodes=tuple(nodes), **vectors, **scalars)
+
+
+def _floats(values: Any, name: str) -> tuple[float, ...]:
+    for value in values:
+        _require(isinstance(value, int | float) and not isinstance(value, bool), f"{name} holds {value!r}")
+        _require(isfinite(value), f"{name} holds {value!r}")
+    return tuple(float(value) for value in values)
+
+
+def _require(good: bool, what: str) -> None:
+    if not good:
+        raise ValueError(what)
