@@ -13,6 +13,9 @@ from polydraulic.machine.valve import ValveTables, orifices, prepare_valve
 from polydraulic.parameters import Machine
 
 
+_NEVER = 1e12  # Pa
+
+
 class ExactFlow(NamedTuple):
     """Orifice tables and pump of the boom circuit."""
 
@@ -20,15 +23,23 @@ class ExactFlow(NamedTuple):
     boom_pump: Pump
 
 
-def exact_flow(machine: Machine) -> ExactFlow:
+def exact_flow(machine: Machine, *, relief: bool = True) -> ExactFlow:
     """Flow model from a machine's orifice tables.
+
+    Parameters
+    ----------
+    machine : Machine
+    relief : bool
+        Without it the pump's relief valve never opens: the ideal circuit of Eqs (1)-(3), for maps.
 
     Raises
     ------
     InputError
         If the machine asks for a torque-limited pump, which the boom circuit does not have yet.
     """
-    return ExactFlow(prepare_valve(machine.boom.valve, machine.spool), boom_pump(machine))
+    pump = boom_pump(machine)
+    pump = pump if relief else pump._replace(relief=_NEVER)
+    return ExactFlow(prepare_valve(machine.boom.valve, machine.spool), pump)
 
 
 def boom_pump(machine: Machine) -> Pump:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.networks.nodes import KIND_NAMES, terms
 from polydraulic.networks.table import Network, NetworkTable, Regions, evaluate_rows, pack, work_size
 
@@ -49,8 +50,19 @@ class Model:
     training: dict[str, object] = field(default_factory=dict)
 
     def predict(self, X: np.ndarray) -> np.ndarray:
-        """Outputs for inputs of shape (n_row, n_input); shape (n_row,)."""
+        """Outputs for inputs of shape (n_row, n_input); shape (n_row,).
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong, or a value is not finite.
+        """
         X = np.ascontiguousarray(X, dtype=np.float64)
+        if X.ndim != 2 or X.shape[1] != len(self.inputs):
+            raise InputError(f"X has shape {X.shape}; it must be (n_row, {len(self.inputs)})")
+        if not np.all(np.isfinite(X)):
+            row, column = np.argwhere(~np.isfinite(X))[0]
+            raise InputError(f"{self.inputs[column].name} = {X[row, column]} in row {row}: must be finite")
         (regions,), table = pack_models([self])
         y = np.empty(len(X))
         evaluate_rows(table, regions, X, np.empty(work_size(table)), y)

@@ -1,0 +1,103 @@
+"""The whole swap mechanism: one table of flow models, one `flow_step` that chooses by the type of its first argument.
+
+The time loop is written once and compiled once for each type, with the step inlined; in plain Python the choice is a
+look-up. To add a model: a NamedTuple, a step kernel, a builder, and one row here (docs/extending.md).
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from polydraulic._kernel import KERNEL_OPTIONS
+from polydraulic.errors import InputError
+from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
+from polydraulic.flow.interface import Flows
+from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
+from polydraulic.flow.polynomial import PolynomialFlow, polynomial_flow, polynomial_step
+from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
+from polydraulic.machine.state import Links
+from polydraulic.networks.table import work_size
+from polydraulic.parameters import Machine
+
+
+class FlowKind(NamedTuple):
+    """One way of finding the flows.
+
+    Attributes
+    ----------
+    model : NamedTuple class of its parameters
+    step : kernel (model, memory, spool, p_in, p_out, dt) -> Flows
+    build : (machine, **options) -> model
+    n_memory : model -> floats that the step keeps or uses as scratch
+    balances : whether pump flow = actuator + bypass + relief at every step
+    gives_pump_pressure : whether the pump pressure is computed
+    """
+
+    model: type
+    step: Callable[..., Flows]
+    build: Callable[..., Any]
+    n_memory: Callable[[Any], int]
+    balances: bool
+    gives_pump_pressure: bool
+
+
+FLOW_KINDS: dict[str, FlowKind] = {
+    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True),
+    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 1, True, True),
+    "polynomial": FlowKind(
+        PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False
+    ),
+    "pressure": FlowKind(PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True),
+}
+
+FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}
+
+
+def flow_step(model: Any, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
+    """Flow through each main valve over one step; pump and valves are one subsystem, and the model owns both.
+
+    Parameters
+    ----------
+    model : one of the models in `FLOW_KINDS`
+    memory : (n_memory,) array
+        What the model keeps between steps; changed in place.
+    spool : Links, m
+    p_in, p_out : Links, Pa
+        Pressures at the pressurised port and at the outlet of each actuator.
+    dt : float, s
+    """
+    step: Callable[..., Flows] = FLOW_STEPS[type(model)]
+    return step(model, memory, spool, p_in, p_out, dt)
+
+
+@overload(flow_step, jit_options=KERNEL_OPTIONS)
+def _flow_step_compiled(model: Any, memory: Any, spool: Any, p_in: Any, p_out: Any, dt: Any) -> Any:
+    step = FLOW_STEPS[model.instance_class]
+
+    def chosen(model: Any, memory: Any, spool: Any, p_in: Any, p_out: Any, dt: Any) -> Any:
+        return step(model, memory, spool, p_in, p_out, dt)
+
+    return chosen
+
+
+def build_flow(name: str, machine: Machine, **options: Any) -> Any:
+    """Flow model by name.
+
+    Raises
+    ------
+    InputError
+        If there is no such model.
+    """
+    if name not in FLOW_KINDS:
+        raise InputError(f"unknown flow model {name!r}; choose one of {sorted(FLOW_KINDS)}")
+    return FLOW_KINDS[name].build(machine, **options)
+
+
+def flow_name(model: Any) -> str:
+    """Name under which a flow model stands in `FLOW_KINDS`."""
+    for name, kind in FLOW_KINDS.items():
+        if type(model) is kind.model:
+            return name
+    raise InputError(f"{type(model).__name__} is no flow model; choose one of {sorted(FLOW_KINDS)}")

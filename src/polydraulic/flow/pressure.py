@@ -1,0 +1,67 @@
+"""Pump-pressure flow: networks for the pump pressure, flows from Eqs (1) and (2) with known orifice areas.
+
+The thesis' first attempt (4.2.1), kept to show why it fails: an error of the pressure becomes, through the root of a
+small difference, a large error of the flow, and nothing holds the flows to what the pump delivers.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic._kernel import kernel
+from polydraulic.errors import InputError
+from polydraulic.flow.exact import boom_pump
+from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
+from polydraulic.flow.polynomial import choose_model
+from polydraulic.machine.pump import Circuit, Pump
+from polydraulic.machine.state import Links
+from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
+from polydraulic.networks import Model, NetworkTable
+from polydraulic.networks.model import pack_models
+from polydraulic.networks.table import Regions, evaluate, region
+from polydraulic.parameters import Machine
+
+P_PUMP = ("boom.p_pump", ("boom.travel", "boom.p_in"))
+
+
+class PressureFlow(NamedTuple):
+    """Networks for the pump pressure, with the orifice tables and the pump."""
+
+    table: NetworkTable
+    p_pump: Regions
+    p_in_high: float
+    boom_valve: ValveTables
+    boom_pump: Pump
+
+
+def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> PressureFlow:
+    """Flow model from networks of ``boom.p_pump`` (of ``boom.travel``, ``boom.p_in``), in SI.
+
+    Raises
+    ------
+    InputError
+        If no models are given: none come with the package.
+    """
+    if models is None:
+        raise InputError("flow 'pressure' needs models=[...]: fit one of 'boom.p_pump' on a sampled table first")
+    model = choose_model(models, *P_PUMP)
+    (regions,), table = pack_models([model])
+    valve = prepare_valve(machine.boom.valve, machine.spool)
+    return PressureFlow(table, regions, float(model.domain()[1, 1]), valve, boom_pump(machine))
+
+
+@kernel
+def pressure_step(
+    model: PressureFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float
+) -> Flows:
+    """Evaluate the pressure network, then the two orifices on their own; `memory` is scratch."""
+    k = orifices(spool.boom, model.boom_valve)
+    pump = model.boom_pump
+    memory[0] = abs(spool.boom)
+    memory[1] = p_in.boom
+    p = evaluate(model.table, region(model.p_pump, memory), memory)
+    q_in = orifice_flow(k.inlet, p - p_in.boom)
+    circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p)
+    status = OK if p_in.boom <= model.p_in_high else OUT_OF_DOMAIN
+    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, status)

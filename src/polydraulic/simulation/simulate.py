@@ -1,0 +1,139 @@
+"""`simulate`: a machine, a flow model and a scenario in, a table of named columns out."""
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from polydraulic.errors import InputError, SimulationError
+from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
+from polydraulic.machine import end_effector, initial_state, prepare
+from polydraulic.machine.state import to_vector
+from polydraulic.parameters import LINKS, Machine, Scenario
+from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.tables import Table
+
+_STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
+_FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
+_CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
+MOVING = ("boom",)  # links that the loop moves so far
+
+
+def simulate(
+    machine: Machine, flow: Any, scenario: Scenario, *, dt: float = 5e-3, t_end: float | None = None, every: int = 1
+) -> Table:
+    """Simulate a scenario with the semi-implicit loop.
+
+    Parameters
+    ----------
+    machine : Machine
+        The scenario's own pilots and initial state replace the machine's.
+    flow : str or flow model
+        Name of a flow model, or a model from one of the builders in `polydraulic.flow`.
+    scenario : Scenario
+    dt : float, s
+        Time step; voltages are held over a step.
+    t_end : float, s, optional
+        Instead of the scenario's duration.
+    every : int
+        Record every so many steps.
+
+    Returns
+    -------
+    Table
+        Columns ``time``, then ``boom.spool``, ``boom.p_in``, ... in SI; `info` counts the steps that did not converge
+        and those outside the flow model's domain.
+
+    Raises
+    ------
+    InputError
+        dt not positive, duration shorter than a step, an unknown flow model, a scenario that moves links not modelled.
+    SimulationError
+        If the state leaves all reason; says when and where.
+    """
+    machine = scenario.adapt(machine)
+    free = [link for link in LINKS if link not in scenario.locked and link not in MOVING]
+    if free:
+        raise InputError(
+            f"scenario {scenario.name!r} moves {', '.join(free)}; so far only the boom moves: lock the others in the scenario"
+        )
+    plant = prepare(machine, dt)
+    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    kind = FLOW_KINDS[flow_name(model)]
+    n_step = _n_steps(scenario, dt, t_end, every)
+    rows = np.empty((n_step // every + 1, N_RECORD))
+    counts = np.zeros(2, dtype=np.int64)
+    voltage = step_voltages(machine, scenario, np.arange(n_step) * dt)
+    memory = np.zeros(kind.n_memory(model))
+    done = run(model, memory, plant, to_vector(initial_state(machine)), voltage, every, rows, counts)
+    if done < n_step:
+        raise SimulationError(
+            f"{scenario.name} with flow {flow_name(model)!r}: the boom's rate left all reason at t = {done * dt:g} s; "
+            "try a smaller dt or check the flow model"
+        )
+    info: dict[str, object] = {
+        "scenario": scenario.name,
+        "flow": flow_name(model),
+        "dt": dt,
+        "steps": n_step,
+        "steps_not_converged": int(counts[0]),
+        "steps_out_of_domain": int(counts[1]),
+    }
+    time = np.arange(len(rows)) * (dt * every)
+    return trajectory(machine, scenario, time, rows, info, pump_pressure=kind.gives_pump_pressure)
+
+
+def step_voltages(machine: Machine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
+    """Voltages at the pilots, (n_time, 3): the joystick's after each pilot's dead time; 0 V before that."""
+    columns = []
+    for place, link in enumerate(LINKS):
+        delayed = t - getattr(machine, link).pilot.dead_time
+        columns.append(np.where(delayed >= 0.0, scenario.voltages(delayed)[:, place], 0.0))
+    return np.ascontiguousarray(np.column_stack(columns))
+
+
+def trajectory(
+    machine: Machine,
+    scenario: Scenario,
+    time: np.ndarray,
+    rows: np.ndarray,
+    info: dict[str, object],
+    *,
+    pump_pressure: bool,
+) -> Table:
+    """Name the columns of recorded rows, and add what follows from them."""
+    columns: dict[str, np.ndarray] = {"time": time}
+    units = {"time": "s"}
+
+    def add(name: str, unit: str, values: np.ndarray) -> None:
+        columns[name], units[name] = np.ascontiguousarray(values), unit
+
+    voltages = scenario.voltages(time)
+    for link in (link for link in LINKS if link not in scenario.locked):
+        place = LINKS.index(link)
+        add(f"{link}.voltage", "V", voltages[:, place])
+        for number, (name, unit) in enumerate(_STATE_COLUMNS + _FLOW_COLUMNS):
+            add(f"{link}.{name}", unit, rows[:, 3 * number + place])
+        forward = columns[f"{link}.spool"] >= 0.0
+        p_a, p_b = columns[f"{link}.p_a"], columns[f"{link}.p_b"]
+        add(f"{link}.p_in", "Pa", np.where(forward, p_a, p_b))
+        add(f"{link}.p_out", "Pa", np.where(forward, p_b, p_a))
+    for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
+        if name != "p_pump" or pump_pressure:
+            add(f"boom.{name}", unit, rows[:, 21 + number])
+    for place, link in enumerate(LINKS):
+        if link in scenario.locked:
+            add(f"{link}.angle", "rad", rows[:, 9 + place])
+    position = end_effector(rows[:, 9:12], machine.geometry)
+    for place, axis in enumerate("xyz"):
+        add(f"effector.{axis}", "m", position[:, place])
+    return Table(columns, units, info)
+
+
+def _n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int) -> int:
+    duration = scenario.duration if t_end is None else t_end
+    if not (isfinite(duration) and duration >= dt):
+        raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")
+    if not isinstance(every, int) or every < 1:
+        raise InputError(f"every = {every!r}: must be a whole number, at least 1")
+    return int(duration / dt + 1e-9)
