@@ -12,6 +12,7 @@ from polydraulic.errors import InputError
 from polydraulic.networks import Model, Network, Node
 from polydraulic.networks.model import cell_name
 from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SINGLE
+from polydraulic.networks.table import UNBOUNDED
 from polydraulic.tables import write_text
 
 _KEYWORDS = frozenset(
@@ -114,11 +115,12 @@ def _function(name: str, network: Network, where: str) -> str:
         names.append(f"z{number}")
     if not used:
         lines.append("    (void)x;")
-    last = names[-1] if network.nodes else "0.0"
-    lines.append(
-        f"    return clamp({_number(network.y_mean)} + {_number(network.y_scale)} * {last}, "
-        f"{_number(network.y_low)}, {_number(network.y_high)});"
-    )
+    y = _number(network.y_mean)
+    if network.nodes:
+        y = f"{y} + {_number(network.y_scale)} * {names[-1]}"
+    if (network.y_low, network.y_high) != (-UNBOUNDED, UNBOUNDED):
+        y = f"clamp({y}, {_number(network.y_low)}, {_number(network.y_high)})"
+    lines.append(f"    return {y};")
     return "\n".join([*lines, "}", ""])
 
 

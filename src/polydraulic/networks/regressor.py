@@ -187,7 +187,8 @@ def _mean_and_spread(values: np.ndarray, weight: np.ndarray | None) -> tuple[np.
     mean = np.average(values, axis=0, weights=weight)
     spread = np.sqrt(np.average((values - mean) ** 2, axis=0, weights=weight))
     constant = np.ptp(values, axis=0) <= 1e-12 * np.abs(mean)
-    return np.where(constant, values[0], mean), np.where(constant | (spread == 0.0), 1.0, spread)
+    mean = np.where(constant, values[0], mean) + 0.0  # no negative zeros in files
+    return mean, np.where(constant | (spread == 0.0), 1.0, spread)
 
 
 def _box(domain: Sequence[tuple[float, float]], n_input: int) -> tuple[np.ndarray, np.ndarray]:

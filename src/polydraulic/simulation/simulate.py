@@ -1,13 +1,13 @@
 """`simulate`: a machine, a flow model and a scenario in, a table of named columns out."""
 
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
-from polydraulic.machine import end_effector, initial_state, prepare
+from polydraulic.machine import Plant, end_effector, initial_state, prepare
 from polydraulic.machine.state import to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
 from polydraulic.simulation.loop import N_RECORD, run
@@ -51,6 +51,44 @@ def simulate(
     SimulationError
         If the state leaves all reason; says when and where.
     """
+    arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
+    done = run(*arranged)
+    name, n_step = flow_name(arranged.model), len(arranged.voltage)
+    if done < n_step:
+        raise SimulationError(
+            f"{scenario.name} with flow {name!r}: the boom's rate left all reason at t = {done * dt:g} s; "
+            "try a smaller dt or check the flow model"
+        )
+    info: dict[str, object] = {
+        "scenario": scenario.name,
+        "flow": name,
+        "dt": dt,
+        "steps": n_step,
+        "steps_not_converged": int(arranged.counts[0]),
+        "steps_out_of_domain": int(arranged.counts[1]),
+    }
+    time = np.arange(len(arranged.rows)) * (dt * every)
+    known = FLOW_KINDS[name].gives_pump_pressure
+    return trajectory(scenario.adapt(machine), scenario, time, arranged.rows, info, pump_pressure=known)
+
+
+class Arranged(NamedTuple):
+    """Arguments of the compiled loop; see `loop.run`."""
+
+    model: Any
+    memory: np.ndarray
+    plant: Plant
+    x0: np.ndarray
+    voltage: np.ndarray
+    every: int
+    rows: np.ndarray
+    counts: np.ndarray
+
+
+def arrange(
+    machine: Machine, flow: Any, scenario: Scenario, *, dt: float = 5e-3, t_end: float | None = None, every: int = 1
+) -> Arranged:
+    """Check the arguments of `simulate` and allocate what the compiled loop needs."""
     machine = scenario.adapt(machine)
     free = [link for link in LINKS if link not in scenario.locked and link not in MOVING]
     if free:
@@ -59,28 +97,17 @@ def simulate(
         )
     plant = prepare(machine, dt)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
-    kind = FLOW_KINDS[flow_name(model)]
     n_step = _n_steps(scenario, dt, t_end, every)
-    rows = np.empty((n_step // every + 1, N_RECORD))
-    counts = np.zeros(2, dtype=np.int64)
-    voltage = step_voltages(machine, scenario, np.arange(n_step) * dt)
-    memory = np.zeros(kind.n_memory(model))
-    done = run(model, memory, plant, to_vector(initial_state(machine)), voltage, every, rows, counts)
-    if done < n_step:
-        raise SimulationError(
-            f"{scenario.name} with flow {flow_name(model)!r}: the boom's rate left all reason at t = {done * dt:g} s; "
-            "try a smaller dt or check the flow model"
-        )
-    info: dict[str, object] = {
-        "scenario": scenario.name,
-        "flow": flow_name(model),
-        "dt": dt,
-        "steps": n_step,
-        "steps_not_converged": int(counts[0]),
-        "steps_out_of_domain": int(counts[1]),
-    }
-    time = np.arange(len(rows)) * (dt * every)
-    return trajectory(machine, scenario, time, rows, info, pump_pressure=kind.gives_pump_pressure)
+    return Arranged(
+        model=model,
+        memory=np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model)),
+        plant=plant,
+        x0=to_vector(initial_state(machine)),
+        voltage=step_voltages(machine, scenario, np.arange(n_step) * dt),
+        every=every,
+        rows=np.empty((n_step // every + 1, N_RECORD)),
+        counts=np.zeros(2, dtype=np.int64),
+    )
 
 
 def step_voltages(machine: Machine, scenario: Scenario, t: np.ndarray) -> np.ndarray:

@@ -1,0 +1,257 @@
+"""The command line: thin, and importing what a command needs only when it runs."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from polydraulic.errors import InputError, SimulationError
+
+app = typer.Typer(
+    help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+
+MachineOption = Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")]
+
+
+class Target(StrEnum):
+    """What a model can be exported to."""
+
+    C = "c"
+
+
+def main() -> None:
+    """Run the command line; what a user can mend is one line and exit code 2."""
+    try:
+        app()
+    except (InputError, SimulationError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+@app.command()
+def report(
+    out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("report"),
+    chapter: Annotated[list[int] | None, typer.Option(help="Only this chapter; repeat for more.")] = None,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Reproduce the thesis: every table, figure and printed number next to ours.
+
+    Writes index.html (one file, readable offline), results.json and the figures' data as CSV.
+
+    Example: `polydraulic report --chapter 4 --out report`
+    """
+    from polydraulic.parameters import load_machine
+    from polydraulic.studies import STEPS, write_report
+
+    with _steps("report", len(STEPS)) as progress:
+        rows = write_report(load_machine(machine), out, chapters=chapter, progress=progress)
+    print(f"{out / 'index.html'}: {sum(row['thesis'] is not None for row in rows)} printed numbers next to ours")
+
+
+@app.command()
+def simulate(
+    scenario: Annotated[str, typer.Argument(help="Scenario by name (single_08, single_05), or a TOML file.")],
+    flow: Annotated[str, typer.Option(help="exact, iterative, polynomial, or pressure (historical).")] = "exact",
+    model: Annotated[
+        list[Path] | None, typer.Option(help="Model file for polynomial or pressure; repeat for more.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Trajectory to write, .parquet or .csv (SI).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
+    dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Simulate a scenario and compare it with the exact flow.
+
+    Example: `polydraulic simulate single_08 --flow polynomial --out run.parquet --plot run.svg`
+    """
+    from polydraulic.flow import build_flow
+    from polydraulic.networks import load_models
+    from polydraulic.parameters import load_machine, load_scenario
+    from polydraulic.simulation import compare, plot_run
+    from polydraulic.simulation import simulate as run
+    from polydraulic.simulation.trajectory import FIELD_UNITS
+    from polydraulic.tables import write_table
+    from polydraulic.units import from_si
+
+    if model and flow not in ("polynomial", "pressure"):
+        raise InputError(f"--model goes with --flow polynomial or pressure, not with {flow!r}")
+    plant, what = load_machine(machine), load_scenario(scenario)
+    options = {"models": [found for path in model for found in load_models(path)]} if model else {}
+    runs = {flow: run(plant, build_flow(flow, plant, **options), what, dt=dt)}
+    info = runs[flow].info
+    print(f"{what.name}: {what.title}")
+    print(
+        f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
+        f"{info['steps_out_of_domain']} outside the model's domain"
+    )
+    if flow != "exact":
+        runs["exact"] = run(plant, "exact", what, dt=dt)
+        differences = compare(runs["exact"], runs[flow])
+        print("differences from exact:   largest        at        rms")
+        for name in ("boom.angle", "boom.rate", "boom.q_in", "boom.p_in"):
+            d = differences[name]
+            unit = FIELD_UNITS[d.unit]
+            print(f"  {name:12s} {from_si(d.largest, unit):18.4g} {d.time:7.2f} s {from_si(d.rms, unit):10.4g} {unit}")
+    if out is not None:
+        write_table(runs[flow], out)
+    if plot is not None:
+        _save_figure(plot_run(runs), plot)
+
+
+@app.command()
+def sample(
+    rows: Annotated[int, typer.Option(help="Number of rows.")],
+    out: Annotated[Path, typer.Option(help="Table to write, .parquet or .csv (SI).")],
+    circuit: Annotated[str, typer.Option(help="Circuit to sample: boom.")] = "boom",
+    seed: Annotated[int, typer.Option(help="Seed of the random points.")] = 0,
+    relief: Annotated[bool, typer.Option(help="With the pump's relief valve, or the ideal circuit without.")] = True,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Evaluate a circuit at random points: a training database.
+
+    Example: `polydraulic sample --circuit boom --rows 10000 --out boom.parquet`
+    """
+    import numpy as np
+
+    from polydraulic.parameters import load_machine
+    from polydraulic.studies.database import CIRCUITS, sample_boom
+    from polydraulic.tables import write_table
+
+    if circuit not in CIRCUITS:
+        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(CIRCUITS)}")
+    table = sample_boom(load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+    write_table(table, out)
+    print(f"{out}: {rows} rows of {', '.join(table.names)}")
+
+
+@app.command()
+def fit(
+    table: Annotated[Path, typer.Argument(help="CSV or Parquet table; any numbers, no hydraulics needed.")],
+    inputs: Annotated[str, typer.Option(help="Input columns, separated by commas.")],
+    outputs: Annotated[str, typer.Option(help="Output columns, separated by commas; one model each.")],
+    out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
+    edges: Annotated[
+        list[str] | None, typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit; repeat for more.")
+    ] = None,
+    layers: Annotated[int, typer.Option(help="Layers at most.")] = 4,
+    cpm: Annotated[float, typer.Option(help="Complexity penalty multiplier.")] = 1.0,
+    prior: Annotated[str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")] = "adaptive",
+    bounds: Annotated[str | None, typer.Option(help="Physical bounds of the output: LOW,HIGH.")] = None,
+) -> None:
+    """Learn polynomial networks from a table.
+
+    A fifth of the rows, every fifth one, is held out to state the error; the model is then fitted on all rows.
+
+    Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
+    """
+    from polydraulic.networks import AbductiveRegressor, dump_models
+    from polydraulic.studies.fit import fit_table
+    from polydraulic.tables import read_table, write_text
+
+    names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
+    data = read_table(table, [*names, *targets])
+    limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
+    estimator = AbductiveRegressor(
+        max_layers=layers,
+        cpm=cpm,
+        prior_variance=prior if prior in ("adaptive", "half-variance") else _numbers(prior, "--prior", 1)[0],
+        output_bounds=None if limits is None else (limits[0], limits[1]),
+    )
+    with _steps("fit", 2 * len(targets)) as progress:
+        fits = fit_table(data, names, targets, estimator, _edges(edges or []), progress)
+    write_text(out, dump_models([found.model for found in fits]))
+    for found in fits:
+        print(
+            f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
+            f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}, largest {found.largest:.4g}"
+        )
+
+
+@app.command()
+def export(
+    model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
+    out: Annotated[Path, typer.Option(help="Folder to write to.")],
+    to: Annotated[Target, typer.Option(help="Target: c.")] = Target.C,
+) -> None:
+    """Write a model as C99: a header and a source for each output.
+
+    Example: `polydraulic export q_in.json --to c --out c`
+    """
+    from polydraulic.export import export_c
+    from polydraulic.networks import load_models
+
+    for path in export_c(load_models(model), out):
+        print(path)
+
+
+@contextmanager
+def _steps(title: str, total: int) -> Iterator[Callable[[str], None]]:
+    """A progress bar; the function it gives is called as each step begins."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.fields[step]:24s}"), BarColumn(), TextColumn("{task.completed}/{task.total}"))
+    with Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=False) as bar:
+        task = bar.add_task(title, total=total, step="")
+        begun = 0
+
+        def begin(step: str) -> None:
+            nonlocal begun
+            bar.update(task, completed=begun, step=step)
+            begun += 1
+
+        yield begin
+        bar.update(task, completed=total, step=title)
+
+
+def _names(text: str, option: str) -> list[str]:
+    names = [name.strip() for name in text.split(",")]
+    if not all(names) or len(set(names)) < len(names):
+        raise InputError(f"{option} {text!r}: must be different column names separated by commas")
+    return names
+
+
+def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if not values or (count is not None and len(values) != count):
+        raise InputError(f"{option} {text!r}: must be {'some' if count is None else count} number(s) separated by commas")
+    return values
+
+
+def _edges(texts: list[str]) -> dict[int | str, list[float]]:
+    found: dict[int | str, list[float]] = {}
+    for text in texts:
+        name, _, cuts = text.partition("=")
+        found[name.strip()] = _numbers(cuts, f"--edges {name}")
+    return found
+
+
+def _save_figure(figure: object, path: Path) -> None:
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    from polydraulic.tables import replacing
+
+    assert isinstance(figure, Figure)
+    formats = ("svg", "png", "pdf")
+    ending = path.suffix.lower().removeprefix(".")
+    if ending not in formats:
+        raise InputError(f"{path}: a picture ends in one of {[f'.{name}' for name in formats]}")
+    with matplotlib.rc_context({"svg.hashsalt": path.stem}), replacing(path) as temporary:
+        figure.savefig(temporary, format=ending, dpi=150)
+
+
+if __name__ == "__main__":
+    main()

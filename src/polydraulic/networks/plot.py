@@ -1,0 +1,64 @@
+"""Networks drawn: normalizers, nodes by layer, unitizer; and the history of the predicted squared error."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from polydraulic.networks.model import Variable
+from polydraulic.networks.nodes import KIND_NAMES
+from polydraulic.networks.synthesis import Step
+from polydraulic.networks.table import Network
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_BOX = {"boxstyle": "round,pad=0.35", "linewidth": 0.8}
+
+
+def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], output: Variable) -> None:
+    """Draw a network from its inputs (left) to its output (right)."""
+    layer = [0] * network.n_inputs
+    for node in network.nodes:
+        layer.append(1 + max(layer[slot] for slot in node.inputs))
+    last = max(layer) + 1
+    place: dict[int, tuple[float, float]] = {}
+    for column in range(last):
+        members = [slot for slot, at in enumerate(layer) if at == column]
+        for row, slot in enumerate(members):
+            place[slot] = (column, (len(members) - 1) / 2 - row)
+    used = {slot for node in network.nodes for slot in node.inputs}
+    for number, node in enumerate(network.nodes):
+        x, y = place[network.n_inputs + number]
+        for slot in node.inputs:
+            axis.plot([place[slot][0], x], [place[slot][1], y], color="0.6", linewidth=0.8, zorder=1)
+    for slot, (x, y) in place.items():
+        if slot < network.n_inputs:
+            text, color = f"N{slot + 1}\n{inputs[slot].name}", "#dbe9f6" if slot in used else "#eeeeee"
+        else:
+            node = network.nodes[slot - network.n_inputs]
+            text, color = f"{KIND_NAMES[node.kind]}\n{len(node.coef)}", "#fde8c8"
+        axis.text(x, y, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": color}, zorder=2)
+    if network.nodes:
+        axis.plot([place[len(layer) - 1][0], last], [place[len(layer) - 1][1], 0.0], color="0.6", linewidth=0.8, zorder=1)
+    text = f"U\n{output.name}" if network.nodes else f"constant\n{network.y_mean:.4g}"
+    axis.text(last, 0.0, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": "#dff0d8"}, zorder=2)
+    heights = [y for _, y in place.values()]
+    axis.set_xlim(-0.6, last + 0.6)
+    axis.set_ylim(min(heights) - 0.8, max(heights) + 0.8)
+    axis.set_axis_off()
+
+
+def draw_history(axis: "Axes", history: Sequence[Step], unit: str) -> None:
+    """PSE, FSE and penalty against the number of coefficients, one point a layer."""
+    k = [step.n_coefficients for step in history[1:]]
+    for values, label, style in (
+        ([step.pse for step in history[1:]], "PSE", "o-"),
+        ([step.fse for step in history[1:]], "FSE", "s--"),
+        ([step.penalty for step in history[1:]], "penalty KP", "^:"),
+    ):
+        axis.plot(k, values, style, label=label, linewidth=1.2)
+    best = [step for step in history if step.accepted][-1]
+    axis.axvline(best.n_coefficients, color="0.7", linewidth=0.8)
+    axis.set_xlabel("coefficients K")
+    axis.set_ylabel(f"squared error [({unit})²]")
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize="small")

@@ -1,0 +1,61 @@
+"""Panels that several figures share: maps over spool travel and pressure, quantities over time."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from polydraulic.simulation.trajectory import in_field_units
+from polydraulic.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STYLES = {"exact": ("C0", "-"), "iterative": ("C2", "--"), "polynomial": ("C1", "-"), "pressure": ("C3", "-")}
+
+
+def canvas(rows: int, columns: int, *, width: float = 9.0, height: float = 3.0) -> tuple["Figure", np.ndarray]:
+    """Return a figure with a grid of axes; `height` is that of one row, in inches."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height * rows), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def map_panel(axis: "Axes", table: Table, z: str, title: str, *, error: bool = False) -> None:
+    """Colour map of a column over the first two columns, which form a grid; errors get a scale centred on zero."""
+    x, y = (np.unique(table[name]) for name in table.names[:2])
+    values = table[z].reshape(len(y), len(x))
+    limit = float(np.max(np.abs(values))) or 1.0
+    scale = {"cmap": "RdBu_r", "vmin": -limit, "vmax": limit} if error else {"cmap": "viridis"}
+    mesh = axis.pcolormesh(x, y, values, shading="nearest", rasterized=True, **scale)
+    bar = axis.figure.colorbar(mesh, ax=axis)
+    bar.set_label(f"[{table.unit(z)}]")
+    for name, set_label in zip(table.names[:2], (axis.set_xlabel, axis.set_ylabel), strict=True):
+        set_label(f"{name} [{table.unit(name)}]")
+    axis.set_title(title, fontsize="medium")
+
+
+def time_panel(axis: "Axes", runs: Mapping[str, Table], column: str, title: str) -> None:
+    """One column of several runs over time, in the field's unit."""
+    unit = ""
+    for name, table in runs.items():
+        color, style = STYLES.get(name, ("C4", "-."))
+        values, unit = in_field_units(table, column)
+        axis.plot(table["time"], values, style, color=color, label=name, linewidth=1.3)
+    axis.set_xlabel("time [s]")
+    axis.set_ylabel(f"[{unit}]")
+    axis.set_title(title, fontsize="medium")
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize="small")
+
+
+def run_table(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
+    """Columns of several runs side by side in the field's units: the data of a figure."""
+    first = next(iter(runs.values()))
+    data, units = {"time": first["time"]}, {"time": "s"}
+    for column in columns:
+        for name, table in runs.items():
+            data[f"{name} {column}"], units[f"{name} {column}"] = in_field_units(table, column)
+    return Table(data, units)
