@@ -140,11 +140,14 @@ def fit(
     outputs: Annotated[str, typer.Option(help="Output columns, separated by commas; one model each.")],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     edges: Annotated[
-        list[str] | None, typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit; repeat for more.")
+        list[str] | None,
+        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit; repeat for more."),
     ] = None,
     layers: Annotated[int, typer.Option(help="Layers at most.")] = 4,
     cpm: Annotated[float, typer.Option(help="Complexity penalty multiplier.")] = 1.0,
-    prior: Annotated[str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")] = "adaptive",
+    prior: Annotated[
+        str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")
+    ] = "adaptive",
     bounds: Annotated[str | None, typer.Option(help="Physical bounds of the output: LOW,HIGH.")] = None,
 ) -> None:
     """Learn polynomial networks from a table.
@@ -199,7 +202,11 @@ def _steps(title: str, total: int) -> Iterator[Callable[[str], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.fields[step]:24s}"), BarColumn(), TextColumn("{task.completed}/{task.total}"))
+    columns = (
+        TextColumn("{task.fields[step]:24s}"),
+        BarColumn(),
+        TextColumn("{task.completed}/{task.total}"),
+    )
     with Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=False) as bar:
         task = bar.add_task(title, total=total, step="")
         begun = 0
@@ -226,12 +233,14 @@ def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
     except ValueError:
         values = []
     if not values or (count is not None and len(values) != count):
-        raise InputError(f"{option} {text!r}: must be {'some' if count is None else count} number(s) separated by commas")
+        raise InputError(
+            f"{option} {text!r}: must be {'some' if count is None else count} number(s) separated by commas"
+        )
     return values
 
 
-def _edges(texts: list[str]) -> dict[int | str, list[float]]:
-    found: dict[int | str, list[float]] = {}
+def _edges(texts: list[str]) -> dict[str, list[float]]:
+    found: dict[str, list[float]] = {}
     for text in texts:
         name, _, cuts = text.partition("=")
         found[name.strip()] = _numbers(cuts, f"--edges {name}")

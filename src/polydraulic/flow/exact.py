@@ -12,7 +12,6 @@ from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifices, prepare_valve
 from polydraulic.parameters import Machine
 
-
 _NEVER = 1e12  # Pa
 
 
@@ -45,7 +44,9 @@ def exact_flow(machine: Machine, *, relief: bool = True) -> ExactFlow:
 def boom_pump(machine: Machine) -> Pump:
     """Return the pump of the boom circuit."""
     if machine.pumps.torque_limit_enabled:
-        raise InputError("pumps.torque_limit_enabled = true: torque-limited pumps are not modelled yet; set it to false")
+        raise InputError(
+            "pumps.torque_limit_enabled = true: torque-limited pumps are not modelled yet; set it to false"
+        )
     return Pump(machine.pumps.boom_flow, machine.pumps.relief, machine.tank.return_pressure)
 
 

@@ -52,9 +52,7 @@ def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) ->
 
 
 @kernel
-def pressure_step(
-    model: PressureFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float
-) -> Flows:
+def pressure_step(model: PressureFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
     """Evaluate the pressure network, then the two orifices on their own; `memory` is scratch."""
     k = orifices(spool.boom, model.boom_valve)
     pump = model.boom_pump

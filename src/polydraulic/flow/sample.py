@@ -23,7 +23,12 @@ def _evaluate(
 ) -> None:
     for i in range(spool.shape[0]):
         flows = flow_step(
-            model, memory, Links(0.0, spool[i], 0.0), Links(0.0, p_in[i], 0.0), Links(0.0, p_out[i], 0.0), 0.005
+            model,
+            memory,
+            Links(0.0, spool[i], 0.0),
+            Links(0.0, p_in[i], 0.0),
+            Links(0.0, p_out[i], 0.0),
+            0.005,
         )
         out[0, i], out[1, i], out[2, i] = flows.q_in.boom, flows.k_out.boom, flows.boom.p_pump
 
@@ -33,5 +38,6 @@ def sample_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarr
     points = [np.ascontiguousarray(v, dtype=np.float64) for v in np.broadcast_arrays(spool, p_in, p_out)]
     out = np.empty((3, points[0].size))
     memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
-    _evaluate(model, memory, *(v.ravel() for v in points), out)
+    x, p, r = (v.ravel() for v in points)
+    _evaluate(model, memory, x, p, r, out)
     return FlowSample(*(row.reshape(points[0].shape) for row in out))

@@ -21,8 +21,8 @@ class Triangle(NamedTuple):
 
 def prepare_cylinder(cylinder: Cylinder, direction: float) -> Triangle:
     """Areas and triangle; port A is the head side for the boom, the rod side for the stick."""
-    head = cylinder.count * pi / 4.0 * cylinder.bore**2
-    rod = cylinder.count * pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2)
+    head = cylinder.number * pi / 4.0 * cylinder.bore**2
+    rod = cylinder.number * pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2)
     return Triangle(
         squares=cylinder.r_base**2 + cylinder.r_link**2,
         product=2.0 * cylinder.r_base * cylinder.r_link,

@@ -41,7 +41,12 @@ class Pressures(NamedTuple):
 def prepare_line(line: Line, tank: Tank, dt: float) -> LineStep:
     """Precompute what does not change from step to step."""
     return LineStep(
-        dt / line.compliance_a, dt / line.compliance_b, line.leakage, line.relief, tank.floor, tank.return_pressure
+        dt / line.compliance_a,
+        dt / line.compliance_b,
+        line.leakage,
+        line.relief,
+        tank.floor,
+        tank.return_pressure,
     )
 
 
@@ -58,7 +63,14 @@ def _bounded(p: float, line: LineStep) -> float:
 
 @kernel
 def line_step(
-    spool: float, p_a: float, p_b: float, q_in: float, k_out: float, swept_a: float, swept_b: float, line: LineStep
+    spool: float,
+    p_a: float,
+    p_b: float,
+    q_in: float,
+    k_out: float,
+    swept_a: float,
+    swept_b: float,
+    line: LineStep,
 ) -> Pressures:
     """Line pressures after one step.
 

@@ -96,8 +96,9 @@ def end_effector(angle: np.ndarray, g: Geometry) -> np.ndarray:
 
 
 def end_effector_printed(angle: np.ndarray, g: Geometry) -> np.ndarray:
-    """Position by the formula as printed in the thesis, sec. 5.3.1: its two d terms have the same sign, so that it is
-    not a rotation; for comparison only.
+    """Position by the formula as printed (thesis 5.3.1), for comparison only.
+
+    Its two d terms have the same sign, so that it is not a rotation.
     """
     position = end_effector(angle, g)
     position[..., 0] += 2.0 * g.d * np.sin(angle[..., 0])

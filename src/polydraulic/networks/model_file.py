@@ -4,6 +4,7 @@ A file holds one model or several (one an output). Reading checks everything tha
 so that a damaged file is an error and never a wrong number.
 """
 
+import itertools
 import json
 from collections.abc import Sequence
 from math import isfinite
@@ -22,7 +23,11 @@ _VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
 
 def dump_models(models: Sequence[Model]) -> str:
     """Models as JSON text; numbers are written so that they read back exactly."""
-    data = {"format": "polydraulic model", "schema": SCHEMA, "models": [_model_data(model) for model in models]}
+    data = {
+        "format": "polydraulic model",
+        "schema": SCHEMA,
+        "models": [_model_data(model) for model in models],
+    }
     return json.dumps(data, indent=1, allow_nan=False) + "\n"
 
 
@@ -91,8 +96,14 @@ def _read_model(data: Any) -> Model:
     edges: Edges = {}
     for item in data["edges"]:
         cuts = _floats(item["at"], "edges")
-        _require(type(item["input"]) is int and 0 <= item["input"] < len(inputs), f"edge of input {item['input']!r}")
-        _require(bool(cuts) and all(a < b for a, b in zip(cuts, cuts[1:], strict=False)), f"edges {cuts} do not rise")
+        _require(
+            type(item["input"]) is int and 0 <= item["input"] < len(inputs),
+            f"edge of input {item['input']!r}",
+        )
+        _require(
+            bool(cuts) and all(a < b for a, b in itertools.pairwise(cuts)),
+            f"edges {cuts} do not rise",
+        )
         edges[item["input"]] = cuts
     networks = tuple(_read_network(item, len(inputs)) for item in data["networks"])
     _require(len(networks) == n_cells(edges), f"{len(networks)} networks for {n_cells(edges)} regions")
@@ -100,7 +111,7 @@ def _read_model(data: Any) -> Model:
 
 
 def _read_network(data: Any, n_input: int) -> Network:
-    vectors = {name: _floats(data[name], name) for name in _VECTORS}
+    vectors: dict[str, Any] = {name: _floats(data[name], name) for name in _VECTORS}
     for name, values in vectors.items():
         _require(len(values) == n_input, f"{name} has {len(values)} values for {n_input} inputs")
     _require(all(scale > 0.0 for scale in vectors["x_scale"]), "x_scale must be positive")
@@ -110,7 +121,10 @@ def _read_network(data: Any, n_input: int) -> Network:
         _require(item["kind"] in KIND_NAMES, f"unknown node kind {item['kind']!r}")
         kind = KIND_NAMES.index(item["kind"])
         slots = tuple(item["inputs"])
-        _require(len(slots) == N_INPUTS[kind] if kind != LINEAR else len(slots) > 0, f"{item['kind']} node of {slots}")
+        _require(
+            len(slots) == N_INPUTS[kind] if kind != LINEAR else len(slots) > 0,
+            f"{item['kind']} node of {slots}",
+        )
         _require(
             all(type(slot) is int and 0 <= slot < n_input + len(nodes) for slot in slots),
             f"node {len(nodes) + 1} reads {slots}; it may read slots 0 to {n_input + len(nodes) - 1}",
@@ -118,7 +132,7 @@ def _read_network(data: Any, n_input: int) -> Network:
         coef = _floats(item["coef"], "coef")
         _require(len(coef) == len(terms(kind, len(slots))), f"{item['kind']} node with {len(coef)} coefficients")
         nodes.append(Node(kind, slots, coef))
-    scalars = dict(zip(_SCALARS, _floats([data[name] for name in _SCALARS], "unitizer"), strict=True))
+    scalars: dict[str, Any] = dict(zip(_SCALARS, _floats([data[name] for name in _SCALARS], "unitizer"), strict=True))
     return Network(nodes=tuple(nodes), **vectors, **scalars)
 
 

@@ -172,9 +172,7 @@ def squared_errors(m: Moments, kind: int, inputs: np.ndarray) -> np.ndarray:
 
 
 @driver
-def _explain(
-    gram: np.ndarray, right: np.ndarray, factor: np.ndarray, z: np.ndarray, explained: np.ndarray
-) -> None:
+def _explain(gram: np.ndarray, right: np.ndarray, factor: np.ndarray, z: np.ndarray, explained: np.ndarray) -> None:
     """Squared target that each candidate explains: b' G^-1 b by Cholesky, skipping dependent columns."""
     n = right.shape[1]
     for k in range(right.shape[0]):
@@ -195,5 +193,3 @@ def _explain(
             z[i] = b / factor[i, i] if independent else 0.0
             total += z[i] * z[i]
         explained[k] = total
-
-

@@ -38,7 +38,13 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
             text, color = f"{KIND_NAMES[node.kind]}\n{len(node.coef)}", "#fde8c8"
         axis.text(x, y, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": color}, zorder=2)
     if network.nodes:
-        axis.plot([place[len(layer) - 1][0], last], [place[len(layer) - 1][1], 0.0], color="0.6", linewidth=0.8, zorder=1)
+        axis.plot(
+            [place[len(layer) - 1][0], last],
+            [place[len(layer) - 1][1], 0.0],
+            color="0.6",
+            linewidth=0.8,
+            zorder=1,
+        )
     text = f"U\n{output.name}" if network.nodes else f"constant\n{network.y_mean:.4g}"
     axis.text(last, 0.0, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": "#dff0d8"}, zorder=2)
     heights = [y for _, y in place.values()]

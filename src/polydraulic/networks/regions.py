@@ -12,7 +12,7 @@ from polydraulic.networks.model import Edges, Model, Variable, cell_name, cell_o
 from polydraulic.networks.regressor import AbductiveRegressor, settings_of, variables
 
 
-class RegionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class RegionRegressor(RegressorMixin, BaseEstimator):
     """A separate network in each cell that the edges cut out of the input space.
 
     Parameters
@@ -41,7 +41,7 @@ class RegionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def __init__(
         self,
         estimator: AbductiveRegressor | None = None,
-        edges: Mapping[int | str, Sequence[float]] | None = None,
+        edges: Mapping[Any, Sequence[float]] | None = None,
     ) -> None:
         self.estimator = estimator
         self.edges = edges
@@ -85,7 +85,10 @@ class RegionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         """Return the fitted networks as a model that can be saved, exported and simulated."""
         check_is_fitted(self)
         networks = tuple(estimator.network_ for estimator in self.estimators_)
-        training = {"pse": [estimator.pse_ for estimator in self.estimators_], **settings_of(self.estimators_[0])}
+        training = {
+            "pse": [estimator.pse_ for estimator in self.estimators_],
+            **settings_of(self.estimators_[0]),
+        }
         return Model(variables(self, inputs), output or Variable("y"), self.edges_, networks, training)
 
     def _edges(self) -> Edges:
@@ -102,7 +105,7 @@ class RegionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return found
 
     def _cell_domain(self, domain: Sequence[tuple[float, float]], cell: int) -> list[tuple[float, float]]:
-        box = [tuple(pair) for pair in domain]
+        box = [(float(low), float(high)) for low, high in domain]
         for axis, cuts in reversed(self.edges_.items()):
             cell, place = divmod(cell, len(cuts) + 1)
             low = max(box[axis][0], cuts[place - 1]) if place else box[axis][0]

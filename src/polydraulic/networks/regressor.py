@@ -10,13 +10,13 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 from polydraulic.errors import InputError
 from polydraulic.networks.model import Model, Variable
 from polydraulic.networks.nodes import KIND_NAMES
-from polydraulic.networks.synthesis import Settings, Step, synthesize
+from polydraulic.networks.synthesis import Settings, synthesize
 from polydraulic.networks.table import UNBOUNDED, Network
 
 _SMALLEST = 4  # coefficients of the smallest node with a constant
 
 
-class AbductiveRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class AbductiveRegressor(RegressorMixin, BaseEstimator):
     """Polynomial abductive network: cubic nodes grown layer by layer under the predicted squared error.
 
     Parameters
@@ -143,7 +143,11 @@ class AbductiveRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         check_is_fitted(self)
         training = {"pse": self.pse_, "fse": self.fse_, "layers": sum(s.accepted for s in self.history_) - 1}
         return Model(
-            variables(self, inputs), output or Variable("y"), {}, (self.network_,), {**training, **settings_of(self)}
+            variables(self, inputs),
+            output or Variable("y"),
+            {},
+            (self.network_,),
+            {**training, **settings_of(self)},
         )
 
     def _settings(self) -> Settings:

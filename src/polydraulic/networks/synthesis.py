@@ -5,17 +5,30 @@ prior guess of the error variance of the true model. Each layer draws on the inp
 layer before it. All candidates are scored from moments; the best are fitted again on the rows themselves.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.networks.moments import moments, squared_errors
-from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SINGLE, TRIPLE, design, least_squares, terms
+from polydraulic.networks.nodes import (
+    DOUBLE,
+    KIND_NAMES,
+    LINEAR,
+    SINGLE,
+    TRIPLE,
+    design,
+    least_squares,
+    terms,
+)
 from polydraulic.networks.table import Node
 
 _REFIT = 30  # scored by moments, this many are fitted again by orthogonal least squares before the choice
 _SAME = 1e-10  # outputs whose squared correlation is this close to 1 count as the same
+_ROWS_A_COEFFICIENT = 3  # a network may have one coefficient for so many rows
+_ALWAYS = 4  # coefficients that any data may have: one Single
 _GAIN = 1e-9  # a PSE must fall by this share to count as better
 
 
@@ -64,6 +77,23 @@ class _Variable:
     ancestors: frozenset[int]  # nodes needed to compute it, itself included
 
 
+class _Scored(NamedTuple):
+    """A candidate node, scored from moments."""
+
+    pse: float
+    kind: int
+    inputs: tuple[int, ...]
+
+
+class _Fitted(NamedTuple):
+    """A candidate node, fitted on the rows."""
+
+    pse: float
+    n_coefficients: int
+    fse: float
+    variable: _Variable
+
+
 def synthesize(
     x: np.ndarray, y: np.ndarray, weight: np.ndarray | None, variance: float, settings: Settings
 ) -> tuple[list[Node], list[Step]]:
@@ -107,9 +137,9 @@ def synthesize(
         if best_fse <= 1e-24:
             break
         candidates = _candidates(variables, previous, layer, settings)
-        scored = _score(variables, candidates, y, weight, rows, penalty)
+        scored = _score(variables, candidates, y, weight, penalty)
         n_candidates = sum(len(inputs) for _, inputs in candidates)
-        survivors = _survivors(variables, scored, y, weight, rows, penalty, settings.n_survivors)
+        survivors = _survivors(variables, scored, y, weight, penalty, settings.n_survivors)
         if not survivors:
             break
         pse, k, fse, variable = survivors[0]
@@ -152,21 +182,33 @@ def _count(variables: list[_Variable], kind: int, inputs: tuple[int, ...]) -> in
     return total
 
 
-def _score(variables, candidates, y, weight, rows, penalty):  # type: ignore[no-untyped-def]
-    """(PSE from moments, kind, inputs) of every candidate that the data can carry, best first."""
+def _score(
+    variables: list[_Variable],
+    candidates: list[tuple[int, np.ndarray]],
+    y: np.ndarray,
+    weight: np.ndarray | None,
+    penalty: Callable[[int], float],
+) -> list[_Scored]:
+    """PSE from moments of every candidate that the data can carry, best first."""
     m = moments(np.column_stack([v.values for v in variables]), y, weight)
     scored = []
     for kind, inputs in candidates:
         errors = squared_errors(m, kind, inputs)
-        for error, chosen in zip(errors, map(tuple, inputs.tolist()), strict=True):
+        for error, chosen in zip(errors.tolist(), map(tuple, inputs.tolist()), strict=True):
             k = _count(variables, kind, chosen)
-            if 3 * k <= rows or k <= 4:
-                scored.append((error + penalty(k), kind, chosen))
-    scored.sort(key=lambda entry: entry[0])
-    return scored
+            if _ROWS_A_COEFFICIENT * k <= m.weight or k <= _ALWAYS:
+                scored.append(_Scored(error + penalty(k), kind, chosen))
+    return sorted(scored, key=lambda candidate: candidate.pse)
 
 
-def _survivors(variables, scored, y, weight, rows, penalty, n_survivors):  # type: ignore[no-untyped-def]
+def _survivors(
+    variables: list[_Variable],
+    scored: list[_Scored],
+    y: np.ndarray,
+    weight: np.ndarray | None,
+    penalty: Callable[[int], float],
+    n_survivors: int,
+) -> list[_Fitted]:
     """Fit the best candidates on the rows, rank them again, and keep those that differ from each other."""
     fitted = []
     for _, kind, inputs in scored[: max(_REFIT, 3 * n_survivors)]:
@@ -176,15 +218,14 @@ def _survivors(variables, scored, y, weight, rows, penalty, n_survivors):  # typ
         fse = float(np.average((y - values) ** 2, weights=weight))
         k = _count(variables, kind, inputs)
         ancestors = frozenset().union(*(variables[i].ancestors for i in inputs))
-        node = Node(kind, tuple(inputs), tuple(coef.tolist()))
-        fitted.append((fse + penalty(k), k, fse, _Variable(values, node, ancestors)))
-    fitted.sort(key=lambda entry: entry[0])
-    kept: list = []
-    for entry in fitted:
-        if len(kept) == n_survivors:
-            break
-        if all(_differ(entry[3].values, other[3].values, weight) for other in kept):
-            kept.append(entry)
+        node = Node(kind, inputs, tuple(coef.tolist()))
+        fitted.append(_Fitted(fse + penalty(k), k, fse, _Variable(values, node, ancestors)))
+    kept: list[_Fitted] = []
+    for candidate in sorted(fitted, key=lambda candidate: candidate.pse):
+        if len(kept) < n_survivors and all(
+            _differ(candidate.variable.values, other.variable.values, weight) for other in kept
+        ):
+            kept.append(candidate)
     return kept
 
 

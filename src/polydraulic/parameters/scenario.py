@@ -115,7 +115,9 @@ def _signal(item: Any, where: str, path: Path) -> Signal:
             return Constant(read_quantity(item["voltage"], _VOLT, f"{where}.voltage", path))
         if kind == "piecewise":
             time = read_quantity(item["time"], _TIME, f"{where}.time", path, size=-1)
-            return Piecewise(np.array(time), np.array(read_quantity(item["voltage"], _VOLT, f"{where}.voltage", path, -1)))
+            return Piecewise(
+                np.array(time), np.array(read_quantity(item["voltage"], _VOLT, f"{where}.voltage", path, -1))
+            )
         time, voltage = str(item["time_column"]), str(item["voltage_column"])
         table = read_table(path.parent / str(item["file"]), [time, voltage])
         for name, unit in ((time, "s"), (voltage, "V")):

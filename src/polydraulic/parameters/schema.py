@@ -105,7 +105,7 @@ class Line(NamedTuple):
 class Cylinder(NamedTuple):
     """Equal cylinders between two pins; the included angle of the triangle is offset +- joint angle."""
 
-    count: Annotated[float, Quantity("1", low=1.0)]
+    number: Annotated[float, Quantity("1", low=1.0)]
     bore: Length
     rod: Length
     r_base: Length

@@ -19,6 +19,7 @@ class Sine:
     omega: float
 
     def __call__(self, t: np.ndarray) -> np.ndarray:
+        """Volts at the times `t`."""
         return self.amplitude * np.sin(self.omega * np.asarray(t))
 
 
@@ -29,6 +30,7 @@ class Constant:
     voltage: float = 0.0
 
     def __call__(self, t: np.ndarray) -> np.ndarray:
+        """Volts at the times `t`."""
         return np.full(np.shape(t), self.voltage)
 
 
@@ -47,13 +49,16 @@ class Piecewise:
 
     def __post_init__(self) -> None:
         if len(self.time) != len(self.voltage) or not len(self.time):
-            raise InputError(f"a signal needs one voltage a time; got {len(self.time)} times, {len(self.voltage)} voltages")
+            raise InputError(
+                f"a signal needs one voltage a time; got {len(self.time)} times, {len(self.voltage)} voltages"
+            )
         backward = np.flatnonzero(np.diff(self.time) <= 0.0)
         if backward.size:
             at = backward[0] + 1
             raise InputError(f"signal times must rise; time {at} is {self.time[at]} after {self.time[at - 1]}")
 
     def __call__(self, t: np.ndarray) -> np.ndarray:
+        """Volts at the times `t`."""
         return np.interp(t, self.time, self.voltage)
 
 

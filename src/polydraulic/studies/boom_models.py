@@ -1,7 +1,7 @@
 """Networks of the boom circuit: what is learnt from which inputs, in which regions (thesis 4.2)."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,8 @@ SEED = 215
 N_ROWS = 10_000  # as many as the thesis used for its perceptrons; it does not print the number for its networks
 
 # The thesis' setting: penalty multiplier 1 and half the variance as prior; ours: the prior follows the residuals.
-HISTORICAL = {"cpm": 1.0, "prior_variance": "half-variance"}
-ADAPTIVE = {"cpm": 1.0, "prior_variance": "adaptive", "max_layers": 6}
+HISTORICAL: dict[str, Any] = {"cpm": 1.0, "prior_variance": "half-variance"}
+ADAPTIVE: dict[str, Any] = {"cpm": 1.0, "prior_variance": "adaptive", "max_layers": 6}
 
 
 class BoomModels(NamedTuple):
@@ -27,7 +27,11 @@ class BoomModels(NamedTuple):
 
 
 def fit_columns(
-    estimator: AbductiveRegressor, table: Table, inputs: Sequence[str], output: str, edges: dict[int, list[float]]
+    estimator: AbductiveRegressor,
+    table: Table,
+    inputs: Sequence[str],
+    output: str,
+    edges: dict[int, list[float]],
 ) -> Model:
     """Fit columns of a table by region, and name the model after them."""
     X, y = table.matrix(inputs), table[output]
@@ -41,7 +45,7 @@ def fit_boom(
     *,
     n: int = N_ROWS,
     pressure_high: float = PRESSURE_HIGH,
-    **settings: object,
+    **settings: Any,
 ) -> BoomModels:
     """Sample the boom circuit without its relief valve and fit input flow, output flow and pump pressure by region.
 
@@ -73,7 +77,11 @@ def fit_boom(
     return BoomModels(
         q_in=fit_columns(estimator(over_inlet, flow), table, inlet, "boom.q_in", {0: cuts}),
         q_out=fit_columns(
-            estimator(over_outlet, q_out_high), table, ["boom.spool", "boom.root_p_out"], "boom.q_out", {0: both_sides}
+            estimator(over_outlet, q_out_high),
+            table,
+            ["boom.spool", "boom.root_p_out"],
+            "boom.q_out",
+            {0: both_sides},
         ),
         p_pump=fit_columns(estimator(over_inlet, 10.0 * pressure_high), table, inlet, "boom.p_pump", {0: cuts}),
     )

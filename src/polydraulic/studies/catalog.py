@@ -98,7 +98,15 @@ def printed_numbers() -> dict[str, Printed]:
 
 def result(identity: str, section: str, what: str, unit: str, ours: Number, note: str = "") -> dict[str, Any]:
     """Return a number of our own that the thesis does not have."""
-    return {"id": identity, "section": section, "quantity": what, "unit": unit, "thesis": None, "ours": ours, "note": note}
+    return {
+        "id": identity,
+        "section": section,
+        "quantity": what,
+        "unit": unit,
+        "thesis": None,
+        "ours": ours,
+        "note": note,
+    }
 
 
 def results(chapter: Chapter) -> list[dict[str, Any]]:

@@ -12,7 +12,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-STYLES = {"exact": ("C0", "-"), "iterative": ("C2", "--"), "polynomial": ("C1", "-"), "pressure": ("C3", "-")}
+# Colour, line and width of each flow model: exact lies broad and pale below the others.
+STYLES = {
+    "exact": ("#9ec5e8", "-", 3.5),
+    "iterative": ("C2", "-", 1.0),
+    "polynomial": ("C1", "-", 1.2),
+    "pressure": ("C3", "-", 1.2),
+}
 
 
 def canvas(rows: int, columns: int, *, width: float = 9.0, height: float = 3.0) -> tuple["Figure", np.ndarray]:
@@ -32,8 +38,9 @@ def map_panel(axis: "Axes", table: Table, z: str, title: str, *, error: bool = F
     mesh = axis.pcolormesh(x, y, values, shading="nearest", rasterized=True, **scale)
     bar = axis.figure.colorbar(mesh, ax=axis)
     bar.set_label(f"[{table.unit(z)}]")
-    for name, set_label in zip(table.names[:2], (axis.set_xlabel, axis.set_ylabel), strict=True):
-        set_label(f"{name} [{table.unit(name)}]")
+    across, up = table.names[:2]
+    axis.set_xlabel(f"{across} [{table.unit(across)}]")
+    axis.set_ylabel(f"{up} [{table.unit(up)}]")
     axis.set_title(title, fontsize="medium")
 
 
@@ -41,11 +48,28 @@ def time_panel(axis: "Axes", runs: Mapping[str, Table], column: str, title: str)
     """One column of several runs over time, in the field's unit."""
     unit = ""
     for name, table in runs.items():
-        color, style = STYLES.get(name, ("C4", "-."))
         values, unit = in_field_units(table, column)
-        axis.plot(table["time"], values, style, color=color, label=name, linewidth=1.3)
+        _line(axis, name, table["time"], values)
+    _finish(axis, f"[{unit}]", title)
+
+
+def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> None:
+    """The same column less that of the exact run."""
+    exact, unit = in_field_units(runs["exact"], column)
+    for name, table in runs.items():
+        if name != "exact":
+            _line(axis, name, table["time"], in_field_units(table, column)[0] - exact)
+    _finish(axis, f"less exact [{unit}]", "")
     axis.set_xlabel("time [s]")
-    axis.set_ylabel(f"[{unit}]")
+
+
+def _line(axis: "Axes", name: str, time: np.ndarray, values: np.ndarray) -> None:
+    color, style, width = STYLES[name]
+    axis.plot(time, values, style, color=color, linewidth=width, label=name)
+
+
+def _finish(axis: "Axes", label: str, title: str) -> None:
+    axis.set_ylabel(label)
     axis.set_title(title, fontsize="medium")
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")

@@ -27,7 +27,7 @@ def fit_table(
     inputs: Sequence[str],
     outputs: Sequence[str],
     estimator: AbductiveRegressor,
-    edges: Mapping[int | str, Sequence[float]],
+    edges: Mapping[str, Sequence[float]],
     progress: Callable[[str], None] = lambda step: None,
 ) -> list[Fit]:
     """Fit each output column from the input columns.
@@ -58,7 +58,7 @@ def fit_table(
     unknown = [name for name in edges if name not in inputs]
     if unknown:
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
-    by_index = {list(inputs).index(str(name)): cuts for name, cuts in edges.items()}
+    by_index = {list(inputs).index(name): cuts for name, cuts in edges.items()}
     X = table.matrix(inputs)
     held = np.arange(len(table)) % _FOLD == _FOLD - 1
     fits = []

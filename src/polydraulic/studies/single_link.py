@@ -14,7 +14,7 @@ from polydraulic import units
 from polydraulic.flow import build_flow
 from polydraulic.flow.sample import sample_flow
 from polydraulic.networks import AbductiveRegressor, Variable
-from polydraulic.parameters import Machine, Scenario, Sine, load_scenario
+from polydraulic.parameters import Machine, Scenario, Signal, Sine, load_scenario
 from polydraulic.simulation import reference, simulate
 from polydraulic.studies.boom_models import ADAPTIVE, HISTORICAL, SEED, BoomModels, fit_boom
 from polydraulic.studies.database import PRESSURE_HIGH, boom_table, sample_boom
@@ -141,7 +141,7 @@ def full_travel(scenario: Scenario) -> Scenario:
     """Return the same sine with a voltage that takes the spool to 0.54 in."""
     signal = scenario.voltage["boom"]
     assert isinstance(signal, Sine)
-    voltage = {"boom": replace(signal, amplitude=FULL_TRAVEL_VOLTAGE)}
+    voltage: dict[str, Signal] = {"boom": replace(signal, amplitude=FULL_TRAVEL_VOLTAGE)}
     return replace(scenario, name="full travel", voltage=voltage, duration=5.0)
 
 

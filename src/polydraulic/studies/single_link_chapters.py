@@ -18,7 +18,11 @@ from polydraulic.studies.single_link import (
     pressure_flow_error,
 )
 
-_NO_FIGURES = "the thesis' figures are missing and its orifice areas are not printed; ours are calibrated to its statistics"
+Errors = dict[str, dict[str, Difference]]  # by flow model, by column
+
+_NO_FIGURES = (
+    "the thesis' figures are missing and its orifice areas are not printed; ours are calibrated to its statistics"
+)
 
 
 def chapter_3(study: BoomStudy) -> Chapter:
@@ -54,7 +58,9 @@ def chapter_3(study: BoomStudy) -> Chapter:
 def chapter_4(study: BoomStudy) -> Chapter:
     """The boom circuit: pump-pressure networks, flow networks, run times."""
     machine = study.machine
-    v08, v05 = ({kind: _errors(study, name, kind) for kind in study.runs[name] if kind != "exact"} for name in study.runs)
+    v08, v05 = (
+        {kind: _errors(study, name, kind) for kind in study.runs[name] if kind != "exact"} for name in study.runs
+    )
     pressure = v08["pressure"]
     maps = _map_numbers(study)
     seconds = study.seconds
@@ -178,7 +184,7 @@ def _table_1(study: BoomStudy) -> tuple[str, list[str], list[list[str]]]:
     )
 
 
-def _comparison(study: BoomStudy, v08: dict, v05: dict) -> tuple[str, list[str], list[list[str]]]:  # type: ignore[type-arg]
+def _comparison(study: BoomStudy, v08: Errors, v05: Errors) -> tuple[str, list[str], list[list[str]]]:
     rows = []
     for kind, label in (("polynomial", "historical"), ("adaptive", "adaptive")):
         models = study.historical if kind == "polynomial" else study.adaptive
@@ -202,7 +208,7 @@ def _comparison(study: BoomStudy, v08: dict, v05: dict) -> tuple[str, list[str],
     return "The same data, regions and nodes under two priors of the error variance", header, rows
 
 
-def _extra(study: BoomStudy, v08: dict, v05: dict) -> list[dict[str, Any]]:  # type: ignore[type-arg]
+def _extra(study: BoomStudy, v08: Errors, v05: Errors) -> list[dict[str, Any]]:
     flow_error = units.from_si(float(np.abs(pressure_flow_error(study)).max()), "in3/s")
     rows = [
         result("ours.table_1.exact_s", "4.2.2", "computing time for 10 s of motion, exact model", "s", study.seconds["exact"]),
@@ -213,7 +219,13 @@ def _extra(study: BoomStudy, v08: dict, v05: dict) -> list[dict[str, Any]]:  # t
         for kind in ("adaptive", "iterative"):
             what = f"{name}: largest joint displacement error against exact, {kind}"
             rows.append(
-                result(f"ours.{name}.{kind}_joint_error_deg", "4.2.2", what, "deg", errors[kind]["boom.angle"].largest)
+                result(
+                    f"ours.{name}.{kind}_joint_error_deg",
+                    "4.2.2",
+                    what,
+                    "deg",
+                    errors[kind]["boom.angle"].largest,
+                )
             )
     stuck = sum(int(str(runs["iterative"].info["steps_not_converged"])) for runs in study.runs.values())
     rows.append(

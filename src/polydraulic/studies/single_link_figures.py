@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic import units
 from polydraulic.networks.plot import draw_history, draw_network
 from polydraulic.studies.catalog import Figure
-from polydraulic.studies.draw import canvas, map_panel, run_table, time_panel
+from polydraulic.studies.draw import canvas, difference_panel, map_panel, run_table, time_panel
 from polydraulic.studies.single_link import (
     FULL_TRAVEL_VOLTAGE,
     BoomStudy,
@@ -41,25 +41,28 @@ def _maps(study: BoomStudy, number: str, title: str, see: str, panels: Sequence[
     """Figure of one map a panel; a panel is (title, column, values in SI, unit)."""
     tables = [_thin(study, {column: (values, unit)}, positive=positive) for _, column, values, unit in panels]
 
+    names = [""] if len(panels) == 1 else [chr(ord("a") + i) for i in range(len(panels))]
+
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, len(panels), width=4.8 * len(panels), height=3.4)
         for axis, table, (name, column, _, _) in zip(axes[0], tables, panels, strict=True):
             map_panel(axis, table, column, name, error=error)
         return figure
 
-    return Figure(number, title, see, {chr(97 + i): table for i, table in enumerate(tables)}, draw)
+    return Figure(number, title, see, dict(zip(names, tables, strict=True)), draw)
 
 
 def _times(
     number: str, title: str, see: str, runs: dict[str, Table], kinds: Sequence[str], columns: dict[str, str]
 ) -> Figure:
-    """Figure of quantities over time, one panel a column."""
+    """Figure of quantities over time, and below of their differences from exact; one column each."""
     chosen = {kind: runs[kind] for kind in kinds}
 
     def draw() -> "matplotlib.figure.Figure":
-        figure, axes = canvas(1, len(columns), width=4.8 * len(columns), height=3.2)
-        for axis, (column, name) in zip(axes[0], columns.items(), strict=True):
-            time_panel(axis, chosen, column, name)
+        figure, axes = canvas(2, len(columns), width=4.8 * len(columns), height=2.4)
+        for place, (column, name) in enumerate(columns.items()):
+            time_panel(axes[0, place], chosen, column, name)
+            difference_panel(axes[1, place], chosen, column)
         return figure
 
     return Figure(number, title, see, {"": run_table(chosen, list(columns))}, draw)
@@ -78,7 +81,7 @@ def chapter_3(study: BoomStudy) -> list[Figure]:
     )
 
     def network() -> "matplotlib.figure.Figure":
-        figure, axes = canvas(1, 1, width=7.0, height=3.0)
+        figure, axes = canvas(1, 1, width=7.0, height=1.8)
         draw_network(axes[0, 0], box.estimator.network_, box.inputs, type(box.inputs[0])("q_in", "in3/s"))
         return figure
 
@@ -161,7 +164,9 @@ def pressure_maps(study: BoomStudy) -> list[Figure]:
         axes[0, 1].legend(fontsize="small")
         return figure
 
-    see = "The pressure has a spike where the deadband ends and a kink where the bypass closes; the networks round both."
+    see = (
+        "The pressure has a spike where the deadband ends and a kink where the bypass closes; the networks round both."
+    )
     p_error = map_error(study.historical, grid, "boom.p_pump")
     q_error = pressure_flow_error(study)
     return [
@@ -179,7 +184,7 @@ def pressure_runs(study: BoomStudy) -> list[Figure]:
     full = f"0.8 V replaced by {FULL_TRAVEL_VOLTAGE} V"
     return [
         _times("4-4", "Pump pressure in simulation, 0.8 sin(1.2566 t)",
-               "The networks ripple around the exact pressure.", runs, kinds, {"boom.p_pump": "pump pressure"}),
+               "The networks ripple around the exact pressure by up to a hundred psi.", runs, kinds, {"boom.p_pump": "pump pressure"}),
         _times("4-5", "Flows with pump-pressure networks", "Our spool reaches 0.33 in only, where the inlet is still narrow.",
                runs, kinds, {"boom.q_in": "(a) input flow", "boom.q_out": "(b) output flow"}),
         _times("4-6", "Line pressures with pump-pressure networks", "Input and output lines.",
@@ -187,7 +192,7 @@ def pressure_runs(study: BoomStudy) -> list[Figure]:
         _times("4-7", "Joint motion with pump-pressure networks",
                "With the printed voltage the joint hardly notices in our circuit.",
                runs, kinds, {"boom.angle": "(a) joint displacement", "boom.rate": "(b) joint velocity"}),
-        _times("4-P1", f"The same at full travel ({full}): flow and pump pressure",
+        _times("4-P1", f"The same at full travel ({full}): input flow",
                "Here the pressure networks fail: the flow leaves what the pump can deliver; flow networks do not.",
                study.full_travel, ("exact", "pressure", "polynomial"), {"boom.q_in": "(a) input flow"}),
         _times("4-P2", f"The same at full travel ({full}): joint motion",
@@ -218,7 +223,7 @@ def flow_maps(study: BoomStudy) -> list[Figure]:
         _maps(study, "4-9", "Output flow", "Not symmetric: the lowering side is throttled.",
               [("output flow", "q_out", q_out, "in3/s")], error=False, positive=False),
         _maps(study, "4-11", "Flow networks, historical setting: map errors",
-              "The input flow errs between 0.188 and 0.376 in, the output flow at full travel.",
+              "The input flow errs between 0.188 and 0.376 in, the output flow near -0.376 in, where its slope changes.",
               panels("historical"), error=True, positive=False),
         _maps(study, "4-N1", "Flow networks, adaptive prior: map errors",
               "Same data and regions; only the prior error variance follows the residuals.",
@@ -239,7 +244,7 @@ def networks(study: BoomStudy) -> Figure:
     )
 
     def draw() -> "matplotlib.figure.Figure":
-        figure, axes = canvas(1, 2, width=9.6, height=3.0)
+        figure, axes = canvas(1, 2, width=9.6, height=1.9)
         for axis, (model, k, title) in zip(axes[0], shown, strict=True):
             draw_network(axis, model.networks[k], model.inputs, model.output)
             axis.set_title(title, fontsize="medium")
@@ -252,14 +257,17 @@ def networks(study: BoomStudy) -> Figure:
 def flow_runs(study: BoomStudy) -> list[Figure]:
     """Figs 4-12 to 4-17: both voltages, flow networks against iterative and exact."""
     found = []
-    for first, name, voltage in ((12, "single_08", "0.8 sin(1.2566 t)"), (15, "single_05", "0.5 sin(0.6283 t)")):
+    for first, name, voltage in (
+        (12, "single_08", "0.8 sin(1.2566 t)"),
+        (15, "single_05", "0.5 sin(0.6283 t)"),
+    ):
         runs, kinds = study.runs[name], ("exact", "iterative", "polynomial")
         found += [
-            _times(f"4-{first}", f"Flows, {voltage}", "The three lie on each other at this scale.", runs, kinds,
+            _times(f"4-{first}", f"Flows, {voltage}", "Above they lie on each other; below, the iteration shows its eps and the networks their map error.", runs, kinds,
                    {"boom.q_in": "(a) input flow", "boom.q_out": "(b) output flow"}),
             _times(f"4-{first + 1}", f"Line pressures, {voltage}", "Pressures follow although only flows are learnt.",
                    runs, kinds, {"boom.p_in": "(a) input line", "boom.p_out": "(b) output line"}),
-            _times(f"4-{first + 2}", f"Joint motion, {voltage}", "Errors in the table of numbers below.", runs, kinds,
+            _times(f"4-{first + 2}", f"Joint motion, {voltage}", "Most of the flow error averages out before it reaches the joint.", runs, kinds,
                    {"boom.angle": "(a) joint displacement", "boom.rate": "(b) joint velocity"}),
         ]  # fmt: skip
     return found

@@ -6,7 +6,7 @@ from typing import Any
 
 from polydraulic.parameters import Machine, Scenario
 from polydraulic.simulation.loop import run
-from polydraulic.simulation.simulate import arrange
+from polydraulic.simulation.runs import arrange
 
 
 def time_runs(

@@ -20,7 +20,13 @@ MOVING = ("boom",)  # links that the loop moves so far
 
 
 def simulate(
-    machine: Machine, flow: Any, scenario: Scenario, *, dt: float = 5e-3, t_end: float | None = None, every: int = 1
+    machine: Machine,
+    flow: Any,
+    scenario: Scenario,
+    *,
+    dt: float = 5e-3,
+    t_end: float | None = None,
+    every: int = 1,
 ) -> Table:
     """Simulate a scenario with the semi-implicit loop.
 
@@ -86,7 +92,13 @@ class Arranged(NamedTuple):
 
 
 def arrange(
-    machine: Machine, flow: Any, scenario: Scenario, *, dt: float = 5e-3, t_end: float | None = None, every: int = 1
+    machine: Machine,
+    flow: Any,
+    scenario: Scenario,
+    *,
+    dt: float = 5e-3,
+    t_end: float | None = None,
+    every: int = 1,
 ) -> Arranged:
     """Check the arguments of `simulate` and allocate what the compiled loop needs."""
     machine = scenario.adapt(machine)

@@ -4,6 +4,7 @@ Judge of the loop: as dt falls the loop must approach it. The right-hand side us
 voltage is not held over steps, and no stage lags behind another.
 """
 
+import itertools
 from math import sqrt
 from typing import Any
 
@@ -13,6 +14,7 @@ from scipy.integrate import solve_ivp
 from polydraulic._kernel import driver
 from polydraulic.errors import SimulationError
 from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
+from polydraulic.flow.dispatch import flow_step
 from polydraulic.machine import initial_state, prepare
 from polydraulic.machine.actuator import lever_arm
 from polydraulic.machine.hose import Pressures, ports
@@ -21,9 +23,8 @@ from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
 from polydraulic.parameters import Machine, Piecewise, Scenario
 from polydraulic.simulation.loop import N_RECORD
-from polydraulic.simulation.simulate import step_voltages, trajectory
+from polydraulic.simulation.runs import step_voltages, trajectory
 from polydraulic.simulation.step import boom_acceleration
-from polydraulic.flow.dispatch import flow_step
 from polydraulic.tables import Table
 
 _SCALE = np.array([1e-3, 1e6, 1e6, 1.0, 1.0])  # size of spool, pressures, angle, rate: sets absolute tolerances
@@ -77,7 +78,13 @@ def _rates(
 
 
 def reference(
-    machine: Machine, flow: Any, scenario: Scenario, *, dt: float = 5e-3, rtol: float = 1e-9, t_end: float | None = None
+    machine: Machine,
+    flow: Any,
+    scenario: Scenario,
+    *,
+    dt: float = 5e-3,
+    rtol: float = 1e-9,
+    t_end: float | None = None,
 ) -> Table:
     """Integrate a scenario to a tight tolerance and sample it every `dt`.
 
@@ -128,7 +135,9 @@ def reference(
         states[inside], v = solution.y.T[np.isin(wanted, time[inside])], solution.y[:, -1]
     stops = machine.boom.stops
     if states[:, 3].min() < stops.low or states[:, 3].max() > stops.high:
-        raise SimulationError(f"reference solution of {scenario.name}: the boom reaches an end stop, which is not modelled")
+        raise SimulationError(
+            f"reference solution of {scenario.name}: the boom reaches an end stop, which is not modelled"
+        )
 
     rows = np.zeros((len(time), N_RECORD))
     rows[:, [1, 4, 7, 10, 13]] = states
@@ -137,7 +146,12 @@ def reference(
     for row, t, v in zip(rows, time, states, strict=True):
         derivative(t, v)
         row[16], row[19], row[21:25] = flows[0], flows[1], flows[2:6]
-    info: dict[str, object] = {"scenario": scenario.name, "flow": flow_name(model), "method": "reference", "rtol": rtol}
+    info: dict[str, object] = {
+        "scenario": scenario.name,
+        "flow": flow_name(model),
+        "method": "reference",
+        "rtol": rtol,
+    }
     return trajectory(machine, scenario, time, rows, info, pump_pressure=kind.gives_pump_pressure)
 
 
@@ -148,4 +162,4 @@ def _smooth_pieces(scenario: Scenario, t_end: float) -> list[tuple[float, float]
         if isinstance(signal, Piecewise):
             corners |= {float(t) for t in signal.time if 0.0 < t < t_end}
     times = sorted(corners)
-    return list(zip(times, times[1:], strict=False))
+    return list(itertools.pairwise(times))

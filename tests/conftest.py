@@ -1,0 +1,17 @@
+import pytest
+from hypothesis import settings
+
+from polydraulic.parameters import load_machine, load_scenario
+
+settings.register_profile("quick", max_examples=60, deadline=None, derandomize=True)
+settings.load_profile("quick")
+
+
+@pytest.fixture(scope="session")
+def machine():
+    return load_machine("cat215b")
+
+
+@pytest.fixture(scope="session", params=["single_08", "single_05"])
+def scenario(request):
+    return load_scenario(request.param)

@@ -1,0 +1,71 @@
+import copy
+import json
+
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.networks import AbductiveRegressor, RegionRegressor, Variable, dump_models, load_models, parse_models
+
+X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
+Y = np.abs(X[:, 0]) * X[:, 1]
+MODEL = (
+    RegionRegressor(AbductiveRegressor(max_layers=2), edges={0: [0.0]})
+    .fit(X, Y)
+    .to_model([Variable("x", "m"), Variable("p")], Variable("q", "m3/s"))
+)
+DATA = json.loads(dump_models([MODEL]))
+
+
+def test_reading_gives_what_was_written(tmp_path):
+    path = tmp_path / "model.json"
+    path.write_text(dump_models([MODEL, MODEL]))
+    assert load_models(path) == [MODEL, MODEL]
+    assert np.array_equal(load_models(path)[0].predict(X), MODEL.predict(X))
+
+
+def change(where, value):
+    data = copy.deepcopy(DATA)
+    item = data
+    for key in where[:-1]:
+        item = item[key]
+    item[where[-1]] = value
+    return json.dumps(data)
+
+
+M, N = ("models", 0), ("models", 0, "networks", 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "not a model file"),
+        ("[]", "not a polydraulic model file"),
+        ("{}", "not a polydraulic model file"),
+        (change(("schema",), 2), "has schema 2, this version reads 1"),
+        (change(("models",), []), "holds no model"),
+        (change((*M, "networks"), DATA["models"][0]["networks"][:1]), "1 networks for 2 regions"),
+        (change((*M, "edges", 0, "input"), 7), "edge of input 7"),
+        (change((*M, "edges", 0, "at"), [1.0, 0.0]), "do not rise"),
+        (change((*N, "x_scale"), [0.0, 1.0]), "x_scale must be positive"),
+        (change((*N, "x_mean"), [0.0]), "x_mean has 1 values for 2 inputs"),
+        (change((*N, "y_mean"), "high"), "unitizer holds 'high'"),
+        (change((*N, "y_mean"), float("nan")), "unitizer holds nan"),
+        (change((*N, "x_low"), [5.0, 5.0]), "x_low exceeds x_high"),
+        (change((*N, "nodes", 0, "kind"), "quadruple"), "unknown node kind 'quadruple'"),
+        (change((*N, "nodes", 0, "inputs"), [0]), r"node of \(0,\)"),
+        (change((*N, "nodes", 0, "inputs"), [0, 9]), r"node 1 reads \(0, 9\); it may read slots 0 to 1"),
+        (change((*N, "nodes", 0, "inputs"), [-1, 0]), "it may read slots"),
+        (change((*N, "nodes", 0, "coef"), [1.0]), "with 1 coefficients"),
+        (change((*M, "inputs"), 3), "damaged model file"),
+        (json.dumps({k: v for k, v in DATA.items() if k != "models"}), "missing 'models'"),
+    ],
+)
+def test_damaged_files_are_one_clear_error(text, message):
+    with pytest.raises(InputError, match=message):
+        parse_models(text, "m.json")
+
+
+def test_a_missing_file_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read as a model file"):
+        load_models(tmp_path / "none.json")

@@ -1,0 +1,114 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from polydraulic.networks import AbductiveRegressor, RegionRegressor, Variable
+
+RNG = np.random.default_rng(11)
+X = RNG.uniform(-1.0, 1.0, size=(200, 2))
+Y = np.exp(X[:, 0]) * X[:, 1]
+
+
+@given(st.floats(0.1, 1e3), st.floats(-100.0, 100.0), st.floats(0.1, 1e3))
+def test_units_do_not_matter(scale, shift, y_scale):
+    plain = AbductiveRegressor(max_layers=2).fit(X, Y)
+    other = AbductiveRegressor(max_layers=2).fit(X * scale + shift, Y * y_scale)
+    assert other.predict(X * scale + shift) / y_scale == pytest.approx(plain.predict(X), abs=1e-5)
+
+
+def test_weights_act_like_repetitions():
+    weight = RNG.integers(0, 3, 200)
+    repeated = np.repeat(np.arange(200), weight)
+    weighted = AbductiveRegressor().fit(X, Y, sample_weight=weight)
+    twice = AbductiveRegressor().fit(X[repeated], Y[repeated])
+    assert weighted.predict(X) == pytest.approx(twice.predict(X), abs=1e-8)
+    assert weighted.pse_ == pytest.approx(twice.pse_, rel=1e-6)
+
+
+def test_inputs_stay_in_the_domain_and_outputs_in_their_bounds():
+    model = AbductiveRegressor(output_bounds=(-0.5, 0.5)).fit(X, Y)
+    far = model.predict(np.array([[50.0, 50.0], [X[:, 0].max(), X[:, 1].max()]]))
+    assert far[0] == far[1]
+    assert np.abs(model.predict(X)).max() <= 0.5
+    wide = AbductiveRegressor(domain=[(-2.0, 2.0), (-1.0, 1.0)]).fit(X, Y)
+    assert wide.network_.x_high == (2.0, 1.0)
+
+
+def test_a_constant_column_is_never_chosen():
+    model = AbductiveRegressor().fit(np.column_stack([X, np.full(200, 7.0)]), Y)
+    assert all(2 not in node.inputs for node in model.network_.nodes)
+
+
+def test_a_constant_target_needs_no_network():
+    model = AbductiveRegressor().fit(X, np.full(200, 3.5))
+    assert model.predict(X[:2]).tolist() == [3.5, 3.5]
+
+
+def test_fitting_twice_gives_the_same_network():
+    assert AbductiveRegressor().fit(X, Y).network_ == AbductiveRegressor().fit(X, Y).network_
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"max_layers": 0}, "max_layers = 0: must be a whole number, at least 1"),
+        ({"n_survivors": 2.5}, "n_survivors = 2.5"),
+        ({"cpm": -1.0}, "cpm = -1.0: must be at least 0"),
+        ({"cpm": float("nan")}, "cpm = nan"),
+        ({"prior_variance": "half"}, "prior_variance = 'half': 'adaptive', 'half-variance' or a number"),
+        ({"prior_variance": -2.0}, "prior_variance = -2.0: must be at least 0"),
+        ({"kinds": ("quadruple",)}, "kinds = .*must be one or more of"),
+        ({"kinds": ()}, "kinds = .*must be one or more of"),
+        ({"domain": [(0.0, 1.0)]}, "for each of the 2 inputs"),
+        ({"output_bounds": (1.0, 0.0)}, "output_bounds"),
+    ],
+)
+def test_bad_settings_are_named(settings, message):
+    with pytest.raises(ValueError, match=message):
+        AbductiveRegressor(**settings).fit(X, Y)
+
+
+def test_bad_data_are_named():
+    with pytest.raises(ValueError, match="at least 4 rows"):
+        AbductiveRegressor().fit(X[:3], Y[:3])
+    with pytest.raises(ValueError, match="NaN"):
+        AbductiveRegressor().fit(np.where(X > 0.99, np.nan, X), Y)
+    with pytest.raises(ValueError, match="infinity"):
+        AbductiveRegressor().fit(X, np.where(Y > 1.0, np.inf, Y))
+
+
+def test_regions_fit_each_cell_alone():
+    y = np.where(X[:, 0] > 0.2, X[:, 1] ** 3, 5.0)
+    model = RegionRegressor(edges={0: [0.2]}).fit(X, y)
+    assert model.predict(X) == pytest.approx(y, abs=1e-9)
+    assert len(model.estimators_) == 2
+    assert model.to_model().training["pse"][0] == 0.0
+
+
+def test_region_domains_meet_at_the_edge():
+    base = AbductiveRegressor(domain=[(-1.0, 1.0), (-1.0, 1.0)])
+    model = RegionRegressor(base, edges={0: [0.2]}).fit(X, Y)
+    assert [e.network_.x_high[0] for e in model.estimators_] == [0.2, 1.0]
+    assert [e.network_.x_low[0] for e in model.estimators_] == [-1.0, 0.2]
+
+
+@pytest.mark.parametrize(
+    ("edges", "message"),
+    [
+        ({0: [0.5, 0.1]}, "must be rising finite numbers"),
+        ({0: [float("nan")]}, "must be rising finite numbers"),
+        ({5: [0.0]}, r"edges name the input 5; the inputs are \['x0', 'x1'\]"),
+        ({"speed": [0.0]}, "edges name the input 'speed'"),
+        ({0: [2.0]}, r"no rows with x0 in \(2, inf\)"),
+        ({0: [X[:, 0].max() - 1e-9]}, r"region x0 in \(.*inf\): .*sample"),
+    ],
+)
+def test_bad_edges_are_named(edges, message):
+    with pytest.raises(ValueError, match=message):
+        RegionRegressor(edges=edges).fit(X, Y)
+
+
+def test_names_must_fit():
+    with pytest.raises(ValueError, match="1 input names for a model with 2 inputs"):
+        AbductiveRegressor().fit(X, Y).to_model([Variable("x")])

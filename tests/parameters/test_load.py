@@ -1,0 +1,92 @@
+import tomllib
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from polydraulic import parameters
+from polydraulic.errors import InputError
+from polydraulic.parameters import load_machine, machine_entries
+
+TEXT = (Path(parameters.__file__).parent / "sets" / "cat215b.toml").read_text()
+
+
+@pytest.fixture
+def changed(tmp_path):
+    """Load the set with a piece of its text replaced."""
+
+    def load(old, new):
+        assert TEXT.count(old) >= 1
+        path = tmp_path / "mine.toml"
+        path.write_text(TEXT.replace(old, new, 1))
+        return load_machine(path)
+
+    return load
+
+
+def test_values_are_si(machine):
+    assert machine.pumps.boom_flow == pytest.approx(171.5 * 0.0254**3)
+    assert machine.spool.deadband == pytest.approx(0.188 * 0.0254)
+    assert machine.stick.stops.high == pytest.approx(-28.0 * pi / 180.0)
+    assert machine.swing.motor.displacement == pytest.approx(8.0 * 0.0254**3 / (2 * pi))
+    assert machine.boom.valve.outlet_positive[-1] * (3950 * 6894.757) ** 0.5 == pytest.approx(
+        5581 * 0.0254**3, rel=1e-4
+    )
+
+
+def test_every_number_has_unit_and_source():
+    entries = machine_entries("cat215b")
+    assert len(entries) == sum(1 for line in TEXT.splitlines() if " = { value = " in line)
+    assert all(entry.source and (entry.unit or isinstance(entry.value, bool)) for entry in entries)
+
+
+def test_a_path_is_a_set_too(changed):
+    assert changed("value = 4500.0", "value = 4600.0").pumps.relief == pytest.approx(4600 * 6894.757293168361)
+
+
+GAIN = 'gain = { value = 0.80, unit = "in/V", source = "derived, 5.3.2'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[boom.pilot]\ngain", "[boom.pilot]\ngian", r"mine.toml: unknown key boom.pilot.gian; allowed here: \['dead_time'"),
+        ("[tank]", "[tnak]", "unknown key tnak"),
+        ("[geometry]\na1 = { value = 0.81, unit = \"m\", source = \"thesis 5.3.1\" }", "[geometry]", "missing key geometry.a1"),
+        ('value = 4500.0, unit = "psi"', 'value = 4500.0, unit = "in"', "pumps.relief has unit 'in'; allowed: .*'psi'"),
+        ("value = 4500.0", "value = -1.0", "pumps.relief = -1.0 psi: must be finite and above 0 Pa"),
+        ("value = 4500.0", "value = nan", "pumps.relief = nan psi: must be finite"),
+        ("value = 4500.0", "value = inf", "pumps.relief = inf psi: must be finite"),
+        ("value = 4500.0", 'value = "high"', "pumps.relief = 'high': must be a number"),
+        ("value = 4500.0", "value = true", "pumps.relief = True: must be a number"),
+        ("value = 4500.0", "value = 40.0", "pumps.relief = .*must be above tank.return_pressure"),
+        ("value = false", "value = 0", "torque_limit_enabled = 0: must be true or false"),
+        ("0.0, 0.188, 0.282, 0.365, 0.376, 0.564", "0.0, 0.188, 0.282, 0.365, 0.376", "spool.knots .*list of 6 numbers"),
+        ("0.0, 0.188, 0.282, 0.365, 0.376, 0.564", "0.0, 0.188, 0.188, 0.365, 0.376, 0.564", "spool.knots .*rising"),
+        ("deadband = { value = 0.188", "deadband = { value = 0.187", "spool.deadband .*one of the knots"),
+        ("0.0, 0.0, 2.299", "0.0, 0.1, 2.299", "boom.valve.inlet .*0 up to spool.deadband"),
+        ("16.0, 3.914, 1.957, 0.229, 0.0, 0.0", "16.0, 3.914, 1.957, 0.229, 0.1, 0.0", "boom.valve.bypass .*0 from"),
+        ('static = { value = 4500.0', 'static = { value = 2500.0', "boom.friction.static .*at least coulomb"),
+        ("rod = { value = 3.25", "rod = { value = 5.25", "boom.cylinder.rod .*below the bore"),
+        ("angle_offset = { value = 62.0", "angle_offset = { value = 20.0", "boom.cylinder.angle_offset .*folds flat"),
+        ("angle = { value = 30.0", "angle = { value = 90.0", "boom.initial.angle .*within the stops"),
+        ("p_a = { value = 900.0", "p_a = { value = 9000.0", "boom.initial.p_a .*must be in"),
+        (', source = "thesis 4.1" }', " }", "spool.deadband has .*it needs exactly"),
+        ('"thesis 4.1"', '" "', "spool.deadband.source = ' ': must be a text"),
+        ("relief = { value = 4500.0", "relief = [ value = 4500.0", "not a TOML file"),
+    ],
+)  # fmt: skip
+def test_bad_sets_are_one_clear_error(changed, old, new, message):
+    with pytest.raises(InputError, match=message):
+        changed(old, new)
+
+
+def test_unknown_names_list_the_choices(tmp_path):
+    with pytest.raises(InputError, match=r"unknown parameter set 'cat320'; choose one of \['cat215b'\]"):
+        load_machine("cat320")
+    with pytest.raises(InputError, match="no such file"):
+        load_machine(tmp_path / "none.toml")
+
+
+def test_the_shipped_set_names_no_key_twice():
+    assert set(tomllib.loads(TEXT)) == set(load_machine("cat215b")._fields)

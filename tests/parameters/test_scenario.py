@@ -1,0 +1,102 @@
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.parameters import LINKS, Piecewise, load_scenario, scenario_names
+
+BASIC = """
+title = "mine"
+source = "test"
+duration = { value = 2.0, unit = "s", source = "test" }
+locked = ["swing", "stick"]
+[voltage.boom]
+kind = "sine"
+amplitude = { value = 0.5, unit = "V", source = "test" }
+omega = { value = 2.0, unit = "rad/s", source = "test" }
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def load(text):
+        path = tmp_path / "mine.toml"
+        path.write_text(text)
+        return load_scenario(path)
+
+    return load
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_shipped_scenarios_load(name, machine):
+    scenario = load_scenario(name)
+    voltages = scenario.voltages(np.linspace(0.0, scenario.duration, 50))
+    assert voltages.shape == (50, 3)
+    assert np.abs(voltages).max() > 0.2
+    assert scenario.adapt(machine).pumps == machine.pumps
+
+
+def test_changes_reach_the_machine(machine):
+    adapted = load_scenario("single_08").adapt(machine)
+    assert adapted.boom.pilot.gain == pytest.approx(0.43 * 0.0254)
+    assert adapted.boom.pilot.time_constant == machine.boom.pilot.time_constant
+    assert adapted.swing == machine.swing
+
+
+def test_kinds_of_signal(written, tmp_path):
+    (tmp_path / "stick.csv").write_text("t [s],v [V]\n0,0\n1,0.5\n3,-0.5\n")
+    scenario = written(
+        BASIC
+        + """
+[voltage.swing]
+kind = "piecewise"
+time = { value = [0.0, 500.0], unit = "ms", source = "test" }
+voltage = { value = [0.0, 1.0], unit = "V", source = "test" }
+[voltage.stick]
+kind = "table"
+file = "stick.csv"
+time_column = "t"
+voltage_column = "v"
+"""
+    )
+    t = np.array([0.0, 0.25, 2.0])
+    swing, boom, stick = scenario.voltages(t).T
+    assert LINKS == ("swing", "boom", "stick")
+    assert swing == pytest.approx([0.0, 0.5, 1.0])
+    assert boom == pytest.approx(0.5 * np.sin(2.0 * t))
+    assert stick == pytest.approx([0.0, 0.125, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("sine", "square", r"voltage.boom.kind = 'square': must be one of \['constant'"),
+        ("amplitude", "amplitud", "unknown key voltage.boom.amplitud"),
+        ("voltage.boom", "voltage.bucket", "unknown key voltage.bucket"),
+        ('"stick"', '"bucket"', "locked = .*must be a list of"),
+        ("value = 2.0, unit = \"s\"", "value = 0.0, unit = \"s\"", "duration = 0.0 s: must be finite and above 0"),
+        ('unit = "V"', 'unit = "psi"', "voltage.boom.amplitude has unit 'psi'"),
+        ('title = "mine"', "", "missing key title"),
+        ('title = "mine"', 'title = "mine"\ncolour = 1', "unknown key colour"),
+    ],
+)  # fmt: skip
+def test_bad_scenarios_are_one_clear_error(written, old, new, message):
+    assert old in BASIC
+    with pytest.raises(InputError, match=f"mine.toml: {message}"):
+        written(BASIC.replace(old, new, 1))
+
+
+def test_only_pilot_and_start_may_change(written):
+    with pytest.raises(InputError, match=r"unknown key change.boom.valve; allowed here: \['initial', 'pilot'\]"):
+        written(BASIC + "[change.boom.valve]\n")
+
+
+def test_times_must_rise():
+    with pytest.raises(InputError, match="time 2 is 1.0 after 1.0"):
+        Piecewise(np.array([0.0, 1.0, 1.0]), np.zeros(3))
+
+
+def test_a_recording_with_gaps_is_refused(written, tmp_path):
+    (tmp_path / "r.csv").write_text("t,v\n0,0\n1,nan\n")
+    table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
+    with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' holds nan in row 2"):
+        written(BASIC[: BASIC.index("[voltage.boom]")] + table)

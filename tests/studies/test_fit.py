@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.networks import AbductiveRegressor
+from polydraulic.studies.fit import fit_table
+from polydraulic.tables import Table
+
+RNG = np.random.default_rng(4)
+COLUMNS = {"a": RNG.uniform(size=100), "b": RNG.uniform(size=100), "flat": np.full(100, 3.0)}
+COLUMNS["y"] = COLUMNS["a"] * COLUMNS["b"]
+COLUMNS["z"] = COLUMNS["a"] + 0.01 * RNG.normal(size=100)
+TABLE = Table(COLUMNS, {"a": "m", "y": "Pa"})
+
+
+def fit(inputs, outputs, edges=None, table=TABLE):
+    return fit_table(table, inputs, outputs, AbductiveRegressor(max_layers=2), edges or {})
+
+
+def test_one_model_an_output():
+    y, z = fit(["a", "b"], ["y", "z"])
+    assert (str(y.model.output), str(z.model.output)) == ("y [Pa]", "z")
+    assert y.r2 == pytest.approx(1.0)
+    assert 0.99 < z.r2 < 1.0
+    assert y.model.training["rows"] == 100
+
+
+def test_held_out_errors_come_from_rows_not_fitted():
+    model = fit(["a", "b"], ["z"])[0]
+    assert model.rms == pytest.approx(0.01, rel=0.8)
+    assert model.largest >= model.rms
+
+
+def test_regions_by_name():
+    assert len(fit(["a", "b"], ["y"], {"b": [0.3, 0.6]})[0].model.networks) == 3
+
+
+@pytest.mark.parametrize(
+    ("inputs", "outputs", "edges", "message"),
+    [
+        (["a", "y"], ["y"], {}, "column 'y' is both input and output"),
+        (["a", "flat"], ["y"], {}, "column 'flat' is 3 in all 100 rows; it cannot explain anything: leave it out"),
+        (["a"], ["flat"], {}, "column 'flat' is 3 in all 100 rows; it needs no model"),
+        (["a"], ["y"], {"b": [0.5]}, r"edges name the column 'b'; the inputs are \['a'\]"),
+        (["a", "c"], ["y"], {}, "no column 'c'"),
+    ],
+)
+def test_bad_requests_are_named(inputs, outputs, edges, message):
+    with pytest.raises(InputError, match=message):
+        fit(inputs, outputs, edges)
+
+
+def test_too_few_rows_are_named():
+    few = Table({name: values[:3] for name, values in COLUMNS.items()}, {})
+    with pytest.raises(ValueError, match="at least 4 rows"):
+        fit(["a"], ["y"], table=few)

@@ -1,0 +1,127 @@
+"""The command line as a user meets it."""
+
+import re
+import sys
+
+import numpy as np
+import pytest
+
+from polydraulic import cli
+from polydraulic.networks import load_models
+from polydraulic.tables import read_table
+
+
+@pytest.fixture
+def call(monkeypatch, capsys):
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["polydraulic", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+            sys.exit(0)
+        printed = capsys.readouterr()
+        return stop.value.code or 0, printed.out, printed.err
+
+    return run
+
+
+def test_simulate_writes_a_run_and_a_picture(call, tmp_path):
+    code, out, _ = call(
+        "simulate", "single_05", "--flow", "polynomial", "--out", tmp_path / "r.parquet", "--plot", tmp_path / "r.svg"
+    )
+    assert code == 0
+    assert "2000 steps of 0.005 s with flow 'polynomial'; 0 not converged, 0 outside" in out
+    assert len(read_table(tmp_path / "r.parquet")) == 2001
+    assert (tmp_path / "r.svg").read_text().startswith("<?xml")
+    largest = float(re.search(r"boom.angle\s+(\S+)", out)[1])
+    assert abs(largest) < 0.15
+
+
+def test_sample_fit_export(call, tmp_path):
+    table, model = tmp_path / "boom.parquet", tmp_path / "q.json"
+    assert call("sample", "--circuit", "boom", "--rows", 300, "--out", table)[0] == 0
+    code, out, _ = call(
+        "fit", table, "--inputs", "boom.travel,boom.p_in", "--outputs", "boom.q_in,boom.p_pump", "--out", model,
+        "--edges", "boom.travel=0.0047752,0.0095504", "--layers", 2, "--bounds", "0,1e8", "--prior", "half-variance",
+    )  # fmt: skip
+    assert code == 0
+    assert out.count("held-out R2") == 2
+    assert [str(m.output) for m in load_models(model)] == ["boom.q_in [m3/s]", "boom.p_pump [Pa]"]
+    code, out, _ = call("export", model, "--to", "c", "--out", tmp_path / "c")
+    assert code == 0
+    assert sorted(p.name for p in (tmp_path / "c").iterdir()) == [
+        "boom_p_pump.c", "boom_p_pump.h", "boom_q_in.c", "boom_q_in.h",
+    ]  # fmt: skip
+    assert "boom_q_in.c" in out
+
+
+def test_fit_needs_no_hydraulics(call, tmp_path):
+    x = np.random.default_rng(0).uniform(size=(200, 2))
+    np.savetxt(
+        tmp_path / "t.csv", np.column_stack([x, x[:, 0] ** 2 + x[:, 1]]), delimiter=",", header="a,b,c", comments=""
+    )
+    code, out, _ = call("fit", tmp_path / "t.csv", "--inputs", "a,b", "--outputs", "c", "--out", tmp_path / "m.json")
+    assert code == 0
+    assert "held-out R2 1.0000" in out
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "good.csv").write_text("a,b,c\n" + "\n".join(f"{i},{i % 3},{i * i}" for i in range(30)))
+    (tmp_path / "nan.csv").write_text("a,b,c\n1,2,3\n4,nan,6\n")
+    (tmp_path / "flat.csv").write_text("a,b,c\n" + "\n".join(f"{i},5,{i * i}" for i in range(30)))
+    (tmp_path / "short.csv").write_text("a,b,c\n1,2,3\n2,3,5\n")
+    (tmp_path / "bad.json").write_text("{")
+    (tmp_path / "new.json").write_text('{"format": "polydraulic model", "schema": 99, "models": []}')
+    return tmp_path
+
+
+FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("simulate", "single_08", "--flow", "magic"), "unknown flow model 'magic'"),
+        (("simulate", "single_08", "--dt", "0"), "dt = 0.0 s"),
+        (("simulate", "single_08", "--dt", "20"), "at least one time step"),
+        (("simulate", "single_09"), "unknown scenario 'single_09'"),
+        (("simulate", "single_08", "--machine", "cat1"), "unknown parameter set 'cat1'"),
+        (("simulate", "single_08", "--model", "{0}/bad.json"), "--model goes with --flow polynomial"),
+        (("simulate", "single_08", "--flow", "polynomial", "--model", "{0}/bad.json"), "bad.json: not a model file"),
+        (("simulate", "single_08", "--flow", "polynomial", "--model", "{0}/new.json"), "has schema 99"),
+        (("simulate", "single_08", "--out", "{0}/run.txt"), "ends in .csv or .parquet"),
+        (("simulate", "single_08", "--plot", "{0}/run.gif"), "a picture ends in one of"),
+        (("simulate", "single_08", "--out", "{0}/good.csv/run.csv"), "cannot write"),
+        (("sample", "--rows", "0", "--out", "{0}/s.csv"), "rows = 0"),
+        (("sample", "--circuit", "swing", "--rows", "5", "--out", "{0}/s.csv"), "unknown circuit 'swing'"),
+        (("fit", "{0}/none.csv", *FIT), "none.csv: no such file"),
+        (("fit", "{0}/nan.csv", *FIT), "column 'b' holds nan in row 2"),
+        (("fit", "{0}/flat.csv", *FIT), "column 'b' is 5 in all 30 rows"),
+        (("fit", "{0}/short.csv", *FIT), "at least 4 rows"),
+        (("fit", "{0}/good.csv", "--inputs", "a,z", "--outputs", "c", "--out", "{0}/m.json"), "no column 'z'"),
+        (("fit", "{0}/good.csv", "--inputs", "a,a", "--outputs", "c", "--out", "{0}/m.json"), "different column names"),
+        (("fit", "{0}/good.csv", *FIT, "--layers", "0"), "max_layers = 0"),
+        (("fit", "{0}/good.csv", *FIT, "--prior", "guess"), "--prior 'guess'"),
+        (("fit", "{0}/good.csv", *FIT, "--bounds", "1"), "--bounds '1'"),
+        (("fit", "{0}/good.csv", *FIT, "--edges", "a=x"), "--edges a"),
+        (("fit", "{0}/good.csv", *FIT, "--edges", "q=1"), "edges name the column 'q'"),
+        (("export", "{0}/bad.json", "--out", "{0}/c"), "bad.json: not a model file"),
+        (("report", "--chapter", "9", "--out", "{0}/r"), "no chapter 9"),
+        (("report", "--out", "{0}/good.csv/r"), "cannot write"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
+    before = sorted(files.iterdir())
+    code, _, err = call(*(argument.format(files) for argument in arguments))
+    assert code == 2
+    assert message in err
+    assert "Traceback" not in err
+    assert err.strip().splitlines()[-1].startswith("error: ")
+    assert sorted(files.iterdir()) == before
+
+
+@pytest.mark.parametrize("command", ["report", "simulate", "sample", "fit", "export"])
+def test_help_shows_an_example(call, command):
+    code, out, _ = call(command, "--help")
+    assert code == 0
+    assert f"Example: polydraulic {command}" in re.sub(r"\s+", " ", out)

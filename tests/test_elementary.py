@@ -1,0 +1,38 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from polydraulic.elementary import exp, sincos, tanh
+
+
+@given(st.floats(-1e6, 1e6))
+def test_sincos_is_accurate_to_the_last_bits(x):
+    both = sincos(x)
+    assert both.sin == pytest.approx(math.sin(x), rel=3e-16, abs=2.3e-16)
+    assert both.cos == pytest.approx(math.cos(x), rel=3e-16, abs=2.3e-16)
+
+
+@given(st.floats(-700.0, 700.0))
+def test_exp_is_accurate_to_the_last_bits(x):
+    assert exp(x) == pytest.approx(math.exp(x), rel=5e-16)
+
+
+@pytest.mark.parametrize("x", [-1e5, 1e5, math.inf, -math.inf])
+def test_exp_is_limited(x):
+    assert exp(x) == exp(math.copysign(700.0, x))
+
+
+@given(st.floats(-50.0, 50.0))
+def test_tanh(x):
+    assert tanh(x) == pytest.approx(math.tanh(x), abs=3.5e-16)
+
+
+@pytest.mark.parametrize("quarter", range(-8, 9))
+def test_sincos_in_every_quadrant(quarter):
+    for x in np.linspace(quarter * math.pi / 4 - 0.01, quarter * math.pi / 4 + 0.01, 21):
+        both = sincos(x)
+        assert abs(both.sin - math.sin(x)) < 2.3e-16
+        assert abs(both.cos - math.cos(x)) < 2.3e-16

@@ -1,0 +1,43 @@
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+from polydraulic import _kernel
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
+def test_a_kernel_that_allocates_does_not_compile():
+    @_kernel.kernel
+    def allocates(n):
+        return np.zeros(n).sum()
+
+    with pytest.raises(numba.errors.NumbaError, match="No implementation|NRT"):
+        allocates(3)
+
+
+def test_the_digest_follows_every_source(tmp_path):
+    package = Path(_kernel.__file__).parent
+    copy = tmp_path / "polydraulic"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def digest():
+        code = "from polydraulic._kernel import source_digest; print(source_digest())"
+        run = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+        return run.stdout.strip()
+
+    before = digest()
+    assert before == _kernel.source_digest()
+    with (copy / "machine" / "valve.py").open("a") as file:
+        file.write("# edited\n")
+    assert digest() != before
+
+
+def test_other_packages_keep_their_cache_folder():
+    before = numba.config.CACHE_DIR
+    _kernel.driver(lambda x: x)
+    assert before == numba.config.CACHE_DIR
