@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.tables import Table, read_table, replacing, write_table
+from polydraulic.files import replacing
+from polydraulic.tables import Table, read_table, write_table
 
 TABLE = Table({"t": np.array([0.0, 0.1, 1 / 3]), "p x": np.array([1e-300, -2.0, 3e200])}, {"t": "s"}, {"n": 3})
 

@@ -156,9 +156,9 @@ def fit(
 
     Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
     """
-    from polydraulic.networks import AbductiveRegressor, dump_models
+    from polydraulic.networks import AbductiveRegressor, save_models
     from polydraulic.studies.fit import fit_table
-    from polydraulic.tables import read_table, write_text
+    from polydraulic.tables import read_table
 
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
     data = read_table(table, [*names, *targets])
@@ -171,7 +171,7 @@ def fit(
     )
     with _steps("fit", 2 * len(targets)) as progress:
         fits = fit_table(data, names, targets, estimator, _edges(edges or []), progress)
-    write_text(out, dump_models([found.model for found in fits]))
+    save_models([found.model for found in fits], out)
     for found in fits:
         print(
             f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
@@ -251,7 +251,7 @@ def _save_figure(figure: object, path: Path) -> None:
     import matplotlib
     from matplotlib.figure import Figure
 
-    from polydraulic.tables import replacing
+    from polydraulic.files import replacing
 
     assert isinstance(figure, Figure)
     formats = ("svg", "png", "pdf")

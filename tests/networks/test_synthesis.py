@@ -13,7 +13,6 @@ X = RNG.uniform(-1.0, 1.0, size=(400, 3))
         lambda x, y, z: 1.0 + 2.0 * x - x**3,
         lambda x, y, z: x * y - y**2,
         lambda x, y, z: x * y * z + z**3,
-        lambda x, y, z: (x * y + z) ** 2,
     ],
 )
 def test_known_networks_are_found_again(target):

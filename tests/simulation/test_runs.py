@@ -13,6 +13,7 @@ from polydraulic.flow import FLOW_KINDS, build_flow
 from polydraulic.machine.actuator import friction_torque, lever_arm, prepare_cylinder
 from polydraulic.machine.linkage import boom_load, prepare_linkage
 from polydraulic.parameters import Constant, Piecewise, Scenario, Sine, load_scenario
+from polydraulic.parameters.schema import Stops
 from polydraulic.simulation import compare, reference, simulate
 from polydraulic.tables import read_table, write_table
 
@@ -194,7 +195,7 @@ def test_links_that_do_not_move_yet_are_named(machine, name):
 
 def test_a_run_that_leaves_all_reason_says_when(machine):
     light = machine._replace(
-        boom=machine.boom._replace(friction=machine.boom.friction._replace(viscous=1e30)),
+        boom=machine.boom._replace(friction=machine.boom.friction._replace(viscous=1e30), stops=Stops(-np.inf, np.inf)),
     )
     with pytest.raises(SimulationError, match=r"up with flow 'exact': the boom's rate left all reason at t = "):
         simulate(light, "exact", UP)

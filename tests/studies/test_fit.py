@@ -20,7 +20,7 @@ def fit(inputs, outputs, edges=None, table=TABLE):
 def test_one_model_an_output():
     y, z = fit(["a", "b"], ["y", "z"])
     assert (str(y.model.output), str(z.model.output)) == ("y [Pa]", "z")
-    assert y.r2 == pytest.approx(1.0)
+    assert y.r2 > 0.999  # held-out rows outside the training box are moved to its border
     assert 0.99 < z.r2 < 1.0
     assert y.model.training["rows"] == 100
 

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from polydraulic.errors import InputError
+from polydraulic.files import write_text
 from polydraulic.networks import Model, Network, Node
 from polydraulic.networks.model import cell_name
 from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SINGLE
 from polydraulic.networks.table import UNBOUNDED
-from polydraulic.tables import write_text
 
 _KEYWORDS = frozenset(
     "auto break case char const continue default do double else enum extern float for goto if inline int long "
@@ -21,9 +21,27 @@ _KEYWORDS = frozenset(
     "main NULL".split()
 )
 
+_CLAMP = """static double clamp(double v, double low, double high)
+{
+    v = (v < low) ? low : v;
+    return (v > high) ? high : v;
+}
+
+"""
+
 
 def export_c(models: Sequence[Model], folder: str | Path) -> list[Path]:
-    """Write a header and a source for each model; returns their paths.
+    """Write a header and a source for each model.
+
+    Parameters
+    ----------
+    models : sequence of Model
+    folder : str or Path
+
+    Returns
+    -------
+    list of Path
+        The files written.
 
     Raises
     ------
@@ -48,7 +66,7 @@ def c_name(name: str) -> str:
 
 
 def to_c(model: Model, *, name: str) -> tuple[str, str]:
-    """Header and source of the function ``double name(const double x[])``."""
+    """Header and source of the function ``double name(const double x[])`` that evaluates `model`."""
     low, high = model.domain().T
     doc = [f" * {name}: {model.output} from"]
     for i, variable in enumerate(model.inputs):
@@ -74,7 +92,11 @@ double {name}(const double x[{n}]);
 
 #endif
 """
-    functions = [_function(f"{name}_{k}", network, _where(model, k)) for k, network in enumerate(model.networks)]
+    clamp = _CLAMP if _clamps(model) else ""
+    functions = [
+        _function(f"{name}_{k}", network, cell_name(model.edges, model.inputs, k))
+        for k, network in enumerate(model.networks)
+    ]
     source = f"""{comment}
 #include "{name}.h"
 
@@ -82,13 +104,7 @@ double {name}(const double x[{n}]);
 #pragma STDC FP_CONTRACT OFF
 #endif
 
-static double clamp(double v, double low, double high)
-{{
-    v = (v < low) ? low : v;
-    return (v > high) ? high : v;
-}}
-
-{chr(10).join(functions)}
+{clamp}{chr(10).join(functions)}
 double {name}(const double x[{n}])
 {{
 {_choice(model, name)}}}
@@ -96,8 +112,13 @@ double {name}(const double x[{n}])
     return header, source
 
 
-def _where(model: Model, cell: int) -> str:
-    return cell_name(model.edges, model.inputs, cell)
+def _bounded(network: Network) -> bool:
+    return (network.y_low, network.y_high) != (-UNBOUNDED, UNBOUNDED)
+
+
+def _clamps(model: Model) -> bool:
+    """Whether any function needs the clamp; an unused one is a warning."""
+    return any(network.nodes or _bounded(network) for network in model.networks)
 
 
 def _function(name: str, network: Network, where: str) -> str:
@@ -118,7 +139,7 @@ def _function(name: str, network: Network, where: str) -> str:
     y = _number(network.y_mean)
     if network.nodes:
         y = f"{y} + {_number(network.y_scale)} * {names[-1]}"
-    if (network.y_low, network.y_high) != (-UNBOUNDED, UNBOUNDED):
+    if _bounded(network):
         y = f"clamp({y}, {_number(network.y_low)}, {_number(network.y_high)})"
     lines.append(f"    return {y};")
     return "\n".join([*lines, "}", ""])

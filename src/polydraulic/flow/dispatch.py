@@ -83,7 +83,15 @@ def _flow_step_compiled(model: Any, memory: Any, spool: Any, p_in: Any, p_out: A
 
 
 def build_flow(name: str, machine: Machine, **options: Any) -> Any:
-    """Flow model by name.
+    """Build a flow model by name.
+
+    Parameters
+    ----------
+    name : str
+        A key of `FLOW_KINDS`.
+    machine : Machine
+    **options
+        Settings of that model's builder.
 
     Raises
     ------

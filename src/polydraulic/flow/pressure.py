@@ -36,7 +36,13 @@ class PressureFlow(NamedTuple):
 
 
 def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> PressureFlow:
-    """Flow model from networks of ``boom.p_pump`` (of ``boom.travel``, ``boom.p_in``), in SI.
+    """Flow model from networks of the pump pressure.
+
+    Parameters
+    ----------
+    machine : Machine
+    models : sequence of Model
+        Must hold ``boom.p_pump`` (of ``boom.travel``, ``boom.p_in``), in SI.
 
     Raises
     ------

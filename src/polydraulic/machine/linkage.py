@@ -81,6 +81,7 @@ def end_effector(angle: np.ndarray, g: Geometry) -> np.ndarray:
     ----------
     angle : (..., 3) array, rad
         Joint angles, swing, boom, stick.
+    g : Geometry
 
     Returns
     -------
@@ -98,7 +99,7 @@ def end_effector(angle: np.ndarray, g: Geometry) -> np.ndarray:
 def end_effector_printed(angle: np.ndarray, g: Geometry) -> np.ndarray:
     """Position by the formula as printed (thesis 5.3.1), for comparison only.
 
-    Its two d terms have the same sign, so that it is not a rotation.
+    Its two d terms have the same sign, so that it is not a rotation; `angle` and `g` are those of `end_effector`.
     """
     position = end_effector(angle, g)
     position[..., 0] += 2.0 * g.d * np.sin(angle[..., 0])

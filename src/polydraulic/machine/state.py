@@ -32,7 +32,7 @@ class State(NamedTuple):
 
 
 def initial_state(machine: Machine) -> State:
-    """State at the start: spools centred, joints at rest, angles and line pressures from the parameter set."""
+    """State of `machine` at the start: spools centred, joints at rest, angles and line pressures as in its set."""
     starts = [machine.swing.initial, machine.boom.initial, machine.stick.initial]
     rest = Links(0.0, 0.0, 0.0)
     return State(

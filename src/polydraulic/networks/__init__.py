@@ -5,7 +5,7 @@ evaluated), `regressor` and `regions` (the estimators), `model` and `model_file`
 """
 
 from polydraulic.networks.model import Model, Variable, describe
-from polydraulic.networks.model_file import dump_models, load_models, parse_models
+from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.regions import RegionRegressor
 from polydraulic.networks.regressor import AbductiveRegressor
 from polydraulic.networks.table import Network, NetworkTable, Node
@@ -22,4 +22,5 @@ __all__ = [
     "dump_models",
     "load_models",
     "parse_models",
+    "save_models",
 ]

@@ -124,7 +124,14 @@ def pack_models(models: Sequence[Model]) -> tuple[list[Regions], NetworkTable]:
 
 
 def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
-    """Equations of a network, one line a node, in normalized variables."""
+    """Equations of a network, one line a node, in normalized variables.
+
+    Parameters
+    ----------
+    network : Network
+    inputs : sequence of Variable
+        Names of the network's inputs.
+    """
     names = [f"n{i + 1}" for i in range(network.n_inputs)]
     lines = [
         f"n{i + 1} = ({v.name} - {network.x_mean[i]:.6g}) / {network.x_scale[i]:.6g}" for i, v in enumerate(inputs)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from polydraulic.errors import InputError
+from polydraulic.files import write_text
 from polydraulic.networks.model import Edges, Model, Variable, n_cells
 from polydraulic.networks.nodes import KIND_NAMES, LINEAR, N_INPUTS, terms
 from polydraulic.networks.table import Network, Node
@@ -22,13 +23,24 @@ _VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
 
 
 def dump_models(models: Sequence[Model]) -> str:
-    """Models as JSON text; numbers are written so that they read back exactly."""
+    """`models` as JSON text; numbers are written so that they read back exactly."""
     data = {
         "format": "polydraulic model",
         "schema": SCHEMA,
         "models": [_model_data(model) for model in models],
     }
     return json.dumps(data, indent=1, allow_nan=False) + "\n"
+
+
+def save_models(models: Sequence[Model], path: str | Path) -> None:
+    """Write `models` to the file `path`, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written.
+    """
+    write_text(path, dump_models(models))
 
 
 def load_models(path: str | Path) -> list[Model]:

@@ -63,7 +63,12 @@ class Scenario:
 
 
 def load_scenario(source: str | Path) -> Scenario:
-    """Load a scenario by name (``"single_08"``) or from a TOML file.
+    """Load a scenario.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a scenario that comes with the package (``"single_08"``), or the path of a TOML file.
 
     Raises
     ------

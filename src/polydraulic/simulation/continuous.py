@@ -27,6 +27,7 @@ from polydraulic.simulation.runs import step_voltages, trajectory
 from polydraulic.simulation.step import boom_acceleration
 from polydraulic.tables import Table
 
+_MAX_EVALUATIONS = 5_000_000
 _SCALE = np.array([1e-3, 1e6, 1e6, 1.0, 1.0])  # size of spool, pressures, angle, rate: sets absolute tolerances
 
 
@@ -114,10 +115,23 @@ def reference(
     tau = machine.boom.pilot.time_constant
     rates, flows = np.empty(5), np.empty(6)
 
+    evaluations = 0
+
     def derivative(t: float, v: np.ndarray) -> np.ndarray:
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations > _MAX_EVALUATIONS:
+            raise SimulationError(f"reference solution of {scenario.name}: more than {_MAX_EVALUATIONS} evaluations")
         voltage = step_voltages(machine, scenario, np.array([t]))[0, 1]
         _rates(model, memory, plant, tau, held, voltage, v, rates, flows)
         return rates.copy()
+
+    stops = machine.boom.stops
+
+    def inside_stops(t: float, v: np.ndarray) -> float:
+        return float(min(v[3] - stops.low, stops.high - v[3]))
+
+    inside_stops.terminal = True  # type: ignore[attr-defined]
 
     start = np.array([x0.spool.boom, x0.p_a.boom, x0.p_b.boom, x0.angle.boom, x0.rate.boom])
     t_end = scenario.duration if t_end is None else t_end
@@ -128,17 +142,24 @@ def reference(
         inside = (time > t0) & (time <= t1)
         wanted = np.union1d(time[inside], t1)
         solution = solve_ivp(
-            derivative, (t0, t1), v, "LSODA", t_eval=wanted, rtol=rtol, atol=rtol * _SCALE, max_step=0.02
+            derivative,
+            (t0, t1),
+            v,
+            "LSODA",
+            t_eval=wanted,
+            rtol=rtol,
+            atol=rtol * _SCALE,
+            max_step=0.02,
+            events=inside_stops,
         )
+        if solution.status == 1:
+            raise SimulationError(
+                f"reference solution of {scenario.name}: the boom reaches an end stop at t = {solution.t_events[0][0]:g} s, "
+                "which this method does not model; shorten the run or use simulate"
+            )
         if not solution.success:
             raise SimulationError(f"reference solution of {scenario.name}: {solution.message}")
         states[inside], v = solution.y.T[np.isin(wanted, time[inside])], solution.y[:, -1]
-    stops = machine.boom.stops
-    if states[:, 3].min() < stops.low or states[:, 3].max() > stops.high:
-        raise SimulationError(
-            f"reference solution of {scenario.name}: the boom reaches an end stop, which is not modelled"
-        )
-
     rows = np.zeros((len(time), N_RECORD))
     rows[:, [1, 4, 7, 10, 13]] = states
     rows[:, 9], rows[:, 11] = held

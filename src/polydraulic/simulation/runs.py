@@ -73,7 +73,7 @@ def simulate(
         "steps_not_converged": int(arranged.counts[0]),
         "steps_out_of_domain": int(arranged.counts[1]),
     }
-    time = np.arange(len(arranged.rows)) * (dt * every)
+    time = np.arange(len(arranged.rows)) * every * dt
     known = FLOW_KINDS[name].gives_pump_pressure
     return trajectory(scenario.adapt(machine), scenario, time, arranged.rows, info, pump_pressure=known)
 

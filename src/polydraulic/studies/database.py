@@ -60,7 +60,16 @@ def sample_boom(
 def boom_table(
     machine: Machine, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray, *, relief: bool = True
 ) -> Table:
-    """Build the database at given points, arrays of shape (n_point,)."""
+    """Build the database at given points.
+
+    Parameters
+    ----------
+    machine : Machine
+    spool : (n_point,) array, m
+    p_in, p_out : (n_point,) array, Pa
+    relief : bool
+        As for `sample_boom`.
+    """
     flow = sample_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
     root = np.sqrt(np.maximum(p_out - machine.tank.return_pressure, 0.0))
     columns = {

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from polydraulic.errors import InputError
+from polydraulic.files import write_text
 from polydraulic.parameters import Machine
 from polydraulic.studies.catalog import Chapter, Figure, Number, results
 from polydraulic.studies.single_link import STAGES, boom_study
 from polydraulic.studies.single_link_chapters import chapter_3, chapter_4
-from polydraulic.tables import write_table, write_text
+from polydraulic.tables import write_table
 
 CHAPTERS = {3: chapter_3, 4: chapter_4}
 STEPS = (*STAGES, "draw", "write")

@@ -100,7 +100,7 @@ def chapter_3(study: BoomStudy) -> list[Figure]:
     )
     return [
         Figure("3-1", "Network for boom input flow over the whole active box",
-               "Normalizers, cubic nodes and unitizer; the figure in a node is its number of coefficients.",
+               "The thesis printed a single and a double that feed a triple, which also reads the travel; numbers count coefficients.",
                {"": nodes}, network),
         Figure("3-2", "Predicted squared error while the network grows",
                "The penalty rises with K, the fitting error falls; growth stops where their sum is smallest.",

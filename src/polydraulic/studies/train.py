@@ -9,12 +9,11 @@ import sys
 
 import numpy as np
 
-from polydraulic.networks import dump_models
+from polydraulic.networks import save_models
 from polydraulic.parameters import load_machine
 from polydraulic.studies.boom_models import ADAPTIVE, SEED, fit_boom
-from polydraulic.tables import write_text
 
 if __name__ == "__main__":
     machine = load_machine("cat215b")
     models = fit_boom(machine, np.random.default_rng(SEED), pressure_high=machine.pumps.relief, **ADAPTIVE)
-    write_text(sys.argv[1], dump_models([models.q_in, models.q_out]))
+    save_models([models.q_in, models.q_out], sys.argv[1])

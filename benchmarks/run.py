@@ -1,0 +1,84 @@
+"""Speed side by side, in one run, as ratios: machines differ and drift, so single times mean little.
+
+``make bench`` runs this. It prints and asserts nothing.
+"""
+
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+from sklearn.linear_model import LinearRegression
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import PolynomialFeatures, StandardScaler
+
+from polydraulic import build_flow, load_machine, load_scenario
+from polydraulic.networks import AbductiveRegressor
+from polydraulic.networks.moments import moments, squared_errors
+from polydraulic.networks.nodes import TRIPLE, design
+from polydraulic.studies.timing import time_runs
+
+
+def in_turn(calls, repeats=7):
+    """Median seconds of each call; the calls take turns."""
+    seconds = {name: [] for name in calls}
+    for repeat in range(repeats + 1):
+        for name, call in calls.items():
+            start = perf_counter()
+            call()
+            if repeat:
+                seconds[name].append(perf_counter() - start)
+    return {name: median(values) for name, values in seconds.items()}
+
+
+def show(title, seconds, unit, scale):
+    print(f"\n{title}")
+    first = next(iter(seconds.values()))
+    for name, value in seconds.items():
+        print(f"  {name:34s} {value * scale:12.3f} {unit}   ratio {value / first:8.2f}")
+
+
+def steps():
+    machine, scenario = load_machine("cat215b"), load_scenario("single_08")
+    models = {
+        "exact": build_flow("exact", machine),
+        "iterative, eps 0.05": build_flow("iterative", machine),
+        "iterative, eps 0.001": build_flow("iterative", machine, eps=0.001),
+        "polynomial, shipped networks": build_flow("polynomial", machine),
+    }
+    show("one step of the boom circuit", time_runs(machine, models, scenario), "ns", 1e9 / 2000)
+
+
+def scoring():
+    rng = np.random.default_rng(0)
+    v, t = rng.normal(size=(4000, 12)), rng.normal(size=4000)
+    triples = np.array([(i, j, k) for i in range(12) for j in range(i) for k in range(j)])
+
+    def one_by_one():
+        for inputs in triples:
+            np.linalg.lstsq(design(TRIPLE, v[:, inputs]), t)
+
+    calls = {"moments": lambda: squared_errors(moments(v, t), TRIPLE, triples), "least squares, one by one": one_by_one}
+    show(f"scoring {len(triples)} triples on 4000 rows", in_turn(calls, 3), "ms", 1e3)
+
+
+def fitting():
+    rng = np.random.default_rng(1)
+    X = rng.uniform(size=(4000, 10))
+    y = 10 * np.sin(np.pi * X[:, 0] * X[:, 1]) + 20 * (X[:, 2] - 0.5) ** 2 + 10 * X[:, 3] + 5 * X[:, 4]
+    y += rng.normal(size=4000)
+    train, test = slice(0, 2000), slice(2000, 4000)
+    learners = {
+        "AbductiveRegressor": AbductiveRegressor(),
+        "AbductiveRegressor, half variance": AbductiveRegressor(prior_variance="half-variance"),
+        "full cubic polynomial": make_pipeline(StandardScaler(), PolynomialFeatures(3), LinearRegression()),
+    }
+    calls = {name: (lambda model=model: model.fit(X[train], y[train])) for name, model in learners.items()}
+    show("fitting friedman1 with noise 1, 2000 rows", in_turn(calls, 3), "ms", 1e3)
+    for name, model in learners.items():
+        print(f"  {name:34s} R2 on 2000 other rows {model.score(X[test], y[test]):.4f}")
+
+
+if __name__ == "__main__":
+    steps()
+    scoring()
+    fitting()
