@@ -38,16 +38,16 @@ def source_digest() -> str:
 
 def _cache_folder() -> str | None:
     """The folder for this state of the sources, or None where nothing can be written."""
-    chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    base = Path(chosen) / "polydraulic"
-    folder = base / source_digest()
     try:
+        chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        base = Path(chosen) / "polydraulic"
+        folder = base / source_digest()
         folder.mkdir(parents=True, exist_ok=True)
         folder.touch()
         for other in base.iterdir():
             if time.time() - other.stat().st_mtime > _KEEP_DAYS * 86400:
                 shutil.rmtree(other, ignore_errors=True)
-    except OSError:
+    except (OSError, RuntimeError):  # RuntimeError: there is no home
         return None
     return str(folder) if os.access(folder, os.W_OK) else None
 

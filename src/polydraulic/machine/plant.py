@@ -31,7 +31,7 @@ class Plant(NamedTuple):
 
 
 def prepare(machine: Machine, dt: float) -> Plant:
-    """Precompute all that does not change during a run.
+    """Precompute all of a `machine` that does not change during a run.
 
     Raises
     ------

@@ -44,7 +44,7 @@ def save_models(models: Sequence[Model], path: str | Path) -> None:
 
 
 def load_models(path: str | Path) -> list[Model]:
-    """Read a model file.
+    """Read the model file at `path`.
 
     Raises
     ------

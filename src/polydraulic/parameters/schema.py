@@ -174,21 +174,11 @@ class Swing(NamedTuple):
     initial: Initial
 
 
-class Boom(NamedTuple):
-    """The boom; A is the head side, which raises it."""
+class Arm(NamedTuple):
+    """Boom or stick: a link moved by cylinders.
 
-    pilot: Pilot
-    valve: Valve
-    line: Line
-    cylinder: Cylinder
-    body: Body
-    friction: Friction
-    stops: Stops
-    initial: Initial
-
-
-class Stick(NamedTuple):
-    """The stick with its bucket; A is the rod side, which moves it out."""
+    A is the side that moves the joint towards positive angles: the boom's head side, the stick's rod side.
+    """
 
     pilot: Pilot
     valve: Valve
@@ -217,6 +207,6 @@ class Machine(NamedTuple):
     tank: Tank
     spool: Spool
     swing: Swing
-    boom: Boom
-    stick: Stick
+    boom: Arm
+    stick: Arm
     geometry: Geometry
