@@ -69,6 +69,8 @@ def files(tmp_path):
     (tmp_path / "good.csv").write_text("a,b,c\n" + "\n".join(f"{i},{i % 3},{i * i}" for i in range(30)))
     (tmp_path / "nan.csv").write_text("a,b,c\n1,2,3\n4,nan,6\n")
     (tmp_path / "flat.csv").write_text("a,b,c\n" + "\n".join(f"{i},5,{i * i}" for i in range(30)))
+    (tmp_path / "empty.csv").write_text("a,b,c\n")
+    (tmp_path / "large.csv").write_text("a,b,c\n" + "\n".join(f"{i}e306,{i % 3},{i}e200" for i in range(30)))
     (tmp_path / "short.csv").write_text("a,b,c\n1,2,3\n2,3,5\n")
     (tmp_path / "bad.json").write_text("{")
     (tmp_path / "new.json").write_text('{"format": "polydraulic model", "schema": 99, "models": []}')
@@ -97,7 +99,10 @@ FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
         (("fit", "{0}/none.csv", *FIT), "none.csv: no such file"),
         (("fit", "{0}/nan.csv", *FIT), "column 'b' holds nan in row 2"),
         (("fit", "{0}/flat.csv", *FIT), "column 'b' is 5 in all 30 rows"),
-        (("fit", "{0}/short.csv", *FIT), "at least 4 rows"),
+        (("fit", "{0}/short.csv", *FIT), "the table has 2 rows"),
+        (("fit", "{0}/empty.csv", *FIT), "the table has no rows"),
+        (("fit", "{0}/large.csv", *FIT), "the values are too large"),
+        (("fit", "{0}", *FIT), "a table ends in .csv or .parquet"),
         (("fit", "{0}/good.csv", "--inputs", "a,z", "--outputs", "c", "--out", "{0}/m.json"), "no column 'z'"),
         (("fit", "{0}/good.csv", "--inputs", "a,a", "--outputs", "c", "--out", "{0}/m.json"), "different column names"),
         (("fit", "{0}/good.csv", *FIT, "--layers", "0"), "max_layers = 0"),

@@ -35,6 +35,9 @@ def main() -> None:
     except (InputError, SimulationError) as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
+    except MemoryError:
+        print("error: not enough memory: ask for fewer rows or a larger time step", file=sys.stderr)
+        sys.exit(2)
 
 
 @app.command()
@@ -112,7 +115,7 @@ def sample(
     rows: Annotated[int, typer.Option(help="Number of rows.")],
     out: Annotated[Path, typer.Option(help="Table to write, .parquet or .csv (SI).")],
     circuit: Annotated[str, typer.Option(help="Circuit to sample: boom.")] = "boom",
-    seed: Annotated[int, typer.Option(help="Seed of the random points.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
     relief: Annotated[bool, typer.Option(help="With the pump's relief valve, or the ideal circuit without.")] = True,
     machine: MachineOption = "cat215b",
 ) -> None:

@@ -105,6 +105,8 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None) -> Table:
             raw = pq.read_table(path)
     except (pa.ArrowInvalid, pa.ArrowKeyError, OSError) as error:
         raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({str(error).splitlines()[0]})") from error
+    if raw.num_rows == 0:
+        raise InputError(f"{path}: the table has no rows")
     names, units = [], {}
     for entry in raw.schema:
         match = _HEADER.match(entry.name) if ending == ".csv" else None
@@ -135,7 +137,7 @@ def _numbers(column: object, name: str, path: Path) -> np.ndarray:
 
     assert isinstance(column, pa.ChunkedArray)
     if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
-        shown = next((str(v) for v in column.to_pylist() if v is not None), "nothing")
+        shown = next((str(v) for v in column.to_pylist() if v is not None), "no values")
         raise InputError(f"{path}: column {name!r} holds {shown!r}; every value must be a finite number")
     values = column.cast(pa.float64()).to_numpy(zero_copy_only=False).astype(np.float64)
     bad = np.flatnonzero(~np.isfinite(values))

@@ -1,5 +1,7 @@
 """One body over all flow models, each held to what it claims."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -166,7 +168,9 @@ def test_networks_must_fit_their_place(machine):
     swapped = type(q_in)(q_in.inputs[::-1], q_in.output, q_in.edges, q_in.networks)
     with pytest.raises(InputError, match="the model of 'boom.q_in' reads .*'boom.p_in', 'boom.travel'"):
         build_flow("polynomial", machine, models=[swapped, q_out])
-    assert q_in.output == Variable("boom.q_in", "m3/s")
+    inches = (Variable("boom.travel", "in"), q_in.inputs[1])
+    with pytest.raises(InputError, match=r"has boom.travel \[in\]; the circuit computes in SI"):
+        build_flow("polynomial", machine, models=[dataclasses.replace(q_in, inputs=inches), q_out])
 
 
 def test_torque_limit_is_refused_until_it_is_modelled(machine):

@@ -17,14 +17,14 @@ from polydraulic.flow.exact import boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
-from polydraulic.networks import Model, NetworkTable, parse_models
+from polydraulic.networks import Model, NetworkTable, Variable, parse_models
 from polydraulic.networks.model import pack_models
 from polydraulic.networks.table import Regions, evaluate, region
 from polydraulic.parameters import Machine
 
 # What a model must be called, and read, to take its place in the circuit (SI units).
-Q_IN = ("boom.q_in", ("boom.travel", "boom.p_in"))
-Q_OUT = ("boom.q_out", ("boom.spool", "boom.root_p_out"))
+Q_IN = (Variable("boom.q_in", "m3/s"), (Variable("boom.travel", "m"), Variable("boom.p_in", "Pa")))
+Q_OUT = (Variable("boom.q_out", "m3/s"), (Variable("boom.spool", "m"), Variable("boom.root_p_out", "Pa^0.5")))
 _SMALLEST_ROOT = 1.0  # Pa^0.5; below it the outlet conductance no longer follows from flow / root
 
 
@@ -66,15 +66,25 @@ def shipped_models() -> list[Model]:
     return parse_models(source.read_text(encoding="utf-8"), "trained/boom.json")
 
 
-def choose_model(models: Sequence[Model], output: str, inputs: tuple[str, ...]) -> Model:
-    """Return the model of an output, if it reads what the circuit offers."""
-    found = [model for model in models if model.output.name == output]
+def choose_model(models: Sequence[Model], output: Variable, inputs: tuple[Variable, ...]) -> Model:
+    """Return the model of an output, if it reads what the circuit offers in the units of the circuit."""
+    found = [model for model in models if model.output.name == output.name]
     if len(found) != 1:
         given = [model.output.name for model in models]
-        raise InputError(f"the flow model needs one model of {output!r}; given are {given}: fit it or add its file")
+        raise InputError(
+            f"the flow model needs one model of {output.name!r}; given are {given}: fit it or add its file"
+        )
     names = tuple(variable.name for variable in found[0].inputs)
-    if names != inputs:
-        raise InputError(f"the model of {output!r} reads {names}; the circuit needs one of {inputs}, in this order")
+    needed = tuple(variable.name for variable in inputs)
+    if names != needed:
+        raise InputError(
+            f"the model of {output.name!r} reads {names}; the circuit needs one of {needed}, in this order"
+        )
+    for variable, need in zip((found[0].output, *found[0].inputs), (output, *inputs), strict=True):
+        if variable.unit not in ("", need.unit):
+            raise InputError(
+                f"the model of {output.name!r} has {variable}; the circuit computes in SI: fit it on {need}"
+            )
     return found[0]
 
 

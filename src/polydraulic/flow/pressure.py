@@ -13,16 +13,16 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
-from polydraulic.flow.polynomial import choose_model
+from polydraulic.flow.polynomial import Q_IN, choose_model
 from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
-from polydraulic.networks import Model, NetworkTable
+from polydraulic.networks import Model, NetworkTable, Variable
 from polydraulic.networks.model import pack_models
 from polydraulic.networks.table import Regions, evaluate, region
 from polydraulic.parameters import Machine
 
-P_PUMP = ("boom.p_pump", ("boom.travel", "boom.p_in"))
+P_PUMP = (Variable("boom.p_pump", "Pa"), Q_IN[1])
 
 
 class PressureFlow(NamedTuple):

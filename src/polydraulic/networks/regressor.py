@@ -109,8 +109,11 @@ class AbductiveRegressor(RegressorMixin, BaseEstimator):
         low, high = X.min(axis=0), X.max(axis=0)
         if self.domain is not None:
             low, high = _box(self.domain, X.shape[1])
-        x_mean, x_scale = _mean_and_spread(X, weight)
-        y_mean, y_scale = (float(value) for value in _mean_and_spread(y, weight))
+        with np.errstate(over="ignore", invalid="ignore"):
+            x_mean, x_scale = _mean_and_spread(X, weight)
+            y_mean, y_scale = (float(value) for value in _mean_and_spread(y, weight))
+        if not np.all(np.isfinite([*x_mean, *x_scale, y_mean, y_scale * y_scale])):
+            raise InputError("the values are too large for their squares to be numbers: scale the columns")
         bounds = (-UNBOUNDED, UNBOUNDED) if self.output_bounds is None else self.output_bounds
         if not bounds[0] <= bounds[1]:
             raise InputError(f"output_bounds = {bounds}: the first must not exceed the second")

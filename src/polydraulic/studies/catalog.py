@@ -11,7 +11,7 @@ from polydraulic.tables import Table
 if TYPE_CHECKING:
     import matplotlib.figure
 
-Number = float | list[float]
+Number = float | list[float] | list[list[float]]
 
 
 class Figure(NamedTuple):

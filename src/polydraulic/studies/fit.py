@@ -58,6 +58,8 @@ def fit_table(
     unknown = [name for name in edges if name not in inputs]
     if unknown:
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
+    if len(table) <= _FOLD:
+        raise InputError(f"the table has {len(table)} rows; fitting and holding out takes more than {_FOLD}")
     by_index = {list(inputs).index(name): cuts for name, cuts in edges.items()}
     X = table.matrix(inputs)
     held = np.arange(len(table)) % _FOLD == _FOLD - 1
@@ -66,16 +68,13 @@ def fit_table(
         y = table[output]
         regressor = RegionRegressor(estimator, edges=by_index) if edges else estimator
         progress(f"{output}: hold out")
-        error, spread = np.zeros(1), 1.0
-        if held.any():
-            error = clone(regressor).fit(X[~held], y[~held]).predict(X[held]) - y[held]
-            spread = float(np.var(y[held]))
+        error = clone(regressor).fit(X[~held], y[~held]).predict(X[held]) - y[held]
+        spread = float(np.var(y[held]))
         progress(f"{output}: all rows")
         fitted = clone(regressor).fit(X, y)
         model = fitted.to_model([Variable(n, table.unit(n)) for n in inputs], Variable(output, table.unit(output)))
         mean_square = float(np.mean(error * error))
-        r2 = 1.0 - mean_square / spread if spread > 0.0 else float("nan")
-        held_out = {"held_out_r2": r2, "held_out_rms": mean_square**0.5, "rows": len(y)}
-        model.training.update({name: value for name, value in held_out.items() if np.isfinite(value)})
+        r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
+        model.training.update({"held_out_r2": r2, "held_out_rms": mean_square**0.5, "rows": len(y)})
         fits.append(Fit(model, r2, mean_square**0.5, float(np.max(np.abs(error)))))
     return fits

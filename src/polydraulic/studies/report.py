@@ -145,7 +145,11 @@ def _results_table(rows: list[dict[str, Any]]) -> str:
 
 
 def _shown(value: Number) -> str:
-    return ", ".join(f"{v:.4g}" for v in value) if isinstance(value, list) else f"{value:.4g}"
+    if isinstance(value, list):
+        return ", ".join(
+            " to ".join(f"{v:.4g}" for v in item) if isinstance(item, list) else f"{item:.4g}" for item in value
+        )
+    return f"{value:.4g}"
 
 
 def _table(title: str, header: list[str], rows: list[list[str]]) -> str:

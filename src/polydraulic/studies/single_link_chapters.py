@@ -1,10 +1,12 @@
 """Chapters 3 and 4 of the report: figures and numbers put together."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from polydraulic import units
+from polydraulic.networks.nodes import KIND_NAMES, TERMS
 from polydraulic.simulation import Difference, compare
 from polydraulic.studies import single_link_figures as figures
 from polydraulic.studies.boom_models import N_ROWS, SEED
@@ -29,6 +31,8 @@ def chapter_3(study: BoomStudy) -> Chapter:
     """Database and the network of Fig 3-1."""
     box = study.full_box
     x, p, q = (box.statistics[name] for name in box.statistics.names)
+    fitted = box.estimator.network_
+    sampled = f"of the {N_FULL_BOX} random points that the network was grown from"
     largest = units.from_si(study.machine.pumps.boom_flow, "in3/s")
     expected = float(np.sqrt(box.estimator.pse_))
     chosen = [step for step in box.estimator.history_ if step.accepted][-1]
@@ -43,6 +47,13 @@ def chapter_3(study: BoomStudy) -> Chapter:
         "database.Qi_max_in3_s": Ours(float(q.max())),
         "database.Qo_max_boom_in3_s": Ours(float(units.from_si(study.grid["boom.q_out"].max(), "in3/s"))),
         "database.P_range_psi": Ours([0.0, units.from_si(PRESSURE_HIGH, "psi")]),
+        "network_fig_3_1.N1.mean": Ours(fitted.x_mean[0], sampled),
+        "network_fig_3_1.N1.sigma": Ours(fitted.x_scale[0], sampled),
+        "network_fig_3_1.N2.mean": Ours(fitted.x_mean[1], sampled),
+        "network_fig_3_1.N2.sigma": Ours(fitted.x_scale[1], sampled),
+        "network_fig_3_1.U.mean": Ours(fitted.y_mean, sampled),
+        "network_fig_3_1.U.sigma": Ours(fitted.y_scale, sampled),
+        **{f"network_fig_3_1.node_types.{KIND_NAMES[kind]}": Ours(len(TERMS[kind])) for kind in TERMS},
         "pse.KP": Ours(chosen.penalty),
         "pse.FSE": Ours(chosen.fse, harder),
         "pse.PSE": Ours(chosen.pse, harder),
@@ -57,7 +68,8 @@ def chapter_3(study: BoomStudy) -> Chapter:
 
 def chapter_4(study: BoomStudy) -> Chapter:
     """The boom circuit: pump-pressure networks, flow networks, run times."""
-    machine = study.machine
+    machine, spool = study.machine, study.machine.spool
+    cuts = [0.0, *(units.from_si(cut, "in") for cut in (spool.deadband, spool.bypass_closed, spool.knots[-1]))]
     v08, v05 = (
         {kind: _errors(study, name, kind) for kind in study.runs[name] if kind != "exact"} for name in study.runs
     )
@@ -75,9 +87,10 @@ def chapter_4(study: BoomStudy) -> Chapter:
     slower = "one compiled core of today against a 486/66; the ratio to the iteration is what can be compared"
     closing = _closing_times(study)
     ours = {
-        "valves.deadband_in": Ours(units.from_si(machine.spool.deadband, "in")),
-        "valves.bypass_closed_in": Ours(units.from_si(machine.spool.bypass_closed, "in")),
-        "valves.travel_in": Ours(units.from_si(machine.spool.knots[-1], "in")),
+        "valves.deadband_in": Ours(cuts[1]),
+        "valves.bypass_closed_in": Ours(cuts[2]),
+        "valves.travel_in": Ours(cuts[3]),
+        "valves.regions_single": Ours([list(pair) for pair in pairwise(cuts)]),
         "single.pressure_model.joint_displacement_error_max_deg": Ours(pressure["boom.angle"].largest, fails_elsewhere),
         "single.pressure_model.joint_velocity_error_max_deg_s": Ours(pressure["boom.rate"].largest, fails_elsewhere),
         "single.aim_maps.Qi_error_max_in3_s": Ours(maps["q_in"], "historical setting; the sign depends on the seed"),
