@@ -68,7 +68,7 @@ def chapter_3(study: BoomStudy) -> Chapter:
 
 def chapter_4(study: BoomStudy) -> Chapter:
     """The boom circuit: pump-pressure networks, flow networks, run times."""
-    machine, spool = study.machine, study.machine.spool
+    spool = study.machine.spool
     cuts = [0.0, *(units.from_si(cut, "in") for cut in (spool.deadband, spool.bypass_closed, spool.knots[-1]))]
     v08, v05 = (
         {kind: _errors(study, name, kind) for kind in study.runs[name] if kind != "exact"} for name in study.runs
