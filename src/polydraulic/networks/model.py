@@ -73,6 +73,14 @@ class Model:
         """Number of coefficients of all networks."""
         return sum(network.n_coefficients for network in self.networks)
 
+    def region_box(self, k: int) -> np.ndarray:
+        """Box of inputs for which network `k` answers, infinite where nothing cuts; shape (n_input, 2)."""
+        box = np.tile([-np.inf, np.inf], (len(self.inputs), 1))
+        for axis, cuts in reversed(self.edges.items()):
+            k, place = divmod(k, len(cuts) + 1)
+            box[axis] = [cuts[place - 1] if place else -np.inf, cuts[place] if place < len(cuts) else np.inf]
+        return box
+
     def domain(self) -> np.ndarray:
         """Smallest box around the domains of all networks; shape (n_input, 2)."""
         low = np.min([network.x_low for network in self.networks], axis=0)
