@@ -151,7 +151,7 @@ def fit(
     prior: Annotated[
         str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")
     ] = "adaptive",
-    bounds: Annotated[str | None, typer.Option(help="Physical bounds of the output: LOW,HIGH.")] = None,
+    bounds: Annotated[str | None, typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given.")] = None,
 ) -> None:
     """Learn polynomial networks from a table.
 
@@ -170,7 +170,7 @@ def fit(
         max_layers=layers,
         cpm=cpm,
         prior_variance=prior if prior in ("adaptive", "half-variance") else _numbers(prior, "--prior", 1)[0],
-        output_bounds=None if limits is None else (limits[0], limits[1]),
+        output_bounds="data" if limits is None else (limits[0], limits[1]),
     )
     with _steps("fit", 2 * len(targets)) as progress:
         fits = fit_table(data, names, targets, estimator, _edges(edges or []), progress)

@@ -15,6 +15,7 @@ from polydraulic.networks.nodes import DOUBLE, LINEAR, SINGLE, TRIPLE, terms
 
 _PIVOT = 1e-11  # a column whose rest is smaller than this share of it depends on the columns before it
 _BLOCK = 4096
+_CHUNK = 4096  # candidates whose equations are held at a time
 
 
 @dataclass
@@ -54,24 +55,40 @@ class Moments:
         return Moments(*(getattr(self, name) + getattr(other, name) for name in self.__dataclass_fields__))
 
 
-def moments(v: np.ndarray, t: np.ndarray, weight: np.ndarray | None = None) -> Moments:
-    """Moments of variables `v` (n_row, n) and target `t` (n_row,), block of rows by block of rows."""
+def moments(v: np.ndarray, t: np.ndarray, weight: np.ndarray | None = None, *, triples: bool = True) -> Moments:
+    """Moments of a set of rows.
+
+    Parameters
+    ----------
+    v : (n_row, n) array
+        Variables.
+    t : (n_row,) array
+        Target.
+    weight : (n_row,) array, optional
+    triples : bool
+        Without them the tables with three variables stay empty, and only Singles, Doubles and Linears can be scored.
+    """
     total: Moments | None = None
     for start in range(0, len(v), _BLOCK):
         rows = slice(start, start + _BLOCK)
         w = np.ones(len(t[rows])) if weight is None else weight[rows]
-        part = _block_moments(v[rows], t[rows], w)
+        part = _block_moments(v[rows], t[rows], w, triples)
         total = part if total is None else total + part
     assert total is not None
     return total
 
 
-def _block_moments(v: np.ndarray, t: np.ndarray, w: np.ndarray) -> Moments:
+def _block_moments(v: np.ndarray, t: np.ndarray, w: np.ndarray, triples: bool) -> Moments:
     n_row, n = v.shape
     v2 = v * v
     powers = np.stack([np.ones_like(v), v, v2, v2 * v, v2 * v2], axis=1)  # (n_row, 5, n)
     flat = powers.reshape(n_row, 5 * n)
     weighted = flat * w[:, None]
+    power, target = (weighted.T @ flat).reshape(5, n, 5, n), (weighted.T @ t).reshape(5, n)
+    weight, target_square = float(w.sum()), float((w * t) @ t)
+    if not triples:
+        none = np.zeros(0)
+        return Moments(weight, power, target, none, (v * (w * t)[:, None]).T @ v, none, none, target_square)
     i, j = np.triu_indices(n)
     pairs = (v[:, i] * v[:, j]) * w[:, None]
     right = np.hstack([flat, t[:, None], v * t[:, None]])
@@ -84,14 +101,14 @@ def _block_moments(v: np.ndarray, t: np.ndarray, w: np.ndarray) -> Moments:
         return full
 
     return Moments(
-        weight=float(w.sum()),
-        power=(weighted.T @ flat).reshape(5, n, 5, n),
-        target=(weighted.T @ t).reshape(5, n),
+        weight=weight,
+        power=power,
+        target=target,
         pair=both_ways(from_pairs[:, : 5 * n], 5, n),
         pair_target=both_ways(from_pairs[:, 5 * n]),
         triple_target=both_ways(from_pairs[:, 5 * n + 1 :], n),
         square=both_ways(squares, 3, n),
-        target_square=float((w * t) @ t),
+        target_square=target_square,
     )
 
 
@@ -165,9 +182,11 @@ def _target_moment(m: Moments, exponents: tuple[int, ...], inputs: np.ndarray) -
 
 def squared_errors(m: Moments, kind: int, inputs: np.ndarray) -> np.ndarray:
     """Fitting squared error, averaged over rows, of each candidate's least-squares fit; shape (n_candidate,)."""
-    gram, right = normal_equations(m, kind, inputs)
     explained = np.empty(len(inputs))
-    _explain(gram, right, np.empty(gram.shape[1:]), np.empty(gram.shape[1]), explained)
+    for start in range(0, len(inputs), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        gram, right = normal_equations(m, kind, inputs[part])
+        _explain(gram, right, np.empty(gram.shape[1:]), np.empty(gram.shape[1]), explained[part])
     return np.maximum(m.target_square - explained, 0.0) / m.weight
 
 

@@ -63,9 +63,53 @@ def design(kind: int, x: np.ndarray) -> np.ndarray:
     return np.column_stack(columns)
 
 
-def least_squares(matrix: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> np.ndarray:
-    """Coefficients of the (weighted) least-squares fit; of equally good ones the smallest."""
-    if weight is not None:
-        root = np.sqrt(weight)
-        matrix, y = matrix * root[:, None], y * root
-    return np.linalg.lstsq(matrix, y, rcond=1e-12)[0]
+def without_idle_inputs(kind: int, coef: np.ndarray) -> tuple[int, list[int], np.ndarray]:
+    """The smallest node that computes the same, when some terms have coefficient zero.
+
+    Parameters
+    ----------
+    kind : int
+    coef : (n_term,) array
+
+    Returns
+    -------
+    kind : int
+    kept : list of int
+        Places of the inputs that it still reads; the first if none matters.
+    coef : (n_term_left,) array
+    """
+    size = coef.size if kind == LINEAR else N_INPUTS[kind]
+    exponents = terms(kind, size)
+    kept = [j for j in range(size) if any(c and e[j] for c, e in zip(coef, exponents, strict=True))] or [0]
+    if len(kept) == size:
+        return kind, kept, coef
+    smaller = LINEAR if kind == LINEAR else len(kept) - 1
+    value = {tuple(e[j] for j in kept): c for c, e in zip(coef, exponents, strict=True) if c}
+    return smaller, kept, np.array([value.get(e, 0.0) for e in terms(smaller, len(kept))])
+
+
+def slopes(kind: int, x: np.ndarray, coef: np.ndarray) -> np.ndarray:
+    """Derivatives of a node's output by each of its inputs.
+
+    Parameters
+    ----------
+    kind : int
+    x : (n_row, n_input) array
+    coef : (n_term,) array
+
+    Returns
+    -------
+    (n_row, n_input) array
+    """
+    powers = [np.ones_like(x), x, x * x]
+    found = np.zeros_like(x)
+    for c, exponents in zip(coef, terms(kind, x.shape[1]), strict=True):
+        for j, exponent in enumerate(exponents):
+            if exponent and c:
+                column = np.full(len(x), c * exponent)
+                for i, other in enumerate(exponents):
+                    left = other - (i == j)
+                    if left:
+                        column = column * powers[left][:, i]
+                found[:, j] += column
+    return found

@@ -1,22 +1,40 @@
-"""AbductiveRegressor: a polynomial abductive network as a scikit-learn estimator."""
+"""AbductiveRegressor: polynomial abductive networks as a scikit-learn estimator."""
 
-from collections.abc import Sequence
-from typing import Any
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
+from sklearn.utils import Tags, check_random_state
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
+from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model import Model, Variable
 from polydraulic.networks.nodes import KIND_NAMES
-from polydraulic.networks.synthesis import Settings, synthesize
+from polydraulic.networks.prescreen import promising_inputs
+from polydraulic.networks.refine import refine
+from polydraulic.networks.rows import Rows, Scaling, rows_from_blocks, rows_in_memory
+from polydraulic.networks.synthesis import Settings, Step, penalty, synthesize
 from polydraulic.networks.table import UNBOUNDED, Network
 
 _SMALLEST = 4  # coefficients of the smallest node with a constant
+_MAX_REFINEMENTS = 100  # passes over the rows
+_MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
+_MISSING = ("refuse", "drop", "impute")
 
 
-class AbductiveRegressor(RegressorMixin, BaseEstimator):
+class Grown(NamedTuple):
+    """One output's network and how it came about; errors in squared units of y."""
+
+    network: Network
+    history: list[Step]
+    fse: float
+    pse: float
+
+
+class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     """Polynomial abductive network: cubic nodes grown layer by layer under the predicted squared error.
 
     Parameters
@@ -32,20 +50,38 @@ class AbductiveRegressor(RegressorMixin, BaseEstimator):
     prior_variance : "adaptive", "half-variance" or float, default="adaptive"
         Prior error variance s_p^2 of the penalty. "adaptive" estimates it again from the residuals as the network
         grows and needs no tuning; "half-variance" is var(y) / 2, the historical choice; a number is in squared units of y.
+    carve : bool, default=True
+        Leave terms out of a node that cost more than they explain.
+    refine : bool, default=True
+        Improve all coefficients of the grown network together, by Levenberg-Marquardt.
+    max_inputs : int, default=30
+        With more inputs than this, the search sees only that many, chosen by what they explain in Singles and Doubles.
+    missing : "refuse", "drop" or "impute", default="refuse"
+        What to do with NaN in X: an error; leave such rows out of the fit (and refuse them in `predict`); or put the
+        mean of the column in its place, in `fit` and `predict`.
     domain : sequence of (low, high), optional
         Box in which the model holds, one pair an input; the range of the training data if not given. Inputs outside
         are moved to its border.
-    output_bounds : (low, high), optional
-        Physical bounds of the output; predictions are clamped to them.
+    output_bounds : "data", (low, high) or None, default="data"
+        Predictions are clamped to these physical bounds; "data" is the range of the targets, widened by a tenth of it
+        at both ends; None sets no bounds.
+    calibration : float, default=0.0
+        Share of the rows that is held out to state prediction intervals.
+    random_state : int, RandomState or None, default=None
+        Chooses the rows that are held out; without calibration nothing is random.
+    verbose : bool, default=False
+        Print a line a layer and a refinement to standard error.
 
     Attributes
     ----------
-    network_ : Network
-        Nodes, normalizers, unitizer, domain.
-    history_ : list of Step
-        The layers tried, with K, FSE, penalty and PSE in squared units of y.
-    fse_, pse_ : float
-        Fitting and predicted squared error of the chosen network.
+    networks_ : list of Network
+        One an output; `network_` is the first.
+    histories_ : list of list of Step
+        The layers tried, with K, FSE, penalty and PSE in squared units of y; `history_` is the first.
+    fse_, pse_ : float, or (n_output,) array
+        Fitting and predicted squared error of the final network.
+    residuals_ : list of (n_held_out,) array
+        Sizes of the held-out residuals, rising, one array an output.
     n_features_in_ : int
     feature_names_in_ : ndarray of str
         Only if fitted on a frame with column names.
@@ -67,25 +103,44 @@ class AbductiveRegressor(RegressorMixin, BaseEstimator):
         kinds: Sequence[str] = KIND_NAMES,
         cpm: float = 1.0,
         prior_variance: str | float = "adaptive",
+        carve: bool = True,
+        refine: bool = True,
+        max_inputs: int = 30,
+        missing: str = "refuse",
         domain: Sequence[tuple[float, float]] | None = None,
-        output_bounds: tuple[float, float] | None = None,
+        output_bounds: str | tuple[float, float] | None = "data",
+        calibration: float = 0.0,
+        random_state: Any = None,
+        verbose: bool = False,
     ) -> None:
         self.max_layers = max_layers
         self.n_survivors = n_survivors
         self.kinds = kinds
         self.cpm = cpm
         self.prior_variance = prior_variance
+        self.carve = carve
+        self.refine = refine
+        self.max_inputs = max_inputs
+        self.missing = missing
         self.domain = domain
         self.output_bounds = output_bounds
+        self.calibration = calibration
+        self.random_state = random_state
+        self.verbose = verbose
+
+    def __sklearn_tags__(self) -> Tags:
+        tags = super().__sklearn_tags__()
+        tags.input_tags.allow_nan = self.missing != "refuse"
+        return tags
 
     def fit(self, X: Any, y: Any, sample_weight: Any = None) -> "AbductiveRegressor":
-        """Grow a network.
+        """Grow a network for each output.
 
         Parameters
         ----------
-        X : (n_row, n_input) array-like of finite float
+        X : (n_row, n_input) array-like of float
             A constant column carries no information and is never chosen.
-        y : (n_row,) array-like of finite float
+        y : (n_row,) or (n_row, n_output) array-like of finite float
         sample_weight : (n_row,) array-like, optional
             A weight acts like that many repetitions of its row.
 
@@ -95,86 +150,212 @@ class AbductiveRegressor(RegressorMixin, BaseEstimator):
             NaN or infinite values, fewer rows than the smallest node has coefficients, settings out of range.
         """
         settings = self._settings()
-        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64, ensure_min_samples=2)
+        X, y = validate_data(
+            self, X, y, y_numeric=True, dtype=np.float64, multi_output=True, ensure_min_samples=2,
+            ensure_all_finite="allow-nan" if self.missing != "refuse" else True,
+        )  # fmt: skip
         y = y.astype(np.float64)
         weight = None if sample_weight is None else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
-        if weight is not None:
-            used = weight > 0.0
-            X, y, weight = X[used], y[used], weight[used]
-        rows = len(y) if weight is None else float(weight.sum())
-        if rows < _SMALLEST:
-            raise InputError(
-                f"n_samples = {rows:g}: a network needs at least {_SMALLEST} rows, the coefficients of its smallest node"
-            )
-        low, high = X.min(axis=0), X.max(axis=0)
-        if self.domain is not None:
-            low, high = _box(self.domain, X.shape[1])
-        with np.errstate(over="ignore", invalid="ignore"):
-            x_mean, x_scale = _mean_and_spread(X, weight)
-            y_mean, y_scale = (float(value) for value in _mean_and_spread(y, weight))
-        if not np.all(np.isfinite([*x_mean, *x_scale, y_mean, y_scale * y_scale])):
-            raise InputError("the values are too large for their squares to be numbers: scale the columns")
-        bounds = (-UNBOUNDED, UNBOUNDED) if self.output_bounds is None else self.output_bounds
-        if not bounds[0] <= bounds[1]:
-            raise InputError(f"output_bounds = {bounds}: the first must not exceed the second")
-        nodes, self.history_ = synthesize(
-            (X - x_mean) / x_scale, (y - y_mean) / y_scale, weight, y_scale * y_scale, settings
-        )
-        chosen = [step for step in self.history_ if step.accepted][-1]
-        self.fse_, self.pse_ = chosen.fse, chosen.pse
-        self.network_ = Network(
-            nodes=tuple(nodes),
-            x_mean=tuple(x_mean.tolist()),
-            x_scale=tuple(x_scale.tolist()),
-            x_low=tuple(low.tolist()),
-            x_high=tuple(high.tolist()),
-            y_mean=y_mean,
-            y_scale=y_scale,
-            y_low=float(bounds[0]),
-            y_high=float(bounds[1]),
-        )
+        X, y, weight = self._complete(X, y, weight)
+        self._single_output = y.ndim == 1
+        targets = y.reshape(len(y), -1)
+        learn, hold = self._split(len(y))
+        part = None if weight is None else weight[learn]
+        grown = [self._grow(rows_in_memory(X[learn], target[learn], part), settings) for target in targets.T]
+        self._finish(grown)
+        predicted = np.column_stack([model.predict(X[hold]) for model in self.to_models()])
+        self.residuals_ = [np.sort(np.abs(column)) for column in (predicted - targets[hold]).T]
         return self
 
-    def predict(self, X: Any) -> np.ndarray:
-        """Outputs for `X`, shape (n_row,)."""
+    def fit_blocks(self, blocks: Iterable[Any]) -> "AbductiveRegressor":
+        """Grow a network from rows that need not fit in memory.
+
+        Parameters
+        ----------
+        blocks : iterable of (X, y) or (X, y, weight)
+            Passed over many times: a list, a `ParquetBlocks`, or any object whose ``__iter__`` starts a new pass. Memory
+            depends on the size of a block, not on their number. Missing values and calibration are not offered here.
+
+        Raises
+        ------
+        ValueError
+            As for `fit`; also blocks that can be read only once.
+        """
+        settings = self._settings()
+        if self.missing != "refuse" or self.calibration:
+            raise InputError("fit_blocks takes missing='refuse' and calibration=0: prepare the blocks, or use fit")
+        rows = rows_from_blocks(blocks)
+        self.n_features_in_ = len(rows.scaling.x_mean)
+        self._single_output = True
+        self._finish([self._grow(rows, settings)])
+        self.residuals_ = [np.zeros(0)]
+        return self
+
+    def predict(self, X: Any, *, return_domain: bool = False, return_interval: float | None = None) -> Any:
+        """Outputs for `X`, shape (n_row,), or (n_row, n_output) if fitted on several.
+
+        Parameters
+        ----------
+        X : (n_row, n_input) array-like
+        return_domain : bool
+            Also return a (n_row,) array of bool: whether the row lies in the domain.
+        return_interval : float, optional
+            Also return low and high ends of intervals with this coverage, shaped like the outputs; needs
+            ``calibration`` in the fit.
+
+        Returns
+        -------
+        outputs, or a tuple (outputs, low, high, inside) of what was asked for
+        """
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False, dtype=np.float64)
-        return self.to_model().predict(X)
+        X = validate_data(
+            self, X, reset=False, dtype=np.float64, ensure_all_finite="allow-nan" if self.missing == "impute" else True
+        )
+        if self.missing == "impute":
+            X = np.where(np.isnan(X), self.impute_, X)
+        y = np.column_stack([model.predict(X) for model in self.to_models()])
+        found = [y]
+        if return_interval is not None:
+            half = np.array([half_width(residuals, return_interval) for residuals in self.residuals_])
+            found += [y - half, y + half]
+        if self._single_output:
+            found = [values[:, 0] for values in found]
+        if return_domain:
+            low, high = np.array(self.network_.x_low), np.array(self.network_.x_high)
+            found.append(np.all((low <= X) & (high >= X), axis=1))
+        return found[0] if len(found) == 1 else tuple(found)
 
     def to_model(self, inputs: Sequence[Variable] | None = None, output: Variable | None = None) -> Model:
-        """Return the fitted network as a model that can be saved, exported and simulated."""
+        """Return the (first) network as a model that can be saved, exported and simulated."""
+        return self.to_models(inputs, None if output is None else [output])[0]
+
+    def to_models(
+        self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
+    ) -> list[Model]:
+        """Return one model an output."""
         check_is_fitted(self)
-        training = {"pse": self.pse_, "fse": self.fse_, "layers": sum(s.accepted for s in self.history_) - 1}
-        return Model(
-            variables(self, inputs),
-            output or Variable("y"),
-            {},
-            (self.network_,),
-            {**training, **settings_of(self)},
+        several = len(self.networks_) > 1
+        names = outputs or [Variable(f"y{k}" if several else "y") for k in range(len(self.networks_))]
+        fse, pse = np.atleast_1d(self.fse_), np.atleast_1d(self.pse_)
+        return [
+            Model(
+                variables(self, inputs),
+                name,
+                {},
+                (network,),
+                {"pse": float(pse[k]), "fse": float(fse[k]), **settings_of(self)},
+            )
+            for k, (network, name) in enumerate(zip(self.networks_, names, strict=False))
+        ]
+
+    def _grow(self, rows: Rows, settings: Settings) -> Grown:
+        s = rows.scaling
+        if s.weight < _SMALLEST:
+            raise InputError(
+                f"n_samples = {s.weight:g}: a network needs at least {_SMALLEST} rows, "
+                "the coefficients of its smallest node"
+            )
+        n_input = len(s.x_mean)
+        inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)
+        inputs = inputs[s.varies[inputs]]
+        nodes, history = synthesize(rows, inputs, settings)
+        self._say(*(f"layer {h.layer}: K {h.n_coefficients}, PSE {h.pse:.6g}, {h.n_candidates} tried" for h in history))
+        y_low, y_high = self._output_bounds(s)
+        fse = [step for step in history if step.accepted][-1].fse / s.y_scale**2
+        if self.refine and nodes:
+            bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
+            nodes, fse = refine(
+                nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS,
+                progress=lambda i, loss: self._say(f"refinement {i}: FSE {loss * s.y_scale**2:.6g}"),
+            )  # fmt: skip
+        low, high = (s.x_low, s.x_high) if self.domain is None else _box(self.domain, n_input)
+        network = Network(
+            nodes=tuple(nodes),
+            x_mean=tuple(s.x_mean.tolist()),
+            x_scale=tuple(s.x_scale.tolist()),
+            x_low=tuple(low.tolist()),
+            x_high=tuple(high.tolist()),
+            y_mean=s.y_mean,
+            y_scale=s.y_scale,
+            y_low=y_low,
+            y_high=y_high,
         )
+        cost = penalty(settings, network.n_coefficients, s.weight, fse, network.n_coefficients, s.y_scale**2)
+        return Grown(network, history, fse * s.y_scale**2, (fse + cost) * s.y_scale**2)
+
+    def _finish(self, grown: list[Grown]) -> None:
+        self.networks_ = [one.network for one in grown]
+        self.histories_ = [one.history for one in grown]
+        self.network_, self.history_ = self.networks_[0], self.histories_[0]
+        fse, pse = [one.fse for one in grown], [one.pse for one in grown]
+        self.fse_: Any = fse[0] if self._single_output else np.array(fse)
+        self.pse_: Any = pse[0] if self._single_output else np.array(pse)
+
+    def _complete(
+        self, X: np.ndarray, y: np.ndarray, weight: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Rows to learn from: missing values dealt with, rows without weight left out."""
+        used = np.ones(len(X), dtype=bool) if weight is None else weight > 0.0
+        if self.missing == "drop":
+            used &= ~np.isnan(X).any(axis=1)
+        X, y, weight = X[used], y[used], None if weight is None else weight[used]
+        if self.missing == "impute":
+            if len(X) and np.isnan(X).all(axis=0).any():
+                raise InputError(f"input {int(np.isnan(X).all(axis=0).argmax())} has no value at all: leave it out")
+            self.impute_ = np.nanmean(X, axis=0) if len(X) else np.zeros(X.shape[1])
+            X = np.where(np.isnan(X), self.impute_, X)
+        return X, y, weight
+
+    def _split(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows to learn from, and rows held out."""
+        if not 0.0 <= self.calibration < 1.0:
+            raise InputError(f"calibration = {self.calibration!r}: must be a share of the rows, at least 0 and below 1")
+        rows = np.arange(n)
+        held = round(self.calibration * n)
+        if held:
+            chosen = check_random_state(self.random_state).permutation(n)
+            return np.sort(chosen[held:]), np.sort(chosen[:held])
+        return rows, rows[:0]
+
+    def _output_bounds(self, s: Scaling) -> tuple[float, float]:
+        if self.output_bounds is None:
+            return -UNBOUNDED, UNBOUNDED
+        if isinstance(self.output_bounds, str):
+            margin = _MARGIN * (s.y_high - s.y_low)
+            return s.y_low - margin, s.y_high + margin
+        return float(self.output_bounds[0]), float(self.output_bounds[1])
 
     def _settings(self) -> Settings:
         kinds = tuple(self.kinds)
-        unknown = [kind for kind in kinds if kind not in KIND_NAMES]
-        if unknown or not kinds:
+        if not kinds or any(kind not in KIND_NAMES for kind in kinds):
             raise InputError(f"kinds = {kinds}: must be one or more of {KIND_NAMES}")
-        for name, low in (("max_layers", 1), ("n_survivors", 1)):
+        for name in ("max_layers", "n_survivors", "max_inputs"):
             value = getattr(self, name)
-            if not isinstance(value, int | np.integer) or value < low:
-                raise InputError(f"{name} = {value!r}: must be a whole number, at least {low}")
+            if not isinstance(value, int | np.integer) or value < 1:
+                raise InputError(f"{name} = {value!r}: must be a whole number, at least 1")
         if not self.cpm >= 0.0:
             raise InputError(f"cpm = {self.cpm!r}: must be at least 0")
-        named = isinstance(self.prior_variance, str)
-        if named and self.prior_variance not in ("adaptive", "half-variance"):
-            raise InputError(f"prior_variance = {self.prior_variance!r}: 'adaptive', 'half-variance' or a number")
-        if not named and not float(self.prior_variance) >= 0.0:
-            raise InputError(f"prior_variance = {self.prior_variance!r}: must be at least 0")
-        return Settings(kinds, int(self.max_layers), int(self.n_survivors), float(self.cpm), self.prior_variance)
+        if self.missing not in _MISSING:
+            raise InputError(f"missing = {self.missing!r}: must be one of {_MISSING}")
+        prior = self.prior_variance
+        if isinstance(prior, str) and prior not in ("adaptive", "half-variance"):
+            raise InputError(f"prior_variance = {prior!r}: 'adaptive', 'half-variance' or a number")
+        if not isinstance(prior, str) and not float(prior) >= 0.0:
+            raise InputError(f"prior_variance = {prior!r}: must be at least 0")
+        bounds = self.output_bounds
+        good = bounds is None or bounds == "data" or (not isinstance(bounds, str) and bounds[0] <= bounds[1])
+        if not good:
+            raise InputError(f"output_bounds = {bounds!r}: must be 'data', None, or (low, high) with low <= high")
+        return Settings(kinds, int(self.max_layers), int(self.n_survivors), float(self.cpm), prior, bool(self.carve))
+
+    def _say(self, *lines: str) -> None:
+        if self.verbose:
+            print(*lines, sep="\n", file=sys.stderr)
 
 
 def settings_of(estimator: BaseEstimator) -> dict[str, object]:
     """Return the settings of a fit worth keeping in a model file."""
-    keep = ("max_layers", "n_survivors", "cpm", "prior_variance")
+    keep = ("max_layers", "n_survivors", "cpm", "prior_variance", "carve", "refine")
     return {name: value for name, value in estimator.get_params(deep=False).items() if name in keep}
 
 
@@ -187,15 +368,6 @@ def variables(estimator: BaseEstimator, inputs: Sequence[Variable] | None) -> tu
     names = getattr(estimator, "feature_names_in_", None)
     names = [f"x{i}" for i in range(estimator.n_features_in_)] if names is None else names
     return tuple(Variable(str(name)) for name in names)
-
-
-def _mean_and_spread(values: np.ndarray, weight: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and standard deviation; 1 instead of the deviation where all values are equal."""
-    mean = np.average(values, axis=0, weights=weight)
-    spread = np.sqrt(np.average((values - mean) ** 2, axis=0, weights=weight))
-    constant = np.ptp(values, axis=0) <= 1e-12 * np.abs(mean)
-    mean = np.where(constant, values[0], mean) + 0.0  # no negative zeros in files
-    return mean, np.where(constant | (spread == 0.0), 1.0, spread)
 
 
 def _box(domain: Sequence[tuple[float, float]], n_input: int) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,8 @@
 
 PSE = FSE + CPM (2 K / N) s_p^2: the fitting squared error plus a penalty for K coefficients from N rows, with s_p^2 a
 prior guess of the error variance of the true model. Each layer draws on the inputs and on the survivors of every
-layer before it. All candidates are scored from moments; the best are fitted again on the rows themselves.
+layer before it. A layer takes two passes over the rows: one for the moments from which all candidates are scored,
+one in which the best are fitted by orthogonal least squares.
 """
 
 from collections.abc import Callable
@@ -12,24 +13,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.networks.moments import moments, squared_errors
-from polydraulic.networks.nodes import (
-    DOUBLE,
-    KIND_NAMES,
-    LINEAR,
-    SINGLE,
-    TRIPLE,
-    design,
-    least_squares,
-    terms,
-)
+from polydraulic.networks.moments import Moments, moments, squared_errors
+from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SINGLE, TRIPLE, design, terms, without_idle_inputs
+from polydraulic.networks.rows import Rows
 from polydraulic.networks.table import Node
+from polydraulic.networks.triangle import Fit, carve, grow, solve
 
 _REFIT = 30  # scored by moments, this many are fitted again by orthogonal least squares before the choice
 _SAME = 1e-10  # outputs whose squared correlation is this close to 1 count as the same
 _ROWS_A_COEFFICIENT = 3  # a network may have one coefficient for so many rows
 _ALWAYS = 4  # coefficients that any data may have: one Single
 _GAIN = 1e-9  # a PSE must fall by this share to count as better
+_EXACT = 1e-24  # of the variance; a smaller error is rounding
 
 
 @dataclass(frozen=True)
@@ -45,7 +40,9 @@ class Settings:
     cpm : float
         Complexity penalty multiplier.
     prior_variance : "adaptive", "half-variance" or float
-        s_p^2: estimated again as the network grows; var(y) / 2, the historical setting; or a value in units of y squared.
+        s_p^2: estimated again as the network grows; var(y) / 2, the historical setting; or a value in squared units of y.
+    carve : bool
+        Whether terms that cost more than they explain are left out of a node.
     """
 
     kinds: tuple[str, ...]
@@ -53,6 +50,7 @@ class Settings:
     n_survivors: int
     cpm: float
     prior_variance: str | float
+    carve: bool
 
 
 @dataclass(frozen=True)
@@ -68,12 +66,10 @@ class Step:
     accepted: bool
 
 
-@dataclass
-class _Variable:
-    """An input or a node's output while the network grows."""
+class _Variable(NamedTuple):
+    """An input (without node) or a node's output while the network grows."""
 
-    values: np.ndarray
-    node: Node | None  # None for an input; its slots count variables, not the final network's slots
+    node: Node | None  # its slots count variables, not the final network's slots
     ancestors: frozenset[int]  # nodes needed to compute it, itself included
 
 
@@ -94,20 +90,37 @@ class _Fitted(NamedTuple):
     variable: _Variable
 
 
-def synthesize(
-    x: np.ndarray, y: np.ndarray, weight: np.ndarray | None, variance: float, settings: Settings
-) -> tuple[list[Node], list[Step]]:
-    """Grow a network on normalized data.
+def penalty(settings: Settings, k: int, weight: float, best_fse: float, best_k: int, variance: float) -> float:
+    """Complexity penalty CPM (2 K / N) s_p^2 of `k` coefficients, as a share of the target's variance.
 
     Parameters
     ----------
-    x : (n_row, n_input) array
-        Normalized inputs.
-    y : (n_row,) array
-        Normalized target.
-    weight : (n_row,) array or None
+    settings : Settings
+    k : int
+    weight : float
+        N, the sum of the weights.
+    best_fse, best_k : float, int
+        Of the best network so far, from which the adaptive prior follows.
     variance : float
-        Variance of the target in its own units: scales what the history and `prior_variance` report.
+        Of the target, to which a prior given as a number is referred.
+    """
+    if settings.prior_variance == "adaptive":
+        prior = best_fse * weight / max(weight - best_k, 1.0)
+    elif settings.prior_variance == "half-variance":
+        prior = 0.5
+    else:
+        prior = float(settings.prior_variance) / variance
+    return settings.cpm * 2.0 * k / weight * prior
+
+
+def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list[Node], list[Step]]:
+    """Grow a network.
+
+    Parameters
+    ----------
+    rows : Rows
+    inputs : (n_chosen,) array of int
+        Inputs that nodes may read.
     settings : Settings
 
     Returns
@@ -117,53 +130,58 @@ def synthesize(
     history : list of Step
         The start and each layer tried.
     """
-    rows = float(len(y)) if weight is None else float(weight.sum())
-    variables = [_Variable(x[:, i], None, frozenset()) for i in range(x.shape[1])]
-    fse = float(np.average(y * y, weights=weight))
-    best, best_fse, best_k = None, fse, 0
-    history = [Step(0, 0, 0, fse * variance, 0.0, fse * variance, True)]
+    n_input, weight = len(rows.scaling.x_mean), rows.scaling.weight
+    variance = rows.scaling.y_scale**2
+    variables = [_Variable(None, frozenset()) for _ in range(n_input)]
+    best, best_k = None, 0
+    best_fse = sum(float(w @ (y * y)) for _, y, w in rows) / weight
+    history = [Step(0, 0, 0, best_fse * variance, 0.0, best_fse * variance, True)]
 
-    def penalty(k: int) -> float:
-        if settings.prior_variance == "adaptive":
-            prior = best_fse * rows / max(rows - best_k, 1.0)
-        elif settings.prior_variance == "half-variance":
-            prior = 0.5
-        else:
-            prior = float(settings.prior_variance) / variance if variance > 0.0 else 0.0
-        return settings.cpm * 2.0 * k / rows * prior
+    def cost(k: int) -> float:
+        return penalty(settings, k, weight, best_fse, best_k, variance)
 
-    previous = list(range(len(variables)))
+    drawn = [int(i) for i in inputs]
+    previous = drawn
     for layer in range(1, settings.max_layers + 1):
-        if best_fse <= 1e-24:
+        if best_fse <= _EXACT:
             break
-        candidates = _candidates(variables, previous, layer, settings)
-        scored = _score(variables, candidates, y, weight, penalty)
-        n_candidates = sum(len(inputs) for _, inputs in candidates)
-        survivors = _survivors(variables, scored, y, weight, penalty, settings.n_survivors)
+        candidates = _candidates(drawn, previous, layer, settings)
+        scored = _score(rows, variables, drawn, candidates, cost)
+        survivors = _survivors(rows, variables, scored, cost, settings)
         if not survivors:
             break
-        pse, k, fse, variable = survivors[0]
-        accepted = pse < (best_fse + penalty(best_k)) * (1.0 - _GAIN)
-        history.append(Step(layer, n_candidates, k, fse * variance, penalty(k) * variance, pse * variance, accepted))
+        pse, k, fse, _ = survivors[0]
+        accepted = pse < (best_fse + cost(best_k)) * (1.0 - _GAIN)
+        n_candidates = sum(len(chosen) for _, chosen in candidates)
+        history.append(Step(layer, n_candidates, k, fse * variance, cost(k) * variance, pse * variance, accepted))
         if not accepted:
             break
         previous = list(range(len(variables), len(variables) + len(survivors)))
-        for number, (_, _, _, survivor) in zip(previous, survivors, strict=True):
-            survivor.ancestors = survivor.ancestors | {number}
-            variables.append(survivor)
-        best, best_fse, best_k = variable, fse, k
-    return ([] if best is None else _extract(variables, best, x.shape[1])), history
+        for number, survivor in zip(previous, survivors, strict=True):
+            variables.append(survivor.variable._replace(ancestors=survivor.variable.ancestors | {number}))
+        drawn = drawn + previous
+        best, best_fse, best_k = variables[previous[0]], fse, k
+    return ([] if best is None else _extract(variables, best, n_input)), history
 
 
-def _candidates(
-    variables: list[_Variable], previous: list[int], layer: int, settings: Settings
-) -> list[tuple[int, np.ndarray]]:
-    """Every choice of inputs that includes a variable of the layer before, and so was not possible earlier."""
+def _values(variables: list[_Variable], x: np.ndarray) -> np.ndarray:
+    """All variables on a block of rows, one column each."""
+    columns = np.empty((len(x), len(variables)))
+    columns[:, : x.shape[1]] = x
+    for place, variable in enumerate(variables):
+        if variable.node is not None:
+            node = variable.node
+            columns[:, place] = design(node.kind, columns[:, list(node.inputs)]) @ np.array(node.coef)
+    return columns
+
+
+def _candidates(drawn: list[int], previous: list[int], layer: int, settings: Settings) -> list[tuple[int, np.ndarray]]:
+    """Every choice of variables that includes one of the layer before, and so was not possible earlier."""
     newest = set(previous)
     found = []
     for kind, size in ((SINGLE, 1), (DOUBLE, 2), (TRIPLE, 3)):
         if KIND_NAMES[kind] in settings.kinds:
-            chosen = [c for c in combinations(range(len(variables)), size) if layer == 1 or newest.intersection(c)]
+            chosen = [c for c in combinations(drawn, size) if layer == 1 or newest.intersection(c)]
             if chosen:
                 found.append((kind, np.array(chosen)))
     if KIND_NAMES[LINEAR] in settings.kinds and layer > 1 and len(previous) > 1:
@@ -171,69 +189,107 @@ def _candidates(
     return found
 
 
-def _count(variables: list[_Variable], kind: int, inputs: tuple[int, ...]) -> int:
-    """K of the network that ends in this candidate."""
-    nodes = frozenset().union(*(variables[i].ancestors for i in inputs))
-    total = len(terms(kind, len(inputs)))
+def _ancestors(variables: list[_Variable], inputs: tuple[int, ...]) -> frozenset[int]:
+    return frozenset().union(*(variables[i].ancestors for i in inputs))
+
+
+def _count(variables: list[_Variable], nodes: frozenset[int]) -> int:
+    """Coefficients of some nodes."""
+    total = 0
     for i in nodes:
         node = variables[i].node
         assert node is not None
-        total += len(node.coef)
+        total += sum(c != 0.0 for c in node.coef)
     return total
 
 
+def _affordable(k: int, weight: float) -> bool:
+    return _ROWS_A_COEFFICIENT * k <= weight or k <= _ALWAYS
+
+
 def _score(
+    rows: Rows,
     variables: list[_Variable],
+    drawn: list[int],
     candidates: list[tuple[int, np.ndarray]],
-    y: np.ndarray,
-    weight: np.ndarray | None,
     penalty: Callable[[int], float],
 ) -> list[_Scored]:
-    """PSE from moments of every candidate that the data can carry, best first."""
-    m = moments(np.column_stack([v.values for v in variables]), y, weight)
+    """PSE from moments of every candidate that the data can carry, the best ones in order."""
+    m: Moments | None = None
+    for x, y, w in rows:
+        part = moments(_values(variables, x)[:, drawn], y, w)
+        m = part if m is None else m + part
+    assert m is not None
+    column = np.zeros(len(variables), dtype=np.int64)
+    column[drawn] = np.arange(len(drawn))
+    known: dict[frozenset[int], int] = {}
     scored = []
     for kind, inputs in candidates:
-        errors = squared_errors(m, kind, inputs)
+        errors = squared_errors(m, kind, column[inputs])
         for error, chosen in zip(errors.tolist(), map(tuple, inputs.tolist()), strict=True):
-            k = _count(variables, kind, chosen)
-            if _ROWS_A_COEFFICIENT * k <= m.weight or k <= _ALWAYS:
+            nodes = _ancestors(variables, chosen)
+            if nodes not in known:
+                known[nodes] = _count(variables, nodes)
+            k = known[nodes] + len(terms(kind, len(chosen)))
+            if _affordable(k, m.weight):
                 scored.append(_Scored(error + penalty(k), kind, chosen))
     return sorted(scored, key=lambda candidate: candidate.pse)
 
 
 def _survivors(
+    rows: Rows,
     variables: list[_Variable],
     scored: list[_Scored],
-    y: np.ndarray,
-    weight: np.ndarray | None,
     penalty: Callable[[int], float],
-    n_survivors: int,
+    settings: Settings,
 ) -> list[_Fitted]:
     """Fit the best candidates on the rows, rank them again, and keep those that differ from each other."""
+    chosen = scored[: max(_REFIT, 3 * settings.n_survivors)]
+    factors: list[np.ndarray | None] = [None] * len(chosen)
+    sample = np.empty((0, len(variables)))  # the first block shows well enough whether two outputs differ
+    for x, y, w in rows:
+        values = _values(variables, x)
+        sample = values if not len(sample) else sample
+        for place, (_, kind, inputs) in enumerate(chosen):
+            factors[place] = grow(factors[place], design(kind, values[:, inputs]), y, w)
+    weight = rows.scaling.weight
     fitted = []
-    for _, kind, inputs in scored[: max(_REFIT, 3 * n_survivors)]:
-        matrix = design(kind, np.column_stack([variables[i].values for i in inputs]))
-        coef = least_squares(matrix, y, weight)
-        values = matrix @ coef
-        fse = float(np.average((y - values) ** 2, weights=weight))
-        k = _count(variables, kind, inputs)
-        ancestors = frozenset().union(*(variables[i].ancestors for i in inputs))
-        node = Node(kind, inputs, tuple(coef.tolist()))
-        fitted.append(_Fitted(fse + penalty(k), k, fse, _Variable(values, node, ancestors)))
+    for (_, kind, inputs), factor in zip(chosen, factors, strict=True):
+        assert factor is not None
+        fit = carve(factor, penalty(1) * weight) if settings.carve else solve(factor, np.arange(factor.shape[1] - 1))
+        fitted.append(_fitted(variables, kind, inputs, fit, weight, penalty))
     kept: list[_Fitted] = []
+    outputs: list[np.ndarray] = []
     for candidate in sorted(fitted, key=lambda candidate: candidate.pse):
-        if len(kept) < n_survivors and all(
-            _differ(candidate.variable.values, other.variable.values, weight) for other in kept
-        ):
+        node = candidate.variable.node
+        assert node is not None
+        output = design(node.kind, sample[:, list(node.inputs)]) @ np.array(node.coef)
+        if len(kept) < settings.n_survivors and all(_differ(output, other) for other in outputs):
             kept.append(candidate)
+            outputs.append(output)
     return kept
 
 
-def _differ(a: np.ndarray, b: np.ndarray, weight: np.ndarray | None) -> bool:
-    a = a - np.average(a, weights=weight)
-    b = b - np.average(b, weights=weight)
-    ab, aa, bb = (np.average(product, weights=weight) for product in (a * b, a * a, b * b))
-    return bool(ab * ab < (1.0 - _SAME) * aa * bb)
+def _fitted(
+    variables: list[_Variable],
+    kind: int,
+    inputs: tuple[int, ...],
+    fit: Fit,
+    weight: float,
+    penalty: Callable[[int], float],
+) -> _Fitted:
+    kind, kept, coef = without_idle_inputs(kind, fit.coef)
+    inputs = tuple(inputs[place] for place in kept)
+    ancestors = _ancestors(variables, inputs)
+    k = _count(variables, ancestors) + int(np.count_nonzero(coef))
+    fse = fit.squares / weight
+    node = Node(kind, inputs, tuple(coef.tolist()))
+    return _Fitted(fse + penalty(k), k, fse, _Variable(node, ancestors))
+
+
+def _differ(a: np.ndarray, b: np.ndarray) -> bool:
+    a, b = a - a.mean(), b - b.mean()
+    return bool((a @ b) ** 2 < (1.0 - _SAME) * (a @ a) * (b @ b))
 
 
 def _extract(variables: list[_Variable], best: _Variable, n_input: int) -> list[Node]:

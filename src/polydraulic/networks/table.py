@@ -60,8 +60,8 @@ class Network:
 
     @property
     def n_coefficients(self) -> int:
-        """K, the number of coefficients of all nodes."""
-        return sum(len(node.coef) for node in self.nodes)
+        """K, the number of coefficients of all nodes; terms that were left out have zeros and do not count."""
+        return sum(c != 0.0 for node in self.nodes for c in node.coef)
 
 
 class NetworkTable(NamedTuple):
