@@ -58,6 +58,7 @@ def refine(
     free = [np.flatnonzero(node.coef) for node in nodes]
     coef = np.concatenate([np.array(node.coef)[keep] for node, keep in zip(nodes, free, strict=True)])
     here = _normal(nodes, free, coef, rows, bounds)
+    assert here is not None, "a grown network is finite on its own rows"
     damping, slow = _FIRST_DAMPING, 0
     for iteration in range(max_iterations):
         step = _step(here, damping)

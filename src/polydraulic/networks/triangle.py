@@ -21,7 +21,7 @@ class Fit(NamedTuple):
 def grow(factor: np.ndarray | None, matrix: np.ndarray, y: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Triangular factor of [matrix, y] with the rows of one more block, each times the root of its weight."""
     block = np.column_stack([matrix, y]) * np.sqrt(weight)[:, None]
-    return np.linalg.qr(block if factor is None else np.vstack([factor, block]), mode="r")
+    return np.asarray(np.linalg.qr(block if factor is None else np.vstack([factor, block]), mode="r"))
 
 
 def solve(factor: np.ndarray, terms: np.ndarray) -> Fit:
