@@ -94,6 +94,13 @@ def test_several_outputs_are_several_networks():
     assert model.fse_.shape == (2,)
 
 
+def test_equations_name_every_node():
+    model = AbductiveRegressor(max_layers=2).fit(X, Y)
+    lines = model.equations().splitlines()
+    assert len(lines) == 2 + len(model.network_.nodes) + 1
+    assert lines[-1].startswith("y = ")
+
+
 def test_rows_outside_the_domain_are_told():
     model = AbductiveRegressor().fit(X, Y)
     y, inside = model.predict(np.array([[0.0, 0.0], [3.0, 0.0]]), return_domain=True)

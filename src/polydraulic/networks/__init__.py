@@ -4,6 +4,7 @@ Read in this order: `nodes` (the four polynomials), `moments` and `synthesis` (h
 evaluated), `regressor` and `regions` (the estimators), `model` and `model_file` (what leaves training), `plot`.
 """
 
+from polydraulic.networks.classifier import AbductiveClassifier
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.regions import RegionRegressor
@@ -11,6 +12,7 @@ from polydraulic.networks.regressor import AbductiveRegressor
 from polydraulic.networks.table import Network, NetworkTable, Node
 
 __all__ = [
+    "AbductiveClassifier",
     "AbductiveRegressor",
     "Model",
     "Network",

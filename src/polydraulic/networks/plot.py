@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from polydraulic.networks.model import Variable
-from polydraulic.networks.nodes import KIND_NAMES
+from polydraulic.networks.nodes import KIND_NAMES, terms
 from polydraulic.networks.synthesis import Step
-from polydraulic.networks.table import Network
+from polydraulic.networks.table import Network, Node
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,7 +15,7 @@ _BOX = {"boxstyle": "round,pad=0.35", "linewidth": 0.8}
 
 
 def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], output: Variable) -> None:
-    """Draw a network from its inputs (left) to its output (right)."""
+    """Draw a network from its inputs (left) to its output (right); a line is as wide as its coefficients are large."""
     layer = [0] * network.n_inputs
     for node in network.nodes:
         layer.append(1 + max(layer[slot] for slot in node.inputs))
@@ -28,8 +28,9 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
     used = {slot for node in network.nodes for slot in node.inputs}
     for number, node in enumerate(network.nodes):
         x, y = place[network.n_inputs + number]
-        for slot in node.inputs:
-            axis.plot([place[slot][0], x], [place[slot][1], y], color="0.6", linewidth=0.8, zorder=1)
+        for slot, share in zip(node.inputs, _shares(node), strict=True):
+            width = 0.5 + 3.0 * share
+            axis.plot([place[slot][0], x], [place[slot][1], y], color="0.6", linewidth=width, zorder=1)
     for slot, (x, y) in place.items():
         if slot < network.n_inputs:
             text, color = f"N{slot + 1}\n{inputs[slot].name}", "#dbe9f6" if slot in used else "#eeeeee"
@@ -51,6 +52,15 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
     axis.set_xlim(-0.6, last + 0.6)
     axis.set_ylim(min(heights) - 0.8, max(heights) + 0.8)
     axis.set_axis_off()
+
+
+def _shares(node: Node) -> list[float]:
+    """Share of each input in the sizes of a node's coefficients; variables are normalized, so that sizes compare."""
+    exponents = terms(node.kind, len(node.inputs))
+    sizes = [
+        sum(abs(c) for c, e in zip(node.coef, exponents, strict=True) if e[place]) for place in range(len(node.inputs))
+    ]
+    return [size / (sum(sizes) or 1.0) for size in sizes]
 
 
 def draw_history(axis: "Axes", history: Sequence[Step], unit: str) -> None:

@@ -11,7 +11,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from polydraulic.errors import InputError
 from polydraulic.networks.intervals import half_width
-from polydraulic.networks.model import Model, Variable
+from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.nodes import KIND_NAMES
 from polydraulic.networks.prescreen import promising_inputs
 from polydraulic.networks.refine import refine
@@ -247,6 +247,10 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             )
             for k, (network, name) in enumerate(zip(self.networks_, names, strict=False))
         ]
+
+    def equations(self) -> str:
+        """Equations of every output, one line a node, in normalized variables."""
+        return "\n".join("\n".join(describe(model.networks[0], model.inputs)) for model in self.to_models())
 
     def _grow(self, rows: Rows, settings: Settings) -> Grown:
         s = rows.scaling
