@@ -51,16 +51,20 @@ def design(kind: int, x: np.ndarray) -> np.ndarray:
     Returns
     -------
     (n_row, n_term) array
+        In column order.
     """
-    powers = [np.ones_like(x), x, x * x, x * x * x]
-    columns = []
-    for exponents in terms(kind, x.shape[1]):
-        column = np.ones(len(x))
-        for j, exponent in enumerate(exponents):
-            if exponent:
-                column = column * powers[exponent][:, j]
-        columns.append(column)
-    return np.column_stack(columns)
+    exponents = terms(kind, x.shape[1])
+    if kind == LINEAR:
+        return x.copy(order="F")
+    matrix = np.empty((len(x), len(exponents)), order="F")  # column by column, as it is filled
+    powers = [x, x * x]
+    powers.append(powers[0] * powers[1])
+    for column, exponent in zip(matrix.T, exponents, strict=True):
+        factors = [powers[e - 1][:, j] for j, e in enumerate(exponent) if e]
+        column[:] = factors[0] if factors else 1.0
+        for factor in factors[1:]:
+            column *= factor
+    return matrix
 
 
 def without_idle_inputs(kind: int, coef: np.ndarray) -> tuple[int, list[int], np.ndarray]:

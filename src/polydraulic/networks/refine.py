@@ -122,8 +122,8 @@ def _normal(
 
 def _jacobian(nodes: Sequence[Node], free: list[np.ndarray], x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Output on a block of rows, and its derivatives by the free coefficients."""
-    n_input = x.shape[1]
-    values = np.empty((len(x), n_input + len(nodes)))
+    n_input, n_free = x.shape[1], [keep.size for keep in free]
+    values = np.empty((len(x), n_input + len(nodes)), order="F")
     values[:, :n_input] = x
     designs = []
     for place, node in enumerate(nodes):
@@ -131,13 +131,15 @@ def _jacobian(nodes: Sequence[Node], free: list[np.ndarray], x: np.ndarray) -> t
         designs.append(matrix)
         values[:, n_input + place] = matrix @ np.array(node.coef)
     # backwards: what the output gains from each slot
-    gain = np.zeros((len(x), n_input + len(nodes)))
+    gain = np.zeros((len(x), n_input + len(nodes)), order="F")
     gain[:, -1] = 1.0
-    columns: list[np.ndarray] = []
+    jacobian = np.empty((len(x), sum(n_free)), order="F")
+    start = sum(n_free)
     for place in range(len(nodes) - 1, -1, -1):
         node, own = nodes[place], gain[:, n_input + place]
-        columns.insert(0, designs[place][:, free[place]] * own[:, None])
+        start -= n_free[place]
+        np.multiply(designs[place][:, free[place]], own[:, None], out=jacobian[:, start : start + n_free[place]])
         by_input = slopes(node.kind, values[:, list(node.inputs)], np.array(node.coef))
         for slot, slope in zip(node.inputs, by_input.T, strict=True):
             gain[:, slot] += own * slope
-    return values[:, -1], np.hstack(columns)
+    return values[:, -1], jacobian

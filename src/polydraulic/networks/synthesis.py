@@ -166,7 +166,7 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
 
 def _values(variables: list[_Variable], x: np.ndarray) -> np.ndarray:
     """All variables on a block of rows, one column each."""
-    columns = np.empty((len(x), len(variables)))
+    columns = np.empty((len(x), len(variables)), order="F")
     columns[:, : x.shape[1]] = x
     for place, variable in enumerate(variables):
         if variable.node is not None:
