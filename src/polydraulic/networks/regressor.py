@@ -16,7 +16,7 @@ from polydraulic.networks.nodes import KIND_NAMES
 from polydraulic.networks.prescreen import promising_inputs
 from polydraulic.networks.refine import refine
 from polydraulic.networks.rows import Rows, Scaling, rows_from_blocks, rows_in_memory
-from polydraulic.networks.synthesis import Settings, Step, penalty, synthesize
+from polydraulic.networks.synthesis import Settings, Step, penalty, residual_variance, synthesize
 from polydraulic.networks.table import UNBOUNDED, Network
 
 _SMALLEST = 4  # coefficients of the smallest node with a constant
@@ -284,7 +284,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             y_low=y_low,
             y_high=y_high,
         )
-        cost = penalty(settings, network.n_coefficients, s.weight, fse, network.n_coefficients, s.y_scale**2)
+        k = network.n_coefficients
+        cost = penalty(settings, k, s.weight, residual_variance(fse, k, s.weight), s.y_scale**2)
         return Grown(network, history, fse * s.y_scale**2, (fse + cost) * s.y_scale**2)
 
     def _finish(self, grown: list[Grown]) -> None:

@@ -76,7 +76,8 @@ class _Variable(NamedTuple):
 class _Scored(NamedTuple):
     """A candidate node, scored from moments."""
 
-    pse: float
+    fse: float
+    n_coefficients: int
     kind: int
     inputs: tuple[int, ...]
 
@@ -90,7 +91,7 @@ class _Fitted(NamedTuple):
     variable: _Variable
 
 
-def penalty(settings: Settings, k: int, weight: float, best_fse: float, best_k: int, variance: float) -> float:
+def penalty(settings: Settings, k: int, weight: float, noise: float, variance: float) -> float:
     """Complexity penalty CPM (2 K / N) s_p^2 of `k` coefficients, as a share of the target's variance.
 
     Parameters
@@ -99,18 +100,23 @@ def penalty(settings: Settings, k: int, weight: float, best_fse: float, best_k: 
     k : int
     weight : float
         N, the sum of the weights.
-    best_fse, best_k : float, int
-        Of the best network so far, from which the adaptive prior follows.
+    noise : float
+        Residual variance of the best fit so far (`residual_variance`): the adaptive prior.
     variance : float
         Of the target, to which a prior given as a number is referred.
     """
     if settings.prior_variance == "adaptive":
-        prior = best_fse * weight / max(weight - best_k, 1.0)
+        prior = noise
     elif settings.prior_variance == "half-variance":
         prior = 0.5
     else:
         prior = float(settings.prior_variance) / variance
     return settings.cpm * 2.0 * k / weight * prior
+
+
+def residual_variance(fse: float, k: int, weight: float) -> float:
+    """Error variance that a fit with `k` coefficients leaves, corrected for their number."""
+    return fse * weight / max(weight - k, 1.0)
 
 
 def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list[Node], list[Step]]:
@@ -137,8 +143,10 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
     best_fse = sum(float(w @ (y * y)) for _, y, w in rows) / weight
     history = [Step(0, 0, 0, best_fse * variance, 0.0, best_fse * variance, True)]
 
+    noise = best_fse
+
     def cost(k: int) -> float:
-        return penalty(settings, k, weight, best_fse, best_k, variance)
+        return penalty(settings, k, weight, noise, variance)
 
     drawn = [int(i) for i in inputs]
     previous = drawn
@@ -146,7 +154,9 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
         if best_fse <= _EXACT:
             break
         candidates = _candidates(drawn, previous, layer, settings)
-        scored = _score(rows, variables, drawn, candidates, cost)
+        scored = _score(rows, variables, drawn, candidates)
+        noise = min([noise, *(residual_variance(c.fse, c.n_coefficients, weight) for c in scored)])
+        scored.sort(key=lambda c: c.fse + cost(c.n_coefficients))
         survivors = _survivors(rows, variables, scored, cost, settings)
         if not survivors:
             break
@@ -212,9 +222,8 @@ def _score(
     variables: list[_Variable],
     drawn: list[int],
     candidates: list[tuple[int, np.ndarray]],
-    penalty: Callable[[int], float],
 ) -> list[_Scored]:
-    """PSE from moments of every candidate that the data can carry, the best ones in order."""
+    """Fitting error, from moments, of every candidate that the data can carry."""
     m: Moments | None = None
     for x, y, w in rows:
         part = moments(_values(variables, x)[:, drawn], y, w)
@@ -232,8 +241,8 @@ def _score(
                 known[nodes] = _count(variables, nodes)
             k = known[nodes] + len(terms(kind, len(chosen)))
             if _affordable(k, m.weight):
-                scored.append(_Scored(error + penalty(k), kind, chosen))
-    return sorted(scored, key=lambda candidate: candidate.pse)
+                scored.append(_Scored(error, k, kind, chosen))
+    return scored
 
 
 def _survivors(
@@ -250,11 +259,11 @@ def _survivors(
     for x, y, w in rows:
         values = _values(variables, x)
         sample = values if not len(sample) else sample
-        for place, (_, kind, inputs) in enumerate(chosen):
+        for place, (_, _, kind, inputs) in enumerate(chosen):
             factors[place] = grow(factors[place], design(kind, values[:, inputs]), y, w)
     weight = rows.scaling.weight
     fitted = []
-    for (_, kind, inputs), factor in zip(chosen, factors, strict=True):
+    for (_, _, kind, inputs), factor in zip(chosen, factors, strict=True):
         assert factor is not None
         fit = carve(factor, penalty(1) * weight) if settings.carve else solve(factor, np.arange(factor.shape[1] - 1))
         fitted.append(_fitted(variables, kind, inputs, fit, weight, penalty))
