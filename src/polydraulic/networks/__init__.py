@@ -5,6 +5,7 @@ evaluated), `regressor` and `regions` (the estimators), `model` and `model_file`
 """
 
 from polydraulic.networks.classifier import AbductiveClassifier
+from polydraulic.networks.compiled import compiled
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.regions import RegionRegressor
@@ -20,6 +21,7 @@ __all__ = [
     "Node",
     "RegionRegressor",
     "Variable",
+    "compiled",
     "describe",
     "dump_models",
     "load_models",
