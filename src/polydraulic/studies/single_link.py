@@ -1,7 +1,7 @@
 """Chapters 3 and 4: the boom alone. Computes everything that their figures and numbers need.
 
 The polynomial networks of the thesis are grown here with its own setting (`HISTORICAL`), the ones of this package with
-`ADAPTIVE`; both are judged on a dense grid that includes faces and corners, and on the two printed voltages, for which
+its default setting; both are judged on a dense grid that includes faces and corners, and on the two printed voltages, for which
 nothing was trained or chosen.
 """
 
@@ -16,7 +16,7 @@ from polydraulic.flow.sample import sample_flow
 from polydraulic.networks import AbductiveRegressor, Variable
 from polydraulic.parameters import Machine, Scenario, Signal, Sine, load_scenario
 from polydraulic.simulation import reference, simulate
-from polydraulic.studies.boom_models import ADAPTIVE, HISTORICAL, SEED, BoomModels, fit_boom
+from polydraulic.studies.boom_models import HISTORICAL, SEED, BoomModels, fit_boom
 from polydraulic.studies.database import PRESSURE_HIGH, boom_table, sample_boom
 from polydraulic.studies.timing import time_runs
 from polydraulic.tables import Table
@@ -48,11 +48,11 @@ class BoomStudy:
     ----------
     machine : Machine
     full_box : FullBoxNetwork
-    historical, adaptive : BoomModels
+    historical, ours : BoomModels
     grid : Table
         The exact circuit without relief valve on a dense grid: both signs of the spool, p_in = p_out.
     runs : dict from scenario to dict from flow model to trajectory
-        Flow models "exact", "iterative", "polynomial", "pressure" (historical networks), "adaptive".
+        Flow models "exact", "iterative", "polynomial", "pressure" (historical networks), "ours".
     full_travel : the same for one scenario that opens the valve fully
     convergence : Table
         Largest joint error of the loop against the tight solution, by step size.
@@ -62,7 +62,7 @@ class BoomStudy:
     machine: Machine
     full_box: FullBoxNetwork
     historical: BoomModels
-    adaptive: BoomModels
+    ours: BoomModels
     grid: Table
     runs: dict[str, dict[str, Table]]
     full_travel: dict[str, Table]
@@ -78,7 +78,7 @@ def boom_study(machine: Machine, progress: Progress = lambda stage: None) -> Boo
     progress(STAGES[0])
     full_box = fit_full_box(machine)
     historical = fit_boom(machine, np.random.default_rng(SEED), **HISTORICAL)
-    adaptive = fit_boom(machine, np.random.default_rng(SEED), **ADAPTIVE)
+    ours = fit_boom(machine, np.random.default_rng(SEED))
 
     progress(STAGES[1])
     grid = boom_grid(machine, N_GRID, N_GRID)
@@ -88,7 +88,7 @@ def boom_study(machine: Machine, progress: Progress = lambda stage: None) -> Boo
         "exact": build_flow("exact", machine),
         "iterative": build_flow("iterative", machine),
         "polynomial": build_flow("polynomial", machine, models=list(historical)),
-        "adaptive": build_flow("polynomial", machine, models=list(adaptive)),
+        "ours": build_flow("polynomial", machine, models=list(ours)),
         "pressure": build_flow("pressure", machine, models=list(historical)),
     }
     scenarios = {name: load_scenario(name) for name in SCENARIOS}
@@ -103,10 +103,10 @@ def boom_study(machine: Machine, progress: Progress = lambda stage: None) -> Boo
     convergence = converge(machine, scenarios)
 
     progress(STAGES[4])
-    timed = {kind: models[kind] for kind in ("iterative", "exact", "polynomial", "adaptive")}
+    timed = {kind: models[kind] for kind in ("iterative", "exact", "polynomial", "ours")}
     timed["iterative 0.001"] = build_flow("iterative", machine, eps=0.001)
     seconds = time_runs(machine, timed, scenarios["single_08"])
-    return BoomStudy(machine, full_box, historical, adaptive, grid, runs, full, convergence, seconds)
+    return BoomStudy(machine, full_box, historical, ours, grid, runs, full, convergence, seconds)
 
 
 def fit_full_box(machine: Machine) -> FullBoxNetwork:

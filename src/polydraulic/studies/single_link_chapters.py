@@ -184,7 +184,7 @@ def _table_1(study: BoomStudy) -> tuple[str, list[str], list[list[str]]]:
         "iterative 0.001": "iterative, eps 0.001",
         "exact": "exact (closed form)",
         "polynomial": "polynomial, historical networks",
-        "adaptive": "polynomial, adaptive networks",
+        "ours": "polynomial, networks of this package",
     }
     rows = [
         [label, f"{1e3 * s[kind]:.3f}", f"{1e9 * s[kind] / 2000:.0f}", f"{s[kind] / s['iterative']:.2f}"]
@@ -199,8 +199,8 @@ def _table_1(study: BoomStudy) -> tuple[str, list[str], list[list[str]]]:
 
 def _comparison(study: BoomStudy, v08: Errors, v05: Errors) -> tuple[str, list[str], list[list[str]]]:
     rows = []
-    for kind, label in (("polynomial", "historical"), ("adaptive", "adaptive")):
-        models = study.historical if kind == "polynomial" else study.adaptive
+    for kind, label in (("polynomial", "historical"), ("ours", "this package")):
+        models = study.historical if kind == "polynomial" else study.ours
         error = units.from_si(map_error(models, study.grid, "boom.q_in"), "in3/s")
         rows.append(
             [
@@ -218,7 +218,7 @@ def _comparison(study: BoomStudy, v08: Errors, v05: Errors) -> tuple[str, list[s
         "joint error 0.8 V [deg]",
         "joint error 0.5 V [deg]",
     ]
-    return "The same data, regions and nodes under two priors of the error variance", header, rows
+    return "The same data, regions and kinds of node: the thesis' setting, and this package's", header, rows
 
 
 def _extra(study: BoomStudy, v08: Errors, v05: Errors) -> list[dict[str, Any]]:
@@ -229,7 +229,7 @@ def _extra(study: BoomStudy, v08: Errors, v05: Errors) -> list[dict[str, Any]]:
                "pump-pressure networks: largest error of the flow that Eq. (1) gives, over the map", "in3/s", flow_error),
     ]  # fmt: skip
     for name, errors in (("v08", v08), ("v05", v05)):
-        for kind in ("adaptive", "iterative"):
+        for kind in ("ours", "iterative"):
             what = f"{name}: largest joint displacement error against exact, {kind}"
             rows.append(
                 result(

@@ -207,7 +207,7 @@ def flow_maps(study: BoomStudy) -> list[Figure]:
     q_in, q_out = grid["boom.q_in"], grid["boom.q_out"]
     errors = {
         (kind, output): map_error(models, grid, output)
-        for kind, models in (("historical", study.historical), ("adaptive", study.adaptive))
+        for kind, models in (("historical", study.historical), ("ours", study.ours))
         for output in ("boom.q_in", "boom.q_out")
     }
 
@@ -225,9 +225,9 @@ def flow_maps(study: BoomStudy) -> list[Figure]:
         _maps(study, "4-11", "Flow networks, historical setting: map errors",
               "The input flow errs between 0.188 and 0.376 in, the output flow near -0.376 in, where its slope changes.",
               panels("historical"), error=True, positive=False),
-        _maps(study, "4-N1", "Flow networks, adaptive prior: map errors",
-              "Same data and regions; only the prior error variance follows the residuals.",
-              panels("adaptive"), error=True, positive=False),
+        _maps(study, "4-N1", "Flow networks of this package: map errors",
+              "Same data, regions and kinds of node; the prior follows the residuals, terms are carved, coefficients refined.",
+              panels("ours"), error=True, positive=False),
     ]  # fmt: skip
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from polydraulic.networks import save_models
 from polydraulic.parameters import load_machine
-from polydraulic.studies.boom_models import ADAPTIVE, SEED, fit_boom
+from polydraulic.studies.boom_models import SEED, fit_boom
 
 if __name__ == "__main__":
     machine = load_machine("cat215b")
-    models = fit_boom(machine, np.random.default_rng(SEED), pressure_high=machine.pumps.relief, **ADAPTIVE)
+    models = fit_boom(machine, np.random.default_rng(SEED), pressure_high=machine.pumps.relief)
     save_models([models.q_in, models.q_out], sys.argv[1])
