@@ -193,6 +193,29 @@ def test_links_that_do_not_move_yet_are_named(machine, name):
         simulate(machine, "exact", load_scenario(name))
 
 
+def test_a_scenario_must_leave_something_to_move(machine):
+    locked = dataclasses.replace(UP, locked=("swing", "boom", "stick"))
+    for run in (simulate, reference):
+        with pytest.raises(InputError, match="locks boom; nothing is left to move"):
+            run(machine, "exact", locked)
+
+
+def test_the_reference_checks_its_arguments(machine):
+    with pytest.raises(InputError, match="dt = 0.0 s"):
+        reference(machine, "exact", UP, dt=0.0)
+    with pytest.raises(InputError, match=r"duration = 0.001 s"):
+        reference(machine, "exact", UP, t_end=0.001)
+    with pytest.raises(InputError, match="moves swing, stick"):
+        reference(machine, "exact", load_scenario("sine"))
+
+
+@pytest.mark.slow
+def test_the_reference_knows_the_dead_time(machine):
+    late = machine._replace(boom=machine.boom._replace(pilot=machine.boom.pilot._replace(dead_time=0.1)))
+    tight, loop = reference(late, "exact", UP, t_end=1.0), simulate(late, "exact", UP, t_end=1.0, dt=0.00025, every=20)
+    assert np.degrees(np.abs(tight["boom.angle"] - loop["boom.angle"]).max()) < 0.02
+
+
 def test_a_run_that_leaves_all_reason_says_when(machine):
     light = machine._replace(
         boom=machine.boom._replace(friction=machine.boom.friction._replace(viscous=1e30), stops=Stops(-np.inf, np.inf)),

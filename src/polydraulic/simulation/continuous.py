@@ -23,7 +23,7 @@ from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
 from polydraulic.parameters import Machine, Piecewise, Scenario
 from polydraulic.simulation.loop import N_RECORD
-from polydraulic.simulation.runs import step_voltages, trajectory
+from polydraulic.simulation.runs import check_links, n_steps, step_voltages, trajectory
 from polydraulic.simulation.step import boom_acceleration
 from polydraulic.tables import Table
 
@@ -102,10 +102,15 @@ def reference(
 
     Raises
     ------
+    InputError
+        As for `simulate`.
     SimulationError
         If the solver fails, or the boom reaches an end stop, which this method does not model.
     """
     machine = scenario.adapt(machine)
+    check_links(scenario)
+    prepare(machine, dt)  # refuses a bad raster
+    time = np.arange(n_steps(scenario, dt, t_end) + 1) * dt
     plant = prepare(machine, 1.0)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
     kind = FLOW_KINDS[flow_name(model)]
@@ -134,11 +139,9 @@ def reference(
     inside_stops.terminal = True  # type: ignore[attr-defined]
 
     start = np.array([x0.spool.boom, x0.p_a.boom, x0.p_b.boom, x0.angle.boom, x0.rate.boom])
-    t_end = scenario.duration if t_end is None else t_end
-    time = np.arange(int(t_end / dt + 1e-9) + 1) * dt
     states = np.empty((len(time), 5))
     states[0], v = start, start
-    for t0, t1 in _smooth_pieces(scenario, time[-1]):
+    for t0, t1 in _smooth_pieces(machine, scenario, time[-1]):
         inside = (time > t0) & (time <= t1)
         wanted = np.union1d(time[inside], t1)
         solution = solve_ivp(
@@ -176,11 +179,11 @@ def reference(
     return trajectory(machine, scenario, time, rows, info, pump_pressure=kind.gives_pump_pressure)
 
 
-def _smooth_pieces(scenario: Scenario, t_end: float) -> list[tuple[float, float]]:
-    """Intervals without a corner of the voltage inside."""
+def _smooth_pieces(machine: Machine, scenario: Scenario, t_end: float) -> list[tuple[float, float]]:
+    """Intervals without a corner of a voltage inside, as the pilots see it."""
     corners = {0.0, t_end}
-    for signal in scenario.voltage.values():
-        if isinstance(signal, Piecewise):
-            corners |= {float(t) for t in signal.time if 0.0 < t < t_end}
-    times = sorted(corners)
-    return list(itertools.pairwise(times))
+    for link, signal in scenario.voltage.items():
+        dead_time = getattr(machine, link).pilot.dead_time
+        times = [0.0, *signal.time] if isinstance(signal, Piecewise) else [0.0]
+        corners |= {float(t + dead_time) for t in times if 0.0 < t + dead_time < t_end}
+    return list(itertools.pairwise(sorted(corners)))

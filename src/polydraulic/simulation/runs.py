@@ -102,14 +102,10 @@ def arrange(
 ) -> Arranged:
     """Check the arguments of `simulate` and allocate what the compiled loop needs."""
     machine = scenario.adapt(machine)
-    free = [link for link in LINKS if link not in scenario.locked and link not in MOVING]
-    if free:
-        raise InputError(
-            f"scenario {scenario.name!r} moves {', '.join(free)}; so far only the boom moves: lock the others in the scenario"
-        )
+    check_links(scenario)
     plant = prepare(machine, dt)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
-    n_step = _n_steps(scenario, dt, t_end, every)
+    n_step = n_steps(scenario, dt, t_end, every)
     return Arranged(
         model=model,
         memory=np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model)),
@@ -169,7 +165,25 @@ def trajectory(
     return Table(columns, units, info)
 
 
-def _n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int) -> int:
+def check_links(scenario: Scenario) -> None:
+    """Refuse a scenario that moves links which are not modelled yet, or none that is."""
+    free = [link for link in LINKS if link not in scenario.locked and link not in MOVING]
+    if free:
+        raise InputError(
+            f"scenario {scenario.name!r} moves {', '.join(free)}; so far only the boom moves: lock the others in the scenario"
+        )
+    if all(link in scenario.locked for link in MOVING):
+        raise InputError(f"scenario {scenario.name!r} locks {', '.join(MOVING)}; nothing is left to move")
+
+
+def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:
+    """Whole steps in a run.
+
+    Raises
+    ------
+    InputError
+        If there is none, or `every` is no positive whole number.
+    """
     duration = scenario.duration if t_end is None else t_end
     if not (isfinite(duration) and duration >= dt):
         raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic import units
+from polydraulic.networks import Variable
 from polydraulic.networks.plot import draw_history, draw_network
 from polydraulic.studies.catalog import Figure
 from polydraulic.studies.draw import canvas, difference_panel, map_panel, run_table, time_panel
@@ -25,22 +26,28 @@ if TYPE_CHECKING:
 _STEP = 4  # figures show every fourth grid line of the map that the numbers are taken from
 
 
-def _thin(study: BoomStudy, values: dict[str, tuple[np.ndarray, str]], *, positive: bool = False) -> Table:
+def _thin(study: BoomStudy, values: dict[str, tuple[np.ndarray, str]]) -> Table:
     """Columns over the thinned grid, in the field's units; spool and pressure first."""
     grid = field_table(study.grid, ("boom.spool", "boom.p_in"))
     n = len(np.unique(grid["boom.spool"]))
-    rows = np.arange(len(grid)).reshape(-1, n)[::_STEP, (n // 2 if positive else 0) :: _STEP].ravel()
+    rows = np.arange(len(grid)).reshape(-1, n)[::_STEP, ::_STEP].ravel()
     columns = {"spool": grid["boom.spool"][rows], "pressure": grid["boom.p_in"][rows]}
     for name, (v, unit) in values.items():
         columns[name] = units.from_si(v, unit)[rows]
     return Table(columns, {"spool": "in", "pressure": "psi", **{name: unit for name, (_, unit) in values.items()}})
 
 
-def _maps(study: BoomStudy, number: str, title: str, see: str, panels: Sequence[tuple[str, str, np.ndarray, str]],
-          *, error: bool, positive: bool) -> Figure:  # fmt: skip
+def _maps(
+    study: BoomStudy,
+    number: str,
+    title: str,
+    see: str,
+    panels: Sequence[tuple[str, str, np.ndarray, str]],
+    *,
+    error: bool,
+) -> Figure:
     """Figure of one map a panel; a panel is (title, column, values in SI, unit)."""
-    tables = [_thin(study, {column: (values, unit)}, positive=positive) for _, column, values, unit in panels]
-
+    tables = [_thin(study, {column: (values, unit)}) for _, column, values, unit in panels]
     names = [""] if len(panels) == 1 else [chr(ord("a") + i) for i in range(len(panels))]
 
     def draw() -> "matplotlib.figure.Figure":
@@ -82,7 +89,7 @@ def chapter_3(study: BoomStudy) -> list[Figure]:
 
     def network() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 1, width=7.0, height=1.8)
-        draw_network(axes[0, 0], box.estimator.network_, box.inputs, type(box.inputs[0])("q_in", "in3/s"))
+        draw_network(axes[0, 0], box.estimator.network_, box.inputs, Variable("q_in", "in3/s"))
         return figure
 
     def pse() -> "matplotlib.figure.Figure":
@@ -174,7 +181,7 @@ def pressure_maps(study: BoomStudy) -> list[Figure]:
         _maps(study, "4-3", "Pump-pressure networks: error of the pressure, and of the flow that follows from it",
               "Right: Eq. (1) multiplies a pressure error by (K a_i)²/(2 Q_i); with a wide inlet a few psi are the whole flow.",
               [("(a) pressure error", "p_pump error", p_error, "psi"),
-               ("(b) input flow error", "q_in error", q_error, "in3/s")], error=True, positive=False),
+               ("(b) input flow error", "q_in error", q_error, "in3/s")], error=True),
     ]  # fmt: skip
 
 
@@ -219,15 +226,15 @@ def flow_maps(study: BoomStudy) -> list[Figure]:
 
     return [
         _maps(study, "4-8", "Input flow", "Nothing in the deadband, all of the pump's flow once the bypass is shut.",
-              [("input flow", "q_in", q_in, "in3/s")], error=False, positive=False),
+              [("input flow", "q_in", q_in, "in3/s")], error=False),
         _maps(study, "4-9", "Output flow", "Not symmetric: the lowering side is throttled.",
-              [("output flow", "q_out", q_out, "in3/s")], error=False, positive=False),
+              [("output flow", "q_out", q_out, "in3/s")], error=False),
         _maps(study, "4-11", "Flow networks, historical setting: map errors",
               "The input flow errs between 0.188 and 0.376 in, the output flow near -0.376 in, where its slope changes.",
-              panels("historical"), error=True, positive=False),
+              panels("historical"), error=True),
         _maps(study, "4-N1", "Flow networks of this package: map errors",
               "Same data, regions and kinds of node; the prior follows the residuals, terms are carved, coefficients refined.",
-              panels("ours"), error=True, positive=False),
+              panels("ours"), error=True),
     ]  # fmt: skip
 
 
