@@ -151,7 +151,10 @@ def fit(
     prior: Annotated[
         str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")
     ] = "adaptive",
-    bounds: Annotated[str | None, typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given.")] = None,
+    bounds: Annotated[
+        str | None,
+        typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given."),
+    ] = None,
 ) -> None:
     """Learn polynomial networks from a table.
 

@@ -1,5 +1,6 @@
-"""Models out of Python: `c` writes C99."""
+"""Models out of Python: `c` writes C99, `formula` text, SymPy, LaTeX and plain Python."""
 
 from polydraulic.export.c import c_name, export_c, to_c
+from polydraulic.export.formula import to_latex, to_python, to_sympy, to_text
 
-__all__ = ["c_name", "export_c", "to_c"]
+__all__ = ["c_name", "export_c", "to_c", "to_latex", "to_python", "to_sympy", "to_text"]

@@ -4,6 +4,7 @@ Read in this order: `nodes` (the four polynomials), `moments` and `synthesis` (h
 evaluated), `regressor` and `regions` (the estimators), `model` and `model_file` (what leaves training), `plot`.
 """
 
+from polydraulic.networks.bounds import Bounds, check_range, model_bounds, network_bounds
 from polydraulic.networks.classifier import AbductiveClassifier
 from polydraulic.networks.compiled import compiled
 from polydraulic.networks.model import Model, Variable, describe
@@ -15,16 +16,20 @@ from polydraulic.networks.table import Network, NetworkTable, Node
 __all__ = [
     "AbductiveClassifier",
     "AbductiveRegressor",
+    "Bounds",
     "Model",
     "Network",
     "NetworkTable",
     "Node",
     "RegionRegressor",
     "Variable",
+    "check_range",
     "compiled",
     "describe",
     "dump_models",
     "load_models",
+    "model_bounds",
+    "network_bounds",
     "parse_models",
     "save_models",
 ]

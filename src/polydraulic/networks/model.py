@@ -147,6 +147,8 @@ def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
     for number, node in enumerate(network.nodes, start=1):
         parts = []
         for coef, exponents in zip(node.coef, terms(node.kind, len(node.inputs)), strict=True):
+            if coef == 0.0:
+                continue
             factors = [
                 names[slot] + (f"^{e}" if e > 1 else "") for slot, e in zip(node.inputs, exponents, strict=True) if e
             ]

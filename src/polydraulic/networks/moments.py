@@ -90,10 +90,12 @@ def _block_moments(v: np.ndarray, t: np.ndarray, w: np.ndarray, triples: bool) -
         none = np.zeros(0)
         return Moments(weight, power, target, none, (v * (w * t)[:, None]).T @ v, none, none, target_square)
     i, j = np.triu_indices(n)
-    pairs = (v[:, i] * v[:, j]) * w[:, None]
+    pairs, weighted_pairs = _pairs(np.ascontiguousarray(v.T)), np.empty((len(i), n_row))
+    np.multiply(pairs, w, out=weighted_pairs)
     right = np.hstack([flat, t[:, None], v * t[:, None]])
-    from_pairs = pairs.T @ right
-    squares = (pairs * v[:, i] * v[:, j]).T @ flat[:, : 3 * n]
+    from_pairs = weighted_pairs @ right
+    weighted_pairs *= pairs
+    squares = weighted_pairs @ flat[:, : 3 * n]
 
     def both_ways(half: np.ndarray, *shape: int) -> np.ndarray:
         full = np.empty((n, n, *shape))
@@ -110,6 +112,17 @@ def _block_moments(v: np.ndarray, t: np.ndarray, w: np.ndarray, triples: bool) -
         square=both_ways(squares, 3, n),
         target_square=target_square,
     )
+
+
+def _pairs(across: np.ndarray) -> np.ndarray:
+    """Products v_i v_j for i <= j, one a row, from variables one a row; filled in place, as copies would cost most."""
+    n, n_row = across.shape
+    pairs = np.empty((n * (n + 1) // 2, n_row))
+    start = 0
+    for i in range(n):
+        np.multiply(across[i], across[i:], out=pairs[start : start + n - i])
+        start += n - i
+    return pairs
 
 
 def normal_equations(m: Moments, kind: int, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,233 @@
+"""Accuracy and speed of abductive networks next to other learners, in one run, as ratios.
+
+``python benchmarks/networks.py [--data FOLDER] [--quick]``: it prints and asserts nothing. `--data` adds every CSV file of
+a folder, last column the target; `--quick` takes fewer rows. One thread throughout.
+"""
+
+import argparse
+import ctypes
+import importlib
+import subprocess
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+from shutil import which
+from time import perf_counter
+
+import numpy as np
+from scipy.stats import rankdata
+from sklearn.compose import TransformedTargetRegressor
+from sklearn.datasets import make_friedman1
+from sklearn.ensemble import HistGradientBoostingRegressor
+from sklearn.linear_model import LinearRegression, RidgeCV
+from sklearn.metrics import r2_score
+from sklearn.model_selection import KFold
+from sklearn.neural_network import MLPRegressor
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import PolynomialFeatures, StandardScaler
+from threadpoolctl import threadpool_limits
+
+from data_sets import all_sets
+from polydraulic.export import c_name, export_c
+from polydraulic.export.formula import to_python
+from polydraulic.networks import AbductiveRegressor, Variable
+from polydraulic.networks.compiled import compiled
+from polydraulic.networks.moments import moments, squared_errors
+from polydraulic.networks.nodes import DOUBLE, TRIPLE, design
+from run import in_turn, show
+
+OURS = "AbductiveRegressor"
+FLOPS = 53  # useful operations a row and Triple: its moments that no pair of variables has
+BLOW_UP = -1.0  # R2 on a fold below which a model is useless
+
+
+def cubic_ridge():
+    return make_pipeline(StandardScaler(), PolynomialFeatures(3, include_bias=False), RidgeCV(np.logspace(-3, 3, 7)))
+
+
+def perceptron():
+    net = MLPRegressor(hidden_layer_sizes=(64, 64), early_stopping=True, max_iter=1000, random_state=0)
+    return TransformedTargetRegressor(make_pipeline(StandardScaler(), net), transformer=StandardScaler())
+
+
+LEARNERS = {
+    OURS: AbductiveRegressor,
+    "cubic ridge": cubic_ridge,
+    "linear": LinearRegression,
+    "MLP 64x64": perceptron,
+    "HistGradientBoosting": lambda: HistGradientBoostingRegressor(random_state=0),
+}
+FORMULA = {OURS, "cubic ridge", "linear"}
+OPTIONAL = {"gmdh Mia": "gmdh.Mia()", "gmdh Ria": "gmdh.Ria()", "MARS": "pyearth.Earth(max_degree=3)"}
+
+
+def with_optional(learners):
+    """Add what is installed and survives a small fit in a process of its own: some crash with this NumPy."""
+    learners = dict(learners)
+    for name, call in OPTIONAL.items():
+        module = call.partition(".")[0]
+        trial = f"import {module}, numpy; X = numpy.random.rand(99, 3); {call}.fit(X, X[:, 0] * X[:, 1])"
+        try:
+            subprocess.run([sys.executable, "-c", trial], check=True, capture_output=True, timeout=60)
+        except subprocess.SubprocessError:
+            print(f"{name} is left out: {module} is not installed or does not run here")
+            continue
+        place = {module: importlib.import_module(module)}
+        learners[name] = lambda call=call, place=place: eval(call, place)
+        FORMULA.add(name)
+    return learners
+
+
+def cross_validated(make, X, y, folds=5):
+    """R2 of each fold and the mean seconds of a fit."""
+    scores, seconds = [], []
+    for train, test in KFold(folds, shuffle=True, random_state=0).split(X):
+        model = make()
+        start = perf_counter()
+        model.fit(X[train], y[train])
+        seconds.append(perf_counter() - start)
+        found = np.nan_to_num(np.ravel(model.predict(X[test])), posinf=1e150, neginf=-1e150)
+        scores.append(r2_score(y[test], found))
+    return scores, float(np.mean(seconds))
+
+
+def accuracy(sets):
+    """R2 and fit time of every learner on every set."""
+    learners = with_optional(LEARNERS)
+    for make in learners.values():  # compiling and importing are not fitting
+        make().fit(*make_friedman1(100, 5, random_state=0))
+    means, slower, blow_ups = [], [], []
+    for set_name, (X, y) in sets.items():
+        print(f"\n{set_name}: {len(X)} rows, {X.shape[1]} inputs{'':16s} mean R2   worst fold   fit time ratio")
+        found = {name: cross_validated(make, X, y) for name, make in learners.items()}
+        for name, (scores, seconds) in found.items():
+            bad = min(scores) < BLOW_UP
+            blow_ups += [f"{name} on {set_name}: {min(scores):.3g}"] if bad else []
+            ratio = seconds / found[OURS][1]
+            print(
+                f"  {name:38s} {np.mean(scores):10.4f} {min(scores):12.4f} {ratio:12.3f}{'   BLOW-UP' if bad else ''}"
+            )
+        means.append([np.mean(scores) for scores, _ in found.values()])
+        slower.append([seconds / found[OURS][1] for _, seconds in found.values()])
+    summary(list(learners), np.array(means), np.exp(np.mean(np.log(slower), axis=0)), blow_ups)
+
+
+def summary(names, means, slower, blow_ups):
+    """Mean ranks over all sets, 1 the best."""
+    formula = [name in FORMULA for name in names]
+    overall = rankdata(-means, axis=1).mean(axis=0)
+    among = np.full(len(names), np.nan)
+    among[formula] = rankdata(-means[:, formula], axis=1).mean(axis=0)
+    print(
+        f"\nall {len(means)} sets                     mean rank   among formulas   median R2   fit time ratio (geometric mean)"
+    )
+    for row in zip(names, overall, among, np.median(means, axis=0), slower, strict=True):
+        print("  {:28s} {:10.2f} {:14.2f} {:13.4f} {:12.3f}".format(*row))
+    print("blow-ups, a fold with R2 below -1:", "; ".join(blow_ups) or "none")
+
+
+def dgemm_rate(n=1500):
+    """Operations a second of a matrix product."""
+    a = np.random.default_rng(0).normal(size=(n, n))
+    return 2.0 * n**3 / in_turn({"product": lambda: a @ a}, 3)["product"]
+
+
+def scoring(n_row, n=60, sample=12):
+    rng = np.random.default_rng(0)
+    v, t = rng.normal(size=(n_row, n)), rng.normal(size=n_row)
+    doubles = np.array([(i, j) for i in range(n) for j in range(i)])
+    triples = np.array([(i, j, k) for i in range(n) for j in range(i) for k in range(j)])
+    squared_errors(moments(v[:99, :4], t[:99]), TRIPLE, triples[:1])
+
+    start = perf_counter()
+    m = moments(v, t)
+    middle = perf_counter()
+    squared_errors(m, DOUBLE, doubles)
+    squared_errors(m, TRIPLE, triples)
+    end = perf_counter()
+    rate, count = dgemm_rate(), len(doubles) + len(triples)
+    again = perf_counter()
+    for inputs in triples[:: len(triples) // sample][:sample]:
+        np.linalg.lstsq(design(TRIPLE, v[:, inputs]), t)
+    one = (perf_counter() - again) / sample
+    share = FLOPS * n_row * len(triples) / (end - start) / rate
+    print(f"\nscoring {count} candidates, {n} inputs, {n_row} rows")
+    print(
+        f"  moments {middle - start:.3f} s, small solutions {end - middle:.3f} s: {count / (end - start):.0f} candidates/s"
+    )
+    print(f"  useful operations {share:.1%} of DGEMM at {rate / 1e9:.1f} Gflop/s; moments alone", end=" ")
+    print(f"{FLOPS * n_row * len(triples) / (middle - start) / rate:.1%}")
+    print(f"  numpy lstsq, {sample} candidates one by one: {1 / one:.1f}/s, ratio {count / (end - start) * one:.0f}")
+
+
+def fitting():
+    X, y = make_friedman1(1000, 10, noise=1.0, random_state=0)
+    learners = {
+        "cubic ridge": cubic_ridge(),
+        OURS: AbductiveRegressor(),
+        f"{OURS}, refine=False": AbductiveRegressor(refine=False),
+    }
+    calls = {name: (lambda model=model: model.fit(X, y)) for name, model in learners.items()}
+    show("fitting friedman1, 1000 rows, 10 inputs", in_turn(calls, 3), "ms", 1e3)
+
+
+def c_rows(model, folder):
+    """The exported C function in a loop written in C, or None without gcc."""
+    if which("gcc") is None:
+        print("\nC is left out: there is no gcc")
+        return None
+    name, library = c_name(model.output.name), Path(folder) / "rows.so"
+    source = Path(folder) / "rows.c"
+    sources = [str(path) for path in export_c([model], folder) if path.suffix == ".c"]
+    source.write_text(
+        f'#include "{name}.h"\n'
+        f"void rows(const double *x, long n, double *y)\n"
+        f"{{ for (long i = 0; i < n; i++) y[i] = {name}(x + i * {len(model.inputs)}); }}\n"
+    )
+    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", *sources, str(source), "-o", str(library)], check=True)
+    pointer = ctypes.POINTER(ctypes.c_double)
+    function = ctypes.CDLL(str(library)).rows
+    function.argtypes = [pointer, ctypes.c_long, pointer]
+    return lambda X, y: function(X.ctypes.data_as(pointer), len(X), y.ctypes.data_as(pointer))
+
+
+def evaluation(n_row=100_000):
+    X, y = make_friedman1(1000, 5, random_state=0)
+    learner = AbductiveRegressor().fit(X, y)
+    model = learner.to_model(output=Variable("network"))
+    rows = np.random.default_rng(0).uniform(size=(n_row, 5))
+    out, one = np.empty(n_row), rows[:1].copy()
+    place = {}
+    exec(to_python(model, "formula"), place)
+    calls = {"Model.predict": lambda: model.predict(rows)}
+    with tempfile.TemporaryDirectory() as folder:
+        in_c = c_rows(model, folder)
+        calls |= {"C, gcc -O2": lambda: in_c(rows, out)} if in_c else {}
+        title = f"a network of {len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients"
+        show(f"{title}, {n_row} rows: each", in_turn(calls), "ns", 1e9 / n_row)
+    function, values, single = compiled(model), one[0].tolist(), one[0]
+    repeated = {
+        "Model.predict": lambda: [model.predict(one) for _ in range(200)],
+        "AbductiveRegressor.predict": lambda: [learner.predict(one) for _ in range(200)],
+        "compiled(model)": lambda: [function(single) for _ in range(200)],
+        "source of to_python": lambda: [place["formula"](*values) for _ in range(200)],
+    }
+    show("one row, asked from Python", in_turn(repeated), "us", 1e6 / 200)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", help="folder of CSV files; the last column is the target")
+    parser.add_argument("--quick", action="store_true", help="fewer rows")
+    options = parser.parse_args()
+    with warnings.catch_warnings(), threadpool_limits(1):
+        warnings.simplefilter("ignore")  # what others say about convergence and conditioning
+        accuracy(all_sets(300 if options.quick else 1000, options.data))
+        scoring(10_000 if options.quick else 100_000)
+        fitting()
+        evaluation()
+
+
+if __name__ == "__main__":
+    main()
