@@ -10,7 +10,7 @@ import pytest
 from polydraulic.errors import InputError
 from polydraulic.export import c_name, export_c, to_c
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.networks import AbductiveRegressor, Model, RegionRegressor, Variable
+from polydraulic.networks import AbductiveRegressor, Model, PerceptronRegressor, RegionRegressor, Variable
 
 FLAGS = "-std=c99 -O2 -Wall -Wextra -Werror -Wconversion -Wdouble-promotion -Wshadow -pedantic".split()
 RNG = np.random.default_rng(9)
@@ -28,6 +28,9 @@ MODELS = {
         .to_model([Variable("a", "m"), Variable("b"), Variable("c")], Variable("out put", "Pa"))
     ),
     "constant": lambda: AbductiveRegressor().fit(X, np.full(400, -2.5)).to_model(output=Variable("int")),
+    "perceptron": lambda: (
+        PerceptronRegressor(hidden_units=3, max_iter=20, n_starts=1).fit(X, Y).to_model(output=Variable("mlp"))
+    ),
     "shipped input flow": lambda: shipped_models()[0],
     "shipped output flow": lambda: shipped_models()[1],
 }
@@ -53,8 +56,8 @@ def test_c_equals_the_package_bit_for_bit(which, tmp_path):
     points = low - 0.2 * width + 1.4 * width * RNG.uniform(size=(500, len(low)))  # inside and outside the domain
     corners = np.array(np.meshgrid(*model.domain())).reshape(len(low), -1).T
     on_edges = points[:20].copy()
-    for axis, cuts in model.edges.items():
-        on_edges[:, axis] = cuts[0]
+    border = model.region_boxes()[0][:, 1]
+    on_edges[:, np.isfinite(border)] = border[np.isfinite(border)]
     points = np.vstack([points, corners, on_edges])
     found = [function((ctypes.c_double * len(low))(*row)) for row in points]
     assert np.array_equal(np.array(found), model.predict(points))
@@ -64,7 +67,7 @@ def test_names_units_and_domain_are_in_the_comments():
     header, source = to_c(MODELS["regions"](), name="f")
     assert " * f: out put [Pa] from" in header
     assert " *   x[0]  a [m], domain (" in header or " *   x[0]  a [m], domain -" in header
-    assert "/* c in (0, inf) and a in (-0.3, 0.4] */" in source
+    assert "/* a in (-0.3, 0.4] and c in (0, inf) */" in source
     assert "malloc" not in source
     assert "#include <" not in source
 
@@ -78,8 +81,8 @@ def test_c_names(name, expected):
 
 def test_outputs_must_give_different_names(tmp_path):
     model = MODELS["single network"]()
-    other = Model(model.inputs, Variable("y "), model.edges, model.networks)
-    clash = Model(model.inputs, Variable("y_"), model.edges, model.networks)
+    other = Model(model.inputs, Variable("y "), model.networks, model.partition)
+    clash = Model(model.inputs, Variable("y_"), model.networks, model.partition)
     with pytest.raises(InputError, match="they must differ"):
         export_c([other, clash], tmp_path)
     assert list(tmp_path.iterdir()) == []

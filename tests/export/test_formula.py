@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_latex, to_python, to_sympy, to_text
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.networks import AbductiveRegressor, Model, Network, Node, RegionRegressor, Variable
+from polydraulic.networks import (
+    AbductiveRegressor,
+    Model,
+    Network,
+    Node,
+    PerceptronRegressor,
+    RegionRegressor,
+    Variable,
+)
 from polydraulic.networks.nodes import KIND_NAMES, LINEAR, terms
 
 RNG = np.random.default_rng(9)
@@ -37,12 +45,23 @@ def model_of(which: str) -> Model:
         return two_layers.fit(raw, 1e6 * Y).to_model()
     if which == "one input":
         return two_layers.fit(X[:, :1], X[:, 0] ** 2).to_model()
+    if which == "perceptron":
+        return PerceptronRegressor(hidden_units=3, max_iter=20, n_starts=1).fit(X, Y).to_model(*NAMED)
     if which == "constant":
         return two_layers.fit(X, np.full(len(X), -2.5)).to_model()
     return shipped_models()[0]
 
 
-MODELS = ("single network", "with a linear node", "regions", "raw units", "one input", "constant", "shipped")
+MODELS = (
+    "single network",
+    "with a linear node",
+    "regions",
+    "raw units",
+    "one input",
+    "perceptron",
+    "constant",
+    "shipped",
+)
 
 
 def points(model: Model, n: int = 300) -> np.ndarray:
@@ -53,7 +72,7 @@ def points(model: Model, n: int = 300) -> np.ndarray:
     found = [low - 0.2 * width + 1.4 * width * rng.uniform(size=(n, len(low)))]
     found.append(np.array(np.meshgrid(*model.domain())).reshape(len(low), -1).T)
     for k in range(len(model.networks)):
-        for axis, border in enumerate(model.region_box(k)):
+        for axis, border in enumerate(model.region_boxes()[k]):
             for cut in border[np.isfinite(border)]:
                 on, above = found[0][:10].copy(), found[0][:10].copy()
                 on[:, axis], above[:, axis] = cut, np.nextafter(cut, np.inf)
@@ -71,7 +90,7 @@ def inside(model: Model, rows: np.ndarray) -> np.ndarray:
     """Rows in the domain of the network that answers for them."""
     good = np.zeros(len(rows), dtype=bool)
     for k, network in enumerate(model.networks):
-        low, high = model.region_box(k).T
+        low, high = model.region_boxes()[k].T
         here = np.all((rows > low) & (rows <= high), axis=1)
         good |= here & np.all((rows >= network.x_low) & (rows <= network.x_high), axis=1)
     return rows[good]
@@ -99,8 +118,8 @@ def networks(draw) -> Network:
     number = st.floats(-2.0, 2.0)
     nodes = []
     for slot in range(n_input, n_input + draw(st.integers(1, 4))):
-        kind = draw(st.integers(0, 3))
-        size = draw(st.integers(1, slot)) if kind == LINEAR else kind + 1
+        kind = draw(st.integers(0, 4))
+        size = draw(st.integers(1, slot)) if kind >= LINEAR else kind + 1
         slots = tuple(draw(st.lists(st.integers(0, slot - 1), min_size=size, max_size=size)))
         n_term = len(terms(kind, size))
         nodes.append(Node(kind, slots, tuple(draw(st.lists(number, min_size=n_term, max_size=n_term)))))
@@ -113,7 +132,7 @@ def networks(draw) -> Network:
 @given(networks(), st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3))
 def test_any_network_as_python_gives_the_bits_of_predict(network, values):
     names = tuple(Variable(f"x{i}") for i in range(network.n_inputs))
-    model = Model(names, Variable("y"), {}, (network,))
+    model = Model(names, Variable("y"), (network,))
     row = values[: network.n_inputs]
     assert defined(model)(*row) == model.predict(np.array([row]))[0]
 
@@ -126,7 +145,7 @@ def test_a_name_that_cannot_name_a_function_is_an_error(name):
 
 def test_doc_of_the_python_source_tells_names_units_and_domain_whatever_they_hold():
     model = model_of("one input")
-    odd = Model((Variable('a"""\n\\', "m"),), Variable("é\n#", "Pa"), model.edges, model.networks)
+    odd = Model((Variable('a"""\n\\', "m"),), Variable("é\n#", "Pa"), model.networks, model.partition)
     function = defined(odd)
     assert 'x0: a""" \\ [m], domain -' in function.__doc__
     assert "é # [Pa] from" in function.__doc__
@@ -196,7 +215,7 @@ def test_an_expansion_that_is_too_long_or_loses_digits_is_refused():
     cubes = tuple(Node(2, slots, (0.0,) * 10 + (1.0, 1.0, 1.0, 1.0)) for slots in ((0, 1, 2), (0, 1, 3), (1, 2, 4)))
     zeros, ones = (0.0,) * 3, (1.0,) * 3
     deep = Network(cubes, zeros, ones, zeros, ones, 0.0, 1.0)
-    model = Model(tuple(map(Variable, "abc")), Variable("y"), {}, (deep,))
+    model = Model(tuple(map(Variable, "abc")), Variable("y"), (deep,))
     with pytest.raises(InputError, match="degree 27 in 3 inputs"):
         to_sympy(model, expanded=True)
     assert to_sympy(model, expanded=False) != 0
@@ -204,7 +223,7 @@ def test_an_expansion_that_is_too_long_or_loses_digits_is_refused():
 
 def test_sympy_needs_the_extra_and_different_names(monkeypatch):
     model = model_of("single network")
-    same = Model((Variable("a"), Variable("b"), Variable("a")), model.output, model.edges, model.networks)
+    same = Model((Variable("a"), Variable("b"), Variable("a")), model.output, model.networks, model.partition)
     real = builtins.__import__
 
     def without(name, *args, **options):
@@ -291,11 +310,11 @@ def test_latex_names_units_numbers_and_regions():
 
 def test_latex_tells_names_apart_that_would_look_the_same():
     model = model_of("single network")
-    alike = Model((Variable("x1"), Variable("x_1"), Variable("z\\")), Variable("y"), model.edges, model.networks)
+    alike = Model((Variable("x1"), Variable("x_1"), Variable("z\\")), Variable("y"), model.networks, model.partition)
     latex = to_latex(alike)
     assert_structured(latex)
     assert r"\text{x1}" in latex
     assert r"\text{x\_1}" in latex
     assert r"\text{z\textbackslash{}}" in latex
-    taken = Model((Variable("z1"), Variable("w"), Variable("c")), Variable("y"), model.edges, model.networks)
+    taken = Model((Variable("z1"), Variable("w"), Variable("c")), Variable("y"), model.networks, model.partition)
     assert "v_{1} &=" in to_latex(taken)

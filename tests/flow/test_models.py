@@ -166,7 +166,7 @@ def test_networks_must_fit_their_place(machine):
     q_in, q_out = shipped_models()
     with pytest.raises(InputError, match=r"needs one model of 'boom.q_out'; given are \['boom.q_in'\]"):
         build_flow("polynomial", machine, models=[q_in])
-    swapped = type(q_in)(q_in.inputs[::-1], q_in.output, q_in.edges, q_in.networks)
+    swapped = type(q_in)(q_in.inputs[::-1], q_in.output, q_in.networks, q_in.partition)
     with pytest.raises(InputError, match="the model of 'boom.q_in' reads .*'boom.p_in', 'boom.travel'"):
         build_flow("polynomial", machine, models=[swapped, q_out])
     inches = (Variable("boom.travel", "in"), q_in.inputs[1])

@@ -4,9 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.networks import Model, Network, Node, Variable
-from polydraulic.networks.model import cell_name, cell_of, describe, n_cells
-from polydraulic.networks.nodes import design, terms
+from polydraulic.networks import Model, Network, Node, Variable, grid
+from polydraulic.networks.model import describe, pack_models
+from polydraulic.networks.nodes import SIGMOID, design, terms
+from polydraulic.networks.partition import choose
+from polydraulic.networks.table import evaluate, work_size
 
 value = st.floats(-3.0, 3.0).map(lambda v: round(v, 6))
 
@@ -16,7 +18,7 @@ def networks(draw, n_input=None):
     n_input = draw(st.integers(1, 4)) if n_input is None else n_input
     nodes = []
     for number in range(draw(st.integers(0, 4))):
-        kind = draw(st.sampled_from([0, 1, 2, 3]))
+        kind = draw(st.sampled_from([0, 1, 2, 3, 4]))
         size = kind + 1 if kind < 3 else draw(st.integers(1, 5))
         slots = tuple(draw(st.integers(0, n_input + number - 1)) for _ in range(size))
         coef = tuple(draw(value) for _ in terms(kind, size))
@@ -37,7 +39,7 @@ def networks(draw, n_input=None):
 
 def model_of(*found, edges=None):
     inputs = tuple(Variable(f"x{i}") for i in range(found[0].n_inputs))
-    return Model(inputs, Variable("y"), edges or {}, found)
+    return Model(inputs, Variable("y"), found, grid(edges or {}))
 
 
 def by_terms(network, X):
@@ -46,6 +48,8 @@ def by_terms(network, X):
     last = np.zeros(len(X))
     for node in network.nodes:
         last = design(node.kind, v[:, list(node.inputs)]) @ np.array(node.coef)
+        if node.kind == SIGMOID:
+            last = 0.5 + 0.5 * np.tanh(0.5 * last)
         v = np.column_stack([v, last])
     return np.clip(network.y_mean + network.y_scale * last, network.y_low, network.y_high)
 
@@ -67,15 +71,16 @@ def test_a_value_on_an_edge_belongs_below(a, b, c):
         assert model.predict(row[None]) == pytest.approx(model_of(network).predict(row[None]))
 
 
-def test_cells_in_words_and_numbers():
-    edges = {0: (1.0,), 2: (0.0, 5.0)}
-    inputs = [Variable("p"), Variable("q"), Variable("r")]
-    X = np.array([[0.0, 9.0, -1.0], [1.0, 9.0, 5.0], [2.0, 9.0, 6.0]])
-    assert n_cells(edges) == 6
-    assert cell_of(edges, X).tolist() == [0, 1, 5]
-    assert cell_name(edges, inputs, 1) == "p in (-inf, 1] and r in (0, 5]"
-    assert cell_name(edges, inputs, 5) == "p in (1, inf) and r in (5, inf)"
-    assert cell_name({}, inputs, 0) == "everywhere"
+@given(networks(n_input=2), networks(n_input=2), networks(n_input=2))
+def test_many_rows_have_the_bits_of_one(a, b, c):
+    model = model_of(a, b, c, edges={0: (-0.2, 0.7)})
+    X = np.random.default_rng(3).uniform(-1.5, 2.0, size=(150, 2))
+    (regions,), table = pack_models([model])
+    work, one_by_one = np.zeros(work_size(table)), []
+    for row in X:
+        work[:2] = row
+        one_by_one.append(evaluate(table, choose(regions, work), work))
+    assert np.array_equal(model.predict(X), one_by_one, equal_nan=True)
 
 
 def test_bad_rows_are_named():

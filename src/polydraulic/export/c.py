@@ -11,8 +11,8 @@ from pathlib import Path
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.networks import Model, Network, Node
-from polydraulic.networks.model import cell_name
-from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SINGLE
+from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SIGMOID, SINGLE
+from polydraulic.networks.partition import Partition, Split
 from polydraulic.networks.table import UNBOUNDED
 
 _KEYWORDS = frozenset(
@@ -25,6 +25,23 @@ _CLAMP = """static double clamp(double v, double low, double high)
 {
     v = (v < low) ? low : v;
     return (v > high) ? high : v;
+}
+
+"""
+
+
+# `elementary.exp` and the sigmoid of `networks.table`, operation by operation: the same bits.
+_SIGMOID = """static double sigmoid(double h)
+{
+    const double limited = clamp(-h, -700.0, 700.0);
+    const double k = (limited * 1.4426950408889634 + 6755399441055744.0) - 6755399441055744.0;
+    const double high = limited - k * 6.93147180369123816490e-01;
+    const double low = k * 1.90821492927058770002e-10;
+    const double r = high - low;
+    const double z = r * r;
+    const double c = r - z * (1.66666666666666019037e-01 + z * (-2.77777777770155933842e-03
+        + z * (6.61375632143793436117e-05 + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08))));
+    return 1.0 / (1.0 + ldexp(1.0 - ((low - (r * c) / (2.0 - c)) - high), (int)k));
 }
 
 """
@@ -92,14 +109,15 @@ double {name}(const double x[{n}]);
 
 #endif
 """
-    clamp = _CLAMP if _clamps(model) else ""
+    sigmoids = any(node.kind == SIGMOID for network in model.networks for node in network.nodes)
+    clamp = (_CLAMP if _clamps(model) else "") + (_SIGMOID if sigmoids else "")
+    include = f'#include "{name}.h"\n' + ("\n#include <math.h>\n" if sigmoids else "")
     functions = [
-        _function(f"{name}_{k}", network, cell_name(model.edges, model.inputs, k))
-        for k, network in enumerate(model.networks)
+        _function(f"{name}_{k}", network, where)
+        for k, (network, where) in enumerate(zip(model.networks, model.region_names(), strict=True))
     ]
     source = f"""{comment}
-#include "{name}.h"
-
+{include}
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #endif
@@ -107,7 +125,8 @@ double {name}(const double x[{n}]);
 {clamp}{chr(10).join(functions)}
 double {name}(const double x[{n}])
 {{
-{_choice(model, name)}}}
+{chr(10).join(_choice(model.partition, name))}
+}}
 """
     return header, source
 
@@ -150,6 +169,8 @@ def _polynomial(node: Node, names: Sequence[str]) -> str:
     v = [names[slot] for slot in node.inputs]
     if node.kind == LINEAR:
         return " + ".join(f"{a} * {b}" for a, b in zip(c, v, strict=True))
+    if node.kind == SIGMOID:
+        return f"sigmoid({' + '.join([c[0], *(f'{a} * {b}' for a, b in zip(c[1:], v, strict=True))])})"
     if node.kind == SINGLE:
         a = v[0]
         return f"{c[0]} + {a} * ({c[1]} + {a} * ({c[2]} + {a} * {c[3]}))"
@@ -167,17 +188,17 @@ def _polynomial(node: Node, names: Sequence[str]) -> str:
     )
 
 
-def _choice(model: Model, name: str) -> str:
-    if len(model.networks) == 1:
-        return f"    return {name}_0(x);\n"
-    lines, stride = ["    int region = 0;"], len(model.networks)
-    for axis, cuts in model.edges.items():
-        stride //= len(cuts) + 1
-        lines += [f"    region += (x[{axis}] > {_number(cut)}) ? {stride} : 0;" for cut in cuts]
-    lines.append("    switch (region) {")
-    lines += [f"    case {k}:\n        return {name}_{k}(x);" for k in range(len(model.networks) - 1)]
-    lines += [f"    default:\n        return {name}_{len(model.networks) - 1}(x);", "    }"]
-    return "\n".join(lines) + "\n"
+def _choice(partition: Partition, name: str, indent: str = "    ") -> list[str]:
+    if not isinstance(partition, Split):
+        return [f"{indent}return {name}_{partition}(x);"]
+    deeper = indent + "    "
+    return [
+        f"{indent}if (x[{partition.axis}] > {_number(partition.at)}) {{",
+        *_choice(partition.above, name, deeper),
+        f"{indent}}} else {{",
+        *_choice(partition.below, name, deeper),
+        f"{indent}}}",
+    ]
 
 
 def _number(value: float) -> str:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from polydraulic.errors import InputError
 from polydraulic.export.c import _bounded, _number, _polynomial
 from polydraulic.networks import Model, Network, Node, Variable, describe
-from polydraulic.networks.nodes import KIND_NAMES, terms
+from polydraulic.networks.nodes import KIND_NAMES, SIGMOID, terms
 
 if TYPE_CHECKING:
     import sympy
@@ -24,6 +24,22 @@ _LOSS = Fraction(1, 10**9)  # and may lose this share of the output's scale to r
 _ROUNDING = Fraction(1, 2**53)
 _DIGITS = 17  # SymPy writes code with as many digits as a number has; fewer do not read back exactly
 _TERMS_A_LINE = 4
+
+# The sigmoid of `networks.table` with the exponential of `elementary`, operation by operation.
+_PYTHON_SIGMOID = """
+    from math import ldexp
+
+    def sigmoid(h):
+        limited = min(max(-h, -700.0), 700.0)
+        k = (limited * 1.4426950408889634 + 6755399441055744.0) - 6755399441055744.0
+        high = limited - k * 6.93147180369123816490e-01
+        low = k * 1.90821492927058770002e-10
+        r = high - low
+        z = r * r
+        c = r - z * (1.66666666666666019037e-01 + z * (-2.77777777770155933842e-03
+            + z * (6.61375632143793436117e-05 + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08))))
+        return 1.0 / (1.0 + ldexp(1.0 - ((low - (r * c) / (2.0 - c)) - high), int(k)))
+""".splitlines()[1:]
 
 
 def to_text(model: Model) -> str:
@@ -87,7 +103,11 @@ def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "s
         for k, network in enumerate(model.networks):
             limits = zip(symbols, network.x_low, network.x_high, strict=True)
             x = [_clamped(sympy, *limit) for limit in limits] if clamp else symbols
-            y = _expanded(sympy, network, x) if expanded else _value(network, x, lambda v: sympy.Float(v, _DIGITS))
+            y = (
+                _expanded(sympy, network, x)
+                if expanded
+                else _value(network, x, lambda v: sympy.Float(v, _DIGITS), sympy.exp)
+            )
             if clamp and _bounded(network):
                 y = _clamped(sympy, y, network.y_low, network.y_high)
             cases.append((y, _condition(sympy, model, k, symbols)))
@@ -122,7 +142,7 @@ def to_latex(model: Model, digits: int = 6) -> str:
         return f"{blocks[0]}\n"
     rows = []
     for k, block in enumerate(blocks):
-        box = model.region_box(k).tolist()
+        box = model.region_boxes()[k].tolist()
         limits = [_latex_interval(name, low, high, digits) for name, (low, high) in zip(names[:-1], box, strict=True)]
         rows.append(f"{block} & {', '.join(filter(None, limits))}")
     inner = " \\\\[2ex]\n".join(rows)
@@ -165,6 +185,8 @@ def to_python(model: Model, name: str) -> str:
         "        inputs = inputs[0]",
         f"    {unpacked} = map(float, inputs)",
     ]
+    if any(node.kind == SIGMOID for network in model.networks for node in network.nodes):
+        lines += _PYTHON_SIGMOID
     for k, network in enumerate(model.networks):
         last = k == len(model.networks) - 1
         if len(model.networks) > 1:
@@ -174,14 +196,15 @@ def to_python(model: Model, name: str) -> str:
     return re.sub(r"[ ]+\n", "\n", "\n".join(lines)) + "\n"
 
 
-def _value(network: Network, x: Sequence[Any], number: Callable[[float], Any]) -> Any:
-    """Output of `network` before its bounds, in whatever algebra `x` and `number` live in."""
+def _value(network: Network, x: Sequence[Any], number: Callable[[float], Any], exp: Callable[[Any], Any]) -> Any:
+    """Output of `network` before its bounds, in whatever algebra `x`, `number` and `exp` live in."""
     slots = [
         (value - number(mean)) * number(1.0 / scale)
         for value, mean, scale in zip(x, network.x_mean, network.x_scale, strict=True)
     ]
     for node in network.nodes:
-        slots.append(sum(number(c) * prod(slots[i] ** e for i, e in factors) for c, factors in _factors(node)))
+        value = sum(number(c) * prod(slots[i] ** e for i, e in factors) for c, factors in _factors(node))
+        slots.append(1 / (1 + exp(-value)) if node.kind == SIGMOID else value)
     y = number(network.y_mean)
     return y + number(network.y_scale) * slots[-1] if network.nodes else y
 
@@ -204,7 +227,7 @@ def _clamped(sympy: Any, value: Any, low: float, high: float) -> Any:
 
 def _condition(sympy: Any, model: Model, k: int, symbols: Sequence[Any]) -> Any:
     parts = []
-    for symbol, (low, high) in zip(symbols, model.region_box(k).tolist(), strict=True):
+    for symbol, (low, high) in zip(symbols, model.region_boxes()[k].tolist(), strict=True):
         parts += [symbol > sympy.Float(low, _DIGITS)] if low > -inf else []
         parts += [symbol <= sympy.Float(high, _DIGITS)] if high < inf else []
     return sympy.And(*parts)
@@ -212,6 +235,8 @@ def _condition(sympy: Any, model: Model, k: int, symbols: Sequence[Any]) -> Any:
 
 def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
     """One polynomial in `x`; multiplied out with exact fractions, rounded once."""
+    if any(node.kind == SIGMOID for node in network.nodes):
+        raise InputError("a network with sigmoid nodes is no polynomial: leave out expanded=True")
     degrees = [1] * network.n_inputs
     needed = [{i} for i in range(network.n_inputs)]
     for node in network.nodes:
@@ -230,7 +255,7 @@ def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
 
     parts = [
         (Fraction(int(c.numerator), int(c.denominator)), powers)
-        for powers, c in ring(_value(network, generators, exact)).terms()
+        for powers, c in ring(_value(network, generators, exact, exact)).terms()
     ]
     reach = [
         max(abs(Fraction(low)), abs(Fraction(high))) for low, high in zip(network.x_low, network.x_high, strict=True)
@@ -250,7 +275,7 @@ def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
 def _where(model: Model, k: int) -> str:
     """Region `k` in words: ``where 0 < x <= 1 and p > 2``."""
     parts = []
-    for variable, (low, high) in zip(model.inputs, model.region_box(k), strict=True):
+    for variable, (low, high) in zip(model.inputs, model.region_boxes()[k], strict=True):
         if low > -inf and high < inf:
             parts.append(f"{low:g} < {variable.name} <= {high:g}")
         elif low > -inf:
@@ -262,7 +287,7 @@ def _where(model: Model, k: int) -> str:
 
 def _python_condition(model: Model, k: int) -> str:
     parts = []
-    for i, (low, high) in enumerate(model.region_box(k).tolist()):
+    for i, (low, high) in enumerate(model.region_boxes()[k].tolist()):
         if low > -inf or high < inf:
             left = f"{_number(low)} < " if low > -inf else ""
             right = f" <= {_number(high)}" if high < inf else ""
@@ -308,6 +333,7 @@ def _aligned(model: Model, network: Network, names: Sequence[str], digits: int) 
             "\\,".join([_latex_number(c, digits), *(slots[i] + (f"^{{{e}}}" if e > 1 else "") for i, e in factors)])
             for c, factors in _factors(node)
         ] or ["0"]
+        parts = [f"1 / (1 + \\exp(-({_latex_sum(parts)})))"] if node.kind == SIGMOID else parts
         for start in range(0, len(parts), _TERMS_A_LINE):
             rest = _latex_sum(parts[start : start + _TERMS_A_LINE])
             signed = f"- {rest[1:]}" if rest.startswith("-") else f"+ {rest}"

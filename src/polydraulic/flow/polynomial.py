@@ -19,7 +19,8 @@ from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
 from polydraulic.networks import Model, NetworkTable, Variable, parse_models
 from polydraulic.networks.model import pack_models
-from polydraulic.networks.table import Regions, evaluate, region
+from polydraulic.networks.partition import Regions, choose
+from polydraulic.networks.table import evaluate
 from polydraulic.parameters import Machine
 
 # What a model must be called, and read, to take its place in the circuit (SI units).
@@ -96,13 +97,13 @@ def polynomial_step(
     pump = model.boom_pump
     memory[0] = abs(spool.boom)
     memory[1] = p_in.boom
-    q_in = evaluate(model.table, region(model.q_in, memory), memory)
+    q_in = evaluate(model.table, choose(model.q_in, memory), memory)
     q_in = min(max(q_in, 0.0), pump.flow)
 
     root = sqrt(max(p_out.boom - pump.p_return, 0.0))
     memory[0] = spool.boom
     memory[1] = root
-    q_out = evaluate(model.table, region(model.q_out, memory), memory)
+    q_out = evaluate(model.table, choose(model.q_out, memory), memory)
     k_out = max(q_out, 0.0) / max(root, _SMALLEST_ROOT)
 
     inside = p_in.boom <= model.p_in_high and root <= model.root_p_out_high

@@ -19,7 +19,8 @@ from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
 from polydraulic.networks import Model, NetworkTable, Variable
 from polydraulic.networks.model import pack_models
-from polydraulic.networks.table import Regions, evaluate, region
+from polydraulic.networks.partition import Regions, choose
+from polydraulic.networks.table import evaluate
 from polydraulic.parameters import Machine
 
 P_PUMP = (Variable("boom.p_pump", "Pa"), Q_IN[1])
@@ -64,7 +65,7 @@ def pressure_step(model: PressureFlow, memory: np.ndarray, spool: Links, p_in: L
     pump = model.boom_pump
     memory[0] = abs(spool.boom)
     memory[1] = p_in.boom
-    p = evaluate(model.table, region(model.p_pump, memory), memory)
+    p = evaluate(model.table, choose(model.p_pump, memory), memory)
     q_in = orifice_flow(k.inlet, p - p_in.boom)
     circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p)
     status = OK if p_in.boom <= model.p_in_high else OUT_OF_DOMAIN

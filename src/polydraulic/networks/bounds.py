@@ -10,8 +10,10 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.networks.branch_and_bound import Ends, Goal, close_to_found, search
-from polydraulic.networks.model import Model, cell_name
-from polydraulic.networks.table import Network, Regions, evaluate_rows, pack, work_size
+from polydraulic.networks.model import Model
+from polydraulic.networks.partition import EVERYWHERE
+from polydraulic.networks.rows_table import evaluate_rows
+from polydraulic.networks.table import Network, pack
 from polydraulic.networks.taylor import enclose_output, enclose_slopes, used_slots
 
 
@@ -205,7 +207,7 @@ def check_range(
         proved = [min(proved[0], float(found.low[0])), max(proved[1], float(found.high[0]))]
         if kept:
             continue
-        name = cell_name(model.edges, model.inputs, k)
+        name = model.region_names()[k]
         below = low - found.inner_low[0] >= found.inner_high[0] - high
         point = np.clip((found.at_low if below else found.at_high)[0], *part.T)
         value = float(model.predict(point[None])[0])
@@ -272,8 +274,7 @@ def _parts(model: Model, box: np.ndarray | None) -> list[np.ndarray | None]:
     """What the box has in common with each region; None if nothing."""
     box = _checked_box(model.domain() if box is None else box, [variable.name for variable in model.inputs])
     parts: list[np.ndarray | None] = []
-    for k in range(len(model.networks)):
-        low, high = model.region_box(k).T
+    for low, high in (region.T for region in model.region_boxes()):
         # A region is open below: its first number is the one after the edge.
         part = np.column_stack([np.maximum(box[:, 0], np.nextafter(low, np.inf)), np.minimum(box[:, 1], high)])
         parts.append(part if np.all(part[:, 0] <= part[:, 1]) else None)
@@ -290,14 +291,11 @@ def _output_range(network: Network, inside: np.ndarray, goal: Goal, max_boxes: i
     """Search for the range of the clamped output; points have all inputs."""
     used = used_slots(network)[0]
     table = pack([network])
-    work = np.empty(work_size(table))
-    everywhere = Regions(0, np.empty(0, np.int64), np.empty(0), np.empty(0, np.int64))
 
     def evaluated(points: np.ndarray) -> np.ndarray:
-        X, y = np.tile(inside[:, 0], (points.shape[1], 1)), np.empty(points.shape[1])
+        X = np.tile(inside[:, 0], (points.shape[1], 1))
         X[:, used] = points.T
-        evaluate_rows(table, everywhere, X, work, y)
-        return y
+        return evaluate_rows(table, EVERYWHERE, X)
 
     def enclose(low: np.ndarray, high: np.ndarray) -> Ends:
         form = enclose_output(network, low, high)

@@ -6,7 +6,8 @@ import numba
 import numpy as np
 
 from polydraulic.networks.model import Model, pack_models
-from polydraulic.networks.table import evaluate, region, work_size
+from polydraulic.networks.partition import choose
+from polydraulic.networks.table import evaluate, work_size
 
 
 def compiled(model: Model) -> Callable[[np.ndarray], float]:
@@ -29,6 +30,6 @@ def compiled(model: Model) -> Callable[[np.ndarray], float]:
         work = np.empty(size)
         for i in range(n_input):
             work[i] = x[i]
-        return evaluate(table, region(regions, work), work)
+        return evaluate(table, choose(regions, work), work)
 
     return one

@@ -5,8 +5,10 @@ probability, whatever the network and the noise.
 """
 
 from math import ceil
+from typing import Any
 
 import numpy as np
+from sklearn.utils import check_random_state
 
 from polydraulic.errors import InputError
 
@@ -36,3 +38,20 @@ def half_width(residuals: np.ndarray, coverage: float) -> float:
             f"coverage {coverage} needs at least {needed} held-out rows; this model has {n}: raise calibration"
         )
     return float(residuals[rank - 1])
+
+
+def hold_out(n: int, share: float, random_state: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Rows to learn from, and rows to hold out, of `n`.
+
+    Raises
+    ------
+    InputError
+        If the share is none.
+    """
+    if not 0.0 <= share < 1.0:
+        raise InputError(f"calibration = {share!r}: must be a share of the rows, at least 0 and below 1")
+    held = round(share * n)
+    if not held:
+        return np.arange(n), np.arange(0)
+    chosen = check_random_state(random_state).permutation(n)
+    return np.sort(chosen[held:]), np.sort(chosen[:held])

@@ -1,4 +1,4 @@
-"""A fitted model: one network, or one for each cell of a grid of edges, with names, units and domain.
+"""A fitted model: one network, or one for each region of a partition, with names, units and domain.
 
 This is what leaves training: it predicts, is written to a file, drawn, exported and put into a simulation, and knows
 nothing of how it was fitted.
@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.networks.nodes import KIND_NAMES, terms
-from polydraulic.networks.table import Network, NetworkTable, Regions, evaluate_rows, pack, work_size
-
-Edges = dict[int, tuple[float, ...]]
+from polydraulic.networks.nodes import KIND_NAMES, SIGMOID, terms
+from polydraulic.networks.partition import EVERYWHERE, Partition, Regions, box_name, flatten, region_boxes, region_of
+from polydraulic.networks.rows_table import evaluate_rows
+from polydraulic.networks.table import Network, NetworkTable, pack
 
 
 @dataclass(frozen=True)
@@ -35,18 +35,17 @@ class Model:
     ----------
     inputs : tuple of Variable
     output : Variable
-    edges : dict from input index to rising edges
-        Empty for a single network.
     networks : tuple of Network
-        One a cell; the last cut input varies fastest.
+    partition : Split or int
+        Which network answers where; 0 for a single one.
     training : dict
         Summary of the fit: numbers and strings.
     """
 
     inputs: tuple[Variable, ...]
     output: Variable
-    edges: Edges
     networks: tuple[Network, ...]
+    partition: Partition = EVERYWHERE
     training: dict[str, object] = field(default_factory=dict)
 
     def predict(self, X: np.ndarray) -> np.ndarray:
@@ -63,23 +62,27 @@ class Model:
         if not np.all(np.isfinite(X)):
             row, column = np.argwhere(~np.isfinite(X))[0]
             raise InputError(f"{self.inputs[column].name} = {X[row, column]} in row {row}: must be finite")
-        (regions,), table = pack_models([self])
-        y = np.empty(len(X))
-        evaluate_rows(table, regions, X, np.empty(work_size(table)), y)
-        return y
+        return evaluate_rows(pack(list(self.networks)), self.partition, X)
+
+    def inside(self, X: np.ndarray) -> np.ndarray:
+        """Whether each row lies in the domain of the network that answers for it; (n_row,) array of bool."""
+        low, high = (np.array([getattr(network, end) for network in self.networks]) for end in ("x_low", "x_high"))
+        k = region_of(self.partition, X)
+        return np.asarray(np.all((low[k] <= X) & (high[k] >= X), axis=1))
 
     @property
     def n_coefficients(self) -> int:
         """Number of coefficients of all networks."""
         return sum(network.n_coefficients for network in self.networks)
 
-    def region_box(self, k: int) -> np.ndarray:
-        """Box of inputs for which network `k` answers, infinite where nothing cuts; shape (n_input, 2)."""
-        box = np.tile([-np.inf, np.inf], (len(self.inputs), 1))
-        for axis, cuts in reversed(self.edges.items()):
-            k, place = divmod(k, len(cuts) + 1)
-            box[axis] = [cuts[place - 1] if place else -np.inf, cuts[place] if place < len(cuts) else np.inf]
-        return box
+    def region_boxes(self) -> list[np.ndarray]:
+        """Box of inputs for which each network answers, infinite where nothing cuts; shapes (n_input, 2)."""
+        boxes = region_boxes(self.partition, len(self.inputs))
+        return [boxes[k] for k in range(len(self.networks))]
+
+    def region_names(self) -> list[str]:
+        """Regions in words, one a network."""
+        return [box_name(box, [variable.name for variable in self.inputs]) for box in self.region_boxes()]
 
     def domain(self) -> np.ndarray:
         """Smallest box around the domains of all networks; shape (n_input, 2)."""
@@ -88,47 +91,11 @@ class Model:
         return np.column_stack([low, high])
 
 
-def n_cells(edges: Edges) -> int:
-    """Number of cells that the edges cut."""
-    return int(np.prod([len(cuts) + 1 for cuts in edges.values()], dtype=int))
-
-
-def cell_of(edges: Edges, X: np.ndarray) -> np.ndarray:
-    """Cell of each row; the same rule as the compiled `table.region`."""
-    cell = np.zeros(len(X), dtype=np.int64)
-    for axis, cuts in edges.items():
-        cell = cell * (len(cuts) + 1) + np.searchsorted(cuts, X[:, axis], side="left")
-    return cell
-
-
-def cell_name(edges: Edges, inputs: Sequence[Variable], cell: int) -> str:
-    """A cell in words: ``x in (0.188, 0.376]``."""
-    parts = []
-    for axis, cuts in reversed(edges.items()):
-        cell, place = divmod(cell, len(cuts) + 1)
-        low = f"{cuts[place - 1]:g}" if place else "-inf"
-        high = f"{cuts[place]:g}]" if place < len(cuts) else "inf)"
-        parts.append(f"{inputs[axis].name} in ({low}, {high}")
-    return " and ".join(reversed(parts)) or "everywhere"
-
-
 def pack_models(models: Sequence[Model]) -> tuple[list[Regions], NetworkTable]:
     """All networks of several models in one table, and for each model which of them answers where."""
     table = pack([network for model in models for network in model.networks])
-    regions, first = [], 0
-    for model in models:
-        axes, cuts, strides = [], [], []
-        stride = len(model.networks)
-        for axis, edges in model.edges.items():
-            stride //= len(edges) + 1
-            axes += [axis] * len(edges)
-            cuts += list(edges)
-            strides += [stride] * len(edges)
-        ints = (np.array(values, dtype=np.int64) for values in (axes, strides))
-        axis_array, stride_array = ints
-        regions.append(Regions(first, axis_array, np.array(cuts, dtype=np.float64), stride_array))
-        first += len(model.networks)
-    return regions, table
+    firsts = np.cumsum([0, *(len(model.networks) for model in models)])
+    return [flatten(model.partition, int(first)) for model, first in zip(models, firsts, strict=False)], table
 
 
 def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
@@ -154,6 +121,7 @@ def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
             ]
             parts.append(" ".join([f"{coef:+.6g}", *factors]))
         names.append(f"z{number}")
-        lines.append(f"z{number} = {' '.join(parts)}    ({KIND_NAMES[node.kind]})")
+        value = f"1 / (1 + exp(-({' '.join(parts)})))" if node.kind == SIGMOID else " ".join(parts)
+        lines.append(f"z{number} = {value}    ({KIND_NAMES[node.kind]})")
     last = f" + {network.y_scale:.6g} {names[-1]}" if network.nodes else ""
     return [*lines, f"y = {network.y_mean:.6g}{last}"]

@@ -4,7 +4,6 @@ A file holds one model or several (one an output). Reading checks everything tha
 so that a damaged file is an error and never a wrong number.
 """
 
-import itertools
 import json
 from collections.abc import Sequence
 from math import isfinite
@@ -13,11 +12,12 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
-from polydraulic.networks.model import Edges, Model, Variable, n_cells
-from polydraulic.networks.nodes import KIND_NAMES, LINEAR, N_INPUTS, terms
+from polydraulic.networks.model import Model, Variable
+from polydraulic.networks.nodes import KIND_NAMES, N_INPUTS, terms
+from polydraulic.networks.partition import Partition, Split, networks_of, region_boxes
 from polydraulic.networks.table import Network, Node
 
-SCHEMA = 1
+SCHEMA = 2
 _SCALARS = ("y_mean", "y_scale", "y_low", "y_high")
 _VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
 
@@ -86,7 +86,7 @@ def _model_data(model: Model) -> dict[str, Any]:
     return {
         "output": vars(model.output),
         "inputs": [vars(variable) for variable in model.inputs],
-        "edges": [{"input": axis, "at": list(cuts)} for axis, cuts in model.edges.items()],
+        "partition": _partition_data(model.partition),
         "training": model.training,
         "networks": [
             {
@@ -105,21 +105,30 @@ def _model_data(model: Model) -> dict[str, Any]:
 def _read_model(data: Any) -> Model:
     inputs = tuple(Variable(str(item["name"]), str(item["unit"])) for item in data["inputs"])
     output = Variable(str(data["output"]["name"]), str(data["output"]["unit"]))
-    edges: Edges = {}
-    for item in data["edges"]:
-        cuts = _floats(item["at"], "edges")
-        _require(
-            type(item["input"]) is int and 0 <= item["input"] < len(inputs),
-            f"edge of input {item['input']!r}",
-        )
-        _require(
-            bool(cuts) and all(a < b for a, b in itertools.pairwise(cuts)),
-            f"edges {cuts} do not rise",
-        )
-        edges[item["input"]] = cuts
     networks = tuple(_read_network(item, len(inputs)) for item in data["networks"])
-    _require(len(networks) == n_cells(edges), f"{len(networks)} networks for {n_cells(edges)} regions")
-    return Model(inputs, output, edges, networks, dict(data["training"]))
+    partition = _read_partition(data["partition"], len(inputs), len(networks))
+    found = networks_of(partition)
+    _require(sorted(found) == list(range(len(networks))), f"the partition leads to networks {found} of {len(networks)}")
+    boxes = region_boxes(partition, len(inputs)).values()
+    _require(all((box[:, 0] < box[:, 1]).all() for box in boxes), "the partition has a region that is empty")
+    return Model(inputs, output, networks, partition, dict(data["training"]))
+
+
+def _partition_data(partition: Partition) -> Any:
+    if not isinstance(partition, Split):
+        return partition
+    below, above = _partition_data(partition.below), _partition_data(partition.above)
+    return {"input": partition.axis, "at": partition.at, "below": below, "above": above}
+
+
+def _read_partition(data: Any, n_input: int, depth: int) -> Partition:
+    if type(data) is int:
+        return data
+    _require(isinstance(data, dict), f"the partition holds {data!r}")
+    _require(depth > 0, "the partition has more splits than networks")  # also ends a tree of any depth
+    axis, (at,) = data["input"], _floats([data["at"]], "partition")
+    _require(type(axis) is int and 0 <= axis < n_input, f"a split of input {axis!r}")
+    return Split(axis, at, *(_read_partition(data[side], n_input, depth - 1) for side in ("below", "above")))
 
 
 def _read_network(data: Any, n_input: int) -> Network:
@@ -134,7 +143,7 @@ def _read_network(data: Any, n_input: int) -> Network:
         kind = KIND_NAMES.index(item["kind"])
         slots = tuple(item["inputs"])
         _require(
-            len(slots) == N_INPUTS[kind] if kind != LINEAR else len(slots) > 0,
+            len(slots) == N_INPUTS[kind] if kind < len(N_INPUTS) else len(slots) > 0,
             f"{item['kind']} node of {slots}",
         )
         _require(

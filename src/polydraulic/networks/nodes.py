@@ -1,14 +1,16 @@
-"""The four kinds of node and their terms, in the order in which the thesis prints them (sec. 3.1).
+"""The kinds of node and their terms, in the order in which the thesis prints them (sec. 3.1).
 
 `TERMS` is the single source: a term is the tuple of exponents of the node's inputs. Design matrices are built from it,
 and the compiled evaluation and the generated C are tested against it. A linear node has one term for each input and no
-constant, so that its terms depend on how many inputs it has.
+constant. A sigmoid node, of which perceptrons are made, has a constant and one term for each input, and its value is
+1 / (1 + exp(-sum)).
 """
 
 import numpy as np
 
-SINGLE, DOUBLE, TRIPLE, LINEAR = range(4)
-KIND_NAMES = ("single", "double", "triple", "linear")
+SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID = range(5)
+KIND_NAMES = ("single", "double", "triple", "linear", "sigmoid")
+POLYNOMIALS = KIND_NAMES[:4]
 N_INPUTS = (1, 2, 3)
 
 TERMS: dict[int, tuple[tuple[int, ...], ...]] = {
@@ -35,8 +37,9 @@ TERMS: dict[int, tuple[tuple[int, ...], ...]] = {
 
 def terms(kind: int, n_inputs: int) -> tuple[tuple[int, ...], ...]:
     """Exponents of a node's terms, one tuple a term."""
-    if kind == LINEAR:
-        return tuple(tuple(int(i == j) for j in range(n_inputs)) for i in range(n_inputs))
+    if kind in (LINEAR, SIGMOID):
+        constant = ((0,) * n_inputs,) if kind == SIGMOID else ()
+        return constant + tuple(tuple(int(i == j) for j in range(n_inputs)) for i in range(n_inputs))
     return TERMS[kind]
 
 

@@ -1,33 +1,62 @@
-"""RegionRegressor: one model for each cell of a grid of given edges (thesis Table 3)."""
+"""RegionRegressor: a network in each region, whose borders are given (thesis Table 3) or found as a tree."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from sklearn.base import BaseEstimator, RegressorMixin, clone
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, clone
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
-from polydraulic.networks.model import Edges, Model, Variable, cell_name, cell_of, n_cells
-from polydraulic.networks.regressor import AbductiveRegressor, settings_of, variables
+from polydraulic.networks.cuts import best_cut
+from polydraulic.networks.intervals import half_width, hold_out
+from polydraulic.networks.model import Model, Variable
+from polydraulic.networks.partition import (
+    EVERYWHERE,
+    Partition,
+    Split,
+    box_name,
+    grid,
+    networks_of,
+    region_boxes,
+    region_of,
+)
+from polydraulic.networks.regressor import AbductiveRegressor, variables
+
+_GAIN = 0.05  # a cut has to lower the predicted squared error by this share
 
 
-class RegionRegressor(RegressorMixin, BaseEstimator):
-    """A separate network in each cell that the edges cut out of the input space.
+class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    """A separate network in each region of the input space.
 
     Parameters
     ----------
-    estimator : AbductiveRegressor, optional
-        Cloned for every cell.
-    edges : mapping from input (index, or column name) to rising edges
-        A value on an edge belongs to the cell below it.
+    estimator : AbductiveRegressor or PerceptronRegressor, optional
+        Cloned for every region; perceptrons need `edges` and learn one output. Its `calibration` is the share of all rows that is held out for intervals.
+    edges : mapping from input (index, or column name) to rising edges, optional
+        Regions are the cells of this grid; a value on an edge belongs to the cell below it. Without edges the
+        regions are found: the region with the largest error is cut in two, at the threshold where two polynomials fit
+        best, as long as that lowers the predicted squared error.
+    max_regions : int, default=8
+        Regions that are found at most.
+    min_rows : int, default=50
+        Rows that a cut leaves on each side.
+    borrow : float, default=0.0
+        A region also learns from rows across its borders, up to this share of its width.
+    tolerance : float, optional
+        A region whose largest error on its own rows is smaller is not cut; in units of y.
 
     Attributes
     ----------
     estimators_ : list of AbductiveRegressor
-        One a cell; the last cut input varies fastest.
-    edges_ : dict from input index to tuple of float
+        One a region.
+    partition_ : Split or int
+        Which of them answers where.
+    residuals_ : list of list of (n_held_out,) array
+        Sizes of held-out residuals by region and output, rising.
     n_features_in_ : int
+    feature_names_in_ : ndarray of str
+        Only if fitted on a frame with column names.
 
     Examples
     --------
@@ -36,62 +65,167 @@ class RegionRegressor(RegressorMixin, BaseEstimator):
     >>> model = RegionRegressor(edges={0: [0.0]}).fit(X, np.abs(X[:, 0]))
     >>> round(float(model.predict([[-0.3]])[0]), 6)
     0.3
+    >>> found = RegionRegressor(max_regions=2).fit(X, np.abs(X[:, 0]))
+    >>> abs(found.partition_.at) < 0.01
+    True
     """
 
     def __init__(
         self,
         estimator: AbductiveRegressor | None = None,
         edges: Mapping[Any, Sequence[float]] | None = None,
+        *,
+        max_regions: int = 8,
+        min_rows: int = 50,
+        borrow: float = 0.0,
+        tolerance: float | None = None,
     ) -> None:
         self.estimator = estimator
         self.edges = edges
+        self.max_regions = max_regions
+        self.min_rows = min_rows
+        self.borrow = borrow
+        self.tolerance = tolerance
 
     def fit(self, X: Any, y: Any, sample_weight: Any = None) -> "RegionRegressor":
-        """Fit every cell on its own rows.
+        """Fit every region on its own rows.
+
+        Parameters
+        ----------
+        X : (n_row, n_input) array-like of finite float
+        y : (n_row,) or (n_row, n_output) array-like of finite float
+        sample_weight : (n_row,) array-like, optional
+            A weight acts like that many repetitions of its row.
 
         Raises
         ------
         ValueError
             As for `AbductiveRegressor`; also edges that do not rise, and cells without enough rows.
         """
-        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64, ensure_min_samples=2)
-        weight = None if sample_weight is None else _check_sample_weight(sample_weight, X)
+        self._check_settings()
+        X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64, multi_output=True, ensure_min_samples=2)
+        weight = np.ones(len(X)) if sample_weight is None else _check_sample_weight(
+            sample_weight, X, ensure_non_negative=True
+        )  # fmt: skip
+        X, y, weight = X[weight > 0.0], y.astype(np.float64)[weight > 0.0], weight[weight > 0.0]
+        self._single_output = y.ndim == 1
         base = AbductiveRegressor() if self.estimator is None else self.estimator
-        self.edges_ = self._edges()
-        cell = cell_of(self.edges_, X)
-        self.estimators_ = []
-        for k in range(n_cells(self.edges_)):
-            rows = cell == k
-            name = cell_name(self.edges_, variables(self, None), k)
-            if not rows.any():
-                raise InputError(f"no rows with {name}: add data there or move the edges")
-            estimator = clone(base)
-            if base.domain is not None:
-                estimator.set_params(domain=self._cell_domain(base.domain, k))
-            try:
-                estimator.fit(X[rows], y[rows], None if weight is None else weight[rows])
-            except ValueError as error:
-                raise InputError(f"region {name}: {error}") from error
-            self.estimators_.append(estimator)
+        learn, hold = hold_out(len(y), getattr(base, "calibration", 0.0), base.random_state)
+        rows = _Rows(X[learn], y[learn], weight[learn])
+        if self.edges is None:
+            self.partition_, self.estimators_ = self._find(rows, base)
+        else:
+            self.partition_ = grid(self._edges())
+            self.estimators_ = [self._fit_box(rows, base, box) for box in self._boxes()]
+        errors = np.abs(self._outputs(X[hold]) - y.reshape(len(y), -1)[hold])
+        region = region_of(self.partition_, X[hold])
+        self.residuals_ = [list(np.sort(errors[region == k].T)) for k in range(len(self.estimators_))]
         return self
 
-    def predict(self, X: Any) -> np.ndarray:
-        """Outputs for `X`, shape (n_row,)."""
+    def predict(self, X: Any, *, return_domain: bool = False, return_interval: float | None = None) -> Any:
+        """Outputs for `X`; arguments and results as `AbductiveRegressor.predict`.
+
+        Intervals are region-wise: each region has the width that its own held-out rows ask for.
+        """
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=np.float64)
-        return self.to_model().predict(X)
+        y = self._outputs(X)
+        found = [y]
+        if return_interval is not None:
+            half = np.array([[half_width(r, return_interval) for r in outputs] for outputs in self.residuals_])
+            width = half[region_of(self.partition_, X)]
+            found += [y - width, y + width]
+        if self._single_output:
+            found = [values[:, 0] for values in found]
+        if return_domain:
+            found.append(self.to_model().inside(X))
+        return found[0] if len(found) == 1 else tuple(found)
 
     def to_model(self, inputs: Sequence[Variable] | None = None, output: Variable | None = None) -> Model:
-        """Return the fitted networks as a model that can be saved, exported and simulated."""
-        check_is_fitted(self)
-        networks = tuple(estimator.network_ for estimator in self.estimators_)
-        training = {
-            "pse": [estimator.pse_ for estimator in self.estimators_],
-            **settings_of(self.estimators_[0]),
-        }
-        return Model(variables(self, inputs), output or Variable("y"), self.edges_, networks, training)
+        """Return the (first) output's networks as a model that can be saved, exported and simulated."""
+        return self.to_models(inputs, None if output is None else [output])[0]
 
-    def _edges(self) -> Edges:
+    def to_models(
+        self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
+    ) -> list[Model]:
+        """Return one model an output."""
+        check_is_fitted(self)
+        by_region = [_models(estimator, inputs, outputs) for estimator in self.estimators_]
+        models = []
+        for parts in zip(*by_region, strict=True):
+            networks = tuple(part.networks[0] for part in parts)
+            training: dict[str, object] = {}
+            for key in parts[0].training:  # what differs is listed by region
+                values = [part.training[key] for part in parts]
+                training[key] = values[0] if all(value == values[0] for value in values) else values
+            models.append(Model(variables(self, inputs), parts[0].output, networks, self.partition_, training))
+        return models
+
+    def _outputs(self, X: np.ndarray) -> np.ndarray:
+        return np.column_stack([model.predict(X) for model in self.to_models()])
+
+    def _boxes(self) -> list[np.ndarray]:
+        boxes = region_boxes(self.partition_, self.n_features_in_)
+        return [boxes[k] for k in range(len(boxes))]
+
+    def _fit_box(self, rows: "_Rows", base: AbductiveRegressor, box: np.ndarray) -> AbductiveRegressor:
+        """Fit the region `box` on its rows, and on borrowed ones."""
+        name = box_name(box, [variable.name for variable in variables(self, None)])
+        own = rows.inside(box)
+        if not len(own.y):
+            raise InputError(f"no rows with {name}: add data there or move the edges")
+        if self.borrow:
+            width = self.borrow * np.ptp(own.X, axis=0)
+            own = rows.inside(box + np.column_stack([-width, width]))
+        estimator = clone(base)
+        if hasattr(base, "calibration"):
+            estimator.set_params(calibration=0.0)  # rows are held out here, for all regions
+        if base.domain is not None:
+            domain = np.clip(np.asarray(base.domain, dtype=np.float64), box[:, :1], box[:, 1:])
+            estimator.set_params(domain=list(map(tuple, domain.tolist())))
+        try:
+            return estimator.fit(*own)
+        except ValueError as error:
+            raise InputError(f"region {name}: {error}") from error
+
+    def _find(self, rows: "_Rows", base: AbductiveRegressor) -> tuple[Partition, list[AbductiveRegressor]]:
+        """Cut the region with the largest predicted error while that helps; the first of equal ones."""
+        if not isinstance(base, AbductiveRegressor):
+            raise InputError(f"{type(base).__name__} states no predicted squared error to find regions by: give edges")
+        everywhere = np.tile([-np.inf, np.inf], (self.n_features_in_, 1))
+        scale = rows.y.reshape(len(rows.y), -1).std(axis=0)
+        scale = np.where(scale > 0.0, scale, 1.0)
+
+        def leaf(box: np.ndarray) -> _Leaf:
+            estimator, own = self._fit_box(rows, base, box), rows.inside(box)
+            cost = float(own.weight.sum() * np.sum(np.atleast_1d(estimator.pse_) / scale**2))
+            worst = float(np.max(np.abs(estimator.predict(own.X) - own.y)))
+            return _Leaf(box, estimator, cost, self.tolerance is not None and worst <= self.tolerance)
+
+        def cut(parent: _Leaf) -> tuple[int, float, _Leaf, _Leaf] | None:
+            own = rows.inside(parent.box)
+            found = best_cut(own.X, own.y.reshape(len(own.y), -1) / scale, own.weight, self.min_rows)
+            if found is None:
+                return None
+            below, above = parent.box.copy(), parent.box.copy()
+            below[found.axis, 1] = above[found.axis, 0] = found.at
+            halves = leaf(below), leaf(above)
+            better = halves[0].cost + halves[1].cost < (1.0 - _GAIN) * parent.cost
+            return (found.axis, found.at, *halves) if better else None
+
+        return grow_tree(leaf(everywhere), cut, self.max_regions)
+
+    def _check_settings(self) -> None:
+        for name in ("max_regions", "min_rows"):
+            value = getattr(self, name)
+            if not isinstance(value, int | np.integer) or value < 1:
+                raise InputError(f"{name} = {value!r}: must be a whole number, at least 1")
+        if not 0.0 <= self.borrow < np.inf:
+            raise InputError(f"borrow = {self.borrow!r}: must be a share of a region's width, at least 0")
+        if self.tolerance is not None and not self.tolerance >= 0.0:
+            raise InputError(f"tolerance = {self.tolerance!r}: must be at least 0")
+
+    def _edges(self) -> dict[int, tuple[float, ...]]:
         names = [variable.name for variable in variables(self, None)]
         found: dict[int, tuple[float, ...]] = {}
         for key, cuts in (self.edges or {}).items():
@@ -104,11 +238,80 @@ class RegionRegressor(RegressorMixin, BaseEstimator):
             found[int(axis)] = tuple(values.tolist())
         return found
 
-    def _cell_domain(self, domain: Sequence[tuple[float, float]], cell: int) -> list[tuple[float, float]]:
-        box = [(float(low), float(high)) for low, high in domain]
-        for axis, cuts in reversed(self.edges_.items()):
-            cell, place = divmod(cell, len(cuts) + 1)
-            low = max(box[axis][0], cuts[place - 1]) if place else box[axis][0]
-            high = min(box[axis][1], cuts[place]) if place < len(cuts) else box[axis][1]
-            box[axis] = (low, high)
-        return box
+
+def _models(estimator: Any, inputs: Sequence[Variable] | None, outputs: Sequence[Variable] | None) -> list[Model]:
+    if isinstance(estimator, AbductiveRegressor):
+        return estimator.to_models(inputs, outputs)
+    return [estimator.to_model(inputs, outputs[0] if outputs else None)]
+
+
+class _Rows(NamedTuple):
+    X: np.ndarray
+    y: np.ndarray
+    weight: np.ndarray
+
+    def inside(self, box: np.ndarray) -> "_Rows":
+        """Rows of a region: above its lower border, up to its upper one."""
+        low, high = box.T
+        kept = np.all((low < self.X) & (high >= self.X), axis=1)
+        return _Rows(self.X[kept], self.y[kept], self.weight[kept])
+
+
+class _Leaf(NamedTuple):
+    """A region: its box, what answers in it, what its error costs, and whether it stays as it is."""
+
+    box: np.ndarray
+    estimator: Any
+    cost: float
+    settled: bool
+
+
+def grow_tree(
+    root: _Leaf, cut: Callable[[_Leaf], tuple[int, float, _Leaf, _Leaf] | None], max_regions: int
+) -> tuple[Partition, list[Any]]:
+    """Cut the costliest leaf again and again.
+
+    Parameters
+    ----------
+    root : leaf
+    cut : function of a leaf
+        Axis, threshold and the two leaves; None to leave it as it is.
+    max_regions : int
+
+    Returns
+    -------
+    partition : Split or int
+    estimators : list
+        One a region.
+    """
+    leaves, partition = {0: root}, EVERYWHERE
+    while len(leaves) < max_regions:
+        waiting = [k for k, leaf in leaves.items() if not leaf.settled and leaf.cost > 0.0]
+        if not waiting:
+            break
+        k = max(waiting, key=lambda number: leaves[number].cost)
+        found = cut(leaves[k])
+        if found is None:
+            leaves[k] = leaves[k]._replace(settled=True)
+            continue
+        axis, at, below, above = found
+        other = len(leaves)
+        leaves[k], leaves[other] = below, above
+        partition = _replaced(partition, k, Split(axis, at, k, other))
+    order = networks_of(partition)
+    renumbered = {k: place for place, k in enumerate(order)}
+    return _renumbered(partition, renumbered), [leaves[k].estimator for k in order]
+
+
+def _replaced(partition: Partition, k: int, split: Split) -> Partition:
+    if not isinstance(partition, Split):
+        return split if partition == k else partition
+    below, above = _replaced(partition.below, k, split), _replaced(partition.above, k, split)
+    return Split(partition.axis, partition.at, below, above)
+
+
+def _renumbered(partition: Partition, number: Mapping[int, int]) -> Partition:
+    if not isinstance(partition, Split):
+        return number[partition]
+    below, above = _renumbered(partition.below, number), _renumbered(partition.above, number)
+    return Split(partition.axis, partition.at, below, above)

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
-from sklearn.utils import Tags, check_random_state
+from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
-from polydraulic.networks.intervals import half_width
+from polydraulic.networks.intervals import half_width, hold_out
 from polydraulic.networks.model import Model, Variable, describe
-from polydraulic.networks.nodes import KIND_NAMES
+from polydraulic.networks.nodes import POLYNOMIALS
 from polydraulic.networks.prescreen import promising_inputs
 from polydraulic.networks.refine import refine
 from polydraulic.networks.rows import Rows, Scaling, rows_from_blocks, rows_in_memory
@@ -100,7 +100,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         *,
         max_layers: int = 4,
         n_survivors: int = 8,
-        kinds: Sequence[str] = KIND_NAMES,
+        kinds: Sequence[str] = POLYNOMIALS,
         cpm: float = 1.0,
         prior_variance: str | float = "adaptive",
         carve: bool = True,
@@ -159,7 +159,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         X, y, weight = self._complete(X, y, weight)
         self._single_output = y.ndim == 1
         targets = y.reshape(len(y), -1)
-        learn, hold = self._split(len(y))
+        learn, hold = hold_out(len(y), self.calibration, self.random_state)
         part = None if weight is None else weight[learn]
         grown = [self._grow(rows_in_memory(X[learn], target[learn], part), settings) for target in targets.T]
         self._finish(grown)
@@ -221,8 +221,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self._single_output:
             found = [values[:, 0] for values in found]
         if return_domain:
-            low, high = np.array(self.network_.x_low), np.array(self.network_.x_high)
-            found.append(np.all((low <= X) & (high >= X), axis=1))
+            found.append(self.to_model().inside(X))
         return found[0] if len(found) == 1 else tuple(found)
 
     def to_model(self, inputs: Sequence[Variable] | None = None, output: Variable | None = None) -> Model:
@@ -241,9 +240,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             Model(
                 variables(self, inputs),
                 name,
-                {},
                 (network,),
-                {"pse": float(pse[k]), "fse": float(fse[k]), **settings_of(self)},
+                training={"pse": float(pse[k]), "fse": float(fse[k]), **settings_of(self)},
             )
             for k, (network, name) in enumerate(zip(self.networks_, names, strict=False))
         ]
@@ -272,7 +270,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
                 nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS,
                 progress=lambda i, loss: self._say(f"refinement {i}: FSE {loss * s.y_scale**2:.6g}"),
             )  # fmt: skip
-        low, high = (s.x_low, s.x_high) if self.domain is None else _box(self.domain, n_input)
+        low, high = (s.x_low, s.x_high) if self.domain is None else checked_box(self.domain, n_input)
         network = Network(
             nodes=tuple(nodes),
             x_mean=tuple(s.x_mean.tolist()),
@@ -311,17 +309,6 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             X = np.where(np.isnan(X), self.impute_, X)
         return X, y, weight
 
-    def _split(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rows to learn from, and rows held out."""
-        if not 0.0 <= self.calibration < 1.0:
-            raise InputError(f"calibration = {self.calibration!r}: must be a share of the rows, at least 0 and below 1")
-        rows = np.arange(n)
-        held = round(self.calibration * n)
-        if held:
-            chosen = check_random_state(self.random_state).permutation(n)
-            return np.sort(chosen[held:]), np.sort(chosen[:held])
-        return rows, rows[:0]
-
     def _output_bounds(self, s: Scaling) -> tuple[float, float]:
         if self.output_bounds is None:
             return -UNBOUNDED, UNBOUNDED
@@ -332,8 +319,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     def _settings(self) -> Settings:
         kinds = tuple(self.kinds)
-        if not kinds or any(kind not in KIND_NAMES for kind in kinds):
-            raise InputError(f"kinds = {kinds}: must be one or more of {KIND_NAMES}")
+        if not kinds or any(kind not in POLYNOMIALS for kind in kinds):
+            raise InputError(f"kinds = {kinds}: must be one or more of {POLYNOMIALS}")
         for name in ("max_layers", "n_survivors", "max_inputs"):
             value = getattr(self, name)
             if not isinstance(value, int | np.integer) or value < 1:
@@ -360,7 +347,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
 def settings_of(estimator: BaseEstimator) -> dict[str, object]:
     """Return the settings of a fit worth keeping in a model file."""
-    keep = ("max_layers", "n_survivors", "cpm", "prior_variance", "carve", "refine")
+    keep = "max_layers n_survivors cpm prior_variance carve refine".split()
+    keep += "hidden_units output beta weight_cost zero_error_radius solver".split()
     return {name: value for name, value in estimator.get_params(deep=False).items() if name in keep}
 
 
@@ -375,7 +363,8 @@ def variables(estimator: BaseEstimator, inputs: Sequence[Variable] | None) -> tu
     return tuple(Variable(str(name)) for name in names)
 
 
-def _box(domain: Sequence[tuple[float, float]], n_input: int) -> tuple[np.ndarray, np.ndarray]:
+def checked_box(domain: Sequence[tuple[float, float]], n_input: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lows and highs of a given domain."""
     box = np.asarray(domain, dtype=np.float64)
     if box.shape != (n_input, 2) or not np.all(box[:, 0] <= box[:, 1]):
         raise InputError(f"domain = {domain!r}: must give (low, high) for each of the {n_input} inputs")

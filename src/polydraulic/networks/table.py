@@ -1,8 +1,8 @@
 """A fitted network as data, and its compiled evaluation.
 
-`Network` is what synthesis returns and what a file holds; `NetworkTable` packs any number of networks into plain arrays, so
+`Network` is what training returns and what a file holds; `NetworkTable` packs any number of networks into plain arrays, so
 that one compiled function evaluates them all. A node reads only earlier slots: inputs first, then one slot a node, so that a
-table cannot contain a loop.
+table cannot contain a loop. A perceptron is a network too: sigmoid nodes over the inputs, and one node over them.
 """
 
 from dataclasses import dataclass
@@ -10,15 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import driver, kernel
-from polydraulic.networks.nodes import DOUBLE, LINEAR, SINGLE, TRIPLE
+from polydraulic._kernel import kernel
+from polydraulic.elementary import exp
+from polydraulic.networks.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE, TRIPLE
 
 UNBOUNDED = float(np.finfo(np.float64).max)
 
 
 @dataclass(frozen=True)
 class Node:
-    """One polynomial node; `inputs` are slots, `coef` stand in the order of `nodes.terms`."""
+    """One node; `inputs` are slots, `coef` stand in the order of `nodes.terms`."""
 
     kind: int
     inputs: tuple[int, ...]
@@ -130,6 +131,44 @@ def work_size(table: NetworkTable) -> int:
     return table.x_mean.shape[1] + int(np.max(np.diff(table.first)))
 
 
+# Each kind of node is written once, nested (Horner): for one row here, for many in `rows_table`. `export.c` writes the
+# same nesting, so that all give the same bits.
+
+
+@kernel
+def single(a: float, c0: float, c1: float, c2: float, c3: float) -> float:
+    """Value of a Single."""
+    return c0 + a * (c1 + a * (c2 + a * c3))
+
+
+@kernel
+def double(
+    a: float, b: float, c0: float, c1: float, c2: float, c3: float, c4: float, c5: float, c6: float, c7: float
+) -> float:
+    """Value of a Double."""
+    return c0 + a * (c1 + a * (c3 + a * c6) + b * c5) + b * (c2 + b * (c4 + b * c7))
+
+
+@kernel
+def triple(
+    a: float, b: float, d: float, c0: float, c1: float, c2: float, c3: float, c4: float, c5: float, c6: float,
+    c7: float, c8: float, c9: float, c10: float, c11: float, c12: float, c13: float,
+) -> float:  # fmt: skip
+    """Value of a Triple."""
+    return (
+        c0
+        + a * (c1 + a * (c4 + a * c11) + b * (c7 + d * c10) + d * c8)
+        + b * (c2 + b * (c5 + b * c12) + d * c9)
+        + d * (c3 + d * (c6 + d * c13))
+    )
+
+
+@kernel
+def sigmoid(h: float) -> float:
+    """Value of a sigmoid node from the sum of its terms."""
+    return 1.0 / (1.0 + exp(-h))
+
+
 @kernel
 def evaluate(table: NetworkTable, k: int, work: np.ndarray) -> float:
     """Output of network `k`.
@@ -140,10 +179,6 @@ def evaluate(table: NetworkTable, k: int, work: np.ndarray) -> float:
     k : int
     work : (work_size,) array
         The inputs stand in its first places and are overwritten.
-
-    Notes
-    -----
-    Polynomials are nested (Horner); `export.c` writes the same nesting, so that both give the same bits.
     """
     n_input = table.x_mean.shape[1]
     for i in range(n_input):
@@ -156,50 +191,25 @@ def evaluate(table: NetworkTable, k: int, work: np.ndarray) -> float:
         c = table.coef[j]
         a = work[table.inputs[j, 0]]
         if kind == SINGLE:
-            y = c[0] + a * (c[1] + a * (c[2] + a * c[3]))
+            y = single(a, c[0], c[1], c[2], c[3])
         elif kind == DOUBLE:
             b = work[table.inputs[j, 1]]
-            y = c[0] + a * (c[1] + a * (c[3] + a * c[6]) + b * c[5]) + b * (c[2] + b * (c[4] + b * c[7]))
+            y = double(a, b, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7])
         elif kind == TRIPLE:
             b = work[table.inputs[j, 1]]
             d = work[table.inputs[j, 2]]
-            y = (
-                c[0]
-                + a * (c[1] + a * (c[4] + a * c[11]) + b * (c[7] + d * c[10]) + d * c[8])
-                + b * (c[2] + b * (c[5] + b * c[12]) + d * c[9])
-                + d * (c[3] + d * (c[6] + d * c[13]))
-            )
+            y = triple(
+                a, b, d, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], c[11], c[12], c[13]
+            )  # fmt: skip
         elif kind == LINEAR:
             y = c[0] * a
             for i in range(1, table.n_in[j]):
                 y = y + c[i] * work[table.inputs[j, i]]
+        elif kind == SIGMOID:
+            y = c[0]
+            for i in range(table.n_in[j]):
+                y = y + c[i + 1] * work[table.inputs[j, i]]
+            y = sigmoid(y)
         work[slot] = y
         slot = slot + 1
     return min(max(table.y_mean[k] + table.y_scale[k] * y, table.y_low[k]), table.y_high[k])
-
-
-class Regions(NamedTuple):
-    """Which network answers where: the cells of a grid of edges; cell intervals are closed on the right."""
-
-    first: int  # network of the first cell
-    axis: np.ndarray  # (n_edge,) int64: which input an edge cuts
-    edge: np.ndarray  # (n_edge,) float64
-    stride: np.ndarray  # (n_edge,) int64: how many cells the edge skips
-
-
-@kernel
-def region(regions: Regions, work: np.ndarray) -> int:
-    """Network that answers for the inputs in the first places of `work`."""
-    k = regions.first
-    for i in range(regions.edge.shape[0]):
-        k += regions.stride[i] if work[regions.axis[i]] > regions.edge[i] else 0
-    return k
-
-
-@driver
-def evaluate_rows(table: NetworkTable, regions: Regions, X: np.ndarray, work: np.ndarray, y: np.ndarray) -> None:
-    """Outputs for many rows: `X` (n_row, n_input) -> `y` (n_row,)."""
-    for row in range(X.shape[0]):
-        for i in range(X.shape[1]):
-            work[i] = X[row, i]
-        y[row] = evaluate(table, region(regions, work), work)

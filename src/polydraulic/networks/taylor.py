@@ -14,11 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.networks.nodes import DOUBLE, LINEAR, SINGLE
+from polydraulic.networks.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE
 from polydraulic.networks.table import Network, Node
 
 _EPS = float(np.finfo(np.float64).eps)  # two roundings: one is at most half of it
 _TINY = 1e-300  # far above all that underflow can lose in one operation
+_FOURTH = 0.128 / 24.0  # the fourth derivative of the logistic function stays below 0.128
+_LOGISTIC = 16.0 * _EPS  # far above the rounding of the compiled logistic function
 _MOST_PRODUCTS = 500  # of coefficients, in a product of two forms: sets the order
 
 
@@ -122,6 +124,24 @@ class Form:
     __radd__ = __add__
     __rmul__ = __mul__
 
+    def logistic(self) -> "Form":
+        """1 / (1 + exp(-form)), by its expansion about the middle of the range; where that is wide, half the range."""
+        low, high = self.lower()[0], self.upper()[0]
+        middle = np.where(np.isfinite(low + high), 0.5 * low + 0.5 * high, 0.0)
+        radius = np.maximum(high - middle, middle - low) * (1.0 + 4.0 * _EPS)
+        s, least, most = (0.5 + 0.5 * np.tanh(0.5 * h) for h in (middle, low, high))
+        slope = s * (1.0 - s)
+        h = self + -middle
+        expanded = s + h * (slope + h * (slope * (0.5 - s) + h * (slope * (1.0 / 6.0 - slope))))
+        rest = _FOURTH * radius**4 + _LOGISTIC * (1.0 + radius) ** 3
+        expanded = expanded._widened(rest)
+        half = 0.5 * (most - least) + _LOGISTIC + np.where(np.isinf(radius), np.inf, 0.0)  # inf - inf is no number
+        narrow = expanded.error <= half
+        poly = np.where(narrow, expanded.poly, 0.0)
+        poly[0] = np.where(narrow, poly[0], 0.5 * least + 0.5 * most)
+        error, local = (np.where(narrow, own, half) for own in (expanded.error, expanded.local))
+        return Form(poly, error, self.layout, local)
+
     def lower(self) -> tuple[np.ndarray, np.ndarray]:
         """Proved lower bounds (m,), -inf where anything overflowed, and where about they are reached, e (n, m)."""
         n = self.layout.n
@@ -205,7 +225,8 @@ def _slots(network: Network, low: np.ndarray, high: np.ndarray) -> tuple[dict[in
     partials: dict[int, list[Form]] = {}
     for number in nodes:
         node = network.nodes[number]
-        form, partials[number] = _value(node, values), _partials(node, values)
+        form = _value(node, values)
+        partials[number] = _partials(node, values, form)
         # What the errors of its inputs do to a node is far less than the sum over its terms where these cancel.
         for slot, part in zip(node.inputs, partials[number], strict=True):
             form.local = form.local + part.size * values[slot].error * (1.0 + 32.0 * _EPS)
@@ -229,6 +250,11 @@ def _value(node: Node, values: dict[int, Form]) -> Form:
         for slot, coef in zip(node.inputs[1:], c[1:], strict=True):
             total = total + coef * values[slot]
         return total
+    if node.kind == SIGMOID:
+        total = c[0] + c[1] * a
+        for slot, coef in zip(node.inputs[1:], c[2:], strict=True):
+            total = total + coef * values[slot]
+        return total.logistic()
     b = values[node.inputs[1]]
     if node.kind == DOUBLE:
         return c[0] + a * (c[1] + a * (c[3] + a * c[6]) + b * c[5]) + b * (c[2] + b * (c[4] + b * c[7]))
@@ -241,9 +267,12 @@ def _value(node: Node, values: dict[int, Form]) -> Form:
     )
 
 
-def _partials(node: Node, values: dict[int, Form]) -> list[Form]:
-    """Derivatives of a node's output by each of its inputs."""
+def _partials(node: Node, values: dict[int, Form], value: Form) -> list[Form]:
+    """Derivatives of a node's output, whose form is `value`, by each of its inputs."""
     c = node.coef
+    if node.kind == SIGMOID:
+        slope = value * (1.0 + -1.0 * value)
+        return [slope * weight for weight in c[1:]]
     a = values[node.inputs[0]]
     if node.kind == LINEAR:
         return [0.0 * a + coef for coef in c]
