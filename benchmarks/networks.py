@@ -33,8 +33,9 @@ from polydraulic.export import c_name, export_c
 from polydraulic.export.formula import to_python
 from polydraulic.networks import AbductiveRegressor, Variable
 from polydraulic.networks.compiled import compiled
-from polydraulic.networks.moments import moments, squared_errors
+from polydraulic.networks.moments import moments
 from polydraulic.networks.nodes import DOUBLE, TRIPLE, design
+from polydraulic.networks.scoring import squared_errors
 from run import in_turn, show
 
 OURS = "AbductiveRegressor"

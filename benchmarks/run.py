@@ -13,8 +13,9 @@ from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
 from polydraulic import build_flow, load_machine, load_scenario
 from polydraulic.networks import AbductiveRegressor
-from polydraulic.networks.moments import moments, squared_errors
+from polydraulic.networks.moments import moments
 from polydraulic.networks.nodes import TRIPLE, design
+from polydraulic.networks.scoring import squared_errors
 from polydraulic.studies.timing import time_runs
 
 

@@ -1,58 +1,45 @@
 """Weighted moments of a set of variables: all that the least-squares fit of every possible node needs.
 
 A triple of variables x, y, z has fourteen terms, and the products of two terms contain only moments of the forms
-<x^a y^b>, <x y z^c>, <x^2 y^2 z^c>, each with c at most 4, 2. They come from three matrix products over the rows; after
-that a candidate node costs no pass over the data. Moments of two blocks of rows add up to those of both.
+<x^a y^b>, <x y z^c>, <x^2 y^2 z^c>, each with c at most 4, 2. They come from a few matrix products over the rows, summed in
+place block by block; after that a candidate node costs no pass over the data.
 """
 
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg.blas import dgemm, dsyrk
 
-from polydraulic._kernel import driver
-from polydraulic.networks.nodes import DOUBLE, LINEAR, SINGLE, TRIPLE, terms
+_FEWEST_ROWS, _MOST_ROWS = 256, 1024  # multiplied at a time
+_CACHED = 1 << 18  # products of pairs held at a time, while that leaves enough rows
 
-_PIVOT = 1e-11  # a column whose rest is smaller than this share of it depends on the columns before it
-_BLOCK = 4096
-_CHUNK = 4096  # candidates whose equations are held at a time
+Block = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 
-@dataclass
-class Moments:
+class Moments(NamedTuple):
     """Weighted sums of products over rows, for n variables v and a target t.
 
-    Attributes
-    ----------
-    weight : float
-        Sum of the weights; the number of rows where there are none.
-    power : (5, n, 5, n) array
-        <v_i^a v_j^b> at [a, i, b, j].
-    target : (5, n) array
-        <v_i^a t> at [a, i].
-    pair : (n, n, 5, n) array
-        <v_i v_j v_k^c> at [i, j, c, k].
-    pair_target : (n, n) array
-        <v_i v_j t>.
-    triple_target : (n, n, n) array
-        <v_i v_j v_k t>.
-    square : (n, n, 3, n) array
-        <v_i^2 v_j^2 v_k^c> at [i, j, c, k].
-    target_square : float
-        <t^2>.
+    Tables with three variables have one row a pair i < j, at `pair_row`. Entries between variables that were scored
+    before (`n_old`) are NaN there.
     """
 
-    weight: float
-    power: np.ndarray
-    target: np.ndarray
-    pair: np.ndarray
-    pair_target: np.ndarray
-    triple_target: np.ndarray
-    square: np.ndarray
-    target_square: float
+    weight: float  # sum of the weights; the number of rows where there are none
+    power: np.ndarray  # (4 n + 2, 4 n + 2): <a b> of v_k^p at 4 k + p - 1, p = 1 .. 4, then 1, then t
+    pair_target: np.ndarray  # (n, n): <v_i v_j t>
+    triple: np.ndarray  # (n_pair, n, 4): <v_i v_j v_k^p>, p = 1 .. 4
+    triple_target: np.ndarray  # (n_pair, n): <v_i v_j v_k t>
+    square: np.ndarray  # (n_pair, n, 2): <v_i^2 v_j^2 v_k^p>, p = 1, 2
 
-    def __add__(self, other: "Moments") -> "Moments":
-        return Moments(*(getattr(self, name) + getattr(other, name) for name in self.__dataclass_fields__))
+    @property
+    def target_square(self) -> float:
+        """<t^2>."""
+        return float(self.power[-1, -1])
+
+
+def pair_row(i: int, j: int) -> int:
+    """Row of the pair i < j in the tables with three variables; pairs with later variables come later."""
+    return j * (j - 1) // 2 + i
 
 
 def moments(v: np.ndarray, t: np.ndarray, weight: np.ndarray | None = None, *, triples: bool = True) -> Moments:
@@ -68,160 +55,111 @@ def moments(v: np.ndarray, t: np.ndarray, weight: np.ndarray | None = None, *, t
     triples : bool
         Without them the tables with three variables stay empty, and only Singles, Doubles and Linears can be scored.
     """
-    total: Moments | None = None
-    for start in range(0, len(v), _BLOCK):
-        rows = slice(start, start + _BLOCK)
-        w = np.ones(len(t[rows])) if weight is None else weight[rows]
-        part = _block_moments(v[rows], t[rows], w, triples)
-        total = part if total is None else total + part
-    assert total is not None
-    return total
+    return moments_of_blocks([(v, t, weight)], v.shape[1], triples=triples)
 
 
-def _block_moments(v: np.ndarray, t: np.ndarray, w: np.ndarray, triples: bool) -> Moments:
-    n_row, n = v.shape
-    v2 = v * v
-    powers = np.stack([np.ones_like(v), v, v2, v2 * v, v2 * v2], axis=1)  # (n_row, 5, n)
-    flat = powers.reshape(n_row, 5 * n)
-    weighted = flat * w[:, None]
-    power, target = (weighted.T @ flat).reshape(5, n, 5, n), (weighted.T @ t).reshape(5, n)
-    weight, target_square = float(w.sum()), float((w * t) @ t)
-    if not triples:
-        none = np.zeros(0)
-        return Moments(weight, power, target, none, (v * (w * t)[:, None]).T @ v, none, none, target_square)
-    i, j = np.triu_indices(n)
-    pairs, weighted_pairs = _pairs(np.ascontiguousarray(v.T)), np.empty((len(i), n_row))
-    np.multiply(pairs, w, out=weighted_pairs)
-    right = np.hstack([flat, t[:, None], v * t[:, None]])
-    from_pairs = weighted_pairs @ right
-    weighted_pairs *= pairs
-    squares = weighted_pairs @ flat[:, : 3 * n]
-
-    def both_ways(half: np.ndarray, *shape: int) -> np.ndarray:
-        full = np.empty((n, n, *shape))
-        full[i, j] = full[j, i] = half.reshape(len(i), *shape)
-        return full
-
-    return Moments(
-        weight=weight,
-        power=power,
-        target=target,
-        pair=both_ways(from_pairs[:, : 5 * n], 5, n),
-        pair_target=both_ways(from_pairs[:, 5 * n]),
-        triple_target=both_ways(from_pairs[:, 5 * n + 1 :], n),
-        square=both_ways(squares, 3, n),
-        target_square=target_square,
-    )
-
-
-def _pairs(across: np.ndarray) -> np.ndarray:
-    """Products v_i v_j for i <= j, one a row, from variables one a row; filled in place, as copies would cost most."""
-    n, n_row = across.shape
-    pairs = np.empty((n * (n + 1) // 2, n_row))
-    start = 0
-    for i in range(n):
-        np.multiply(across[i], across[i:], out=pairs[start : start + n - i])
-        start += n - i
-    return pairs
-
-
-def normal_equations(m: Moments, kind: int, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gram matrices and right-hand sides of many candidate nodes of one kind.
+def moments_of_blocks(blocks: Iterable[Block], n: int, *, n_old: int = 0, triples: bool = True) -> Moments:
+    """Moments of rows that come block by block.
 
     Parameters
     ----------
-    m : Moments
-    kind : int
-    inputs : (n_candidate, n_input) array of int
-        Which variables each candidate reads.
-
-    Returns
-    -------
-    gram : (n_candidate, n_term, n_term) array
-    right : (n_candidate, n_term) array
+    blocks : iterable of (v, t, weight)
+        As in `moments`; the weight may be None.
+    n : int
+        Number of variables.
+    n_old : int
+        How many of the first variables were scored before: moments of three of them are left out.
+    triples : bool
     """
-    if kind == LINEAR:
-        a, b = inputs[:, :, None], inputs[:, None, :]
-        return m.power[1, a, 1, b], m.target[1, inputs]
-    of_product, of_target = _plan(kind)
-    n_term = len(of_target)
-    gram = np.empty((len(inputs), n_term, n_term))
-    for (row, column), exponents in of_product:
-        gram[:, row, column] = gram[:, column, row] = _moment(m, exponents, inputs)
-    right = np.empty((len(inputs), n_term))
-    for row, exponents in enumerate(of_target):
-        right[:, row] = _target_moment(m, exponents, inputs)
-    return gram, right
+    sums = _Sums(n, n_old, triples)
+    for v, t, weight in blocks:
+        for start in range(0, len(v), sums.n_row):
+            rows = slice(start, start + sums.n_row)
+            sums.add(v[rows].T, t[rows], None if weight is None else weight[rows])
+    return sums.moments()
 
 
-@cache
-def _plan(kind: int) -> tuple[list[tuple[tuple[int, int], tuple[int, ...]]], list[tuple[int, ...]]]:
-    exponents = terms(kind, {SINGLE: 1, DOUBLE: 2, TRIPLE: 3}[kind])
-    products = [
-        ((row, column), tuple(a + b for a, b in zip(exponents[row], exponents[column], strict=True)))
-        for row in range(len(exponents))
-        for column in range(row + 1)
-    ]
-    return products, list(exponents)
+class _Sums:
+    """Sums over the rows seen so far. A variable is a row here, so that all products run along memory."""
+
+    def __init__(self, n: int, n_old: int, triples: bool) -> None:
+        n_pair = pair_row(0, n) if triples else 0
+        self.n, self.n_old = n, n_old
+        self.n_row = int(np.clip(_CACHED // max(n_pair, 1), _FEWEST_ROWS, _MOST_ROWS))
+        self.weight = 0.0
+        self.power = np.zeros((4 * n + 2, 4 * n + 2))
+        self.pair_target = np.zeros((n, n))
+        self.triple = _PairTable(n, n_old, 4, triples)
+        self.triple_target = _PairTable(n, n_old, 1, triples)
+        self.square = _PairTable(n, n_old, 2, triples)
+        self.pairs = np.empty((n_pair, self.n_row))
+
+    def add(self, v: np.ndarray, t: np.ndarray, weight: np.ndarray | None) -> None:
+        """Add rows; `v` is (n, n_row)."""
+        n, n_row = self.n, t.size
+        plain = np.empty((4 * n + 2, n_row))
+        powers = plain[: 4 * n].reshape(n, 4, n_row)
+        powers[:, 0] = v
+        np.multiply(powers[:, 0], powers[:, 0], out=powers[:, 1])
+        np.multiply(powers[:, 1], powers[:, 0], out=powers[:, 2])
+        np.multiply(powers[:, 1], powers[:, 1], out=powers[:, 3])
+        plain[-2], plain[-1] = 1.0, t
+        first = np.ascontiguousarray(powers[:, 0])
+        if weight is None:
+            self.weight += n_row
+            weighted = plain
+            dsyrk(1.0, plain.T, 1.0, self.power.T, trans=True, lower=True, overwrite_c=True)
+        else:
+            self.weight += float(weight.sum())
+            weighted = plain * weight
+            _add_product(self.power, weighted, plain)
+        with_target = first * weighted[-1]
+        _add_product(self.pair_target, first, with_target)
+        if not self.pairs.size:
+            return
+        pairs = self.pairs if n_row == self.n_row else np.empty((len(self.pairs), n_row))
+        for j in range(n):
+            np.multiply(first[:j], first[j], out=pairs[pair_row(0, j) : pair_row(0, j + 1)])
+        self.triple.add(pairs, weighted[:-2])
+        self.triple_target.add(pairs, with_target)
+        np.multiply(pairs, pairs, out=pairs)
+        self.square.add(pairs, weighted[:-2].reshape(n, 4, n_row)[:, :2].reshape(2 * n, n_row))
+
+    def moments(self) -> Moments:
+        """What has been summed; of symmetric tables only one half was."""
+        power = np.triu(self.power) + np.triu(self.power, 1).T
+        triple, square = self.triple.whole(), self.square.whole()
+        return Moments(
+            weight=self.weight,
+            power=power,
+            pair_target=self.pair_target,
+            triple=triple.reshape(len(triple), self.n, 4),
+            triple_target=self.triple_target.whole(),
+            square=square.reshape(len(square), self.n, 2),
+        )
 
 
-def _moment(m: Moments, exponents: tuple[int, ...], inputs: np.ndarray) -> np.ndarray:
-    """<x^a y^b z^c> for each candidate, from whichever table holds it."""
-    used = sorted(((e, k) for k, e in enumerate(exponents) if e), reverse=True)
-    at = [inputs[:, k] for _, k in used]
-    power = [e for e, _ in used]
-    if len(used) == 0:
-        return np.full(len(inputs), m.weight)
-    if len(used) == 1:
-        half = min(power[0], 3)
-        return m.power[half, at[0], power[0] - half, at[0]]
-    if len(used) == 2:
-        return m.power[power[0], at[0], power[1], at[1]]
-    if power[1] == 1:  # x^a y z
-        return m.pair[at[1], at[2], power[0], at[0]]
-    return m.square[at[0], at[1], power[2], at[2]]  # x^2 y^2 z^c
+class _PairTable:
+    """Sums of pairs times some functions of each variable, without those of old pairs with old variables."""
+
+    def __init__(self, n: int, n_old: int, n_function: int, used: bool) -> None:
+        self.n_pair, self.n_old_pair = (pair_row(0, n), pair_row(0, n_old)) if used else (0, 0)
+        self.n_column, self.n_old_column = n * n_function, n_old * n_function
+        self.of_old = np.zeros((self.n_old_pair, self.n_column - self.n_old_column))
+        self.of_new = np.zeros((self.n_pair - self.n_old_pair, self.n_column))
+
+    def add(self, pairs: np.ndarray, functions: np.ndarray) -> None:
+        _add_product(self.of_old, pairs[: self.n_old_pair], functions[self.n_old_column :])
+        _add_product(self.of_new, pairs[self.n_old_pair :], functions)
+
+    def whole(self) -> np.ndarray:
+        table = np.full((self.n_pair, self.n_column), np.nan)
+        table[: self.n_old_pair, self.n_old_column :] = self.of_old
+        table[self.n_old_pair :] = self.of_new
+        return table
 
 
-def _target_moment(m: Moments, exponents: tuple[int, ...], inputs: np.ndarray) -> np.ndarray:
-    used = [(e, inputs[:, k]) for k, e in enumerate(exponents) if e]
-    if not used:
-        return m.target[0, inputs[:, 0]]
-    if len(used) == 1:
-        return m.target[used[0][0], used[0][1]]
-    if len(used) == 2:
-        return m.pair_target[used[0][1], used[1][1]]
-    return m.triple_target[used[0][1], used[1][1], used[2][1]]
-
-
-def squared_errors(m: Moments, kind: int, inputs: np.ndarray) -> np.ndarray:
-    """Fitting squared error, averaged over rows, of each candidate's least-squares fit; shape (n_candidate,)."""
-    explained = np.empty(len(inputs))
-    for start in range(0, len(inputs), _CHUNK):
-        part = slice(start, start + _CHUNK)
-        gram, right = normal_equations(m, kind, inputs[part])
-        _explain(gram, right, np.empty(gram.shape[1:]), np.empty(gram.shape[1]), explained[part])
-    return np.maximum(m.target_square - explained, 0.0) / m.weight
-
-
-@driver
-def _explain(gram: np.ndarray, right: np.ndarray, factor: np.ndarray, z: np.ndarray, explained: np.ndarray) -> None:
-    """Squared target that each candidate explains: b' G^-1 b by Cholesky, skipping dependent columns."""
-    n = right.shape[1]
-    for k in range(right.shape[0]):
-        total = 0.0
-        for i in range(n):
-            rest = gram[k, i, i]
-            b = right[k, i]
-            for j in range(i):
-                entry = gram[k, i, j]
-                for l in range(j):  # noqa: E741
-                    entry -= factor[i, l] * factor[j, l]
-                entry = entry / factor[j, j] if factor[j, j] > 0.0 else 0.0
-                factor[i, j] = entry
-                rest -= entry * entry
-                b -= entry * z[j]
-            independent = rest > _PIVOT * gram[k, i, i]
-            factor[i, i] = np.sqrt(rest) if independent else 0.0
-            z[i] = b / factor[i, i] if independent else 0.0
-            total += z[i] * z[i]
-        explained[k] = total
+def _add_product(total: np.ndarray, left: np.ndarray, right: np.ndarray) -> None:
+    """Add left @ right.T to a total in place; BLAS counts columns first, hence the transposes."""
+    if total.size:
+        dgemm(1.0, right.T, left.T, 1.0, total.T, trans_a=True, overwrite_c=True)

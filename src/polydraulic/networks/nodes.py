@@ -6,6 +6,8 @@ constant. A sigmoid node, of which perceptrons are made, has a constant and one 
 1 / (1 + exp(-sum)).
 """
 
+from functools import cache
+
 import numpy as np
 
 SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID = range(5)
@@ -43,30 +45,45 @@ def terms(kind: int, n_inputs: int) -> tuple[tuple[int, ...], ...]:
     return TERMS[kind]
 
 
-def design(kind: int, x: np.ndarray) -> np.ndarray:
+@cache
+def _steps(kind: int, n_inputs: int) -> tuple[tuple[int, int], ...]:
+    """How each term but the constant follows from an earlier one (-1 for none): that term's place and a further input."""
+    exponents = terms(kind, n_inputs)
+    found = []
+    for exponent in exponents:
+        for j in reversed(range(n_inputs)):
+            smaller = tuple(e - (i == j) for i, e in enumerate(exponent))
+            if sum(exponent) > 1 and smaller in exponents:
+                found.append((exponents.index(smaller), j))
+                break
+        else:
+            found.append((-1, exponent.index(1) if any(exponent) else -1))
+    return tuple(found)
+
+
+def design(kind: int, x: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
     """Design matrix of a node.
 
     Parameters
     ----------
     kind : int
     x : (n_row, n_input) array
+    out : (n_row, n_term) array, optional
+        Where to put it.
 
     Returns
     -------
     (n_row, n_term) array
-        In column order.
+        In column order, unless `out` is not.
     """
-    exponents = terms(kind, x.shape[1])
-    if kind == LINEAR:
-        return x.copy(order="F")
-    matrix = np.empty((len(x), len(exponents)), order="F")  # column by column, as it is filled
-    powers = [x, x * x]
-    powers.append(powers[0] * powers[1])
-    for column, exponent in zip(matrix.T, exponents, strict=True):
-        factors = [powers[e - 1][:, j] for j, e in enumerate(exponent) if e]
-        column[:] = factors[0] if factors else 1.0
-        for factor in factors[1:]:
-            column *= factor
+    steps = _steps(kind, x.shape[1])
+    matrix = np.empty((len(x), len(steps)), order="F") if out is None else out
+    columns, inputs = list(matrix.T), list(x.T)
+    for column, (earlier, j) in zip(columns, steps, strict=True):
+        if earlier >= 0:
+            np.multiply(columns[earlier], inputs[j], out=column)
+        else:
+            column[:] = inputs[j] if j >= 0 else 1.0
     return matrix
 
 
@@ -95,7 +112,19 @@ def without_idle_inputs(kind: int, coef: np.ndarray) -> tuple[int, list[int], np
     return smaller, kept, np.array([value.get(e, 0.0) for e in terms(smaller, len(kept))])
 
 
-def slopes(kind: int, x: np.ndarray, coef: np.ndarray) -> np.ndarray:
+@cache
+def _derivatives(kind: int) -> np.ndarray:
+    """Derivatives of terms are terms: coefficients of the slopes, (n_input, n_term, n_term), from those of the node."""
+    exponents = terms(kind, N_INPUTS[kind])
+    found = np.zeros((N_INPUTS[kind], len(exponents), len(exponents)))
+    for place, exponent in enumerate(exponents):
+        for j, power in enumerate(exponent):
+            if power:
+                found[j, exponents.index(tuple(e - (i == j) for i, e in enumerate(exponent))), place] = power
+    return found
+
+
+def slopes(kind: int, x: np.ndarray, coef: np.ndarray, matrix: np.ndarray | None = None) -> np.ndarray:
     """Derivatives of a node's output by each of its inputs.
 
     Parameters
@@ -103,20 +132,15 @@ def slopes(kind: int, x: np.ndarray, coef: np.ndarray) -> np.ndarray:
     kind : int
     x : (n_row, n_input) array
     coef : (n_term,) array
+    matrix : (n_row, n_term) array, optional
+        The design matrix, where it is known.
 
     Returns
     -------
     (n_row, n_input) array
+        In column order.
     """
-    powers = [np.ones_like(x), x, x * x]
-    found = np.zeros_like(x)
-    for c, exponents in zip(coef, terms(kind, x.shape[1]), strict=True):
-        for j, exponent in enumerate(exponents):
-            if exponent and c:
-                column = np.full(len(x), c * exponent)
-                for i, other in enumerate(exponents):
-                    left = other - (i == j)
-                    if left:
-                        column = column * powers[left][:, i]
-                found[:, j] += column
-    return found
+    if kind == LINEAR:
+        return np.repeat(coef[:, None], len(x), axis=1).T
+    matrix = design(kind, x) if matrix is None else matrix
+    return ((_derivatives(kind) @ coef) @ matrix.T).T

@@ -6,9 +6,10 @@ input is worth what the best node that reads it explains.
 
 import numpy as np
 
-from polydraulic.networks.moments import moments, squared_errors
+from polydraulic.networks.moments import moments
 from polydraulic.networks.nodes import DOUBLE, SINGLE
-from polydraulic.networks.rows import BLOCK, Rows
+from polydraulic.networks.rows import BLOCK, Block, Rows
+from polydraulic.networks.scoring import squared_errors
 
 _PAIRS = 200_000  # scored at a time
 
@@ -31,14 +32,14 @@ def promising_inputs(rows: Rows, n_chosen: int) -> np.ndarray:
     return np.sort(np.argsort(best, kind="stable")[:n_chosen])
 
 
-def _sample(rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _sample(rows: Rows) -> Block:
     """About `BLOCK` rows, spread evenly over all."""
     total = sum(len(y) for _, y, _ in rows.blocks())
     stride = max(1, -(-total // BLOCK))
     parts, offset = [], 0
     for x, y, w in rows:
         take = slice((-offset) % stride, None, stride)
-        parts.append((x[take], y[take], w[take]))
+        parts.append((x[take], y[take], np.ones(len(y[take])) if w is None else w[take]))
         offset += len(y)
     x, y, w = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     return x, y, w

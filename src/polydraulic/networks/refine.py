@@ -113,6 +113,7 @@ def _normal(
         met = ((y >= high) & (output >= high)) | ((y <= low) & (output <= low))
         residual = np.where(met, 0.0, output - y)
         jacobian[met] = 0.0
+        w = np.ones(len(y)) if w is None else w
         weighted = jacobian * w[:, None]
         gram += weighted.T @ jacobian
         gradient += weighted.T @ residual

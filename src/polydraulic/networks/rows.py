@@ -15,7 +15,7 @@ from polydraulic.errors import InputError
 BLOCK = 4096
 _CONSTANT = 1e-12  # a range smaller than this share of the mean is rounding
 
-Block = tuple[np.ndarray, np.ndarray, np.ndarray]
+Block = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 
 class Scaling(NamedTuple):
@@ -55,8 +55,7 @@ def rows_in_memory(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> R
     def blocks() -> Iterator[Block]:
         for start in range(0, len(y), BLOCK):
             part = slice(start, start + BLOCK)
-            w = np.ones(len(y[part])) if weight is None else weight[part]
-            yield X[part], y[part], w
+            yield X[part], y[part], None if weight is None else weight[part]
 
     return Rows(blocks, scaling(blocks))
 
@@ -75,18 +74,20 @@ def rows_from_blocks(source: Iterable[Any]) -> Rows:
     def blocks() -> Iterator[Block]:
         for number, item in enumerate(source):
             X, y = (np.asarray(part, dtype=np.float64) for part in item[:2])
-            w = np.ones(len(y)) if len(item) < 3 else np.asarray(item[2], dtype=np.float64)
-            if X.ndim != 2 or y.shape != (len(X),) or w.shape != y.shape:
+            w = None if len(item) < 3 else np.asarray(item[2], dtype=np.float64)
+            of_weight = y.shape if w is None else w.shape
+            if X.ndim != 2 or y.shape != (len(X),) or of_weight != y.shape:
                 raise InputError(
-                    f"block {number}: X {X.shape}, y {y.shape}, weight {w.shape} must be (n, k), (n,) and (n,)"
+                    f"block {number}: X {X.shape}, y {y.shape}, weight {of_weight} must be (n, k), (n,) and (n,)"
                 )
-            if not (np.all(np.isfinite(X)) and np.all(np.isfinite(y)) and np.all(np.isfinite(w))) or np.any(w < 0.0):
+            given = (X, y) if w is None else (X, y, w)
+            if not all(np.all(np.isfinite(part)) for part in given) or (w is not None and np.any(w < 0.0)):
                 raise InputError(f"block {number}: every value must be finite, weights not negative")
-            used = w > 0.0
             for start in range(0, len(y), BLOCK):
                 part = slice(start, start + BLOCK)
-                keep = used[part]
-                if keep.any():
+                if w is None:
+                    yield X[part], y[part], None
+                elif (keep := w[part] > 0.0).any():
                     yield X[part][keep], y[part][keep], w[part][keep]
 
     return Rows(blocks, scaling(blocks))
@@ -134,9 +135,10 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
             if mean.size and x.shape[1] + 1 != mean.size:
                 raise InputError(f"a block has {x.shape[1]} inputs, those before it have {mean.size - 1}")
             v = np.column_stack([x, y])
-            total = float(w.sum())
-            block_mean = w @ v / total
-            block_square = w @ (v - block_mean) ** 2
+            total = float(len(v) if w is None else w.sum())
+            block_mean = (v.sum(axis=0) if w is None else w @ v) / total
+            squares = (v - block_mean) ** 2
+            block_square = squares.sum(axis=0) if w is None else w @ squares
             if not mean.size:
                 weight, mean, square = total, block_mean, block_square
                 low, high = v.min(axis=0), v.max(axis=0)

@@ -3,23 +3,24 @@
 PSE = FSE + CPM (2 K / N) s_p^2: the fitting squared error plus a penalty for K coefficients from N rows, with s_p^2 a
 prior guess of the error variance of the true model. Each layer draws on the inputs and on the survivors of every
 layer before it. A layer takes two passes over the rows: one for the moments from which all candidates are scored,
-one in which the best are fitted by orthogonal least squares.
+one in which the best are fitted as exactly as by orthogonal least squares.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import combinations
-from typing import NamedTuple
+from math import comb
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.networks.moments import Moments, moments, squared_errors
+from polydraulic.networks.moments import Moments, moments_of_blocks
 from polydraulic.networks.nodes import DOUBLE, KIND_NAMES, LINEAR, SINGLE, TRIPLE, design, terms, without_idle_inputs
 from polydraulic.networks.rows import Rows
+from polydraulic.networks.scoring import normal_equations, squared_errors
 from polydraulic.networks.table import Node
-from polydraulic.networks.triangle import Fit, carve, grow, solve
+from polydraulic.networks.triangle import Fit, Triangle, begin, carve, factor_of, grow, solve
 
-_REFIT = 30  # scored by moments, this many are fitted again by orthogonal least squares before the choice
+_REFIT = 30  # scored by moments, this many are fitted on the rows before the choice
 _SAME = 1e-10  # outputs whose squared correlation is this close to 1 count as the same
 _ROWS_A_COEFFICIENT = 3  # a network may have one coefficient for so many rows
 _ALWAYS = 4  # coefficients that any data may have: one Single
@@ -74,12 +75,12 @@ class _Variable(NamedTuple):
 
 
 class _Scored(NamedTuple):
-    """A candidate node, scored from moments."""
+    """Candidate nodes of one kind, scored from moments."""
 
-    fse: float
-    n_coefficients: int
     kind: int
-    inputs: tuple[int, ...]
+    inputs: np.ndarray  # (n_candidate, n_input)
+    n_coefficients: np.ndarray
+    fse: np.ndarray
 
 
 class _Fitted(NamedTuple):
@@ -91,13 +92,13 @@ class _Fitted(NamedTuple):
     variable: _Variable
 
 
-def penalty(settings: Settings, k: int, weight: float, noise: float, variance: float) -> float:
-    """Complexity penalty CPM (2 K / N) s_p^2 of `k` coefficients, as a share of the target's variance.
+def penalty(settings: Settings, k: Any, weight: float, noise: float, variance: float) -> Any:
+    """Complexity penalty CPM (2 K / N) s_p^2 of `k` coefficients (a number or an array), as a share of the target's variance.
 
     Parameters
     ----------
     settings : Settings
-    k : int
+    k : int or array of int
     weight : float
         N, the sum of the weights.
     noise : float
@@ -114,9 +115,9 @@ def penalty(settings: Settings, k: int, weight: float, noise: float, variance: f
     return settings.cpm * 2.0 * k / weight * prior
 
 
-def residual_variance(fse: float, k: int, weight: float) -> float:
-    """Error variance that a fit with `k` coefficients leaves, corrected for their number."""
-    return fse * weight / max(weight - k, 1.0)
+def residual_variance(fse: Any, k: Any, weight: float) -> Any:
+    """Error variance that a fit with `k` coefficients leaves, corrected for their number; of numbers or arrays."""
+    return fse * weight / np.maximum(weight - k, 1.0)
 
 
 def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list[Node], list[Step]]:
@@ -140,24 +141,24 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
     variance = rows.scaling.y_scale**2
     variables = [_Variable(None, frozenset()) for _ in range(n_input)]
     best, best_k = None, 0
-    best_fse = sum(float(w @ (y * y)) for _, y, w in rows) / weight
+    best_fse = sum(float(y @ y if w is None else w @ (y * y)) for _, y, w in rows) / weight
     history = [Step(0, 0, 0, best_fse * variance, 0.0, best_fse * variance, True)]
-
     noise = best_fse
 
-    def cost(k: int) -> float:
+    def cost(k: Any) -> Any:
         return penalty(settings, k, weight, noise, variance)
 
-    drawn = [int(i) for i in inputs]
-    previous = drawn
+    old, new = np.zeros(0, dtype=np.int64), np.asarray(inputs, dtype=np.int64)
     for layer in range(1, settings.max_layers + 1):
-        if best_fse <= _EXACT:
+        if best_fse <= _EXACT or not len(new):
             break
-        candidates = _candidates(drawn, previous, layer, settings)
-        scored = _score(rows, variables, drawn, candidates)
-        noise = min([noise, *(residual_variance(c.fse, c.n_coefficients, weight) for c in scored)])
-        scored.sort(key=lambda c: c.fse + cost(c.n_coefficients))
-        survivors = _survivors(rows, variables, scored, cost, settings)
+        drawn = np.concatenate([old, new])
+        m = _moments(rows, variables, drawn, len(old))
+        candidates = _candidates(len(old), len(drawn), settings)
+        scored = [_score(m, variables, drawn, kind, chosen, weight) for kind, chosen in candidates]
+        for kind in scored:
+            noise = float(residual_variance(kind.fse, kind.n_coefficients, weight).min(initial=noise))
+        survivors = _survivors(rows, variables, drawn, m, scored, cost, settings)
         if not survivors:
             break
         pse, k, fse, _ = survivors[0]
@@ -166,139 +167,151 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
         history.append(Step(layer, n_candidates, k, fse * variance, cost(k) * variance, pse * variance, accepted))
         if not accepted:
             break
-        previous = list(range(len(variables), len(variables) + len(survivors)))
-        for number, survivor in zip(previous, survivors, strict=True):
+        old, new = drawn, np.arange(len(variables), len(variables) + len(survivors))
+        for number, survivor in zip(new.tolist(), survivors, strict=True):
             variables.append(survivor.variable._replace(ancestors=survivor.variable.ancestors | {number}))
-        drawn = drawn + previous
-        best, best_fse, best_k = variables[previous[0]], fse, k
+        best, best_fse, best_k = variables[new[0]], fse, k
     return ([] if best is None else _extract(variables, best, n_input)), history
 
 
 def _values(variables: list[_Variable], x: np.ndarray) -> np.ndarray:
-    """All variables on a block of rows, one column each."""
-    columns = np.empty((len(x), len(variables)), order="F")
-    columns[:, : x.shape[1]] = x
+    """All variables on a block of rows, one a row."""
+    values = np.empty((len(variables), len(x)))
+    values[: x.shape[1]] = x.T
     for place, variable in enumerate(variables):
         if variable.node is not None:
-            node = variable.node
-            columns[:, place] = design(node.kind, columns[:, list(node.inputs)]) @ np.array(node.coef)
-    return columns
+            values[place] = _output(variable.node, values)
+    return values
 
 
-def _candidates(drawn: list[int], previous: list[int], layer: int, settings: Settings) -> list[tuple[int, np.ndarray]]:
-    """Every choice of variables that includes one of the layer before, and so was not possible earlier."""
-    newest = set(previous)
-    found = []
-    for kind, size in ((SINGLE, 1), (DOUBLE, 2), (TRIPLE, 3)):
-        if KIND_NAMES[kind] in settings.kinds:
-            chosen = [c for c in combinations(drawn, size) if layer == 1 or newest.intersection(c)]
-            if chosen:
-                found.append((kind, np.array(chosen)))
-    if KIND_NAMES[LINEAR] in settings.kinds and layer > 1 and len(previous) > 1:
-        found.append((LINEAR, np.array([previous])))
+def _output(node: Node, values: np.ndarray) -> np.ndarray:
+    found: np.ndarray = design(node.kind, values[list(node.inputs)].T) @ np.array(node.coef)
     return found
 
 
-def _ancestors(variables: list[_Variable], inputs: tuple[int, ...]) -> frozenset[int]:
-    return frozenset().union(*(variables[i].ancestors for i in inputs))
+def _moments(rows: Rows, variables: list[_Variable], drawn: np.ndarray, n_old: int) -> Moments:
+    blocks = ((_values(variables, x)[drawn].T, y, w) for x, y, w in rows)
+    return moments_of_blocks(blocks, len(drawn), n_old=n_old)
 
 
-def _count(variables: list[_Variable], nodes: frozenset[int]) -> int:
-    """Coefficients of some nodes."""
-    total = 0
-    for i in nodes:
-        node = variables[i].node
-        assert node is not None
-        total += sum(c != 0.0 for c in node.coef)
-    return total
+def _candidates(n_old: int, n: int, settings: Settings) -> list[tuple[int, np.ndarray]]:
+    """Every choice of `n` variables that includes one of the newest, and so was not possible earlier, by kind."""
+    found = [
+        (kind, _rising(n, size, n_old))
+        for kind, size in ((SINGLE, 1), (DOUBLE, 2), (TRIPLE, 3))
+        if KIND_NAMES[kind] in settings.kinds and n >= size
+    ]
+    if KIND_NAMES[LINEAR] in settings.kinds and 0 < n_old < n - 1:
+        found.append((LINEAR, np.arange(n_old, n)[None, :]))
+    return found
 
 
-def _affordable(k: int, weight: float) -> bool:
-    return _ROWS_A_COEFFICIENT * k <= weight or k <= _ALWAYS
+def _rising(n: int, size: int, first: int) -> np.ndarray:
+    """All rising choices of `size` numbers below `n`, one a row, sorted by the last, which is at least `first`."""
+    if size == 1:
+        return np.arange(first, n)[:, None]
+    before = _rising(n, size - 1, 0)
+    ends = range(max(first, size - 1), n)
+    counts = [comb(end, size - 1) for end in ends]
+    return np.column_stack([np.concatenate([before[:count] for count in counts]), np.repeat(ends, counts)])
 
 
 def _score(
-    rows: Rows,
-    variables: list[_Variable],
-    drawn: list[int],
-    candidates: list[tuple[int, np.ndarray]],
-) -> list[_Scored]:
-    """Fitting error, from moments, of every candidate that the data can carry."""
-    m: Moments | None = None
-    for x, y, w in rows:
-        part = moments(_values(variables, x)[:, drawn], y, w)
-        m = part if m is None else m + part
-    assert m is not None
-    column = np.zeros(len(variables), dtype=np.int64)
-    column[drawn] = np.arange(len(drawn))
-    known: dict[frozenset[int], int] = {}
-    scored = []
-    for kind, inputs in candidates:
-        errors = squared_errors(m, kind, column[inputs])
-        for error, chosen in zip(errors.tolist(), map(tuple, inputs.tolist()), strict=True):
-            nodes = _ancestors(variables, chosen)
-            if nodes not in known:
-                known[nodes] = _count(variables, nodes)
-            k = known[nodes] + len(terms(kind, len(chosen)))
-            if _affordable(k, m.weight):
-                scored.append(_Scored(error, k, kind, chosen))
-    return scored
+    m: Moments, variables: list[_Variable], drawn: np.ndarray, kind: int, inputs: np.ndarray, weight: float
+) -> _Scored:
+    """Fitting error, from moments, of every candidate of a kind that the data can carry."""
+    needed = np.zeros((len(drawn), len(variables)), dtype=np.bool_)
+    for row, number in enumerate(drawn.tolist()):
+        needed[row, list(variables[number].ancestors)] = True
+    k = needed[inputs].any(axis=1) @ _sizes(variables) + len(terms(kind, inputs.shape[1]))
+    carried = (_ROWS_A_COEFFICIENT * k <= weight) | (k <= _ALWAYS)
+    inputs, k = inputs[carried], k[carried]
+    return _Scored(kind, inputs, k, squared_errors(m, kind, inputs))
+
+
+def _sizes(variables: list[_Variable]) -> np.ndarray:
+    """Coefficients of each variable's own node."""
+    return np.array([np.count_nonzero(v.node.coef) if v.node is not None else 0 for v in variables])
 
 
 def _survivors(
     rows: Rows,
     variables: list[_Variable],
+    drawn: np.ndarray,
+    m: Moments,
     scored: list[_Scored],
-    penalty: Callable[[int], float],
+    cost: Callable[[Any], Any],
     settings: Settings,
 ) -> list[_Fitted]:
     """Fit the best candidates on the rows, rank them again, and keep those that differ from each other."""
-    chosen = scored[: max(_REFIT, 3 * settings.n_survivors)]
-    factors: list[np.ndarray | None] = [None] * len(chosen)
-    sample = np.empty((0, len(variables)))  # the first block shows well enough whether two outputs differ
+    weight = rows.scaling.weight
+    tried = _promising(drawn, m, scored, cost, max(_REFIT, 3 * settings.n_survivors))
+    sample: np.ndarray | None = None  # the first block shows well enough whether two outputs differ
     for x, y, w in rows:
         values = _values(variables, x)
-        sample = values if not len(sample) else sample
-        for place, (_, _, kind, inputs) in enumerate(chosen):
-            factors[place] = grow(factors[place], design(kind, values[:, inputs]), y, w)
-    weight = rows.scaling.weight
+        sample = values if sample is None else sample
+        for kind, inputs, triangle in tried:
+            matrix = np.empty((len(y), len(triangle.square)), order="F")
+            design(kind, values[inputs].T, out=matrix[:, :-1])
+            matrix[:, -1] = y
+            grow(triangle, matrix, w)
+    assert sample is not None
     fitted = []
-    for (_, _, kind, inputs), factor in zip(chosen, factors, strict=True):
-        assert factor is not None
-        fit = carve(factor, penalty(1) * weight) if settings.carve else solve(factor, np.arange(factor.shape[1] - 1))
-        fitted.append(_fitted(variables, kind, inputs, fit, weight, penalty))
-    kept: list[_Fitted] = []
-    outputs: list[np.ndarray] = []
-    for candidate in sorted(fitted, key=lambda candidate: candidate.pse):
-        node = candidate.variable.node
-        assert node is not None
-        output = design(node.kind, sample[:, list(node.inputs)]) @ np.array(node.coef)
-        if len(kept) < settings.n_survivors and all(_differ(output, other) for other in outputs):
-            kept.append(candidate)
-            outputs.append(output)
-    return kept
+    for kind, inputs, triangle in tried:
+        factor = factor_of(triangle)
+        fit = carve(factor, cost(1) * weight) if settings.carve else solve(factor, np.arange(len(factor) - 1))
+        fitted.append(_fitted(variables, kind, inputs, fit, weight, cost))
+    fitted.sort(key=lambda candidate: candidate.pse)
+    return _different(fitted, sample, settings.n_survivors)
+
+
+def _promising(
+    drawn: np.ndarray, m: Moments, scored: list[_Scored], cost: Callable[[Any], Any], n: int
+) -> list[tuple[int, np.ndarray, Triangle]]:
+    """Kind, variables and first factor of the `n` candidates with the least predicted squared error."""
+    pse = [kind.fse + cost(kind.n_coefficients) for kind in scored]
+    worst = np.sort(np.concatenate([np.zeros(0), *pse]))[:n].max(initial=0.0)
+    found = []
+    for kind, errors in zip(scored, pse, strict=True):
+        best = kind.inputs[np.argsort(errors, kind="stable")[: np.count_nonzero(errors <= worst)][:n]]
+        for inputs, gram, right in zip(best, *normal_equations(m, kind.kind, best), strict=True):
+            found.append((kind.kind, drawn[inputs], begin(gram, right, m.target_square)))
+    return found
 
 
 def _fitted(
     variables: list[_Variable],
     kind: int,
-    inputs: tuple[int, ...],
+    inputs: np.ndarray,
     fit: Fit,
     weight: float,
-    penalty: Callable[[int], float],
+    cost: Callable[[Any], Any],
 ) -> _Fitted:
     kind, kept, coef = without_idle_inputs(kind, fit.coef)
-    inputs = tuple(inputs[place] for place in kept)
-    ancestors = _ancestors(variables, inputs)
-    k = _count(variables, ancestors) + int(np.count_nonzero(coef))
+    node = Node(kind, tuple(inputs[kept].tolist()), tuple(coef.tolist()))
+    ancestors = frozenset().union(*(variables[i].ancestors for i in node.inputs))
+    k = int(_sizes([variables[i] for i in ancestors]).sum()) + int(np.count_nonzero(coef))
     fse = fit.squares / weight
-    node = Node(kind, inputs, tuple(coef.tolist()))
-    return _Fitted(fse + penalty(k), k, fse, _Variable(node, ancestors))
+    return _Fitted(fse + cost(k), k, fse, _Variable(node, ancestors))
 
 
-def _differ(a: np.ndarray, b: np.ndarray) -> bool:
-    a, b = a - a.mean(), b - b.mean()
-    return bool((a @ b) ** 2 < (1.0 - _SAME) * (a @ a) * (b @ b))
+def _different(fitted: list[_Fitted], sample: np.ndarray, n: int) -> list[_Fitted]:
+    """The first `n` whose outputs on the sample are not the same but for a straight line."""
+    kept: list[_Fitted] = []
+    outputs = np.empty((n, sample.shape[1]))
+    squares = np.empty(n)
+    for candidate in fitted:
+        if len(kept) == n:
+            break
+        node = candidate.variable.node
+        assert node is not None
+        output = _output(node, sample)
+        output -= output.mean()
+        square, known = output @ output, len(kept)
+        if np.all((outputs[:known] @ output) ** 2 < (1.0 - _SAME) * square * squares[:known]):
+            outputs[known], squares[known] = output, square
+            kept.append(candidate)
+    return kept
 
 
 def _extract(variables: list[_Variable], best: _Variable, n_input: int) -> list[Node]:
