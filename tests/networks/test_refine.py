@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.networks import AbductiveRegressor
-from polydraulic.networks.refine import _jacobian, refine
+from polydraulic.networks.refine import _forward, _jacobian, _normal, refine
 from polydraulic.networks.rows import rows_in_memory
 from polydraulic.networks.table import Node
 
@@ -20,8 +20,13 @@ NODES = [
 FREE = [np.flatnonzero(node.coef) for node in NODES]
 
 
-def test_derivatives_are_exact():
-    output, jacobian = _jacobian(NODES, FREE, X)
+def output(nodes):
+    return _forward(nodes, X)[0][-1]
+
+
+@pytest.mark.parametrize("root", [np.ones(300), RNG.uniform(0.0, 2.0, 300)])
+def test_derivatives_are_exact(root):
+    jacobian = _jacobian(NODES, FREE, *_forward(NODES, X), root)
     column = 0
     for place, (node, keep) in enumerate(zip(NODES, FREE, strict=True)):
         for term in keep:
@@ -30,17 +35,37 @@ def test_derivatives_are_exact():
                 coef = np.array(node.coef)
                 coef[term] += sign * 1e-6
                 changed = [*NODES[:place], Node(node.kind, node.inputs, tuple(coef)), *NODES[place + 1 :]]
-                moved.append(_jacobian(changed, FREE, X)[0])
+                moved.append(root * output(changed))
             size = np.abs(jacobian[:, column]).max()
             assert jacobian[:, column] == pytest.approx((moved[0] - moved[1]) / 2e-6, abs=1e-6 * size)
             column += 1
     assert column == jacobian.shape[1]
-    assert output.shape == (300,)
+
+
+def test_weights_are_repetitions():
+    times = RNG.integers(1, 4, 300)
+    again = np.repeat(np.arange(300), times)
+    y, coef = np.exp(X[:, 0]), np.concatenate([np.array(n.coef)[keep] for n, keep in zip(NODES, FREE, strict=True)])
+    weighted = rows_in_memory(X, y, times.astype(float))
+    repeated = rows_in_memory(X[again], y[again], None)
+    for one, two in zip(
+        *(_normal(NODES, FREE, coef, r, (-1.0, 1.0), np.inf) for r in (weighted, repeated)), strict=True
+    ):
+        assert one == pytest.approx(two, rel=1e-10, abs=1e-10)
+
+
+def test_a_point_above_the_limit_is_given_up():
+    rows = rows_in_memory(X, np.exp(X[:, 0]), None)
+    coef = np.concatenate([np.array(n.coef)[keep] for n, keep in zip(NODES, FREE, strict=True)])
+    loss = _normal(NODES, FREE, coef, rows, (-9.0, 9.0), np.inf).loss
+    assert _normal(NODES, FREE, coef, rows, (-9.0, 9.0), loss) is None
+    assert _normal(NODES, FREE, coef, rows, (-9.0, 9.0), loss * (1 + 1e-9)).loss == loss
+    assert _normal(NODES, FREE, coef * 1e200, rows, (-9.0, 9.0), np.inf) is None
 
 
 def test_a_known_network_is_found_again():
     """Noise-free data of a network, and a start some percent off."""
-    y = _jacobian(NODES[:3], FREE[:3], X)[0]
+    y = output(NODES[:3])
     rows = rows_in_memory(X, y, None)
     s = rows.scaling
     assert s.x_scale == pytest.approx([1.0, 1.0])

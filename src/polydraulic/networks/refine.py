@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg.blas import dsyrk
 
 from polydraulic.networks.nodes import design, slopes
 from polydraulic.networks.rows import Rows
@@ -24,7 +25,7 @@ class _Normal(NamedTuple):
     """Gauss-Newton equations and the loss at one point."""
 
     gram: np.ndarray
-    gradient: np.ndarray
+    gradient: np.ndarray  # half of it
     loss: float
 
 
@@ -57,20 +58,23 @@ def refine(
     """
     free = [np.flatnonzero(node.coef) for node in nodes]
     coef = np.concatenate([np.array(node.coef)[keep] for node, keep in zip(nodes, free, strict=True)])
-    here = _normal(nodes, free, coef, rows, bounds)
+    here = _normal(nodes, free, coef, rows, bounds, np.inf)
     assert here is not None, "a grown network is finite on its own rows"
-    damping, slow = _FIRST_DAMPING, 0
+    damping, raise_by, slow = _FIRST_DAMPING, 2.0, 0
     for iteration in range(max_iterations):
-        step = _step(here, damping)
-        there = None if step is None else _normal(nodes, free, coef - step, rows, bounds)
-        if step is None or there is None or not there.loss < here.loss:
-            damping *= 5.0
+        step, promised = _step(here, damping)
+        there = _normal(nodes, free, coef - step, rows, bounds, here.loss) if promised > 0.0 else None
+        if there is None:
+            damping, raise_by = damping * raise_by, raise_by * 2.0
             if damping > _LARGEST_DAMPING:
                 break
             continue
-        slow = slow + 1 if here.loss - there.loss < _ENOUGH * here.loss else 0
+        gained = here.loss - there.loss
+        # less damping only where the linear model kept its promise: no step back after every step forward
+        damping = max(damping * max(1.0 / 3.0, 1.0 - (2.0 * gained / promised - 1.0) ** 3), _SMALLEST_DAMPING)
+        raise_by = 2.0
+        slow = slow + 1 if gained < _ENOUGH * here.loss else 0
         coef, here = coef - step, there
-        damping = max(damping / 5.0, _SMALLEST_DAMPING)
         progress(iteration, here.loss)
         if slow == _LAST_STEPS or here.loss <= 1e-24:
             break
@@ -88,59 +92,79 @@ def _with(nodes: Sequence[Node], free: list[np.ndarray], coef: np.ndarray) -> li
     return found
 
 
-def _step(here: _Normal, damping: float) -> np.ndarray | None:
+def _step(here: _Normal, damping: float) -> tuple[np.ndarray, float]:
+    """Step against the gradient, and what it would lower the loss by if the network were linear; 0 if there is none."""
     diagonal = np.diagonal(here.gram)
-    damped = here.gram + damping * np.diag(np.maximum(diagonal, 1e-12 * diagonal.max()))
+    added = damping * np.maximum(diagonal, 1e-12 * diagonal.max())
     try:
-        step: np.ndarray = cho_solve(cho_factor(damped), here.gradient)
+        step: np.ndarray = cho_solve(cho_factor(here.gram + np.diag(added)), here.gradient)
     except LinAlgError:
-        return None
-    return step if np.all(np.isfinite(step)) else None
+        return here.gradient, 0.0
+    promised = float(step @ (added * step + here.gradient))
+    return step, promised if np.isfinite(promised) else 0.0
 
 
 def _normal(
-    nodes: Sequence[Node], free: list[np.ndarray], coef: np.ndarray, rows: Rows, bounds: tuple[float, float]
+    nodes: Sequence[Node],
+    free: list[np.ndarray],
+    coef: np.ndarray,
+    rows: Rows,
+    bounds: tuple[float, float],
+    limit: float,
 ) -> _Normal | None:
-    """Equations at some coefficients; None where the output is no longer finite."""
+    """Equations at some coefficients; None as soon as it is clear that the loss is not below the limit, or no number."""
     moved = _with(nodes, free, coef)
     n, low, high = coef.size, *bounds
-    gram, gradient, loss = np.zeros((n, n)), np.zeros(n), 0.0
+    weight = rows.scaling.weight
+    gram, gradient, loss = np.zeros((n, n), order="F"), np.zeros(n), 0.0
     for x, y, w in rows:
         with np.errstate(over="ignore", invalid="ignore"):
-            output, jacobian = _jacobian(moved, free, x)
-        if not np.all(np.isfinite(output)):
-            return None
-        met = ((y >= high) & (output >= high)) | ((y <= low) & (output <= low))
-        residual = np.where(met, 0.0, output - y)
-        jacobian[met] = 0.0
-        w = np.ones(len(y)) if w is None else w
-        weighted = jacobian * w[:, None]
-        gram += weighted.T @ jacobian
-        gradient += weighted.T @ residual
-        loss += float(w @ (residual * residual))
-    return _Normal(gram, gradient, loss / rows.scaling.weight) if np.isfinite(loss) else None
+            values, designs = _forward(moved, x)
+            output = values[-1]
+            met = ((y >= high) & (output >= high)) | ((y <= low) & (output <= low))
+            root = np.where(met, 0.0, 1.0 if w is None else np.sqrt(w))
+            residual = root * (output - y)
+            loss += float(residual @ residual) / weight
+            if not loss < limit:
+                return None
+            jacobian = _jacobian(moved, free, values, designs, root)
+            dsyrk(1.0, jacobian, 1.0, gram, trans=1, overwrite_c=True)
+            gradient += residual @ jacobian
+    gram = gram / weight
+    return _Normal(gram + np.triu(gram, 1).T, gradient / weight, loss)
 
 
-def _jacobian(nodes: Sequence[Node], free: list[np.ndarray], x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Output on a block of rows, and its derivatives by the free coefficients."""
-    n_input, n_free = x.shape[1], [keep.size for keep in free]
-    values = np.empty((len(x), n_input + len(nodes)), order="F")
-    values[:, :n_input] = x
+def _forward(nodes: Sequence[Node], x: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Inputs and nodes on a block of rows, one a row, and the design matrices of the nodes."""
+    n_input = x.shape[1]
+    values = np.empty((n_input + len(nodes), len(x)))
+    values[:n_input] = x.T
     designs = []
     for place, node in enumerate(nodes):
-        matrix = design(node.kind, values[:, list(node.inputs)])
+        matrix = design(node.kind, values[list(node.inputs)].T)
         designs.append(matrix)
-        values[:, n_input + place] = matrix @ np.array(node.coef)
-    # backwards: what the output gains from each slot
-    gain = np.zeros((len(x), n_input + len(nodes)), order="F")
-    gain[:, -1] = 1.0
-    jacobian = np.empty((len(x), sum(n_free)), order="F")
+        np.dot(matrix, np.array(node.coef), out=values[n_input + place])
+    return values, designs
+
+
+def _jacobian(
+    nodes: Sequence[Node], free: list[np.ndarray], values: np.ndarray, designs: list[np.ndarray], root: np.ndarray
+) -> np.ndarray:
+    """Derivatives of the output by the free coefficients, each row times the root of its weight."""
+    n_input, n_free = len(values) - len(nodes), [keep.size for keep in free]
+    # backwards: what the output gains from each node
+    gain = np.zeros((len(nodes), values.shape[1]))
+    gain[-1] = root
     start = sum(n_free)
+    jacobian = np.empty((values.shape[1], start), order="F")
     for place in range(len(nodes) - 1, -1, -1):
-        node, own = nodes[place], gain[:, n_input + place]
+        node, own = nodes[place], gain[place]
         start -= n_free[place]
-        np.multiply(designs[place][:, free[place]], own[:, None], out=jacobian[:, start : start + n_free[place]])
-        by_input = slopes(node.kind, values[:, list(node.inputs)], np.array(node.coef))
-        for slot, slope in zip(node.inputs, by_input.T, strict=True):
-            gain[:, slot] += own * slope
-    return values[:, -1], jacobian
+        for column, term in enumerate(free[place].tolist(), start):
+            np.multiply(designs[place][:, term], own, out=jacobian[:, column])
+        if max(node.inputs) >= n_input:
+            by_input = slopes(node.kind, values[list(node.inputs)].T, np.array(node.coef), designs[place])
+            for slot, slope in zip(node.inputs, by_input.T, strict=True):
+                if slot >= n_input:
+                    gain[slot - n_input] += own * slope
+    return jacobian
