@@ -273,7 +273,7 @@ def test_sweep_over_hidden_units():
 
 
 @pytest.mark.slow
-@parametrize_with_checks([PerceptronRegressor(), PerceptronRegressor(solver="gradient", output="linear", eta=0.01)])
+@parametrize_with_checks([PerceptronRegressor(), PerceptronRegressor(solver="gradient", output="linear", eta=0.05)])
 def test_estimator_contract(estimator, check):
     check(estimator)
 

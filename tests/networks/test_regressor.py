@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from polydraulic.networks import AbductiveRegressor, RegionRegressor, Variable
+from polydraulic.networks import AbductiveRegressor, Variable
 
 RNG = np.random.default_rng(11)
 X = RNG.uniform(-1.0, 1.0, size=(200, 2))
@@ -177,37 +177,6 @@ def test_bad_data_are_named():
         AbductiveRegressor().fit(np.where(X > 0.99, np.nan, X), Y)
     with pytest.raises(ValueError, match="infinity"):
         AbductiveRegressor().fit(X, np.where(Y > 1.0, np.inf, Y))
-
-
-def test_regions_fit_each_cell_alone():
-    y = np.where(X[:, 0] > 0.2, X[:, 1] ** 3, 5.0)
-    model = RegionRegressor(edges={0: [0.2]}).fit(X, y)
-    assert model.predict(X) == pytest.approx(y, abs=1e-9)
-    assert len(model.estimators_) == 2
-    assert model.to_model().training["pse"][0] == 0.0
-
-
-def test_region_domains_meet_at_the_edge():
-    base = AbductiveRegressor(domain=[(-1.0, 1.0), (-1.0, 1.0)])
-    model = RegionRegressor(base, edges={0: [0.2]}).fit(X, Y)
-    assert [e.network_.x_high[0] for e in model.estimators_] == [0.2, 1.0]
-    assert [e.network_.x_low[0] for e in model.estimators_] == [-1.0, 0.2]
-
-
-@pytest.mark.parametrize(
-    ("edges", "message"),
-    [
-        ({0: [0.5, 0.1]}, "must be rising finite numbers"),
-        ({0: [float("nan")]}, "must be rising finite numbers"),
-        ({5: [0.0]}, r"edges name the input 5; the inputs are \['x0', 'x1'\]"),
-        ({"speed": [0.0]}, "edges name the input 'speed'"),
-        ({0: [2.0]}, r"no rows with x0 in \(2, inf\)"),
-        ({0: [X[:, 0].max() - 1e-9]}, r"region x0 in \(.*inf\): .*sample"),
-    ],
-)
-def test_bad_edges_are_named(edges, message):
-    with pytest.raises(ValueError, match=message):
-        RegionRegressor(edges=edges).fit(X, Y)
 
 
 def test_names_must_fit():

@@ -8,6 +8,7 @@ evaluated), `partition` (which network answers where), `regressor` and `regions`
 from polydraulic.networks.bounds import Bounds, check_range, model_bounds, network_bounds
 from polydraulic.networks.classifier import AbductiveClassifier
 from polydraulic.networks.compiled import compiled
+from polydraulic.networks.generator import Learnt, learn_from
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.partition import Split, grid
@@ -20,6 +21,7 @@ __all__ = [
     "AbductiveClassifier",
     "AbductiveRegressor",
     "Bounds",
+    "Learnt",
     "Model",
     "Network",
     "NetworkTable",
@@ -34,6 +36,7 @@ __all__ = [
     "dump_models",
     "grid",
     "hidden_unit_sweep",
+    "learn_from",
     "load_models",
     "model_bounds",
     "network_bounds",

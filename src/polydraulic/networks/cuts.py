@@ -24,7 +24,7 @@ class Cut(NamedTuple):
     at: float
 
 
-def best_cut(X: np.ndarray, y: np.ndarray, weight: np.ndarray, min_rows: int) -> Cut | None:
+def best_cut(X: np.ndarray, y: np.ndarray, weight: np.ndarray, min_rows: float) -> Cut | None:
     """The most promising cut of some rows.
 
     Parameters
@@ -33,8 +33,8 @@ def best_cut(X: np.ndarray, y: np.ndarray, weight: np.ndarray, min_rows: int) ->
     y : (n_row, n_output) array
         In comparable units.
     weight : (n_row,) array
-    min_rows : int
-        Rows that must remain on each side.
+    min_rows : float
+        Rows, counted by their weights, that must remain on each side.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def best_cut(X: np.ndarray, y: np.ndarray, weight: np.ndarray, min_rows: int) ->
         None if no input can be cut with so many rows on both sides.
     """
     columns = np.column_stack([_terms(X), y]) * np.sqrt(weight)[:, None]
-    cuts = [_cut_along(X[:, axis], axis, columns, y.shape[1], min_rows) for axis in range(X.shape[1])]
+    cuts = [_cut_along(X[:, axis], axis, columns, weight, y.shape[1], min_rows) for axis in range(X.shape[1])]
     return min((cut for cut in cuts if cut is not None), default=None)
 
 
@@ -56,29 +56,41 @@ def _terms(X: np.ndarray) -> np.ndarray:
     return np.column_stack([np.prod(v[:, list(c)], axis=1) for c in chosen])
 
 
-def _cut_along(x: np.ndarray, axis: int, columns: np.ndarray, n_output: int, min_rows: int) -> Cut | None:
+def _cut_along(
+    x: np.ndarray, axis: int, columns: np.ndarray, weight: np.ndarray, n_output: int, min_rows: float
+) -> Cut | None:
     order = np.argsort(x, kind="stable")
-    x, columns = x[order], columns[order]
-    first, last = min_rows, len(x) - min_rows  # a cut at i leaves i rows below it
-    if first > last:
-        return None
+    x, columns, below = (
+        x[order],
+        columns[order],
+        np.cumsum(weight[order]),
+    )  # a cut at i has weight below[i - 1] below it
+    low, high = min_rows, below[-1] - min_rows
     best: Cut | None = None
     for _ in range(_ZOOMS):
-        borders = np.unique(np.linspace(first, last, _BINS + 1).astype(int))
-        grams = np.array(
-            [part.T @ part for part in np.split(columns, borders)]  # below the first border, ..., above the last
-        )
-        below, above = np.cumsum(grams, axis=0)[:-1], np.cumsum(grams[::-1], axis=0)[::-1][1:]
-        squares = _rest(below, n_output) + _rest(above, n_output)
-        squares[x[borders - 1] == x[np.minimum(borders, len(x) - 1)]] = np.inf  # equal values stay together
+        borders = _borders(x, below, low, high)
+        if not borders.size:
+            break
+        grams = np.array([part.T @ part for part in np.split(columns, borders)])  # one more than there are borders
+        from_below, from_above = np.cumsum(grams, axis=0)[:-1], np.cumsum(grams[::-1], axis=0)[::-1][1:]
+        squares = _rest(from_below, n_output) + _rest(from_above, n_output)
         place = int(np.argmin(squares))
-        if np.isfinite(squares[place]) and (best is None or squares[place] < best.squares):
+        if best is None or squares[place] < best.squares:
             i = borders[place]
             best = Cut(float(squares[place]), axis, float(0.5 * x[i - 1] + 0.5 * x[i]))
-        first, last = borders[max(place - 1, 0)], borders[min(place + 1, len(borders) - 1)]
-        if last - first < 2:
-            break
+        around = borders[max(place - 1, 0)], borders[min(place + 1, borders.size - 1)]
+        low, high = (float(below[i - 1]) for i in around)
     return best
+
+
+def _borders(x: np.ndarray, below: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Where to cut sorted rows so that the weight below lies between `low` and `high`; equal values stay together."""
+    if low > high:
+        return np.zeros(0, dtype=int)
+    at = np.searchsorted(below, np.linspace(low, high, _BINS + 1) * (1.0 - 1e-12))
+    at = np.unique(np.searchsorted(x, x[np.minimum(at, len(x) - 1)], side="right"))
+    at = at[at < len(x)]
+    return np.asarray(at[(below[at - 1] >= low) & (below[at - 1] <= high)])
 
 
 def _rest(gram: np.ndarray, n_output: int) -> np.ndarray:

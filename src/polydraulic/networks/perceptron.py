@@ -142,7 +142,11 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
         """
         self._check_settings()
         X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64, ensure_min_samples=2)
-        weight = np.ones(len(y)) if sample_weight is None else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
+        weight = (
+            np.ones(len(y))
+            if sample_weight is None
+            else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
+        )
         X, y, weight = _merge_rows(X, y.astype(np.float64), weight)
         low, high = X.min(axis=0), X.max(axis=0)
         y_least = float(y.min())

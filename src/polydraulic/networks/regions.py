@@ -1,6 +1,6 @@
 """RegionRegressor: a network in each region, whose borders are given (thesis Table 3) or found as a tree."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,19 +11,12 @@ from polydraulic.errors import InputError
 from polydraulic.networks.cuts import best_cut
 from polydraulic.networks.intervals import half_width, hold_out
 from polydraulic.networks.model import Model, Variable
-from polydraulic.networks.partition import (
-    EVERYWHERE,
-    Partition,
-    Split,
-    box_name,
-    grid,
-    networks_of,
-    region_boxes,
-    region_of,
-)
+from polydraulic.networks.partition import Partition, box_name, grid, region_boxes, region_of
 from polydraulic.networks.regressor import AbductiveRegressor, variables
+from polydraulic.networks.tree import Halves, Leaf, box_halves, grow_tree
 
 _GAIN = 0.05  # a cut has to lower the predicted squared error by this share
+_EXACT = 1e-20  # of the variance: an error that is only rounding
 
 
 class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -40,7 +33,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     max_regions : int, default=8
         Regions that are found at most.
     min_rows : int, default=50
-        Rows that a cut leaves on each side.
+        Rows, counted by their weights, that a cut leaves on each side.
     borrow : float, default=0.0
         A region also learns from rows across its borders, up to this share of its width.
     tolerance : float, optional
@@ -196,24 +189,24 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         scale = rows.y.reshape(len(rows.y), -1).std(axis=0)
         scale = np.where(scale > 0.0, scale, 1.0)
 
-        def leaf(box: np.ndarray) -> _Leaf:
+        def leaf(box: np.ndarray) -> Leaf:
             estimator, own = self._fit_box(rows, base, box), rows.inside(box)
             cost = float(own.weight.sum() * np.sum(np.atleast_1d(estimator.pse_) / scale**2))
             worst = float(np.max(np.abs(estimator.predict(own.X) - own.y)))
-            return _Leaf(box, estimator, cost, self.tolerance is not None and worst <= self.tolerance)
+            good_enough = self.tolerance is not None and worst <= self.tolerance
+            return Leaf(box, estimator, cost, good_enough or cost <= _EXACT * own.weight.sum())
 
-        def cut(parent: _Leaf) -> tuple[int, float, _Leaf, _Leaf] | None:
+        def cut(parent: Leaf) -> Halves | None:
             own = rows.inside(parent.box)
             found = best_cut(own.X, own.y.reshape(len(own.y), -1) / scale, own.weight, self.min_rows)
             if found is None:
                 return None
-            below, above = parent.box.copy(), parent.box.copy()
-            below[found.axis, 1] = above[found.axis, 0] = found.at
-            halves = leaf(below), leaf(above)
-            better = halves[0].cost + halves[1].cost < (1.0 - _GAIN) * parent.cost
-            return (found.axis, found.at, *halves) if better else None
+            below, above = (leaf(box) for box in box_halves(parent.box, found.axis, found.at))
+            better = below.cost + above.cost < (1.0 - _GAIN) * parent.cost
+            return Halves(found.axis, found.at, below, above) if better else None
 
-        return grow_tree(leaf(everywhere), cut, self.max_regions)
+        partition, leaves = grow_tree(leaf(everywhere), cut, self.max_regions)
+        return partition, [found.fitted for found in leaves]
 
     def _check_settings(self) -> None:
         for name in ("max_regions", "min_rows"):
@@ -255,63 +248,3 @@ class _Rows(NamedTuple):
         low, high = box.T
         kept = np.all((low < self.X) & (high >= self.X), axis=1)
         return _Rows(self.X[kept], self.y[kept], self.weight[kept])
-
-
-class _Leaf(NamedTuple):
-    """A region: its box, what answers in it, what its error costs, and whether it stays as it is."""
-
-    box: np.ndarray
-    estimator: Any
-    cost: float
-    settled: bool
-
-
-def grow_tree(
-    root: _Leaf, cut: Callable[[_Leaf], tuple[int, float, _Leaf, _Leaf] | None], max_regions: int
-) -> tuple[Partition, list[Any]]:
-    """Cut the costliest leaf again and again.
-
-    Parameters
-    ----------
-    root : leaf
-    cut : function of a leaf
-        Axis, threshold and the two leaves; None to leave it as it is.
-    max_regions : int
-
-    Returns
-    -------
-    partition : Split or int
-    estimators : list
-        One a region.
-    """
-    leaves, partition = {0: root}, EVERYWHERE
-    while len(leaves) < max_regions:
-        waiting = [k for k, leaf in leaves.items() if not leaf.settled and leaf.cost > 0.0]
-        if not waiting:
-            break
-        k = max(waiting, key=lambda number: leaves[number].cost)
-        found = cut(leaves[k])
-        if found is None:
-            leaves[k] = leaves[k]._replace(settled=True)
-            continue
-        axis, at, below, above = found
-        other = len(leaves)
-        leaves[k], leaves[other] = below, above
-        partition = _replaced(partition, k, Split(axis, at, k, other))
-    order = networks_of(partition)
-    renumbered = {k: place for place, k in enumerate(order)}
-    return _renumbered(partition, renumbered), [leaves[k].estimator for k in order]
-
-
-def _replaced(partition: Partition, k: int, split: Split) -> Partition:
-    if not isinstance(partition, Split):
-        return split if partition == k else partition
-    below, above = _replaced(partition.below, k, split), _replaced(partition.above, k, split)
-    return Split(partition.axis, partition.at, below, above)
-
-
-def _renumbered(partition: Partition, number: Mapping[int, int]) -> Partition:
-    if not isinstance(partition, Split):
-        return number[partition]
-    below, above = _renumbered(partition.below, number), _renumbered(partition.above, number)
-    return Split(partition.axis, partition.at, below, above)
