@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from polydraulic import cli
-from polydraulic.networks import load_models
+from polydraulic.networks import Model, Network, Variable, load_models, save_models
 from polydraulic.tables import read_table
 
 
@@ -64,6 +64,27 @@ def test_fit_needs_no_hydraulics(call, tmp_path):
     assert "held-out R2 1.0000" in out
 
 
+def test_check_proves_where_a_model_can_go(call, tmp_path):
+    x = np.random.default_rng(0).uniform(-1.0, 1.0, size=(200, 2))
+    y = np.where(x[:, 0] > 0.0, 3.0 * x[:, 1], x[:, 0])
+    table, model = tmp_path / "t.csv", tmp_path / "m.json"
+    np.savetxt(table, np.column_stack([x, y]), delimiter=",", header="a,b,c", comments="")
+    code, out, _ = call(
+        "fit", table, "--inputs", "a,b", "--outputs", "c", "--out", model, "--regions", 2, "--layers", 1
+    )
+    assert code == 0
+    assert "c: 2 network(s)" in out
+    code, out, _ = call("check", model)
+    assert code == 0
+    assert re.search(r"a in \(0.0\d+, inf\): -2.9\d+ to 2.9\d+, slopes", out)
+    assert re.search(r"by b +0 to +(3|3.00\d+)\n", out)  # 0 where b is moved to the border of its data
+    code, out, _ = call("check", model, "--range", "-3.01,3.01")
+    assert (code, "c cannot leave [-3.01, 3.01] anywhere" in out) == (0, True)
+    code, out, _ = call("check", model, "--range", "-1.5,3.01")
+    assert (code, "c leaves [-1.5, 3.01]" in out) == (1, True)
+    assert call("check", model, "--range", "-1.5,3.01", "--box", "a=-1,-0.5")[0] == 0
+
+
 @pytest.fixture
 def files(tmp_path):
     (tmp_path / "good.csv").write_text("a,b,c\n" + "\n".join(f"{i},{i % 3},{i * i}" for i in range(30)))
@@ -73,6 +94,8 @@ def files(tmp_path):
     (tmp_path / "large.csv").write_text("a,b,c\n" + "\n".join(f"{i}e306,{i % 3},{i}e200" for i in range(30)))
     (tmp_path / "short.csv").write_text("a,b,c\n1,2,3\n2,3,5\n")
     (tmp_path / "bad.json").write_text("{")
+    constant = Network((), (0.0,), (1.0,), (0.0,), (1.0,), 2.0, 1.0)
+    save_models([Model((Variable("a"),), Variable("c"), (constant,))], tmp_path / "c.json")
     (tmp_path / "new.json").write_text('{"format": "polydraulic model", "schema": 99, "models": []}')
     return tmp_path
 
@@ -110,6 +133,10 @@ FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
         (("fit", "{0}/good.csv", *FIT, "--bounds", "1"), "--bounds '1'"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "a=x"), "--edges a"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "q=1"), "edges name the column 'q'"),
+        (("check", "{0}/bad.json"), "bad.json: not a model file"),
+        (("check", "{0}/c.json", "--box", "z=0,1"), "the model of 'c' reads ['a']"),
+        (("check", "{0}/c.json", "--box", "a=1"), "--box a"),
+        (("check", "{0}/c.json", "--range", "2,1"), "range [2.0, 1.0]"),
         (("export", "{0}/bad.json", "--out", "{0}/c"), "bad.json: not a model file"),
         (("report", "--chapter", "9", "--out", "{0}/r"), "no chapter 9"),
         (("report", "--out", "{0}/good.csv/r"), "cannot write"),
@@ -125,7 +152,7 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
     assert sorted(files.iterdir()) == before
 
 
-@pytest.mark.parametrize("command", ["report", "simulate", "sample", "fit", "export"])
+@pytest.mark.parametrize("command", ["report", "simulate", "sample", "fit", "check", "export"])
 def test_help_shows_an_example(call, command):
     code, out, _ = call(command, "--help")
     assert code == 0

@@ -21,7 +21,7 @@ from polydraulic.networks.tree import Halves, Leaf, box_halves, grow_tree
 
 _ON_FACES = 0.25  # of a region's points
 _MARGIN = 0.8  # a region is good enough at this share of the tolerance: a finer grid finds a little more
-_GRID = 2000  # points on which errors are sought
+_GRID = 4000  # points on which errors are sought
 _WORST, _AROUND, _ROUNDS = 8, 64, 3  # points around which they are sought further, how many there, how often
 _NEAR_BORDER = 0.02  # of a region's points that a cut leaves on each side
 
@@ -64,7 +64,7 @@ def learn_from(
     box: Sequence[tuple[float, float]],
     *,
     tolerance: float,
-    budget: int = 500_000,
+    budget: int = 1_000_000,
     max_regions: int = 64,
     rows: int = 1500,
     estimator: AbductiveRegressor | None = None,

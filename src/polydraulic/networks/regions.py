@@ -179,14 +179,15 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         try:
             return estimator.fit(*own)
         except ValueError as error:
-            raise InputError(f"region {name}: {error}") from error
+            raise InputError(str(error) if name == "everywhere" else f"region {name}: {error}") from error
 
     def _find(self, rows: "_Rows", base: AbductiveRegressor) -> tuple[Partition, list[AbductiveRegressor]]:
         """Cut the region with the largest predicted error while that helps; the first of equal ones."""
         if not isinstance(base, AbductiveRegressor):
             raise InputError(f"{type(base).__name__} states no predicted squared error to find regions by: give edges")
         everywhere = np.tile([-np.inf, np.inf], (self.n_features_in_, 1))
-        scale = rows.y.reshape(len(rows.y), -1).std(axis=0)
+        with np.errstate(over="ignore"):  # the first fit refuses values so large
+            scale = rows.y.reshape(len(rows.y), -1).std(axis=0)
         scale = np.where(scale > 0.0, scale, 1.0)
 
         def leaf(box: np.ndarray) -> Leaf:

@@ -28,6 +28,7 @@ def fit_table(
     outputs: Sequence[str],
     estimator: AbductiveRegressor,
     edges: Mapping[str, Sequence[float]],
+    max_regions: int = 1,
     progress: Callable[[str], None] = lambda step: None,
 ) -> list[Fit]:
     """Fit each output column from the input columns.
@@ -39,7 +40,9 @@ def fit_table(
     estimator : AbductiveRegressor
         Cloned for every fit.
     edges : mapping from input name to edges
-        Regions; empty for one network.
+        Regions; empty to find them, or for one network.
+    max_regions : int
+        Without edges, so many regions may be found.
     progress : function of str
         Called twice an output.
 
@@ -66,7 +69,7 @@ def fit_table(
     fits = []
     for output in outputs:
         y = table[output]
-        regressor = RegionRegressor(estimator, edges=by_index) if edges else estimator
+        regressor = RegionRegressor(estimator, edges=by_index or None, max_regions=max_regions)
         progress(f"{output}: hold out")
         error = clone(regressor).fit(X[~held], y[~held]).predict(X[held]) - y[held]
         spread = float(np.var(y[held]))
