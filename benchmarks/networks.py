@@ -7,13 +7,14 @@ a folder, last column the target; `--quick` takes fewer rows. One thread through
 import argparse
 import ctypes
 import importlib
+import resource
 import subprocess
 import sys
 import tempfile
 import warnings
 from pathlib import Path
 from shutil import which
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 from scipy.stats import rankdata
@@ -162,7 +163,7 @@ def scoring(n_row, n=60, sample=12):
     print(f"  numpy lstsq, {sample} candidates one by one: {1 / one:.1f}/s, ratio {count / (end - start) * one:.0f}")
 
 
-def fitting():
+def fitting(quick):
     X, y = make_friedman1(1000, 10, noise=1.0, random_state=0)
     learners = {
         "cubic ridge": cubic_ridge(),
@@ -171,6 +172,21 @@ def fitting():
     }
     calls = {name: (lambda model=model: model.fit(X, y)) for name, model in learners.items()}
     show("fitting friedman1, 1000 rows, 10 inputs", in_turn(calls, 3), "ms", 1e3)
+    if quick:
+        return
+    rng = np.random.default_rng(0)
+    X = rng.uniform(size=(1_000_000, 10))
+    y = 10 * np.sin(np.pi * X[:, 0] * X[:, 1]) + 20 * (X[:, 2] - 0.5) ** 2 + 10 * X[:, 3] + 5 * X[:, 4]
+    y += rng.normal(size=len(y))
+    print("\nfitting friedman1, 1e6 rows, 10 inputs")
+    for refined in (False, True):
+        start, busy = perf_counter(), process_time()
+        model = AbductiveRegressor(refine=refined).fit(X, y)
+        elapsed, busy = perf_counter() - start, process_time() - busy
+        print(f"  refine={refined!s:5s} {elapsed:8.1f} s, {busy:6.1f} s of processor time,", end=" ")
+        print(f"{model.network_.n_coefficients} coefficients, mean squared error {model.fse_:.4f}")
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    print(f"  largest memory of this process so far, all benchmarks and the rows included: {peak:.2f} GiB")
 
 
 def c_rows(model, folder):
@@ -226,7 +242,7 @@ def main():
         warnings.simplefilter("ignore")  # what others say about convergence and conditioning
         accuracy(all_sets(300 if options.quick else 1000, options.data))
         scoring(10_000 if options.quick else 100_000)
-        fitting()
+        fitting(options.quick)
         evaluation()
 
 

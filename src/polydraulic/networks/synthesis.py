@@ -246,12 +246,14 @@ def _survivors(
     """Fit the best candidates on the rows, rank them again, and keep those that differ from each other."""
     weight = rows.scaling.weight
     tried = _promising(drawn, m, scored, cost, max(_REFIT, 3 * settings.n_survivors))
+    widest = max((len(triangle.square) for _, _, triangle in tried), default=0)
     sample: np.ndarray | None = None  # the first block shows well enough whether two outputs differ
     for x, y, w in rows:
         values = _values(variables, x)
         sample = values if sample is None else sample
+        columns = np.empty((widest, len(y)))  # filled again for every candidate
         for kind, inputs, triangle in tried:
-            matrix = np.empty((len(y), len(triangle.square)), order="F")
+            matrix = columns[: len(triangle.square)].T
             design(kind, values[inputs].T, out=matrix[:, :-1])
             matrix[:, -1] = y
             grow(triangle, matrix, w)

@@ -1,14 +1,14 @@
 """Least squares of a candidate node from a triangular factor, block by block and without keeping rows.
 
-The moments from which a node was scored give a first factor, good to the square of the rounding that orthogonal least
-squares would have. The rows times its inverse are nearly orthogonal, so that their products lose nothing, and these
-correct it: as exact as orthogonal least squares, at the speed of matrix products.
+The moments from which a node was scored give a first factor, in which nearly dependent columns have lost digits. The rows
+times its inverse are nearly orthogonal, so that their products lose nothing, and these correct it: as exact as orthogonal
+least squares, at the speed of matrix products.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.blas import dsyrk, dtrsm
+from scipy.linalg.blas import dsyrk
 from scipy.linalg.lapack import dgelsy
 
 from polydraulic._kernel import driver
@@ -28,18 +28,18 @@ class Triangle(NamedTuple):
     """What is known of [matrix, y], the target being the last of `n_term` + 1 columns."""
 
     square: np.ndarray  # (n_term + 1,): squares of the columns
-    first: np.ndarray  # (n_term + 1, n_term + 1): the first factor
+    first: np.ndarray  # (n_term + 1, n_term + 1): the first factor transposed, each column with a pivot of one
     total: np.ndarray  # products of the rows times its inverse, upper half; in column order
 
 
 def begin(gram: np.ndarray, right: np.ndarray, target_square: float) -> Triangle:
     """First factor of a node, from its normal equations."""
     products = np.vstack([np.column_stack([gram, right]), np.append(right, target_square)])
-    square = np.diagonal(products).copy()
-    first = np.zeros(products.shape)
-    _cholesky(products, _PIVOT * square, first)
-    pivots = np.diagonal(first)
-    np.fill_diagonal(first, np.where(pivots > 0.0, pivots, np.sqrt(np.where(square > 0.0, square, 1.0))))
+    square, factor = np.diagonal(products).copy(), np.zeros(products.shape)
+    _cholesky(products, _PIVOT * square, factor)
+    pivots = np.diagonal(factor)
+    first = np.ascontiguousarray(factor.T / np.where(pivots > 0.0, pivots, 1.0))
+    np.fill_diagonal(first, 1.0)
     return Triangle(square, first, np.zeros(products.shape, order="F"))
 
 
@@ -56,8 +56,10 @@ def grow(triangle: Triangle, rows: np.ndarray, weight: np.ndarray | None) -> Non
     """
     if weight is not None:
         rows *= np.sqrt(weight)[:, None]
-    orthogonal = dtrsm(1.0, triangle.first, rows, side=1, overwrite_b=True)
-    dsyrk(1.0, orthogonal, 1.0, triangle.total, trans=1, overwrite_c=True)
+    columns = rows.T
+    for k in range(1, len(columns)):
+        columns[k] -= triangle.first[k, :k] @ columns[:k]
+    dsyrk(1.0, rows, 1.0, triangle.total, trans=1, overwrite_c=True)
 
 
 def factor_of(triangle: Triangle) -> np.ndarray:
@@ -67,11 +69,12 @@ def factor_of(triangle: Triangle) -> np.ndarray:
     -------
     (n_term + 1, n_term + 1) array
     """
-    smallest = _RCOND**2 * triangle.square / np.diagonal(triangle.first) ** 2
+    smallest = _RCOND**2 * triangle.square
     smallest[-1] = 0.0
     correction = np.zeros(triangle.total.shape)
     _cholesky(triangle.total, smallest, correction)
-    return correction @ triangle.first
+    found: np.ndarray = correction @ triangle.first.T
+    return found
 
 
 def solve(factor: np.ndarray, terms: np.ndarray) -> Fit:
