@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: report test test-all bench lint clean
+.PHONY: report test test-all bench bench-peers lint clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
@@ -20,6 +20,10 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/networks.py --quick
 
+# The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.
+bench-peers: .venv/ready .venv-peers/ready
+	$(BIN)/python benchmarks/networks.py --peers $(if $(DATA),--data $(DATA))
+
 lint: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -32,5 +36,10 @@ lint: .venv/ready
 	$(BIN)/pip install --quiet --editable ".[all]"
 	touch $@
 
+.venv-peers/ready: benchmarks/peers/requirements.txt
+	$(PYTHON) -m venv .venv-peers
+	.venv-peers/bin/pip install --quiet --requirement $<
+	touch $@
+
 clean:
-	rm -rf .venv report
+	rm -rf .venv .venv-peers report

@@ -1,9 +1,8 @@
-"""Accuracy of abductive networks next to other learners, by cross-validation."""
+"""Accuracy of abductive networks next to other learners, by cross-validation: Markdown tables."""
 
-import importlib
-import subprocess
 import sys
-from time import perf_counter
+from time import process_time
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import rankdata
@@ -18,6 +17,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
 from polydraulic.networks import AbductiveRegressor
+from separate import fit_separately, separate_learners
 
 OURS = "AbductiveRegressor"
 BLOW_UP = -1.0  # R2 on a fold below which a model is useless
@@ -39,70 +39,129 @@ LEARNERS = {
     "MLP 64x64": perceptron,
     "HistGradientBoosting": lambda: HistGradientBoostingRegressor(random_state=0),
 }
-FORMULA = {OURS, "cubic ridge", "linear"}
-OPTIONAL = {"gmdh Mia": "gmdh.Mia()", "gmdh Ria": "gmdh.Ria()", "MARS": "pyearth.Earth(max_degree=3)"}
+NO_FORMULA = {"MLP 64x64", "HistGradientBoosting"}
 
 
-def with_optional(learners):
-    """Add what is installed and survives a small fit in a process of its own: some crash with this NumPy."""
-    learners = dict(learners)
-    for name, call in OPTIONAL.items():
-        module = call.partition(".")[0]
-        trial = f"import {module}, numpy; X = numpy.random.rand(99, 3); {call}.fit(X, X[:, 0] * X[:, 1])"
-        try:
-            subprocess.run([sys.executable, "-c", trial], check=True, capture_output=True, timeout=60)
-        except subprocess.SubprocessError:
-            print(f"{name} is left out: {module} is not installed or does not run here")
-            continue
-        place = {module: importlib.import_module(module)}
-        learners[name] = lambda call=call, place=place: eval(call, place)
-        FORMULA.add(name)
-    return learners
+class Outcome(NamedTuple):
+    """R2 of each fold (minus infinity without a prediction), mean CPU seconds of a fit (NaN then), and what went wrong."""
+
+    scores: np.ndarray
+    seconds: float
+    failure: str = ""
 
 
-def cross_validated(make, X, y, folds=5):
-    """R2 of each fold and the mean seconds of a fit."""
-    scores, seconds = [], []
-    for train, test in KFold(folds, shuffle=True, random_state=0).split(X):
+def folds_of(data, count=5):
+    """(X_train, y_train, X_test, y_test) of each fold; training rows in random order, as some learners test on the last."""
+    rng = np.random.default_rng(0)
+    for train, test in KFold(count, shuffle=data.shuffle, random_state=0 if data.shuffle else None).split(data.X):
+        train = rng.permutation(train)
+        yield data.X[train], data.y[train], data.X[test], data.y[test]
+
+
+def fit_here(make, folds):
+    """Predictions and CPU seconds of each fold."""
+    found = []
+    for X_train, y_train, X_test in folds:
         model = make()
-        start = perf_counter()
-        model.fit(X[train], y[train])
-        seconds.append(perf_counter() - start)
-        found = np.nan_to_num(np.ravel(model.predict(X[test])), posinf=1e150, neginf=-1e150)
-        scores.append(r2_score(y[test], found))
-    return scores, float(np.mean(seconds))
+        start = process_time()
+        model.fit(X_train, y_train)
+        seconds = process_time() - start
+        found.append((np.ravel(model.predict(X_test)), seconds))
+    return found
 
 
-def accuracy(sets):
-    """R2 and fit time of every learner on every set."""
-    learners = with_optional(LEARNERS)
-    for make in learners.values():  # compiling and importing are not fitting
-        make().fit(*make_friedman1(100, 5, random_state=0))
-    means, slower, blow_ups = [], [], []
-    for set_name, (X, y) in sets.items():
-        print(f"\n{set_name}: {len(X)} rows, {X.shape[1]} inputs{'':16s} mean R2   worst fold   fit time ratio")
-        found = {name: cross_validated(make, X, y) for name, make in learners.items()}
-        for name, (scores, seconds) in found.items():
-            bad = min(scores) < BLOW_UP
-            blow_ups += [f"{name} on {set_name}: {min(scores):.3g}"] if bad else []
-            ratio = seconds / found[OURS][1]
-            print(
-                f"  {name:38s} {np.mean(scores):10.4f} {min(scores):12.4f} {ratio:12.3f}{'   BLOW-UP' if bad else ''}"
-            )
-        means.append([np.mean(scores) for scores, _ in found.values()])
-        slower.append([seconds / found[OURS][1] for _, seconds in found.values()])
-    summary(list(learners), np.array(means), np.exp(np.mean(np.log(slower), axis=0)), blow_ups)
+def outcome(name, folds):
+    asked = [fold[:3] for fold in folds]
+    found = fit_here(LEARNERS[name], asked) if name in LEARNERS else fit_separately(name, asked)
+    if isinstance(found, str):
+        return Outcome(np.full(len(folds), -np.inf), np.nan, found)
+    scores = [
+        r2_score(fold[3], np.nan_to_num(predicted, nan=1e150, posinf=1e150, neginf=-1e150))
+        for fold, (predicted, _) in zip(folds, found, strict=True)
+    ]
+    return Outcome(np.array(scores), float(np.mean([seconds for _, seconds in found])))
 
 
-def summary(names, means, slower, blow_ups):
-    """Mean ranks over all sets, 1 the best."""
-    formula = [name in FORMULA for name in names]
+def accuracy(sets, peers):
+    """Cross-validate every learner on every set and print tables."""
+    names = list(LEARNERS) + (separate_learners() if peers else [])
+    for make in LEARNERS.values():  # compiling and importing are not fitting
+        for n_input in (5, 32):
+            make().fit(*make_friedman1(100, n_input, random_state=0))
+    found = {}
+    for set_name, data in sets.items():
+        folds = list(folds_of(data))
+        found[set_name] = {}
+        for name in names:
+            found[set_name][name] = result = outcome(name, folds)
+            line = f"{np.mean(result.scores):12.4f} {min(result.scores):12.4f} {result.seconds:9.4f} s {result.failure}"
+            print(f"{set_name:20s} {name:22s} {line}", file=sys.stderr, flush=True)
+    shuffled = {key: value for key, value in found.items() if sets[key].shuffle}
+    in_order = {key: value for key, value in found.items() if not sets[key].shuffle}
+    summary("All sets", names, found)
+    summary("Folds at random", names, shuffled)
+    summary("Folds that ask for extrapolation", names, in_order)
+    every_set(names, found, sets)
+    blow_ups(found)
+
+
+def table(title, header, rows):
+    print(f"\n### {title}\n\n| {' | '.join(header)} |\n|{'---|' * len(header)}")
+    for row in rows:
+        print(f"| {' | '.join(row)} |")
+
+
+def summary(title, names, found):
+    """Mean ranks of the mean R2, 1 the best; fit time as the geometric mean of ratios to ours."""
+    means = np.array([[np.mean(result.scores) for result in row.values()] for row in found.values()])
+    ratios = np.array([[result.seconds / row[OURS].seconds for result in row.values()] for row in found.values()])
+    formula = np.array([name not in NO_FORMULA for name in names])
     overall = rankdata(-means, axis=1).mean(axis=0)
     among = np.full(len(names), np.nan)
     among[formula] = rankdata(-means[:, formula], axis=1).mean(axis=0)
-    print(
-        f"\nall {len(means)} sets                     mean rank   among formulas   median R2   fit time ratio (geometric mean)"
-    )
-    for row in zip(names, overall, among, np.median(means, axis=0), slower, strict=True):
-        print("  {:28s} {:10.2f} {:14.2f} {:13.4f} {:12.3f}".format(*row))
-    print("blow-ups, a fold with R2 below -1:", "; ".join(blow_ups) or "none")
+    rows = []
+    for j in np.argsort(overall, kind="stable"):
+        results = [row[names[j]] for row in found.values()]
+        worst = min(result.scores.min() for result in results)
+        bad = sum(int(np.sum(result.scores < BLOW_UP)) for result in results if not result.failure)
+        failed = sum(bool(result.failure) for result in results)
+        rows.append(
+            [
+                names[j],
+                f"{overall[j]:.2f}",
+                f"{among[j]:.2f}" if formula[j] else "-",
+                number(np.median(means[:, j])),
+                number(worst),
+                f"{bad}" + (f", and {failed} sets without a result" if failed else ""),
+                f"{np.exp(np.nanmean(np.log(ratios[:, j]))):.3g}",
+            ]
+        )
+    header = ["learner", "mean rank", "among formulas", "median R2", "worst fold", "blow-ups", "fit time, ratio"]
+    table(f"{title} ({len(found)})", header, rows)
+
+
+def every_set(names, found, sets):
+    """Mean R2 of five folds, the best in bold."""
+    rows = []
+    for set_name, row in found.items():
+        means = [np.mean(result.scores) for result in row.values()]
+        cells = [
+            result.failure.partition(":")[0] or number(mean) for result, mean in zip(row.values(), means, strict=True)
+        ]
+        cells[int(np.argmax(means))] = f"**{cells[int(np.argmax(means))]}**"
+        rows.append([set_name, "{} x {}".format(*sets[set_name].X.shape), *cells])
+    table("Mean R2 of every set", ["set", "rows x inputs", *names], rows)
+
+
+def blow_ups(found):
+    """Every fold below the limit, and every set that a learner did not finish."""
+    print("\n### Blow-ups: set, learner, R2 of the folds below -1\n")
+    for set_name, row in found.items():
+        for name, result in row.items():
+            bad = [f"fold {k} {number(score)}" for k, score in enumerate(result.scores) if score < BLOW_UP]
+            if bad:
+                print(f"- {set_name}, {name}: {result.failure or ', '.join(bad)}")
+
+
+def number(r2):
+    return f"{r2:.3f}" if r2 > -10.0 else f"{r2:.1e}"

@@ -1,7 +1,8 @@
 """Accuracy and speed of abductive networks next to other learners, in one run, as ratios.
 
-``python benchmarks/networks.py [--data FOLDER] [--quick]``: it prints and asserts nothing. `--data` adds every CSV file of
-a folder, last column the target; `--quick` takes fewer rows. One thread throughout.
+``python benchmarks/networks.py [--peers] [--data FOLDER] [--quick]``: it prints and asserts nothing. `--peers` adds GMDH, MARS
+and symbolic regression from an environment of their own (`make bench-peers`), `--data` every CSV file of a folder, last column
+the target; `--quick` takes fewer rows. One thread throughout.
 """
 
 import argparse
@@ -139,11 +140,12 @@ def evaluation(n_row=100_000):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", help="folder of CSV files; the last column is the target")
+    parser.add_argument("--peers", action="store_true", help="also the learners of .venv-peers")
     parser.add_argument("--quick", action="store_true", help="fewer rows")
     options = parser.parse_args()
     with warnings.catch_warnings(), threadpool_limits(1):
         warnings.simplefilter("ignore")  # what others say about convergence and conditioning
-        accuracy(all_sets(300 if options.quick else 1000, options.data))
+        accuracy(all_sets(300 if options.quick else 1000, options.data), options.peers)
         scoring(10_000 if options.quick else 100_000)
         fitting(options.quick)
         evaluation()
