@@ -7,11 +7,11 @@ the target; `--quick` takes fewer rows. One thread throughout.
 
 import argparse
 import ctypes
+import re
 import resource
 import subprocess
 import tempfile
 import warnings
-from pathlib import Path
 from shutil import which
 from time import perf_counter, process_time
 
@@ -23,7 +23,7 @@ from accuracy import OURS, accuracy, cubic_ridge
 from data_sets import all_sets
 from polydraulic.export import c_name, export_c
 from polydraulic.export.formula import to_python
-from polydraulic.networks import AbductiveRegressor, Variable
+from polydraulic.networks import AbductiveRegressor, PerceptronRegressor, Variable
 from polydraulic.networks.compiled import compiled
 from polydraulic.networks.moments import moments
 from polydraulic.networks.nodes import DOUBLE, TRIPLE, design
@@ -93,40 +93,59 @@ def fitting(quick):
     print(f"  largest memory of this process so far, all benchmarks and the rows included: {peak:.2f} GiB")
 
 
-def c_rows(model, folder):
-    """The exported C function in a loop written in C, or None without gcc."""
+STRICT = "-ffp-contract=off -fno-semantic-interposition -shared -fPIC".split()
+SIMD = "-O3 -march=native -fno-trapping-math -fno-tree-pre".split()
+
+
+def c_rows(model, folder, flags):
+    """The exported C function in a loop over rows, written in C; or None without gcc.
+
+    With the flags of SIMD gcc makes vector instructions of it, once each input is an argument and a column of its own.
+    """
     if which("gcc") is None:
         print("\nC is left out: there is no gcc")
         return None
-    name, library = c_name(model.output.name), Path(folder) / "rows.so"
-    source = Path(folder) / "rows.c"
-    sources = [str(path) for path in export_c([model], folder) if path.suffix == ".c"]
-    source.write_text(
-        f'#include "{name}.h"\n'
-        f"void rows(const double *x, long n, double *y)\n"
-        f"{{ for (long i = 0; i < n; i++) y[i] = {name}(x + i * {len(model.inputs)}); }}\n"
+    name, n = c_name(model.output.name), len(model.inputs)
+    source = next(path for path in export_c([model], folder) if path.suffix == ".c")
+    text = source.read_text().replace(f'#include "{name}.h"', "")
+    names = [f"x{i}" for i in range(n)]
+    text = re.sub(r"const double x\[\d+\]", ", ".join(f"const double {x}" for x in names), text)
+    text = re.sub(r"\bx\[(\d+)\]", r"x\1", text).replace("(x)", f"({', '.join(names)})")
+    values = ", ".join(f"x[i + {i} * n]" for i in range(n))
+    text += (
+        "__attribute__((flatten)) void rows(const double *restrict x, long n, double *restrict y)\n"
+        f"{{ for (long i = 0; i < n; i++) y[i] = {name}({values}); }}\n"
     )
-    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", *sources, str(source), "-o", str(library)], check=True)
+    source.write_text(text)
+    library = source.with_suffix(f".{flags[0][1:]}.so")
+    subprocess.run(["gcc", *flags, *STRICT, str(source), "-o", str(library), "-lm"], check=True)
     pointer = ctypes.POINTER(ctypes.c_double)
     function = ctypes.CDLL(str(library)).rows
     function.argtypes = [pointer, ctypes.c_long, pointer]
-    return lambda X, y: function(X.ctypes.data_as(pointer), len(X), y.ctypes.data_as(pointer))
+    return lambda columns, y: function(columns.ctypes.data_as(pointer), len(y), y.ctypes.data_as(pointer))
 
 
-def evaluation(n_row=100_000):
+def evaluation(n_row=20_000):
     X, y = make_friedman1(1000, 5, random_state=0)
-    learner = AbductiveRegressor().fit(X, y)
-    model = learner.to_model(output=Variable("network"))
+    models = {
+        "network": AbductiveRegressor().fit(X, y).to_model(output=Variable("network")),
+        "perceptron": PerceptronRegressor(n_starts=1).fit(X, y).to_model(output=Variable("perceptron")),
+    }
     rows = np.random.default_rng(0).uniform(size=(n_row, 5))
-    out, one = np.empty(n_row), rows[:1].copy()
+    columns = np.ascontiguousarray(rows.T)
+    for model in models.values():
+        out = np.empty(n_row)
+        calls = {"Model.predict": lambda model=model: model.predict(rows)}
+        with tempfile.TemporaryDirectory() as folder:
+            for flags in (SIMD, ["-O2"]):
+                in_c = c_rows(model, folder, flags)
+                if in_c is not None:
+                    calls[f"C, gcc {' '.join(flags[:2])}"] = lambda in_c=in_c, out=out: in_c(columns, out)
+            title = f"{model.output}: {len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients"
+            show(f"{title}, {n_row} rows: each", in_turn(calls, 21), "ns", 1e9 / n_row)
+    model, learner, one = models["network"], AbductiveRegressor().fit(X, y), rows[:1].copy()
     place = {}
     exec(to_python(model, "formula"), place)
-    calls = {"Model.predict": lambda: model.predict(rows)}
-    with tempfile.TemporaryDirectory() as folder:
-        in_c = c_rows(model, folder)
-        calls |= {"C, gcc -O2": lambda: in_c(rows, out)} if in_c else {}
-        title = f"a network of {len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients"
-        show(f"{title}, {n_row} rows: each", in_turn(calls), "ns", 1e9 / n_row)
     function, values, single = compiled(model), one[0].tolist(), one[0]
     repeated = {
         "Model.predict": lambda: [model.predict(one) for _ in range(200)],

@@ -6,6 +6,7 @@ nothing of how it was fitted.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -59,10 +60,16 @@ class Model:
         X = np.ascontiguousarray(X, dtype=np.float64)
         if X.ndim != 2 or X.shape[1] != len(self.inputs):
             raise InputError(f"X has shape {X.shape}; it must be (n_row, {len(self.inputs)})")
-        if not np.all(np.isfinite(X)):
+        with np.errstate(over="ignore", invalid="ignore"):
+            suspicious = not np.isfinite(X.sum())  # quick; it may overflow, too
+        if suspicious and not np.all(np.isfinite(X)):
             row, column = np.argwhere(~np.isfinite(X))[0]
             raise InputError(f"{self.inputs[column].name} = {X[row, column]} in row {row}: must be finite")
-        return evaluate_rows(pack(list(self.networks)), self.partition, X)
+        return evaluate_rows(self._table, self.partition, X)
+
+    @cached_property
+    def _table(self) -> NetworkTable:
+        return pack(list(self.networks))
 
     def inside(self, X: np.ndarray) -> np.ndarray:
         """Whether each row lies in the domain of the network that answers for it; (n_row,) array of bool."""

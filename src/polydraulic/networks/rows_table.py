@@ -16,23 +16,23 @@ LANES = 64
 
 def evaluate_rows(table: NetworkTable, partition: Partition, X: np.ndarray) -> np.ndarray:
     """Outputs for rows `X` (n_row, n_input) of the model whose networks are the table's; shape (n_row,)."""
-    count = len(networks_of(partition))
+    count, y = len(networks_of(partition)), np.empty(len(X))
+    work = np.zeros((work_size(table), LANES))
     if count == 1:
-        order, first = np.arange(len(X)), np.array([0, len(X)])
-    else:
-        network = region_of(partition, X)
-        order = np.argsort(network.astype(np.min_scalar_type(count)), kind="stable")
-        first = np.concatenate([[0], np.cumsum(np.bincount(network, minlength=count))])
-    y = np.empty(len(X))
-    _evaluate_sorted(table, order, first, X, np.zeros((work_size(table), LANES)), y)
+        _evaluate_sorted(table, np.array([0, len(X)]), X, work, y)
+        return y
+    network = region_of(partition, X)
+    order = np.argsort(network.astype(np.min_scalar_type(count)), kind="stable")
+    first = np.concatenate([[0], np.cumsum(np.bincount(network, minlength=count))])
+    in_order = np.empty(len(X))
+    _evaluate_sorted(table, first, X[order], work, in_order)
+    y[order] = in_order
     return y
 
 
 @driver
-def _evaluate_sorted(
-    table: NetworkTable, order: np.ndarray, first: np.ndarray, X: np.ndarray, work: np.ndarray, y: np.ndarray
-) -> None:
-    """Rows order[first[k]:first[k + 1]] through network k."""
+def _evaluate_sorted(table: NetworkTable, first: np.ndarray, X: np.ndarray, work: np.ndarray, y: np.ndarray) -> None:
+    """Rows first[k] to first[k + 1] through network k."""
     n_input = table.x_mean.shape[1]
     for k in range(first.shape[0] - 1):
         for start in range(first[k], first[k + 1], LANES):
@@ -41,7 +41,7 @@ def _evaluate_sorted(
                 low, high = table.x_low[k, i], table.x_high[k, i]
                 mean, gain = table.x_mean[k, i], table.x_gain[k, i]
                 for lane in range(n):
-                    work[i, lane] = X[order[start + lane], i]
+                    work[i, lane] = X[start + lane, i]
                 for lane in range(LANES):
                     work[i, lane] = (min(max(work[i, lane], low), high) - mean) * gain
             last = n_input
@@ -53,7 +53,7 @@ def _evaluate_sorted(
             constant = table.first[k] == table.first[k + 1]
             for lane in range(n):
                 value = 0.0 if constant else work[last, lane]
-                y[order[start + lane]] = min(max(mean + scale * value, low), high)
+                y[start + lane] = min(max(mean + scale * value, low), high)
 
 
 @kernel
