@@ -1,11 +1,22 @@
 import copy
 import json
+from importlib.resources import files
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 from polydraulic.errors import InputError
-from polydraulic.networks import AbductiveRegressor, RegionRegressor, Variable, dump_models, load_models, parse_models
+from polydraulic.flow.polynomial import shipped_models
+from polydraulic.networks import (
+    AbductiveRegressor,
+    PerceptronRegressor,
+    RegionRegressor,
+    Variable,
+    dump_models,
+    load_models,
+    parse_models,
+)
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 Y = np.abs(X[:, 0]) * X[:, 1]
@@ -22,6 +33,17 @@ def test_reading_gives_what_was_written(tmp_path):
     path.write_text(dump_models([MODEL, MODEL]))
     assert load_models(path) == [MODEL, MODEL]
     assert np.array_equal(load_models(path)[0].predict(X), MODEL.predict(X))
+
+
+def test_files_follow_the_published_schema():
+    schema = json.loads((files("polydraulic.networks") / "model.schema.json").read_text(encoding="utf-8"))
+    Draft202012Validator.check_schema(schema)
+    validator = Draft202012Validator(schema)
+    perceptron = PerceptronRegressor(hidden_units=2, max_iter=2, n_starts=1).fit(X, Y).to_model()
+    assert not list(validator.iter_errors(json.loads(dump_models([MODEL, perceptron]))))
+    assert not list(validator.iter_errors(json.loads(dump_models(shipped_models()))))
+    assert list(validator.iter_errors(json.loads(change((*N, "nodes", 0, "kind"), "quadruple"))))
+    assert list(validator.iter_errors(json.loads(change((*M, "partition"), "left"))))
 
 
 def change(where, value):

@@ -1,8 +1,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from polydraulic.networks import AbductiveRegressor, Variable
-from polydraulic.networks.plot import draw_history, draw_network
+from polydraulic.networks import AbductiveRegressor, RegionRegressor, Variable
+from polydraulic.networks.plot import draw_history, draw_network, draw_regions
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 
@@ -22,3 +22,13 @@ def test_the_history_shows_every_layer():
     axis = Figure().subplots()
     draw_history(axis, model.history_, "m")
     assert [len(line.get_xdata()) for line in axis.lines[:3]] == [len(model.history_) - 1] * 3
+
+
+def test_borders_of_regions_are_drawn_inside_the_domain():
+    model = RegionRegressor(AbductiveRegressor(max_layers=1), edges={0: [0.0], 1: [-0.5, 0.5]}).fit(X, X[:, 0])
+    axis = Figure().subplots()
+    draw_regions(axis, model.to_model([Variable("p", "Pa"), Variable("q")]))
+    assert len(axis.lines) == 6
+    assert axis.get_xlim() == (X[:, 0].min(), X[:, 0].max())
+    assert {float(v) for line in axis.lines for v in line.get_ydata()} == {X[:, 1].min(), -0.5, 0.5, X[:, 1].max()}
+    assert axis.get_xlabel() == "p [Pa]"

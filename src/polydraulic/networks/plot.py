@@ -1,9 +1,11 @@
-"""Networks drawn: normalizers, nodes by layer, unitizer; and the history of the predicted squared error."""
+"""Networks drawn: normalizers, nodes by layer, unitizer; the history of the predicted squared error; borders of regions."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from polydraulic.networks.model import Variable
+import numpy as np
+
+from polydraulic.networks.model import Model, Variable
 from polydraulic.networks.nodes import KIND_NAMES, terms
 from polydraulic.networks.synthesis import Step
 from polydraulic.networks.table import Network, Node
@@ -78,3 +80,16 @@ def draw_history(axis: "Axes", history: Sequence[Step], unit: str) -> None:
     axis.set_ylabel(f"squared error [({unit})²]")
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")
+
+
+def draw_regions(axis: "Axes", model: Model, x: int = 0, y: int = 1) -> None:
+    """Draw the borders of a model's regions over two of its inputs, within its domain."""
+    low, high = model.domain().T
+    for box in model.region_boxes():
+        (left, right), (bottom, top) = (np.clip(box[i], low[i], high[i]) for i in (x, y))
+        corners = [left, right, right, left, left], [bottom, bottom, top, top, bottom]
+        axis.plot(*corners, color="k", linewidth=0.6)
+    axis.set_xlim(low[x], high[x])
+    axis.set_ylim(low[y], high[y])
+    axis.set_xlabel(str(model.inputs[x]))
+    axis.set_ylabel(str(model.inputs[y]))
