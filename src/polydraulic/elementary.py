@@ -1,4 +1,4 @@
-"""Elementary functions for kernels: sine and cosine, exponential, hyperbolic tangent.
+"""Elementary functions for kernels: sine and cosine, exponential, logarithm, hyperbolic tangent.
 
 The C library's versions differ between platforms in the last bit and do not vectorise; these are plain arithmetic, so
 they give the same bits in numba, plain Python and C, one value at a time or many. The polynomials are the classic
@@ -16,6 +16,7 @@ _TWO_OVER_PI = 0.6366197723675814
 # pi/2 in three parts: products with a whole number below 2^20 are exact for the first two
 _PIO2_1, _PIO2_2, _PIO2_3 = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21
 _LOG2E = 1.4426950408889634
+_ROOT_TWO = 1.4142135623730951
 _LN2_HIGH, _LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 
 
@@ -90,6 +91,38 @@ def exp(x: float) -> float:
     )
     y = 1.0 - ((low - (r * c) / (2.0 - c)) - high)
     return y * _power_of_two(k)
+
+
+@kernel
+def log(x: float) -> float:
+    """Natural logarithm of a positive `x`, not subnormal."""
+    bits = np.float64(x).view(np.int64)
+    m = np.int64((bits & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000).view(np.float64)  # x = m 2^k, m in [1, 2)
+    above = m > _ROOT_TWO
+    m = 0.5 * m if above else m
+    k = float(((bits >> 52) & 0x7FF) - (1022 if above else 1023))
+    f = m - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    r = z * (
+        6.666666666666735130e-01
+        + z
+        * (
+            3.999999999940941908e-01
+            + z
+            * (
+                2.857142874366239149e-01
+                + z
+                * (
+                    2.222219843214978396e-01
+                    + z
+                    * (1.818357216161805012e-01 + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01))
+                )
+            )
+        )
+    )
+    half = 0.5 * f * f
+    return k * _LN2_HIGH - ((half - (s * (half + r) + k * _LN2_LOW)) - f)
 
 
 @kernel

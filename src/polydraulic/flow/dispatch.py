@@ -19,7 +19,7 @@ from polydraulic.flow.polynomial import PolynomialFlow, polynomial_flow, polynom
 from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.table import work_size
-from polydraulic.parameters import Machine
+from polydraulic.parameters import LINKS, Machine
 
 
 class FlowKind(NamedTuple):
@@ -33,6 +33,7 @@ class FlowKind(NamedTuple):
     n_memory : model -> floats that the step keeps or uses as scratch
     balances : whether pump flow = actuator + bypass + relief at every step
     gives_pump_pressure : whether the pump pressure is computed
+    links : which links it serves; the others get no flow
     """
 
     model: type
@@ -41,15 +42,16 @@ class FlowKind(NamedTuple):
     n_memory: Callable[[Any], int]
     balances: bool
     gives_pump_pressure: bool
+    links: tuple[str, ...]
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
-    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True),
-    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 1, True, True),
+    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS),
+    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
     "polynomial": FlowKind(
-        PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False
+        PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False, ("boom",)
     ),
-    "pressure": FlowKind(PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True),
+    "pressure": FlowKind(PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)),
 }
 
 FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}

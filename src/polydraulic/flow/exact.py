@@ -1,4 +1,4 @@
-"""Exact flow: the closed form of Eqs (1)-(3), clamped, without branches or iteration."""
+"""Exact flow: Eqs (1)-(3) and (8)-(13) by clamped closed forms, without branches or convergence tests."""
 
 from typing import NamedTuple
 
@@ -7,19 +7,31 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.interface import OK, Flows
-from polydraulic.machine.pump import Pump, share_surplus, single_circuit
+from polydraulic.machine.pump import NEVER, Pump, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifices, prepare_valve
 from polydraulic.parameters import Machine
 
-_NEVER = 1e12  # Pa
+
+class Valves(NamedTuple):
+    """Orifice tables of the three main valves."""
+
+    swing: ValveTables
+    boom: ValveTables
+    stick: ValveTables
 
 
 class ExactFlow(NamedTuple):
-    """Orifice tables and pump of the boom circuit."""
+    """Orifice tables, the boom's pump, and the pump of swing and stick in series."""
 
-    boom_valve: ValveTables
+    valves: Valves
     boom_pump: Pump
+    series_pump: Pump
+
+
+def prepare_valves(machine: Machine) -> Valves:
+    """Orifice tables of a machine, ready for evaluation."""
+    return Valves(*(prepare_valve(link.valve, machine.spool) for link in (machine.swing, machine.boom, machine.stick)))
 
 
 def exact_flow(machine: Machine, *, relief: bool = True) -> ExactFlow:
@@ -29,31 +41,44 @@ def exact_flow(machine: Machine, *, relief: bool = True) -> ExactFlow:
     ----------
     machine : Machine
     relief : bool
-        Without it the pump's relief valve never opens: the ideal circuit of Eqs (1)-(3), for maps.
+        Without it the pumps' relief valves never open: the ideal circuits of the equations, for maps.
+    """
+    setting = None if relief else NEVER
+    boom, series = (
+        prepare_pump(machine, flow, relief=setting) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow)
+    )
+    return ExactFlow(prepare_valves(machine), boom, series)
+
+
+def constant_boom_pump(machine: Machine) -> Pump:
+    """Return the boom's pump for a model that does not know how a torque limit lowers its flow.
 
     Raises
     ------
     InputError
-        If the machine asks for a torque-limited pump, which the boom circuit does not have yet.
+        If the machine's pumps have a torque limit.
     """
-    pump = boom_pump(machine)
-    pump = pump if relief else pump._replace(relief=_NEVER)
-    return ExactFlow(prepare_valve(machine.boom.valve, machine.spool), pump)
-
-
-def boom_pump(machine: Machine) -> Pump:
-    """Return the pump of the boom circuit."""
     if machine.pumps.torque_limit_enabled:
         raise InputError(
-            "pumps.torque_limit_enabled = true: torque-limited pumps are not modelled yet; set it to false"
+            "pumps.torque_limit_enabled = true: this flow model has no pump pressure to limit the torque by; "
+            "set it to false or use flow 'exact' or 'iterative'"
         )
-    return Pump(machine.pumps.boom_flow, machine.pumps.relief, machine.tank.return_pressure)
+    return prepare_pump(machine, machine.pumps.boom_flow)
 
 
 @kernel
 def exact_step(model: ExactFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
-    """One closed-form solve."""
-    k = orifices(spool.boom, model.boom_valve)
-    q_in = single_circuit(k.inlet, k.bypass, p_in.boom, model.boom_pump)
-    circuit = share_surplus(q_in, k.inlet, p_in.boom, k.bypass, model.boom_pump)
-    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, OK)
+    """Solve both circuits."""
+    swing = orifices(spool.swing, model.valves.swing)
+    boom = orifices(spool.boom, model.valves.boom)
+    stick = orifices(spool.stick, model.valves.stick)
+    single = single_circuit(boom, p_in.boom, model.boom_pump)
+    series = series_circuit(swing, stick, p_in.swing, p_in.stick, model.series_pump)
+    return Flows(
+        Links(series.q_first, single.q_in, series.q_second),
+        Links(swing.outlet, boom.outlet, stick.outlet),
+        single.circuit,
+        series.circuit,
+        series.p_between,
+        OK,
+    )

@@ -18,7 +18,11 @@ class Flows(NamedTuple):
     k_out : Links, m3/s/Pa^0.5
         Conductance of each outlet: Q_o = k_out sqrt(P_o - P_e). The hose stage solves the outlet implicitly.
     boom : Circuit
-        Pump, bypass and relief flow of the boom circuit.
+        Pump, bypass and relief flow of the boom's circuit.
+    series : Circuit
+        The same of the circuit of swing and stick; its bypass flow is what has passed both valves.
+    p_between : float, Pa
+        Pressure between the valves of swing and stick.
     status : int
         OK, NOT_CONVERGED or OUT_OF_DOMAIN.
     """
@@ -26,4 +30,6 @@ class Flows(NamedTuple):
     q_in: Links
     k_out: Links
     boom: Circuit
+    series: Circuit
+    p_between: float
     status: int

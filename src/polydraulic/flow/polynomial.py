@@ -13,7 +13,7 @@ import numpy as np
 
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import boom_pump
+from polydraulic.flow.exact import constant_boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
@@ -58,7 +58,7 @@ def polynomial_flow(machine: Machine, *, models: Sequence[Model] | None = None) 
     q_in, q_out = (choose_model(shipped_models() if models is None else models, *need) for need in (Q_IN, Q_OUT))
     (regions_in, regions_out), table = pack_models([q_in, q_out])
     p_in_high, root_high = (float(model.domain()[1, 1]) for model in (q_in, q_out))
-    return PolynomialFlow(table, regions_in, regions_out, p_in_high, root_high, boom_pump(machine))
+    return PolynomialFlow(table, regions_in, regions_out, p_in_high, root_high, constant_boom_pump(machine))
 
 
 def shipped_models() -> list[Model]:
@@ -108,4 +108,4 @@ def polynomial_step(
 
     inside = p_in.boom <= model.p_in_high and root <= model.root_p_out_high
     circuit = Circuit(pump.flow, pump.flow - q_in, 0.0, 0.0)
-    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k_out, 0.0), circuit, OK if inside else OUT_OF_DOMAIN)
+    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k_out, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0), 0.0, OK if inside else OUT_OF_DOMAIN)

@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import boom_pump
+from polydraulic.flow.exact import constant_boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.flow.polynomial import Q_IN, choose_model
 from polydraulic.machine.pump import Circuit, Pump
@@ -55,7 +55,7 @@ def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) ->
     model = choose_model(models, *P_PUMP)
     (regions,), table = pack_models([model])
     valve = prepare_valve(machine.boom.valve, machine.spool)
-    return PressureFlow(table, regions, float(model.domain()[1, 1]), valve, boom_pump(machine))
+    return PressureFlow(table, regions, float(model.domain()[1, 1]), valve, constant_boom_pump(machine))
 
 
 @kernel
@@ -69,4 +69,4 @@ def pressure_step(model: PressureFlow, memory: np.ndarray, spool: Links, p_in: L
     q_in = orifice_flow(k.inlet, p - p_in.boom)
     circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p)
     status = OK if p_in.boom <= model.p_in_high else OUT_OF_DOMAIN
-    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, status)
+    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0), 0.0, status)

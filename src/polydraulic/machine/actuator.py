@@ -1,19 +1,19 @@
-"""Actuators: cylinder triangle and pressure areas, joint friction, end stops."""
+"""Actuators: cylinder triangle and pressure areas, swing motor, joint friction."""
 
-from math import pi, sqrt
+from math import cos, pi, sin, sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.elementary import exp, sincos, tanh
-from polydraulic.parameters.schema import Cylinder, Friction, Stops
+from polydraulic.elementary import SinCos, exp, tanh
+from polydraulic.parameters.schema import Cylinder, Friction, SwingMotor
 
 
 class Triangle(NamedTuple):
     """Cylinders between two pins, prepared: L^2 = squares - product cos(psi), psi = offset + direction * angle."""
 
     squares: float  # r_base^2 + r_link^2
-    product: float  # 2 r_base r_link
-    offset: float
+    product_cos: float  # 2 r_base r_link cos(offset)
+    product_sin: float
     direction: float  # +1: a growing joint angle extends the cylinder (boom); -1: it retracts it (stick)
     area_a: float  # area that pushes the joint towards positive angles, all cylinders
     area_b: float
@@ -23,21 +23,28 @@ def prepare_cylinder(cylinder: Cylinder, direction: float) -> Triangle:
     """Areas and triangle; port A is the head side for the boom, the rod side for the stick."""
     head = cylinder.number * pi / 4.0 * cylinder.bore**2
     rod = cylinder.number * pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2)
+    product = 2.0 * cylinder.r_base * cylinder.r_link
     return Triangle(
         squares=cylinder.r_base**2 + cylinder.r_link**2,
-        product=2.0 * cylinder.r_base * cylinder.r_link,
-        offset=cylinder.angle_offset,
+        product_cos=product * cos(cylinder.angle_offset),
+        product_sin=product * sin(cylinder.angle_offset),
         direction=direction,
         area_a=head if direction > 0.0 else rod,
         area_b=rod if direction > 0.0 else head,
     )
 
 
+def motor_displacement(motor: SwingMotor) -> float:
+    """Volume in m3 for a radian of the upper structure."""
+    return motor.displacement * motor.gear_ratio
+
+
 @kernel
-def lever_arm(angle: float, t: Triangle) -> float:
+def lever_arm(joint: SinCos, t: Triangle) -> float:
     """Lever arm in m: cylinder speed towards positive joint motion over joint rate, r_b r_l sin(psi) / L."""
-    psi = sincos(t.offset + t.direction * angle)
-    return 0.5 * t.product * psi.sin / sqrt(t.squares - t.product * psi.cos)
+    product_sin = t.product_sin * joint.cos + t.direction * t.product_cos * joint.sin
+    product_cos = t.product_cos * joint.cos - t.direction * t.product_sin * joint.sin
+    return 0.5 * product_sin / sqrt(t.squares - product_cos)
 
 
 @kernel
@@ -46,18 +53,3 @@ def friction_torque(rate: float, f: Friction) -> float:
     w = rate / f.stribeck
     dry = f.coulomb + (f.static - f.coulomb) * exp(-(w * w))
     return dry * tanh(rate / f.smoothing) + f.viscous * rate
-
-
-class Joint(NamedTuple):
-    """Angle and rate of one joint."""
-
-    angle: float
-    rate: float
-
-
-@kernel
-def end_stop(angle: float, rate: float, stops: Stops) -> Joint:
-    """Inelastic end stops: a joint that reached one stands there until it is pulled away."""
-    low, high = angle <= stops.low, angle >= stops.high
-    rate = max(rate, 0.0) if low else (min(rate, 0.0) if high else rate)
-    return Joint(min(max(angle, stops.low), stops.high), rate)

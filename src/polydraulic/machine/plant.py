@@ -1,19 +1,30 @@
 """`prepare`: a machine and a step size -> one flat set of precomputed floats, as the kernels want it."""
 
+from collections.abc import Collection
 from math import isfinite
 from typing import NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.machine.actuator import Triangle, prepare_cylinder
+from polydraulic.machine.actuator import Triangle, motor_displacement, prepare_cylinder
 from polydraulic.machine.hose import LineStep, prepare_line
-from polydraulic.machine.linkage import Linkage, prepare_linkage
+from polydraulic.machine.linkage import Held, Linkage, prepare_linkage
 from polydraulic.machine.pilot import PilotStep, prepare_pilot
-from polydraulic.parameters import Machine
-from polydraulic.parameters.schema import Friction, Stops
+from polydraulic.parameters import LINKS, Machine
+from polydraulic.parameters.schema import Arm, Friction, Stops
 
 
-class BoomPlant(NamedTuple):
-    """The boom's parts without its valve, which belongs to the flow model."""
+class SwingPlant(NamedTuple):
+    """The swing's parts without its valve, which belongs to the flow model."""
+
+    pilot: PilotStep
+    line: LineStep
+    displacement: float  # m3/rad
+    friction: Friction
+    stops: Stops
+
+
+class ArmPlant(NamedTuple):
+    """Parts of boom or stick without the valve."""
 
     pilot: PilotStep
     line: LineStep
@@ -23,15 +34,25 @@ class BoomPlant(NamedTuple):
 
 
 class Plant(NamedTuple):
-    """Everything but pump and valves, for one step size."""
+    """Everything but pumps and valves, for one step size."""
 
     dt: float
-    boom: BoomPlant
+    swing: SwingPlant
+    boom: ArmPlant
+    stick: ArmPlant
     linkage: Linkage
+    locked: Held
 
 
-def prepare(machine: Machine, dt: float) -> Plant:
+def prepare(machine: Machine, dt: float, locked: Collection[str] = ()) -> Plant:
     """Precompute all of a `machine` that does not change during a run.
+
+    Parameters
+    ----------
+    machine : Machine
+    dt : float, s
+    locked : collection of str
+        Links whose joints are held.
 
     Raises
     ------
@@ -40,15 +61,28 @@ def prepare(machine: Machine, dt: float) -> Plant:
     """
     if not (isfinite(dt) and dt > 0.0):
         raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
-    boom = machine.boom
+
+    def arm(link: Arm, direction: float) -> ArmPlant:
+        return ArmPlant(
+            pilot=prepare_pilot(link.pilot, machine.spool, dt),
+            line=prepare_line(link.line, machine.tank, dt),
+            cylinder=prepare_cylinder(link.cylinder, direction),
+            friction=link.friction,
+            stops=link.stops,
+        )
+
+    swing = machine.swing
     return Plant(
         dt=dt,
-        boom=BoomPlant(
-            pilot=prepare_pilot(boom.pilot, machine.spool, dt),
-            line=prepare_line(boom.line, machine.tank, dt),
-            cylinder=prepare_cylinder(boom.cylinder, direction=1.0),
-            friction=boom.friction,
-            stops=boom.stops,
+        swing=SwingPlant(
+            pilot=prepare_pilot(swing.pilot, machine.spool, dt),
+            line=prepare_line(swing.line, machine.tank, dt),
+            displacement=motor_displacement(swing.motor),
+            friction=swing.friction,
+            stops=swing.stops,
         ),
+        boom=arm(machine.boom, 1.0),
+        stick=arm(machine.stick, -1.0),
         linkage=prepare_linkage(machine),
+        locked=Held(*(link in locked for link in LINKS)),
     )

@@ -1,34 +1,70 @@
 """Reference solution: the same equations in continuous time, integrated by a tight implicit SciPy solver.
 
 Judge of the loop: as dt falls the loop must approach it. The right-hand side uses the same component kernels, the
-voltage is not held over steps, and no stage lags behind another.
+voltage is not held over steps, and no stage lags behind another. The integration stops where a joint meets its end stop or
+is pulled away from it, and goes on from there (`contact`).
 """
 
 import itertools
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from polydraulic._kernel import driver
+from polydraulic._kernel import driver, kernel
 from polydraulic.errors import SimulationError
 from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
 from polydraulic.flow.dispatch import flow_step
 from polydraulic.machine import initial_state, prepare
-from polydraulic.machine.actuator import lever_arm
-from polydraulic.machine.hose import Pressures, ports
+from polydraulic.machine.hose import LineStep, ports
+from polydraulic.machine.joints import net_torque, position
+from polydraulic.machine.linkage import Held, solve_motion, times
 from polydraulic.machine.pilot import spool_target
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import Links, State
-from polydraulic.parameters import Machine, Piecewise, Scenario
-from polydraulic.simulation.loop import N_RECORD
+from polydraulic.machine.state import Links, State, from_vector, to_vector
+from polydraulic.parameters import LINKS, Machine, Piecewise, Scenario
+from polydraulic.simulation.contact import Contact, held_joints, impact, watch
+from polydraulic.simulation.loop import N_RECORD, record_flows
 from polydraulic.simulation.runs import check_links, n_steps, step_voltages, trajectory
-from polydraulic.simulation.step import boom_acceleration
+from polydraulic.simulation.step import Seen
 from polydraulic.tables import Table
 
 _MAX_EVALUATIONS = 5_000_000
-_SCALE = np.array([1e-3, 1e6, 1e6, 1.0, 1.0])  # size of spool, pressures, angle, rate: sets absolute tolerances
+_MAX_EVENTS = 1000
+# size of spools, pressures, angles, rates: sets absolute tolerances
+_SCALE = np.repeat([1e-3, 1e6, 1e6, 1.0, 1.0], 3)
+
+
+class _LineRates(NamedTuple):
+    p_a: float  # Pa/s
+    p_b: float
+    q_out: float
+
+
+@kernel
+def _held_back(p: float, rate: float, line: LineStep) -> float:
+    stopped = (p <= line.floor and rate < 0.0) or (p >= line.relief and rate > 0.0)
+    return 0.0 if stopped else rate
+
+
+@kernel
+def _bounded(p: float, line: LineStep) -> float:
+    return min(max(p, line.floor), line.relief)
+
+
+@kernel
+def _line_rates(
+    spool: float, p_a: float, p_b: float, q_in: float, k_out: float, swept_a: float, swept_b: float, line: LineStep
+) -> _LineRates:
+    """Rates of the line pressures; `line` is prepared for dt = 1 s. The arguments are those of `line_step`."""
+    bounded_a, bounded_b = _bounded(p_a, line), _bounded(p_b, line)
+    forward = spool >= 0.0
+    q_out = k_out * sqrt(max((bounded_b if forward else bounded_a) - line.p_return, 0.0))
+    leak = line.leakage * (bounded_a - bounded_b)
+    rate_a = line.gain_a * ((q_in if forward else -q_out) - swept_a - leak)
+    rate_b = line.gain_b * ((-q_out if forward else q_in) - swept_b + leak)
+    return _LineRates(_held_back(p_a, rate_a, line), _held_back(p_b, rate_b, line), q_out)
 
 
 @driver
@@ -36,46 +72,75 @@ def _rates(
     model: Any,
     memory: np.ndarray,
     plant: Plant,
-    tau: float,
-    held: np.ndarray,
-    voltage: float,
+    tau: Links,
+    held: Held,
+    voltage: np.ndarray,
     v: np.ndarray,
     rate: np.ndarray,
-    flow: np.ndarray,
+    row: np.ndarray,
+    reaction: np.ndarray,
 ) -> None:
-    """Time derivatives of (spool, p_a, p_b, angle, rate) of the boom; `plant` is prepared for dt = 1 s."""
-    boom, line = plant.boom, plant.boom.line
-    spool, angle, speed = v[0], v[3], v[4]
-    p_a = min(max(v[1], line.floor), line.relief)
-    p_b = min(max(v[2], line.floor), line.relief)
-    seen = ports(spool, p_a, p_b)
-    p_in, p_out = Links(0.0, seen.p_in, 0.0), Links(0.0, seen.p_out, 0.0)
-    flows = flow_step(model, memory, Links(0.0, spool, 0.0), p_in, p_out, plant.dt)
-    q_in = flows.q_in.boom
-    q_out = flows.k_out.boom * sqrt(max(seen.p_out - line.p_return, 0.0))
+    """Time derivatives of the state `v`; `plant` is prepared for dt = 1 s.
 
-    arm = lever_arm(angle, boom.cylinder)
-    leak = line.leakage * (p_a - p_b)
-    into_a = (q_in if spool >= 0.0 else -q_out) - boom.cylinder.area_a * arm * speed - leak
-    into_b = (-q_out if spool >= 0.0 else q_in) + boom.cylinder.area_b * arm * speed + leak
-    x = State(
-        Links(0.0, spool, 0.0),
-        Links(0.0, p_a, 0.0),
-        Links(0.0, p_b, 0.0),
-        Links(held[0], angle, held[1]),
-        Links(0.0, speed, 0.0),
+    `row` receives state and flows as the loop records them, `reaction` the torques in N m that hold the joints which are held.
+    """
+    raw = from_vector(v)
+    swing, boom, stick = plant.swing, plant.boom, plant.stick
+    p_a = Links(
+        _bounded(raw.p_a.swing, swing.line), _bounded(raw.p_a.boom, boom.line), _bounded(raw.p_a.stick, stick.line)
     )
-    rate[0] = (spool_target(voltage, boom.pilot) - spool) / tau
-    rate[1] = line.gain_a * into_a
-    rate[2] = line.gain_b * into_b
-    for i in (1, 2):
-        stopped = (v[i] <= line.floor and rate[i] < 0.0) or (v[i] >= line.relief and rate[i] > 0.0)
-        rate[i] = 0.0 if stopped else rate[i]
-    rate[3] = speed
-    rate[4] = boom_acceleration(arm, Pressures(p_a, p_b, q_out), x, boom, plant.linkage)
-    flow[0], flow[1] = q_in, q_out
-    flow[2], flow[3] = flows.boom.q_pump, flows.boom.q_bypass
-    flow[4], flow[5] = flows.boom.q_relief, flows.boom.p_pump
+    p_b = Links(
+        _bounded(raw.p_b.swing, swing.line), _bounded(raw.p_b.boom, boom.line), _bounded(raw.p_b.stick, stick.line)
+    )
+    x = State(raw.spool, p_a, p_b, raw.angle, raw.rate)
+    fed_swing = ports(x.spool.swing, p_a.swing, p_b.swing)
+    fed_boom = ports(x.spool.boom, p_a.boom, p_b.boom)
+    fed_stick = ports(x.spool.stick, p_a.stick, p_b.stick)
+    seen = Seen(
+        Links(fed_swing.p_in, fed_boom.p_in, fed_stick.p_in), Links(fed_swing.p_out, fed_boom.p_out, fed_stick.p_out)
+    )
+    flows = flow_step(model, memory, x.spool, seen.p_in, seen.p_out, plant.dt)
+    here = position(x.angle, x.rate, plant)
+    a, b, w, q, k = here.levers.a, here.levers.b, x.rate, flows.q_in, flows.k_out
+    line_swing = _line_rates(
+        x.spool.swing,
+        raw.p_a.swing,
+        raw.p_b.swing,
+        q.swing,
+        k.swing,
+        a.swing * w.swing,
+        -b.swing * w.swing,
+        swing.line,
+    )
+    line_boom = _line_rates(
+        x.spool.boom, raw.p_a.boom, raw.p_b.boom, q.boom, k.boom, a.boom * w.boom, -b.boom * w.boom, boom.line
+    )
+    line_stick = _line_rates(
+        x.spool.stick,
+        raw.p_a.stick,
+        raw.p_b.stick,
+        q.stick,
+        k.stick,
+        a.stick * w.stick,
+        -b.stick * w.stick,
+        stick.line,
+    )
+    torque = net_torque(here, p_a, p_b, x.rate, plant)
+    acceleration = solve_motion(here.motion.mass, held, torque)
+    needed = times(here.motion.mass, acceleration)
+    reaction[0], reaction[1] = needed.swing - torque.swing, needed.boom - torque.boom
+    reaction[2] = needed.stick - torque.stick
+
+    rate[0] = (spool_target(voltage[0], swing.pilot) - x.spool.swing) / tau.swing
+    rate[1] = (spool_target(voltage[1], boom.pilot) - x.spool.boom) / tau.boom
+    rate[2] = (spool_target(voltage[2], stick.pilot) - x.spool.stick) / tau.stick
+    rate[3], rate[4], rate[5] = line_swing.p_a, line_boom.p_a, line_stick.p_a
+    rate[6], rate[7], rate[8] = line_swing.p_b, line_boom.p_b, line_stick.p_b
+    rate[9], rate[10], rate[11] = x.rate.swing, x.rate.boom, x.rate.stick
+    rate[12], rate[13], rate[14] = acceleration.swing, acceleration.boom, acceleration.stick
+    for i in range(15):
+        row[i] = v[i]
+    record_flows(flows, Links(line_swing.q_out, line_boom.q_out, line_stick.q_out), row)
 
 
 def reference(
@@ -92,7 +157,7 @@ def reference(
     Parameters
     ----------
     machine, flow, scenario
-        As for `simulate`; swing and stick must be locked.
+        As for `simulate`.
     dt : float, s
         Raster of the result, not a step size.
     rtol : float
@@ -105,76 +170,83 @@ def reference(
     InputError
         As for `simulate`.
     SimulationError
-        If the solver fails, or the boom reaches an end stop, which this method does not model.
+        If the solver fails, or joints meet and leave their end stops without end.
     """
     machine = scenario.adapt(machine)
-    check_links(scenario)
     prepare(machine, dt)  # refuses a bad raster
-    time = np.arange(n_steps(scenario, dt, t_end) + 1) * dt
-    plant = prepare(machine, 1.0)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
     kind = FLOW_KINDS[flow_name(model)]
+    check_links(scenario, flow_name(model))
+    time = np.arange(n_steps(scenario, dt, t_end) + 1) * dt
+    plant = prepare(machine, 1.0, scenario.locked)
     memory = np.zeros(kind.n_memory(model))
-    x0 = initial_state(machine)
-    held = np.array([x0.angle.swing, x0.angle.stick])
-    tau = machine.boom.pilot.time_constant
-    rates, flows = np.empty(5), np.empty(6)
-
+    tau = Links(*(getattr(machine, link).pilot.time_constant for link in LINKS))
+    rates, row, reaction = np.empty(15), np.empty(N_RECORD), np.empty(3)
     evaluations = 0
 
-    def derivative(t: float, v: np.ndarray) -> np.ndarray:
+    def evaluate(t: float, v: np.ndarray, held: Held) -> None:
         nonlocal evaluations
         evaluations += 1
         if evaluations > _MAX_EVALUATIONS:
             raise SimulationError(f"reference solution of {scenario.name}: more than {_MAX_EVALUATIONS} evaluations")
-        voltage = step_voltages(machine, scenario, np.array([t]))[0, 1]
-        _rates(model, memory, plant, tau, held, voltage, v, rates, flows)
-        return rates.copy()
+        voltage = step_voltages(machine, scenario, np.array([t]))[0]
+        _rates(model, memory, plant, tau, held, voltage, v, rates, row, reaction)
 
-    stops = machine.boom.stops
+    def push(t: float, v: np.ndarray, held: Held) -> np.ndarray:
+        evaluate(t, v, held)
+        return reaction.copy()
 
-    def inside_stops(t: float, v: np.ndarray) -> float:
-        return float(min(v[3] - stops.low, stops.high - v[3]))
-
-    inside_stops.terminal = True  # type: ignore[attr-defined]
-
-    start = np.array([x0.spool.boom, x0.p_a.boom, x0.p_b.boom, x0.angle.boom, x0.rate.boom])
-    states = np.empty((len(time), 5))
-    states[0], v = start, start
+    contact = Contact(machine, plant.locked, push)
+    v = to_vector(initial_state(machine))
+    held = held_joints(contact, 0.0, v)
+    states = np.empty((len(time), 15))
+    states[0] = v
+    events = 0
     for t0, t1 in _smooth_pieces(machine, scenario, time[-1]):
-        inside = (time > t0) & (time <= t1)
-        wanted = np.union1d(time[inside], t1)
-        solution = solve_ivp(
-            derivative,
-            (t0, t1),
-            v,
-            "LSODA",
-            t_eval=wanted,
-            rtol=rtol,
-            atol=rtol * _SCALE,
-            max_step=0.02,
-            events=inside_stops,
-        )
-        if solution.status == 1:
-            raise SimulationError(
-                f"reference solution of {scenario.name}: the boom reaches an end stop at t = {solution.t_events[0][0]:g} s, "
-                "which this method does not model; shorten the run or use simulate"
+        while t0 < t1:
+            inside = (time > t0) & (time <= t1)
+            wanted = np.union1d(time[inside], t1)
+
+            def derivative(t: float, v: np.ndarray, held: Held = held) -> np.ndarray:
+                evaluate(t, v, held)
+                return rates.copy()
+
+            solution = solve_ivp(
+                derivative,
+                (t0, t1),
+                v,
+                "LSODA",
+                t_eval=wanted,
+                rtol=rtol,
+                atol=rtol * _SCALE,
+                max_step=0.02,
+                events=watch(contact, held),
             )
-        if not solution.success:
-            raise SimulationError(f"reference solution of {scenario.name}: {solution.message}")
-        states[inside], v = solution.y.T[np.isin(wanted, time[inside])], solution.y[:, -1]
-    rows = np.zeros((len(time), N_RECORD))
-    rows[:, [1, 4, 7, 10, 13]] = states
-    rows[:, 9], rows[:, 11] = held
-    rows[:, [3, 5, 6, 8]] = x0.p_a.swing, x0.p_a.stick, x0.p_b.swing, x0.p_b.stick
-    for row, t, v in zip(rows, time, states, strict=True):
-        derivative(t, v)
-        row[16], row[19], row[21:25] = flows[0], flows[1], flows[2:6]
+            if not solution.success:
+                raise SimulationError(f"reference solution of {scenario.name}: {solution.message}")
+            reached = np.isin(time, solution.t) & inside
+            states[reached] = solution.y.T[np.isin(solution.t, time[inside])]
+            if solution.status == 0:
+                v, t0 = solution.y[:, -1], t1
+                continue
+            events += 1
+            if events > _MAX_EVENTS:
+                raise SimulationError(
+                    f"reference solution of {scenario.name}: more than {_MAX_EVENTS} contacts by {t0:g} s"
+                )
+            which = next(i for i, times_ in enumerate(solution.t_events) if len(times_))
+            t0, v = float(solution.t_events[which][0]), solution.y_events[which][0].copy()
+            v, held = impact(contact, t0, v, held, which)
+    rows = np.empty((len(time), N_RECORD))
+    for place, (t, v) in enumerate(zip(time, states, strict=True)):
+        evaluate(t, v, plant.locked)
+        rows[place] = row
     info: dict[str, object] = {
         "scenario": scenario.name,
         "flow": flow_name(model),
         "method": "reference",
         "rtol": rtol,
+        "contacts": events,
     }
     return trajectory(machine, scenario, time, rows, info, pump_pressure=kind.gives_pump_pressure)
 

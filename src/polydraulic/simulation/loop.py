@@ -7,13 +7,14 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import flow_step
-from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN
+from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN, Flows
+from polydraulic.machine.hose import LineStep
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import N_STATE, Links, State, from_vector
-from polydraulic.simulation.step import Step, boom_ports, machine_step
+from polydraulic.simulation.step import Step, machine_step, seen_pressures
 
-N_RECORD = N_STATE + 10  # state, q_in and q_out of three links, four flows and pressures of the boom circuit
-_FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
+N_RECORD = N_STATE + 15  # state, q_in and q_out of three links, four values of each circuit, p_between
+FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
 
 
 @kernel
@@ -24,21 +25,36 @@ def _record(step: Step, row: np.ndarray) -> None:
     row[6], row[7], row[8] = x.p_b.swing, x.p_b.boom, x.p_b.stick
     row[9], row[10], row[11] = x.angle.swing, x.angle.boom, x.angle.stick
     row[12], row[13], row[14] = x.rate.swing, x.rate.boom, x.rate.stick
-    row[15], row[16], row[17] = step.q_in.swing, step.q_in.boom, step.q_in.stick
-    row[18], row[19], row[20] = step.q_out.swing, step.q_out.boom, step.q_out.stick
-    row[21], row[22] = step.boom.q_pump, step.boom.q_bypass
-    row[23], row[24] = step.boom.q_relief, step.boom.p_pump
+    record_flows(step.flows, step.q_out, row)
+
+
+@kernel
+def record_flows(flows: Flows, q_out: Links, row: np.ndarray) -> None:
+    """Write flows and pump pressures into the places after the state."""
+    row[15], row[16], row[17] = flows.q_in.swing, flows.q_in.boom, flows.q_in.stick
+    row[18], row[19], row[20] = q_out.swing, q_out.boom, q_out.stick
+    boom, series = flows.boom, flows.series
+    row[21], row[22], row[23], row[24] = boom.q_pump, boom.q_bypass, boom.q_relief, boom.p_pump
+    row[25], row[26], row[27], row[28] = series.q_pump, series.q_bypass, series.q_relief, series.p_pump
+    row[29] = flows.p_between
+
+
+@kernel
+def _outlet(k: float, p_out: float, line: LineStep) -> float:
+    return k * sqrt(max(p_out - line.p_return, 0.0))
 
 
 @kernel
 def at_rest(model: Any, memory: np.ndarray, plant: Plant, x: State) -> Step:
     """Flows at a state, without advancing it."""
-    p = boom_ports(x, x.spool.boom)
-    p_in = Links(x.p_a.swing, p.p_in, x.p_a.stick)
-    p_out = Links(x.p_b.swing, p.p_out, x.p_b.stick)
-    flows = flow_step(model, memory, x.spool, p_in, p_out, plant.dt)
-    q_out = flows.k_out.boom * sqrt(max(p.p_out - plant.boom.line.p_return, 0.0))
-    return Step(x, flows.q_in, Links(0.0, q_out, 0.0), flows.boom, flows.status)
+    seen = seen_pressures(x.spool, x.p_a, x.p_b)
+    flows = flow_step(model, memory, x.spool, seen.p_in, seen.p_out, plant.dt)
+    q_out = Links(
+        _outlet(flows.k_out.swing, seen.p_out.swing, plant.swing.line),
+        _outlet(flows.k_out.boom, seen.p_out.boom, plant.boom.line),
+        _outlet(flows.k_out.stick, seen.p_out.stick, plant.stick.line),
+    )
+    return Step(x, flows, q_out)
 
 
 @driver
@@ -72,15 +88,17 @@ def run(
     Returns
     -------
     int
-        Steps made; fewer than asked for if a rate became too large or not a number.
+        Steps made; fewer than asked for if a rate became too large or not a number: then the first row holds that step.
     """
     step = at_rest(model, memory, plant, from_vector(x0))
     _record(step, rows[0])
     for k in range(voltage.shape[0]):
         step = machine_step(model, memory, plant, step.state, Links(voltage[k, 0], voltage[k, 1], voltage[k, 2]))
-        counts[0] += 1 if step.status == NOT_CONVERGED else 0
-        counts[1] += 1 if step.status == OUT_OF_DOMAIN else 0
-        if not abs(step.state.rate.boom) < _FASTEST:
+        counts[0] += 1 if step.flows.status == NOT_CONVERGED else 0
+        counts[1] += 1 if step.flows.status == OUT_OF_DOMAIN else 0
+        w = step.state.rate
+        if not (abs(w.swing) < FASTEST and abs(w.boom) < FASTEST and abs(w.stick) < FASTEST):
+            _record(step, rows[0])
             return k
         if (k + 1) % every == 0:
             _record(step, rows[(k + 1) // every])

@@ -10,13 +10,13 @@ from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
 from polydraulic.machine import Plant, end_effector, initial_state, prepare
 from polydraulic.machine.state import to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import FASTEST, N_RECORD, run
 from polydraulic.tables import Table
 
 _STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 _FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
+_FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
 _CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
-MOVING = ("boom",)  # links that the loop moves so far
 
 
 def simulate(
@@ -62,7 +62,8 @@ def simulate(
     name, n_step = flow_name(arranged.model), len(arranged.voltage)
     if done < n_step:
         raise SimulationError(
-            f"{scenario.name} with flow {name!r}: the boom's rate left all reason at t = {done * dt:g} s; "
+            f"{scenario.name} with flow {name!r}: the rate of {_fastest(arranged.rows[0])} left all reason "
+            f"at t = {done * dt:g} s; "
             "try a smaller dt or check the flow model"
         )
     info: dict[str, object] = {
@@ -102,9 +103,9 @@ def arrange(
 ) -> Arranged:
     """Check the arguments of `simulate` and allocate what the compiled loop needs."""
     machine = scenario.adapt(machine)
-    check_links(scenario)
-    plant = prepare(machine, dt)
+    plant = prepare(machine, dt, scenario.locked)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    check_links(scenario, flow_name(model))
     n_step = n_steps(scenario, dt, t_end, every)
     return Arranged(
         model=model,
@@ -119,11 +120,12 @@ def arrange(
 
 
 def step_voltages(machine: Machine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
-    """Voltages at the pilots, (n_time, 3): the joystick's after each pilot's dead time; 0 V before that."""
+    """Voltages at the pilots, (n_time, 3): the joystick's after each pilot's dead time; 0 V before that and on locked links."""
     columns = []
     for place, link in enumerate(LINKS):
         delayed = t - getattr(machine, link).pilot.dead_time
-        columns.append(np.where(delayed >= 0.0, scenario.voltages(delayed)[:, place], 0.0))
+        alive = delayed >= 0.0 if link not in scenario.locked else np.zeros(len(t), dtype=bool)
+        columns.append(np.where(alive, scenario.voltages(delayed)[:, place], 0.0))
     return np.ascontiguousarray(np.column_stack(columns))
 
 
@@ -153,9 +155,14 @@ def trajectory(
         p_a, p_b = columns[f"{link}.p_a"], columns[f"{link}.p_b"]
         add(f"{link}.p_in", "Pa", np.where(forward, p_a, p_b))
         add(f"{link}.p_out", "Pa", np.where(forward, p_b, p_a))
-    for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
-        if name != "p_pump" or pump_pressure:
-            add(f"boom.{name}", unit, rows[:, 21 + number])
+    for circuit, first in (("boom", 21), ("series", 25)):
+        if set(_FED[circuit]) <= set(scenario.locked):
+            continue
+        for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
+            if name != "p_pump" or pump_pressure:
+                add(f"{circuit}.{name}", unit, rows[:, first + number])
+    if "series.p_pump" in columns:
+        add("series.p_between", "Pa", rows[:, 29])
     for place, link in enumerate(LINKS):
         if link in scenario.locked:
             add(f"{link}.angle", "rad", rows[:, 9 + place])
@@ -165,15 +172,23 @@ def trajectory(
     return Table(columns, units, info)
 
 
-def check_links(scenario: Scenario) -> None:
-    """Refuse a scenario that moves links which are not modelled yet, or none that is."""
-    free = [link for link in LINKS if link not in scenario.locked and link not in MOVING]
-    if free:
+def check_links(scenario: Scenario, name: str) -> None:
+    """Refuse a scenario that moves links which the flow model `name` does not serve, or none at all."""
+    free = [link for link in LINKS if link not in scenario.locked]
+    if not free:
+        raise InputError(f"scenario {scenario.name!r} locks {', '.join(LINKS)}; nothing is left to move")
+    missing = [link for link in free if link not in FLOW_KINDS[name].links]
+    if missing:
+        able = [other for other, kind in FLOW_KINDS.items() if set(free) <= set(kind.links)]
         raise InputError(
-            f"scenario {scenario.name!r} moves {', '.join(free)}; so far only the boom moves: lock the others in the scenario"
+            f"scenario {scenario.name!r} moves {', '.join(missing)}, which flow {name!r} does not serve; "
+            f"lock them in the scenario or use one of {able}"
         )
-    if all(link in scenario.locked for link in MOVING):
-        raise InputError(f"scenario {scenario.name!r} locks {', '.join(MOVING)}; nothing is left to move")
+
+
+def _fastest(row: np.ndarray) -> str:
+    """Name of the link whose rate in a recorded row is beyond reason."""
+    return next(link for link, rate in zip(LINKS, row[12:15], strict=True) if not abs(rate) < FASTEST)
 
 
 def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:

@@ -1,6 +1,6 @@
 """One time step of the machine, semi-implicit: each stage uses what the stages before it have just found.
 
-Pilot (exact) -> flows (one evaluation) -> line pressures (outlet implicit) -> acceleration -> rate -> angle. Explicit
+Pilots (exact) -> flows (one evaluation) -> line pressures (outlets implicit) -> accelerations -> rates -> angles. Explicit
 Euler would amplify the oil-spring modes; this order keeps them stable at 5 ms with one valve evaluation a step.
 """
 
@@ -10,12 +10,12 @@ import numpy as np
 
 from polydraulic._kernel import kernel
 from polydraulic.flow.dispatch import flow_step
-from polydraulic.machine.actuator import Joint, end_stop, friction_torque, lever_arm
-from polydraulic.machine.hose import Ports, Pressures, line_step, ports
-from polydraulic.machine.linkage import Linkage, boom_load
+from polydraulic.flow.interface import Flows
+from polydraulic.machine.hose import Pressures, line_step, ports
+from polydraulic.machine.joints import Levers, moved, net_torque, position
+from polydraulic.machine.linkage import solve_motion
 from polydraulic.machine.pilot import pilot_step
-from polydraulic.machine.plant import BoomPlant, Plant
-from polydraulic.machine.pump import Circuit
+from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
 
 
@@ -23,36 +23,81 @@ class Step(NamedTuple):
     """State after a step, and the flows during it."""
 
     state: State
-    q_in: Links
+    flows: Flows
     q_out: Links
-    boom: Circuit
-    status: int
+
+
+class Seen(NamedTuple):
+    """Pressures that the valves see."""
+
+    p_in: Links
+    p_out: Links
+
+
+class Lines(NamedTuple):
+    """Line pressures and outlet flows of the three actuators."""
+
+    p_a: Links
+    p_b: Links
+    q_out: Links
 
 
 @kernel
-def boom_ports(x: State, spool: float) -> Ports:
-    """Pressures that the boom's valve sees."""
-    return ports(spool, x.p_a.boom, x.p_b.boom)
+def spools(x: Links, voltage: Links, plant: Plant) -> Links:
+    """Spool displacements after a step."""
+    return Links(
+        pilot_step(x.swing, voltage.swing, plant.swing.pilot),
+        pilot_step(x.boom, voltage.boom, plant.boom.pilot),
+        pilot_step(x.stick, voltage.stick, plant.stick.pilot),
+    )
 
 
 @kernel
-def boom_acceleration(arm: float, p: Pressures, x: State, boom: BoomPlant, linkage: Linkage) -> float:
-    """Angular acceleration of the boom in rad/s2, swing and stick held."""
-    load = boom_load(x.angle.boom, x.angle.stick, linkage)
-    push = arm * (boom.cylinder.area_a * p.p_a - boom.cylinder.area_b * p.p_b)
-    return (push - load.gravity - friction_torque(x.rate.boom, boom.friction)) / load.inertia
+def seen_pressures(spool: Links, p_a: Links, p_b: Links) -> Seen:
+    """Pressures at the pressurised ports and at the outlets."""
+    swing = ports(spool.swing, p_a.swing, p_b.swing)
+    boom = ports(spool.boom, p_a.boom, p_b.boom)
+    stick = ports(spool.stick, p_a.stick, p_b.stick)
+    return Seen(Links(swing.p_in, boom.p_in, stick.p_in), Links(swing.p_out, boom.p_out, stick.p_out))
 
 
 @kernel
-def boom_motion(acceleration: float, x: State, boom: BoomPlant, dt: float) -> Joint:
-    """Angle and rate after a step: the new rate moves the angle."""
-    rate = x.rate.boom + dt * acceleration
-    return end_stop(x.angle.boom + dt * rate, rate, boom.stops)
+def lines(spool: Links, x: State, flows: Flows, levers: Levers, plant: Plant) -> Lines:
+    """Line pressures after a step, with the joints moving as before it."""
+    q, k, a, b, w = flows.q_in, flows.k_out, levers.a, levers.b, x.rate
+    swing: Pressures = line_step(
+        spool.swing,
+        x.p_a.swing,
+        x.p_b.swing,
+        q.swing,
+        k.swing,
+        a.swing * w.swing,
+        -b.swing * w.swing,
+        plant.swing.line,
+    )
+    boom: Pressures = line_step(
+        spool.boom, x.p_a.boom, x.p_b.boom, q.boom, k.boom, a.boom * w.boom, -b.boom * w.boom, plant.boom.line
+    )
+    stick: Pressures = line_step(
+        spool.stick,
+        x.p_a.stick,
+        x.p_b.stick,
+        q.stick,
+        k.stick,
+        a.stick * w.stick,
+        -b.stick * w.stick,
+        plant.stick.line,
+    )
+    return Lines(
+        Links(swing.p_a, boom.p_a, stick.p_a),
+        Links(swing.p_b, boom.p_b, stick.p_b),
+        Links(swing.q_out, boom.q_out, stick.q_out),
+    )
 
 
 @kernel
 def machine_step(model: Any, memory: np.ndarray, plant: Plant, x: State, voltage: Links) -> Step:
-    """Advance the machine by one step with constant voltages; swing and stick stand still.
+    """Advance the machine by one step with constant voltages.
 
     Parameters
     ----------
@@ -64,28 +109,12 @@ def machine_step(model: Any, memory: np.ndarray, plant: Plant, x: State, voltage
     x : State
     voltage : Links, V
     """
-    boom = plant.boom
-    spool = Links(x.spool.swing, pilot_step(x.spool.boom, voltage.boom, boom.pilot), x.spool.stick)
-
-    p = boom_ports(x, spool.boom)
-    p_in = Links(x.p_a.swing, p.p_in, x.p_a.stick)
-    p_out = Links(x.p_b.swing, p.p_out, x.p_b.stick)
-    flows = flow_step(model, memory, spool, p_in, p_out, plant.dt)
-
-    arm = lever_arm(x.angle.boom, boom.cylinder)
-    speed = arm * x.rate.boom
-    swept_a, swept_b = boom.cylinder.area_a * speed, -boom.cylinder.area_b * speed
-    lines = line_step(
-        spool.boom, x.p_a.boom, x.p_b.boom, flows.q_in.boom, flows.k_out.boom, swept_a, swept_b, boom.line
-    )
-
-    joint = boom_motion(boom_acceleration(arm, lines, x, boom, plant.linkage), x, boom, plant.dt)
-
-    state = State(
-        spool,
-        Links(x.p_a.swing, lines.p_a, x.p_a.stick),
-        Links(x.p_b.swing, lines.p_b, x.p_b.stick),
-        Links(x.angle.swing, joint.angle, x.angle.stick),
-        Links(x.rate.swing, joint.rate, x.rate.stick),
-    )
-    return Step(state, flows.q_in, Links(0.0, lines.q_out, 0.0), flows.boom, flows.status)
+    spool = spools(x.spool, voltage, plant)
+    seen = seen_pressures(spool, x.p_a, x.p_b)
+    flows = flow_step(model, memory, spool, seen.p_in, seen.p_out, plant.dt)
+    here = position(x.angle, x.rate, plant)
+    after = lines(spool, x, flows, here.levers, plant)
+    torque = net_torque(here, after.p_a, after.p_b, x.rate, plant)
+    acceleration = solve_motion(here.motion.mass, plant.locked, torque)
+    joints = moved(x.angle, x.rate, acceleration, here.motion.mass, plant)
+    return Step(State(spool, after.p_a, after.p_b, joints.angle, joints.rate), flows, after.q_out)
