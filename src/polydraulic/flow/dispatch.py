@@ -51,7 +51,9 @@ FLOW_KINDS: dict[str, FlowKind] = {
     "polynomial": FlowKind(
         PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False, ("boom",)
     ),
-    "pressure": FlowKind(PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)),
+    "pressure": FlowKind(
+        PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)
+    ),
 }
 
 FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}

@@ -108,4 +108,11 @@ def polynomial_step(
 
     inside = p_in.boom <= model.p_in_high and root <= model.root_p_out_high
     circuit = Circuit(pump.flow, pump.flow - q_in, 0.0, 0.0)
-    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k_out, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0), 0.0, OK if inside else OUT_OF_DOMAIN)
+    return Flows(
+        Links(0.0, q_in, 0.0),
+        Links(0.0, k_out, 0.0),
+        circuit,
+        Circuit(0.0, 0.0, 0.0, 0.0),
+        0.0,
+        OK if inside else OUT_OF_DOMAIN,
+    )

@@ -142,8 +142,7 @@ def motion(b: SinCos, s: SinCos, rate: Links, m: Linkage) -> Motion:
     slope_boom += m.stick_slender * sin_both * cos_both - m.stick_mass * r_stick * z_far
     w, p, q = rate.swing, rate.boom, rate.stick
     bias = Links(
-        2.0 * w * (slope_boom * p + slope_stick * q)
-        + m.d * (mx_boom * p * p + mx_stick * (2.0 * p + q) * q),
+        2.0 * w * (slope_boom * p + slope_stick * q) + m.d * (mx_boom * p * p + mx_stick * (2.0 * p + q) * q),
         -k * (2.0 * p + q) * q - slope_boom * w * w,
         k * p * p - slope_stick * w * w,
     )

@@ -235,7 +235,9 @@ def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_secon
     # what both bypasses take when the relief valve is open; the second inlet adds to it
     low = sqrt(b * c / (b + c + 1e-300) * (pump.relief - pump.p_return))
     bounds = _Bounds(low, low + orifice_flow(second.inlet, pump.relief - p_second))
-    x = _series_pass(min(Q, bounds.low + 0.25 * (bounds.high - bounds.low)), Q, first, second, p_first, p_second, bounds, pump)
+    x = _series_pass(
+        min(Q, bounds.low + 0.25 * (bounds.high - bounds.low)), Q, first, second, p_first, p_second, bounds, pump
+    )
     x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
     x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
     return _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
