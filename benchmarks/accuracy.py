@@ -122,7 +122,7 @@ def summary(title, names, found):
     rows = []
     for j in np.argsort(overall, kind="stable"):
         results = [row[names[j]] for row in found.values()]
-        worst = min(result.scores.min() for result in results if not result.failure)
+        worst = min((result.scores.min() for result in results if not result.failure), default=np.nan)
         bad = sum(int(np.sum(result.scores < BLOW_UP)) for result in results if not result.failure)
         failed = sum(bool(result.failure) for result in results)
         rows.append(
