@@ -132,7 +132,7 @@ def summary(title, names, found):
                 f"{among[j]:.2f}" if formula[j] else "-",
                 number(np.median(means[:, j])),
                 number(worst),
-                f"{bad}" + (f", and {failed} sets without a result" if failed else ""),
+                f"{bad}" + (f"; sets without a result: {failed}" if failed else ""),
                 f"{np.exp(np.nanmean(np.log(ratios[:, j]))):.3g}",
             ]
         )
