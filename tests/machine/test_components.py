@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
 from polydraulic.machine import end_effector, end_effector_printed, initial_state, prepare
-from polydraulic.elementary import sincos
 from polydraulic.machine.actuator import friction_torque, lever_arm, prepare_cylinder
 from polydraulic.machine.hose import line_step, prepare_line
 from polydraulic.machine.pilot import pilot_step, prepare_pilot

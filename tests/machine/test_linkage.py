@@ -23,9 +23,13 @@ def at(angle, rate, linkage):
 
 def random_states(machine, n, seed=0):
     rng = np.random.default_rng(seed)
-    low, high = ([-3.0, *(getattr(link.stops, end) for link in (machine.boom, machine.stick))] for end in ("low", "high"))
+    low, high = (
+        [-3.0, *(getattr(link.stops, end) for link in (machine.boom, machine.stick))] for end in ("low", "high")
+    )
     high[0] = 3.0
-    return zip(rng.uniform(low, high, (n, 3)), rng.uniform(-1.5, 1.5, (n, 3)), rng.uniform(-1e5, 1e5, (n, 3)), strict=True)
+    return zip(
+        rng.uniform(low, high, (n, 3)), rng.uniform(-1.5, 1.5, (n, 3)), rng.uniform(-1e5, 1e5, (n, 3)), strict=True
+    )
 
 
 def mujoco_model(machine):
@@ -163,9 +167,7 @@ def test_a_held_joint_leaves_when_it_is_pulled_away(machine):
     mass = at(angle, rest, plant.linkage).mass
     pushed = moved(angle, rest, Links(0.0, 2.0, 0.5), mass, plant)
     assert (pushed.angle.boom, pushed.rate.boom) == (machine.boom.stops.high, 0.0)
-    reduced = np.linalg.solve(
-        matrix(mass)[np.ix_([0, 2], [0, 2])], (matrix(mass) @ np.array([0.0, 2.0, 0.5]))[[0, 2]]
-    )
+    reduced = np.linalg.solve(matrix(mass)[np.ix_([0, 2], [0, 2])], (matrix(mass) @ np.array([0.0, 2.0, 0.5]))[[0, 2]])
     assert [pushed.rate.swing, pushed.rate.stick] == pytest.approx(0.005 * reduced, rel=1e-10)
     pulled = moved(angle, rest, Links(0.0, -2.0, 0.5), mass, plant)
     assert pulled.rate.boom == pytest.approx(-0.01)

@@ -164,7 +164,11 @@ def series_judge(first, second, p_first, p_second, pump):
                 low = q
             else:
                 high = q
-        q = 0.5 * (low + high) if limited(p_first + (pump.flow / (first.inlet + 1e-300)) ** 2, pump) < pump.flow else pump.flow
+        q = (
+            0.5 * (low + high)
+            if limited(p_first + (pump.flow / (first.inlet + 1e-300)) ** 2, pump) < pump.flow
+            else pump.flow
+        )
         if p_first + (q / (first.inlet + 1e-300)) ** 2 > pump.relief:
             return Bracketed(at_relief, min(at_relief, to_first), 0.0, 0.0)
         return Bracketed(q, q, 0.0, 0.0)
