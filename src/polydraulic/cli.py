@@ -74,6 +74,7 @@ def simulate(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Trajectory to write, .parquet or .csv (SI).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
+    link: Annotated[str, typer.Option(help="Link to plot: swing, boom or stick; the boom if it moves.")] = "",
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
     machine: MachineOption = "cat215b",
 ) -> None:
@@ -83,7 +84,7 @@ def simulate(
     """
     from polydraulic.flow import build_flow
     from polydraulic.networks import load_models
-    from polydraulic.parameters import load_machine, load_scenario
+    from polydraulic.parameters import LINKS, load_machine, load_scenario
     from polydraulic.simulation import compare, plot_run
     from polydraulic.simulation import simulate as run
     from polydraulic.simulation.trajectory import FIELD_UNITS
@@ -94,6 +95,9 @@ def simulate(
         raise InputError(f"--model goes with --flow polynomial or pressure, not with {flow!r}")
     plant, what = load_machine(machine), load_scenario(scenario)
     options = {"models": [found for path in model for found in load_models(path)]} if model else {}
+    free = [link for link in LINKS if link not in what.locked]
+    if link and link not in free:
+        raise InputError(f"--link {link}: scenario {what.name!r} moves {', '.join(free)}; choose one of them")
     runs = {flow: run(plant, build_flow(flow, plant, **options), what, dt=dt)}
     info = runs[flow].info
     print(f"{what.name}: {what.title}")
@@ -105,14 +109,14 @@ def simulate(
         runs["exact"] = run(plant, "exact", what, dt=dt)
         differences = compare(runs["exact"], runs[flow])
         print("differences from exact:   largest        at        rms")
-        for name in ("boom.angle", "boom.rate", "boom.q_in", "boom.p_in"):
+        for name in (f"{moving}.{quantity}" for moving in free for quantity in ("angle", "rate", "q_in", "p_in")):
             d = differences[name]
             unit = FIELD_UNITS[d.unit]
             print(f"  {name:12s} {from_si(d.largest, unit):18.4g} {d.time:7.2f} s {from_si(d.rms, unit):10.4g} {unit}")
     if out is not None:
         write_table(runs[flow], out)
     if plot is not None:
-        _save_figure(plot_run(runs), plot)
+        _save_figure(plot_run(runs, link=link or ("boom" if "boom" in free else free[0])), plot)
 
 
 @app.command()
