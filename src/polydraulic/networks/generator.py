@@ -4,7 +4,7 @@ A region draws its own points, on faces and in corners too, fits a network, and 
 around the worst points of it; if that is too large, these points join the rows and it fits again. The worst region is cut in two, until all are good enough or the budget is used.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from sklearn.utils import check_random_state
 from polydraulic.errors import InputError
 from polydraulic.networks.cuts import best_cut
 from polydraulic.networks.model import Model, Variable
+from polydraulic.networks.partition import checked_edges, grid, region_boxes
 from polydraulic.networks.regressor import AbductiveRegressor, checked_box
 from polydraulic.networks.tree import Halves, Leaf, box_halves, grow_tree
 
@@ -67,6 +68,7 @@ def learn_from(
     box: Sequence[tuple[float, float]],
     *,
     tolerance: float,
+    edges: Mapping[Any, Sequence[float]] | None = None,
     budget: int = 1_000_000,
     max_regions: int = 64,
     rows: int = 1500,
@@ -85,6 +87,8 @@ def learn_from(
     box : sequence of (low, high), one an input
     tolerance : float
         Largest error allowed, in units of the output.
+    edges : mapping from input (index, or name of a given input) to rising edges, optional
+        Borders that are known: the search starts from the cells of this grid.
     budget : int
         Points at which the function may be asked.
     max_regions : int
@@ -148,9 +152,14 @@ def learn_from(
         above[found.axis, 0] = np.nextafter(found.at, np.inf)  # the border itself belongs below
         return Halves(found.axis, found.at, leaf(below), leaf(above))
 
-    root = leaf(limits)
-    price = asked
-    partition, leaves = grow_tree(root, cut, max_regions)
+    names = [variable.name for variable in inputs] if inputs else [f"x{i}" for i in range(len(limits))]
+    known = grid(checked_edges(edges or {}, names))
+    start = []
+    for region in region_boxes(known, len(limits)).values():
+        before = asked
+        start.append(leaf(_cell(region, limits)))
+        price = max(price, asked - before)
+    partition, leaves = grow_tree(known, start, cut, max_regions)
     regions = [found.fitted for found in leaves]
     worst = max(regions, key=lambda region: region.error)
     models = [region.estimator.to_model(inputs, output) for region in regions]
@@ -159,6 +168,22 @@ def learn_from(
     networks = tuple(model.networks[0] for model in models)
     model = Model(models[0].inputs, models[0].output, networks, partition, training)
     return Learnt(model, worst.error, worst.where, worst.error <= tolerance, asked)
+
+
+def _cell(region: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """A region inside the box; the border itself belongs below.
+
+    Raises
+    ------
+    InputError
+        If an edge lies outside the box.
+    """
+    cell = np.column_stack(
+        [np.maximum(np.nextafter(region[:, 0], np.inf), limits[:, 0]), np.minimum(region[:, 1], limits[:, 1])]
+    )
+    if not np.all(cell[:, 0] < cell[:, 1]):
+        raise InputError(f"edges: the region {region.tolist()} has no part in the box {limits.tolist()}")
+    return cell
 
 
 def _asked(function: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> np.ndarray:
