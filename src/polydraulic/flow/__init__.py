@@ -1,14 +1,14 @@
 """The swappable subsystem: pump and main valves.
 
 Read `interface` (what a model gives), `dispatch` (how one is chosen), then the models: `exact`, `iterative`,
-`polynomial`, and `pressure`, the historical attempt that fails.
+`polynomial` (and neural, the same with perceptrons), and `pressure`, the historical attempt that fails.
 """
 
-from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, flow_step
+from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, flow_step, served_links
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN, Flows
 from polydraulic.flow.iterative import iterative_flow
-from polydraulic.flow.polynomial import polynomial_flow
+from polydraulic.flow.polynomial import neural_flow, polynomial_flow
 from polydraulic.flow.pressure import pressure_flow
 
 __all__ = [
@@ -22,6 +22,8 @@ __all__ = [
     "flow_name",
     "flow_step",
     "iterative_flow",
+    "neural_flow",
     "polynomial_flow",
     "pressure_flow",
+    "served_links",
 ]

@@ -15,7 +15,16 @@ from polydraulic.errors import InputError
 from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
 from polydraulic.flow.interface import Flows
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
-from polydraulic.flow.polynomial import PolynomialFlow, polynomial_flow, polynomial_step
+from polydraulic.flow.polynomial import (
+    NeuralFlow,
+    PolynomialFlow,
+    networks_serve,
+    neural_flow,
+    neural_step,
+    polynomial_flow,
+    polynomial_step,
+    scratch,
+)
 from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.table import work_size
@@ -33,7 +42,8 @@ class FlowKind(NamedTuple):
     n_memory : model -> floats that the step keeps or uses as scratch
     balances : whether pump flow = actuator + bypass + relief at every step
     gives_pump_pressure : whether the pump pressure is computed
-    links : which links it serves; the others get no flow
+    links : which links it can serve
+    served : model -> links that this model serves, where that depends on it; the others get no flow
     """
 
     model: type
@@ -43,14 +53,16 @@ class FlowKind(NamedTuple):
     balances: bool
     gives_pump_pressure: bool
     links: tuple[str, ...]
+    served: Callable[[Any], tuple[str, ...]] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
     "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS),
     "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
     "polynomial": FlowKind(
-        PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False, ("boom",)
+        PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, networks_serve
     ),
+    "neural": FlowKind(NeuralFlow, neural_step, neural_flow, scratch, True, False, LINKS, networks_serve),
     "pressure": FlowKind(
         PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)
     ),
@@ -113,3 +125,9 @@ def flow_name(model: Any) -> str:
         if type(model) is kind.model:
             return name
     raise InputError(f"{type(model).__name__} is no flow model; choose one of {sorted(FLOW_KINDS)}")
+
+
+def served_links(model: Any) -> tuple[str, ...]:
+    """Links that a flow model serves."""
+    kind = FLOW_KINDS[flow_name(model)]
+    return kind.links if kind.served is None else kind.served(model)

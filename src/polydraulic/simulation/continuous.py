@@ -176,7 +176,7 @@ def reference(
     prepare(machine, dt)  # refuses a bad raster
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
     kind = FLOW_KINDS[flow_name(model)]
-    check_links(scenario, flow_name(model))
+    check_links(scenario, model)
     time = np.arange(n_steps(scenario, dt, t_end) + 1) * dt
     plant = prepare(machine, 1.0, scenario.locked)
     memory = np.zeros(kind.n_memory(model))

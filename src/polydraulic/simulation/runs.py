@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
+from polydraulic.flow import FLOW_KINDS, build_flow, flow_name, served_links
 from polydraulic.machine import Plant, end_effector, initial_state, prepare
 from polydraulic.machine.state import to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
@@ -105,7 +105,7 @@ def arrange(
     machine = scenario.adapt(machine)
     plant = prepare(machine, dt, scenario.locked)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
-    check_links(scenario, flow_name(model))
+    check_links(scenario, model)
     n_step = n_steps(scenario, dt, t_end, every)
     return Arranged(
         model=model,
@@ -172,16 +172,16 @@ def trajectory(
     return Table(columns, units, info)
 
 
-def check_links(scenario: Scenario, name: str) -> None:
-    """Refuse a scenario that moves links which the flow model `name` does not serve, or none at all."""
+def check_links(scenario: Scenario, model: Any) -> None:
+    """Refuse a scenario that moves links which the flow model does not serve, or none at all."""
     free = [link for link in LINKS if link not in scenario.locked]
     if not free:
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(LINKS)}; nothing is left to move")
-    missing = [link for link in free if link not in FLOW_KINDS[name].links]
+    missing = [link for link in free if link not in served_links(model)]
     if missing:
         able = [other for other, kind in FLOW_KINDS.items() if set(free) <= set(kind.links)]
         raise InputError(
-            f"scenario {scenario.name!r} moves {', '.join(missing)}, which flow {name!r} does not serve; "
+            f"scenario {scenario.name!r} moves {', '.join(missing)}, which flow {flow_name(model)!r} does not serve; "
             f"lock them in the scenario or use one of {able}"
         )
 
