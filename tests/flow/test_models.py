@@ -20,6 +20,7 @@ from polydraulic.flow.polynomial import shipped_models
 from polydraulic.flow.sample import sample_flow
 from polydraulic.machine import Links
 from polydraulic.networks import AbductiveRegressor, Variable
+from polydraulic.parameters import LINKS
 from polydraulic.studies.boom_models import fit_columns
 from polydraulic.studies.database import sample_boom
 from polydraulic.units import to_si
@@ -38,9 +39,18 @@ def model(request, machine):
     return build_flow("pressure", machine, models=[pressure])
 
 
-def step(model, spool, p_in, p_out, memory=None):
-    memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model)) if memory is None else memory
-    return flow_step(model, memory, Links(0.0, spool, 0.0), Links(0.0, p_in, 0.0), Links(0.0, p_out, 0.0), 0.005)
+def step(model, spool, p_in, p_out):
+    """Flows with the boom's valve moved and the other two centred."""
+    return step_all(model, Links(0.0, spool, 0.0), Links(0.0, p_in, 0.0), Links(0.0, p_out, 0.0))
+
+
+def step_all(model, spool, p_in, p_out):
+    memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
+    return flow_step(model, memory, spool, p_in, p_out, 0.005)
+
+
+def with_limit(machine):
+    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
 
 
 def points(machine, n=200):
@@ -75,8 +85,73 @@ def test_nothing_flows_in_the_deadband(model, machine, share):
     assert flows.k_out.boom == 0.0
 
 
-def test_swing_and_stick_stand_still(model):
+def states(machine, n=200, seed=4):
+    """Spools and line pressures of all links at random."""
+    rng, travel = np.random.default_rng(seed), machine.spool.knots[-1]
+    for _ in range(n):
+        spool, p_in, p_out = rng.uniform(-travel, travel, 3), *rng.uniform(0.0, 4000 * PSI, (2, 3))
+        yield Links(*spool), Links(*p_in), Links(*p_out)
+
+
+BOTH_CIRCUITS = [name for name, kind in FLOW_KINDS.items() if kind.links == LINKS]
+
+
+@pytest.mark.parametrize("limit", [False, True])
+@pytest.mark.parametrize("name", BOTH_CIRCUITS)
+def test_both_pumps_share_out_their_flow(machine, name, limit):
+    model = build_flow(name, with_limit(machine) if limit else machine)
+    for spool, p_in, p_out in states(machine):
+        flows = step_all(model, spool, p_in, p_out)
+        for circuit, q_in, full in (
+            (flows.boom, flows.q_in.boom, machine.pumps.boom_flow),
+            (flows.series, flows.q_in.swing + flows.q_in.stick, machine.pumps.series_flow),
+        ):
+            parts = [q_in, circuit.q_bypass, circuit.q_relief]
+            assert min(*parts, *flows.q_in) >= -1e-15 * full
+            assert sum(parts) == pytest.approx(circuit.q_pump, rel=1e-9)
+            assert 0.0 < circuit.q_pump <= full
+            assert limit or circuit.q_pump == full
+            assert circuit.p_pump <= machine.pumps.relief * (1.0 + 1e-12)
+        # the iteration leaves its last pressure where nothing passes
+        assert name != "exact" or flows.p_between <= flows.series.p_pump * (1.0 + 1e-12)
+
+
+def test_the_torque_limit_lowers_both_flows(machine):
+    free, limited = build_flow("exact", machine), build_flow("exact", with_limit(machine))
+    lowered = 0
+    for spool, p_in, p_out in states(machine):
+        without, flows = step_all(free, spool, p_in, p_out), step_all(limited, spool, p_in, p_out)
+        for before, after in ((without.boom, flows.boom), (without.series, flows.series)):
+            start = machine.pumps.torque_limit_start
+            if before.p_pump <= start:
+                assert after == before
+            else:
+                lowered += 1
+                power = after.q_pump * after.p_pump
+                assert power == pytest.approx(before.q_pump * start, rel=1e-8)
+    assert lowered > 50
+
+
+def test_iteration_settles_near_exact_in_series(machine):
+    """Where it settles; the relaxation is small, since two pressures have to."""
+    exact, model = build_flow("exact", machine), iterative_flow(machine, eps=1e-5, relaxation=0.05, max_sweeps=20000)
+    full, settled = machine.pumps.series_flow, 0
+    for spool, p_in, p_out in states(machine, 60):
+        flows = step_all(model, spool, p_in, p_out)
+        if flows.status == OK:
+            settled += 1
+            true = step_all(exact, spool, p_in, p_out)
+            # p is known to eps / relaxation; where an inlet just opens, its flow is the root of that
+            assert abs(flows.q_in.swing - true.q_in.swing) < 0.05 * full
+            assert abs(flows.q_in.stick - true.q_in.stick) < 0.05 * full
+    assert settled > 30
+
+
+@pytest.mark.parametrize("model", [name for name in FLOW_KINDS if name not in BOTH_CIRCUITS], indirect=True)
+def test_models_of_the_boom_leave_the_others_still(model):
+    assert FLOW_KINDS[flow_name(model)].links == ("boom",)
     flows = step(model, 0.008, 500 * PSI, 800 * PSI)
+    assert flows.series == (0.0, 0.0, 0.0, 0.0)
     assert flows.q_in.swing == flows.q_in.stick == flows.k_out.swing == flows.k_out.stick == 0.0
 
 
@@ -90,8 +165,7 @@ def test_input_flow_is_near_exact(model, machine):
     stated = STATED[flow_name(model)]
     exact = build_flow("exact", machine)
     for spool, p_in, p_out in points(machine):
-        memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
-        error = step(model, spool, p_in, p_out, memory).q_in.boom - step(exact, spool, p_in, p_out).q_in.boom
+        error = step(model, spool, p_in, p_out).q_in.boom - step(exact, spool, p_in, p_out).q_in.boom
         assert abs(error) <= stated * machine.pumps.boom_flow
 
 
@@ -174,7 +248,11 @@ def test_networks_must_fit_their_place(machine):
         build_flow("polynomial", machine, models=[dataclasses.replace(q_in, inputs=inches), q_out])
 
 
-def test_torque_limit_is_refused_until_it_is_modelled(machine):
-    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
-    with pytest.raises(InputError, match="torque-limited pumps are not modelled yet"):
-        build_flow("exact", limited)
+@pytest.mark.parametrize("name", ["polynomial", "pressure"])
+def test_models_without_pump_pressure_refuse_a_torque_limit(machine, name):
+    models = shipped_models()
+    if name == "pressure":
+        output = Variable("boom.p_pump", "Pa")
+        models = [dataclasses.replace(models[0], output=output)]
+    with pytest.raises(InputError, match="torque_limit_enabled = true: this flow model has no pump pressure"):
+        build_flow(name, with_limit(machine), models=models)

@@ -49,9 +49,9 @@ def test_a_budget_ends_the_search():
         asked.append(len(X))
         return np.sin(9.0 * X[:, 0]) * np.cos(7.0 * X[:, 1])
 
-    found = learn_from(counted, [(0, 1), (0, 1)], tolerance=1e-9, budget=25_000, rows=200, estimator=quick)
+    found = learn_from(counted, [(0, 1), (0, 1)], tolerance=1e-9, budget=60_000, rows=200, estimator=quick)
     assert not found.converged
-    assert found.n_evaluations == sum(asked) <= 25_000
+    assert found.n_evaluations == sum(asked) <= 60_000
     assert len(found.model.networks) > 1
     few = learn_from(counted, [(0, 1), (0, 1)], tolerance=1e-9, max_regions=2, rows=200, estimator=quick)
     assert len(few.model.networks) == 2

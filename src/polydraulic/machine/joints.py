@@ -94,9 +94,16 @@ def _either(x: Held, y: Held) -> Held:
     return Held(x.swing or y.swing, x.boom or y.boom, x.stick or y.stick)
 
 
+class Stopped(NamedTuple):
+    """Rates after the impulses of end stops, and the joints that stand at one."""
+
+    rate: Links
+    there: Held
+
+
 @kernel
-def stopped_rates(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Links:
-    """Rates after the impulses of the stops that joints would pass within the step.
+def stopped(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Stopped:
+    """Impulses of the stops that joints would pass within the step.
 
     A second pass releases joints that a stop would have to pull, and stops those that the first impulses drive into theirs.
     """
@@ -110,35 +117,38 @@ def stopped_rates(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> L
         met.stick and (then.stick - momentum.stick) * rate.stick <= 0.0,
     )
     met = _either(pushed, _passing(angle, after, plant))
-    return solve_motion(mass, _either(plant.locked, met), momentum)
+    after = solve_motion(mass, _either(plant.locked, met), momentum)
+    late = _passing(angle, after, plant)  # driven into a stop by the second impulses: rare, and without impulse
+    rate = Links(
+        0.0 if late.swing else after.swing,
+        0.0 if late.boom else after.boom,
+        0.0 if late.stick else after.stick,
+    )
+    return Stopped(rate, _either(met, late))
 
 
 @kernel
-def _moved(angle: float, rate: float, stops: Stops, dt: float) -> float:
-    return min(max(angle + dt * rate, stops.low), stops.high)
+def _turned(angle: float, rate: float, there: bool, stops: Stops, dt: float) -> float:
+    stop = stops.high if stops.high - angle < angle - stops.low else stops.low
+    return stop if there else min(max(angle + dt * rate, stops.low), stops.high)
 
 
 @kernel
 def moved(angle: Links, rate: Links, acceleration: Links, mass: Symmetric, plant: Plant) -> Joints:
     """Angles and rates after a step: the new rates move the angles, up to the stops."""
     dt = plant.dt
-    rate = Links(
+    free = Links(
         rate.swing + dt * acceleration.swing,
         rate.boom + dt * acceleration.boom,
         rate.stick + dt * acceleration.stick,
     )
-    met = _passing(angle, rate, plant)
-    rate = stopped_rates(angle, rate, mass, plant) if (met.swing or met.boom or met.stick) else rate
-    left = _passing(angle, rate, plant)
+    met = _passing(angle, free, plant)
+    after = stopped(angle, free, mass, plant) if (met.swing or met.boom or met.stick) else Stopped(free, met)
     return Joints(
         Links(
-            _moved(angle.swing, rate.swing, plant.swing.stops, dt),
-            _moved(angle.boom, rate.boom, plant.boom.stops, dt),
-            _moved(angle.stick, rate.stick, plant.stick.stops, dt),
+            _turned(angle.swing, after.rate.swing, after.there.swing, plant.swing.stops, dt),
+            _turned(angle.boom, after.rate.boom, after.there.boom, plant.boom.stops, dt),
+            _turned(angle.stick, after.rate.stick, after.there.stick, plant.stick.stops, dt),
         ),
-        Links(
-            0.0 if left.swing else rate.swing,
-            0.0 if left.boom else rate.boom,
-            0.0 if left.stick else rate.stick,
-        ),
+        after.rate,
     )

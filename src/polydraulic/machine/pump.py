@@ -1,6 +1,6 @@
 """Pumps and their circuits: how a pump's flow is shared between actuators, bypasses and relief valve (Eqs 1-3, 8-13).
 
-One circuit has a closed form. Two valves in series are solved by the same form, four times: at the flow that passes the
+One circuit has a closed form. Two valves in series are solved by the same form, five times: at the flow that passes the
 first valve, the second one looks like a single orifice. A torque limit is a root in one unknown, the pump flow, found in
 a fixed number of Newton steps within a bracket. Clamps decide all special cases.
 """
@@ -230,7 +230,7 @@ def _series_pass(
 
 @kernel
 def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> _Passed:
-    """Five passes, from as much as can pass."""
+    """Five passes; the start is that from which the slowest states, those at relief, settle soonest."""
     b, c = first.bypass * first.bypass, second.bypass * second.bypass
     # what both bypasses take when the relief valve is open; the second inlet adds to it
     low = sqrt(b * c / (b + c + 1e-300) * (pump.relief - pump.p_return))
@@ -238,6 +238,7 @@ def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_secon
     x = _series_pass(
         min(Q, bounds.low + 0.25 * (bounds.high - bounds.low)), Q, first, second, p_first, p_second, bounds, pump
     )
+    x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
     x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
     x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
     return _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)

@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic._kernel import driver
 from polydraulic.machine import prepare
-from polydraulic.machine.joints import position, stopped_rates
+from polydraulic.machine.joints import position, stopped
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links
@@ -86,5 +86,5 @@ def _side(angle: float, stops: Any) -> float:
 def _stop(plant: Plant, v: np.ndarray) -> None:
     """Impulse of the stops on the rates in a state."""
     angle, rate = Links(v[9], v[10], v[11]), Links(v[12], v[13], v[14])
-    after = stopped_rates(angle, rate, position(angle, rate, plant).motion.mass, plant)
+    after = stopped(angle, rate, position(angle, rate, plant).motion.mass, plant).rate
     v[12], v[13], v[14] = after.swing, after.boom, after.stick
