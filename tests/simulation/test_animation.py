@@ -11,7 +11,7 @@ from PIL import Image
 from polydraulic.errors import InputError
 from polydraulic.simulation import write_animation
 from polydraulic.simulation.frames import frames_of
-from polydraulic.simulation.scene import draw_frame, moving_artists, scene
+from polydraulic.simulation.scene import moving_artists, scene
 from polydraulic.simulation.shapes import linkage_shapes
 
 
@@ -31,6 +31,10 @@ def test_the_page_holds_the_runs_and_needs_no_network(machine, whole, tmp_path):
     assert angles == pytest.approx(frames.angles[1], abs=1e-5)
     assert all(len(channel["values"]) == 2 for channel in data["channels"])
     assert all(len(values) == 13 for channel in data["channels"] for values in channel["values"])
+    for channel, shown in zip(frames.channels, data["channels"], strict=True):
+        largest = max(np.abs(v).max() for v in channel.values)
+        for values, rounded in zip(channel.values, shown["values"], strict=True):
+            assert rounded == pytest.approx(values, abs=1e-3 * largest)
     shapes = linkage_shapes(machine)
     assert data["shapes"]["boom_ram"]["barrel"] == shapes.boom_ram.barrel
     assert data["shapes"]["stops"] == {link: list(ends) for link, ends in shapes.stops.items()}
@@ -75,18 +79,19 @@ def test_another_ending_is_named(machine, whole, tmp_path):
         write_animation(whole, machine, tmp_path / "run.mp4")
 
 
-def test_a_still_shows_its_frame(machine, whole):
+def test_a_scene_shows_its_frame(machine, whole):
     frames, shapes = frames_of(whole, 10.0), linkage_shapes(machine)
-    figure = draw_frame(frames, shapes, 5)
+    figure, update = scene(frames, shapes)
+    update(5)
     assert next(text.get_text() for text in figure.texts) == "  0.50 s"
     strips = figure.axes[2:]
     boom = np.degrees(whole["exact"]["boom.angle"][100])
     assert strips[1].get_title(loc="left") == f"boom angle  {boom:.1f} deg"
     assert len(strips) == 4
     assert strips[0].lines[-1].get_xdata() == pytest.approx([0.5, 0.5])
-    assert moving_artists(figure) == []
-    with pytest.raises(InputError, match="frame 7: the animation has frames 0 to 6"):
-        draw_frame(frames, shapes, 7)
+    moving = moving_artists(figure)
+    assert strips[0].lines[-1] in moving
+    assert strips[0].lines[0] not in moving  # curves are drawn once
 
 
 def test_a_joint_at_its_stop_is_marked(machine, whole):

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from math import floor, log10
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,12 @@ def page_data(frames: Frames, shapes: Shapes) -> dict[str, Any]:
             for number, name in enumerate(frames.names)
         ],
         "channels": [
-            {"group": c.group, "title": c.title, "unit": c.unit, "values": [_rounded(v, 2) for v in c.values]}
+            {
+                "group": c.group,
+                "title": c.title,
+                "unit": c.unit,
+                "values": [_rounded(v, _digits(c.values)) for v in c.values],
+            }
             for c in frames.channels
         ],
     }
@@ -104,6 +110,12 @@ def page_data(frames: Frames, shapes: Shapes) -> dict[str, Any]:
 
 def _rounded(values: Any, digits: int) -> Any:
     return (np.round(values, digits) + 0.0).tolist()
+
+
+def _digits(values: list[np.ndarray]) -> int:
+    """Decimals that show a ten-thousandth of the largest value."""
+    largest = max(float(np.abs(v).max()) for v in values)
+    return 2 if largest == 0.0 else max(0, 4 - floor(log10(largest)))
 
 
 def _script_text(data: dict[str, Any]) -> str:

@@ -95,7 +95,7 @@ def plot_run(runs: Mapping[str, Table]) -> "Figure":
             first = first or axis
             beside[row] = axis
             _draw_panel(axis, runs, link, panel)
-            axis.tick_params(labelbottom=False)
+            axis.tick_params(labelbottom=row == len(PANELS) - 1)
         beside[0].set_title(link, fontweight="bold")
     below = figure.add_subplot(grid[-1, :], sharex=first)
     _draw_effector(below, runs)

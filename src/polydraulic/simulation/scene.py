@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polydraulic.errors import InputError
 from polydraulic.simulation.frames import Channel, Frames
 from polydraulic.simulation.plot import line_style
 from polydraulic.simulation.shapes import AT_STOP, GROUND, Points, Ram, Shapes, placed, pose, seen_from_above
@@ -19,24 +18,6 @@ if TYPE_CHECKING:
 
 DARK, FIRST_EDGE, BODY, TRACK, STOP = "#34495e", "#3b6ea5", "#e3e6ea", "#c9ced6", "#c0392b"
 Update = Callable[[int], None]
-
-
-def draw_frame(frames: Frames, shapes: Shapes, number: int) -> "Figure":
-    """One frame as a figure.
-
-    Parameters
-    ----------
-    frames : Frames
-    shapes : Shapes
-    number : int
-    """
-    if not 0 <= number < len(frames.time):
-        raise InputError(f"frame {number}: the animation has frames 0 to {len(frames.time) - 1}")
-    figure, update = scene(frames, shapes)
-    update(number)
-    for artist in moving_artists(figure):
-        artist.set_animated(False)
-    return figure
 
 
 def moving_artists(figure: "Figure") -> list[Any]:
