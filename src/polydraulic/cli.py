@@ -107,6 +107,7 @@ def simulate(
     from polydraulic.parameters import load_machine, load_scenario
     from polydraulic.simulation import compare, plot_run
     from polydraulic.simulation import simulate as run
+    from polydraulic.simulation.plot import picture_ending, save_figure
     from polydraulic.tables import table_ending, write_table
 
     if model and flow not in ("polynomial", "pressure"):
@@ -114,7 +115,7 @@ def simulate(
     if out is not None:
         table_ending(out)
     if plot is not None:
-        _picture_ending(plot)
+        picture_ending(plot)
     plant, what = load_machine(machine), load_scenario(scenario)
     options = {"models": [found for path in model for found in load_models(path)]} if model else {}
     chosen = build_flow(flow, plant, **options)
@@ -136,7 +137,7 @@ def simulate(
     if out is not None:
         write_table(runs[flow], out)
     if plot is not None:
-        _save_figure(plot_run(runs), plot)
+        save_figure(plot_run(runs), plot)
 
 
 @app.command()
@@ -373,27 +374,6 @@ def _box(texts: list[str], model: "Model") -> "np.ndarray":
             raise InputError(f"--box {text!r}: the model of {model.output.name!r} reads {names}")
         found[names.index(name.strip())] = _numbers(ends, f"--box {name}", 2)
     return found
-
-
-def _picture_ending(path: Path) -> str:
-    """Format of a picture, from its path."""
-    formats = ("svg", "png", "pdf")
-    ending = path.suffix.lower().removeprefix(".")
-    if ending not in formats:
-        raise InputError(f"{path}: a picture ends in one of {[f'.{name}' for name in formats]}")
-    return ending
-
-
-def _save_figure(figure: object, path: Path) -> None:
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    from polydraulic.files import replacing
-
-    assert isinstance(figure, Figure)
-    ending = _picture_ending(path)
-    with matplotlib.rc_context({"svg.hashsalt": path.stem}), replacing(path) as temporary:
-        figure.savefig(temporary, format=ending, dpi=150)
 
 
 if __name__ == "__main__":

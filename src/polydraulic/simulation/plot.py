@@ -1,12 +1,14 @@
 """The standard plot of a run, or of several runs of the same scenario on top of each other."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.files import replacing
 from polydraulic.parameters import LINKS
 from polydraulic.simulation.trajectory import EFFECTOR, effector_distance, in_field_units
 from polydraulic.tables import Table
@@ -146,3 +148,21 @@ def _handle(label: str, color: str, width: float) -> object:
     from matplotlib.lines import Line2D
 
     return Line2D([], [], color=color, linewidth=width, label=label)
+
+
+def picture_ending(path: str | Path) -> str:
+    """Format of a picture, from its path, or an InputError."""
+    formats = ("svg", "png", "pdf")
+    ending = Path(path).suffix.lower().removeprefix(".")
+    if ending not in formats:
+        raise InputError(f"{path}: a picture ends in one of {[f'.{name}' for name in formats]}")
+    return ending
+
+
+def save_figure(figure: "Figure", path: str | Path) -> None:
+    """Write a figure whole or not at all; the same figure gives the same file."""
+    import matplotlib
+
+    ending = picture_ending(path)
+    with matplotlib.rc_context({"svg.hashsalt": Path(path).stem}), replacing(path) as temporary:
+        figure.savefig(temporary, format=ending, dpi=150)
