@@ -160,7 +160,7 @@ def picture_ending(path: str | Path) -> str:
 
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a figure whole or not at all; the same figure gives the same file."""
+    """Write a figure as .svg, .png or .pdf, whole or not at all."""
     import matplotlib
 
     ending = picture_ending(path)
