@@ -27,6 +27,7 @@ def simulate(
     dt: float = 5e-3,
     t_end: float | None = None,
     every: int = 1,
+    raster: float | None = None,
 ) -> Table:
     """Simulate a scenario with the semi-implicit loop.
 
@@ -43,20 +44,27 @@ def simulate(
         Instead of the scenario's duration.
     every : int
         Record every so many steps.
+    raster : float, s, optional
+        Instead of `every`: record at these intervals, a whole number of steps.
 
     Returns
     -------
     Table
-        Columns ``time``, then ``boom.spool``, ``boom.p_in``, ... in SI; `info` counts the steps that did not converge
-        and those outside the flow model's domain.
+        In SI. ``time``; of each link that moves ``boom.voltage``, ``boom.spool``, ``boom.p_a``, ``boom.p_b``, ``boom.angle``,
+        ``boom.rate``, ``boom.q_in``, ``boom.q_out``, ``boom.p_in``, ``boom.p_out`` (of a locked one its angle alone); of
+        the circuits ``boom`` and ``series`` ``boom.q_pump``, ``boom.q_bypass``, ``boom.q_relief``, ``boom.p_pump``, and
+        ``series.p_between`` swing and stick valve; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
+        that did not converge and those outside the flow model's domain.
 
     Raises
     ------
     InputError
-        dt not positive, duration shorter than a step, an unknown flow model, a scenario that moves links not modelled.
+        dt not positive, duration shorter than a step, a raster that is no whole number of steps, an unknown flow model, a
+        scenario that moves links which the flow model does not serve.
     SimulationError
         If the state leaves all reason; says when and where.
     """
+    every = recorded_steps(dt, every, raster)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
     done = run(*arranged)
     name, n_step = flow_name(arranged.model), len(arranged.voltage)
@@ -205,3 +213,23 @@ def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) 
     if not isinstance(every, int) or every < 1:
         raise InputError(f"every = {every!r}: must be a whole number, at least 1")
     return int(duration / dt + 1e-9)
+
+
+def recorded_steps(dt: float, every: int, raster: float | None) -> int:
+    """Every how many steps a row is recorded, from `every` or from a raster in seconds.
+
+    Raises
+    ------
+    InputError
+        If both are given, or the raster is no whole number of steps.
+    """
+    if raster is None or not dt > 0.0:  # whoever prepares the machine refuses such a dt
+        return every
+    if every != 1:
+        raise InputError(f"every = {every!r} and raster = {raster} s both say when to record; give one of them")
+    steps = raster / dt
+    if not (isfinite(steps) and steps > 0.5 and abs(steps - round(steps)) < 1e-6):
+        raise InputError(
+            f"raster = {raster} s: must be a whole number of time steps of {dt} s, for example {10 * dt:g}"
+        )
+    return round(steps)
