@@ -235,13 +235,13 @@ def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_secon
     # what both bypasses take when the relief valve is open; the second inlet adds to it
     low = sqrt(b * c / (b + c + 1e-300) * (pump.relief - pump.p_return))
     bounds = _Bounds(low, low + orifice_flow(second.inlet, pump.relief - p_second))
-    x = _series_pass(
-        min(Q, bounds.low + 0.25 * (bounds.high - bounds.low)), Q, first, second, p_first, p_second, bounds, pump
-    )
-    x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
-    x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
-    x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
-    return _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
+    w = min(Q, bounds.low + 0.25 * (bounds.high - bounds.low))
+    # a pass that changed nothing is the last: leaving out the others gives the same bits
+    x = _series_pass(w, Q, first, second, p_first, p_second, bounds, pump)
+    y = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump) if x.flow != w else x
+    z = _series_pass(y.flow, Q, first, second, p_first, p_second, bounds, pump) if y.flow != x.flow else y
+    x = _series_pass(z.flow, Q, first, second, p_first, p_second, bounds, pump) if z.flow != y.flow else z
+    return _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump) if x.flow != z.flow else x
 
 
 @kernel

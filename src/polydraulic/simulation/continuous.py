@@ -30,8 +30,9 @@ from polydraulic.simulation.runs import check_links, n_steps, step_voltages, tra
 from polydraulic.simulation.step import Seen
 from polydraulic.tables import Table
 
-_MAX_EVALUATIONS = 5_000_000
+_MAX_EVALUATIONS = 2_000_000
 _MAX_EVENTS = 1000
+_WAY = 10.0  # Pa, over which floor and relief stop a line pressure
 # size of spools, pressures, angles, rates: sets absolute tolerances
 _SCALE = np.repeat([1e-3, 1e6, 1e6, 1.0, 1.0], 3)
 
@@ -44,8 +45,9 @@ class _LineRates(NamedTuple):
 
 @kernel
 def _held_back(p: float, rate: float, line: LineStep) -> float:
-    stopped = (p <= line.floor and rate < 0.0) or (p >= line.relief and rate > 0.0)
-    return 0.0 if stopped else rate
+    # ends at a bound within a short way, not at once: a jump would leave the solver without a Jacobian
+    room = p - line.floor if rate < 0.0 else line.relief - p
+    return rate * min(max(room / _WAY, 0.0), 1.0)
 
 
 @kernel
