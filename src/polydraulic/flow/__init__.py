@@ -1,7 +1,8 @@
 """The swappable subsystem: pump and main valves.
 
-Read `interface` (what a model gives), `dispatch` (how one is chosen), then the models: `exact`, `iterative`,
-`polynomial` (and neural, the same with perceptrons), and `pressure`, the historical attempt that fails.
+Read `interface` (what a model gives), `dispatch` (how one is chosen), then the models: `exact`, `iterative`, `stiff` and
+`tlm`, which give pipes and passages a volume, `polynomial` (and neural, the same with perceptrons), and `pressure`, the
+historical attempt that fails.
 """
 
 from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, flow_step, served_links
@@ -10,6 +11,8 @@ from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN, Flows
 from polydraulic.flow.iterative import iterative_flow
 from polydraulic.flow.polynomial import neural_flow, polynomial_flow
 from polydraulic.flow.pressure import pressure_flow
+from polydraulic.flow.stiff import stiff_flow
+from polydraulic.flow.tlm import tlm_flow
 
 __all__ = [
     "FLOW_KINDS",
@@ -26,4 +29,6 @@ __all__ = [
     "polynomial_flow",
     "pressure_flow",
     "served_links",
+    "stiff_flow",
+    "tlm_flow",
 ]

@@ -26,6 +26,8 @@ from polydraulic.flow.polynomial import (
     scratch,
 )
 from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
+from polydraulic.flow.stiff import StiffFlow, stiff_flow, stiff_step
+from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.table import work_size
 from polydraulic.parameters import LINKS, Machine
@@ -40,10 +42,11 @@ class FlowKind(NamedTuple):
     step : kernel (model, memory, spool, p_in, p_out, dt) -> Flows
     build : (machine, **options) -> model
     n_memory : model -> floats that the step keeps or uses as scratch
-    balances : whether pump flow = actuator + bypass + relief at every step
+    balances : whether pump flow = actuators + bypass + relief + stored at every step
     gives_pump_pressure : whether the pump pressure is computed
     links : which links it can serve
     served : model -> links that this model serves, where that depends on it; the others get no flow
+    has_state : whether pressures of its own go on from step to step, so that the flows depend on what was before
     """
 
     model: type
@@ -54,11 +57,14 @@ class FlowKind(NamedTuple):
     gives_pump_pressure: bool
     links: tuple[str, ...]
     served: Callable[[Any], tuple[str, ...]] | None = None
+    has_state: bool = False
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
     "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS),
     "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
+    "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
+    "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
     "polynomial": FlowKind(
         PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, networks_serve
     ),

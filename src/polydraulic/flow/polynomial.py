@@ -281,8 +281,8 @@ def network_step(flow: NetworkFlow, memory: np.ndarray, spool: Links, p_in: Link
     return Flows(
         Links(q_swing, q_boom, q_stick),
         Links(max(k_swing, 0.0), max(k_boom, 0.0), max(k_stick, 0.0)),
-        Circuit(flow.boom_pump.flow, flow.boom_pump.flow - q_boom, 0.0, 0.0),
-        Circuit(Q, Q - q_swing - q_stick, 0.0, 0.0),
+        Circuit(flow.boom_pump.flow, flow.boom_pump.flow - q_boom, 0.0, 0.0, 0.0),
+        Circuit(Q, Q - q_swing - q_stick, 0.0, 0.0, 0.0),
         0.0,
         OK if inside else OUT_OF_DOMAIN,
     )

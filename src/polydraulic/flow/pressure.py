@@ -67,6 +67,8 @@ def pressure_step(model: PressureFlow, memory: np.ndarray, spool: Links, p_in: L
     memory[1] = p_in.boom
     p = evaluate(model.table, choose(model.p_pump, memory), memory)
     q_in = orifice_flow(k.inlet, p - p_in.boom)
-    circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p)
+    circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p, 0.0)
     status = OK if p_in.boom <= model.p_in_high else OUT_OF_DOMAIN
-    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0), 0.0, status)
+    return Flows(
+        Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, status
+    )

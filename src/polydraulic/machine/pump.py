@@ -34,12 +34,13 @@ class Pump(NamedTuple):
 
 
 class Circuit(NamedTuple):
-    """Flows and pressure at one pump: pump = actuators + bypass + relief."""
+    """Flows and pressure at one pump: pump = actuators + bypass + relief + stored."""
 
     q_pump: float
     q_bypass: float  # what returns to the tank through the last valve's bypass
     q_relief: float
     p_pump: float  # 0 where a flow model does not give it
+    q_stored: float  # what charges the oil between pump and valves, where a flow model has such volumes
 
 
 class Single(NamedTuple):
@@ -179,7 +180,7 @@ def _single_at(Q: float, k: Orifices, p_in: float, pump: Pump) -> Single:
     q_relief = surplus - q_bypass
     p = _pressure(q, k.inlet, p_in, q_bypass, k.bypass, pump.p_return)
     p = pump.relief if q_relief > 1e-9 * Q else p  # less is rounding
-    return Single(q, Circuit(Q, q_bypass, q_relief, p))
+    return Single(q, Circuit(Q, q_bypass, q_relief, p, 0.0))
 
 
 @kernel
@@ -268,7 +269,7 @@ def _series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_se
     q_relief = Q - w - q_first
     p = _pressure(q_first, first.inlet, p_first, w, first.bypass, p_between)
     p = pump.relief if q_relief > 1e-9 * Q else p  # less is rounding
-    return Series(q_first, q_second, p_between, Circuit(Q, q_bypass, q_relief, p))
+    return Series(q_first, q_second, p_between, Circuit(Q, q_bypass, q_relief, p, 0.0))
 
 
 @kernel

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from polydraulic._kernel import driver, kernel
-from polydraulic.errors import SimulationError
+from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
 from polydraulic.flow.dispatch import flow_step
 from polydraulic.machine import initial_state, prepare
@@ -170,7 +170,7 @@ def reference(
     Raises
     ------
     InputError
-        As for `simulate`.
+        As for `simulate`; a flow model with pressures of its own.
     SimulationError
         If the solver fails, or joints meet and leave their end stops without end.
     """
@@ -179,6 +179,11 @@ def reference(
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
     kind = FLOW_KINDS[flow_name(model)]
     check_links(scenario, model)
+    if kind.has_state:
+        raise InputError(
+            f"flow {flow_name(model)!r} has pressures of its own, which the reference solution does not integrate; "
+            "use 'exact', or simulate with a small dt"
+        )
     time = np.arange(n_steps(scenario, dt, t_end) + 1) * dt
     plant = prepare(machine, 1.0, scenario.locked)
     memory = np.zeros(kind.n_memory(model))

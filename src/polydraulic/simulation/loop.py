@@ -13,7 +13,7 @@ from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import N_STATE, Links, State, from_vector
 from polydraulic.simulation.step import Step, machine_step, seen_pressures
 
-N_RECORD = N_STATE + 15  # state, q_in and q_out of three links, four values of each circuit, p_between
+N_RECORD = N_STATE + 17  # state, q_in and q_out of three links, five values of each circuit, p_between
 FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
 
 
@@ -37,6 +37,7 @@ def record_flows(flows: Flows, q_out: Links, row: np.ndarray) -> None:
     row[21], row[22], row[23], row[24] = boom.q_pump, boom.q_bypass, boom.q_relief, boom.p_pump
     row[25], row[26], row[27], row[28] = series.q_pump, series.q_bypass, series.q_relief, series.p_pump
     row[29] = flows.p_between
+    row[30], row[31] = boom.q_stored, series.q_stored
 
 
 @kernel

@@ -169,6 +169,7 @@ def trajectory(
         for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
             if name != "p_pump" or pump_pressure:
                 add(f"{circuit}.{name}", unit, rows[:, first + number])
+        add(f"{circuit}.q_stored", "m3/s", rows[:, 30 if circuit == "boom" else 31])
     if "series.p_pump" in columns:
         add("series.p_between", "Pa", rows[:, 29])
     for place, link in enumerate(LINKS):
