@@ -136,7 +136,7 @@ def _boom_step(k: Orifices, p_in: float, p_before: float, compliance: float, pum
     bypass = Bypass(pump.p_return, 0.0, k.bypass * k.bypass)
     most = relieved_flow(k.inlet, p_in, bypass, pump.relief)
     source = _constant(pump, p_before, z)
-    flow = at_most(source.feed, p_in, bypass)
+    flow = at_most(source.feed, k.inlet, p_in, bypass)
     for _ in range(DRAW_PASSES):
         flow = draw_pass(flow, source.feed, k.inlet, p_in, bypass).flow
     flow = min(flow, most)
@@ -210,8 +210,10 @@ def _series_step(first: Orifices, second: Orifices, p_in: Links, at: _Volumes, p
     source = _constant(pump, at.p, at.z)
     w = orifice_flow(first.bypass, at.p - at.p_between)
     passage = Feed(at.p_between + at.z_between * w, at.z_between)
-    begin = Bypass(at.p_between, 0.0, 0.0)
-    x = _Between(at_most(source.feed, p_in.swing, begin), w, at_most(passage, p_in.stick, onward), 0.0)
+    begin = Bypass(at.p_between, 0.0, first.bypass * first.bypass)
+    x = _Between(
+        at_most(source.feed, first.inlet, p_in.swing, begin), w, at_most(passage, second.inlet, p_in.stick, onward), 0.0
+    )
     for _ in range(SERIES_PASSES):
         x = _series_pass(x, source.feed, at, first, second, p_in, pump)
     p = source.feed.pressure - at.z * x.first

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.machine.valve import orifice_flow
 
-DRAW_PASSES = 5
+DRAW_PASSES = 4
 _TRICKLE = 1e-12  # m3/s; shows which orifice opens first
 
 
@@ -70,9 +70,18 @@ def inlet_part(flow: float, k_in: float, p_in: float, bypass: Bypass) -> float:
 
 
 @kernel
-def at_most(feed: Feed, p_in: float, bypass: Bypass) -> float:
-    """Return more than a valve can draw: where to begin."""
-    return max(feed.pressure - min(p_in, bypass.p_rest), 0.0) / feed.impedance
+def _agreed(feed: Feed, p_rest: float, resistance: float, curve: float) -> float:
+    """Flow at which the feed's pressure is p_rest + resistance flow + curve flow^2."""
+    drop = max(feed.pressure - p_rest, 0.0)
+    z = feed.impedance + resistance
+    return 2.0 * drop / (z + sqrt(z * z + 4.0 * drop * curve) + 1e-300)
+
+
+@kernel
+def at_most(feed: Feed, k_in: float, p_in: float, bypass: Bypass) -> float:
+    """Return more than a valve can draw, what inlet and bypass would draw alone: where to begin."""
+    alone = _agreed(feed, p_in, 0.0, 1.0 / (k_in * k_in + 1e-300))
+    return alone + _agreed(feed, bypass.p_rest, bypass.resistance, 1.0 / (bypass.square + 1e-300))
 
 
 @kernel
@@ -94,9 +103,7 @@ def draw_pass(flow: float, feed: Feed, k_in: float, p_in: float, bypass: Bypass)
     curve = curve_by if none_in else (curve_in if none_by else curve)
     resistance = r if none_in else (0.0 if none_by else resistance)
     p_rest = bypass.p_rest if none_in else (p_in if none_by else p_rest)
-    drop = max(feed.pressure - p_rest, 0.0)
-    z = feed.impedance + resistance
-    return Draw(2.0 * drop / (z + sqrt(z * z + 4.0 * drop * curve) + 1e-300), resistance, curve)
+    return Draw(_agreed(feed, p_rest, resistance, curve), resistance, curve)
 
 
 @kernel
@@ -119,7 +126,7 @@ def draw(feed: Feed, k_in: float, p_in: float, bypass: Bypass, relief: float) ->
     bypass : Bypass
     relief : float, Pa
     """
-    flow = at_most(feed, p_in, bypass)
+    flow = at_most(feed, k_in, p_in, bypass)
     for _ in range(DRAW_PASSES):
         flow = draw_pass(flow, feed, k_in, p_in, bypass).flow
     flow = min(flow, relieved_flow(k_in, p_in, bypass, relief))
