@@ -95,6 +95,11 @@ from polydraulic import load_machine, load_scenario, simulate
 for name in ("exact", "iterative", "polynomial"):
     run = simulate(load_machine("cat215b"), name, load_scenario("single_08"), t_end=3.0)
     print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
+machine = load_machine("cat215b")
+limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+for name, t_end in (("task", 13.0), ("step", 6.0), ("pulse", 4.0)):
+    run = simulate(limited, "exact", load_scenario(name), t_end=t_end)
+    print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
 """
 
 
