@@ -81,7 +81,8 @@ def _passes(angle: float, rate: float, stops: Stops, dt: float) -> bool:
 
 
 @kernel
-def _passing(angle: Links, rate: Links, plant: Plant) -> Held:
+def passing(angle: Links, rate: Links, plant: Plant) -> Held:
+    """Which joints would pass a stop within the step."""
     return Held(
         _passes(angle.swing, rate.swing, plant.swing.stops, plant.dt),
         _passes(angle.boom, rate.boom, plant.boom.stops, plant.dt),
@@ -100,7 +101,7 @@ def stopped_rates(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> L
 
     A second pass releases joints that a stop would have to pull, and stops those that the first impulses drive into theirs.
     """
-    met = _passing(angle, rate, plant)
+    met = passing(angle, rate, plant)
     momentum = times(mass, rate)
     after = solve_motion(mass, _either(plant.locked, met), momentum)
     then = times(mass, after)
@@ -109,8 +110,18 @@ def stopped_rates(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> L
         met.boom and (then.boom - momentum.boom) * rate.boom <= 0.0,
         met.stick and (then.stick - momentum.stick) * rate.stick <= 0.0,
     )
-    met = _either(pushed, _passing(angle, after, plant))
+    met = _either(pushed, passing(angle, after, plant))
     return solve_motion(mass, _either(plant.locked, met), momentum)
+
+
+@kernel
+def accelerated(rate: Links, acceleration: Links, dt: float) -> Links:
+    """Rates after a step without stops."""
+    return Links(
+        rate.swing + dt * acceleration.swing,
+        rate.boom + dt * acceleration.boom,
+        rate.stick + dt * acceleration.stick,
+    )
 
 
 @kernel
@@ -119,23 +130,29 @@ def _moved(angle: float, rate: float, stops: Stops, dt: float) -> float:
 
 
 @kernel
-def moved(angle: Links, rate: Links, acceleration: Links, mass: Symmetric, plant: Plant) -> Joints:
-    """Angles and rates after a step: the new rates move the angles, up to the stops."""
+def turned(angle: Links, rate: Links, plant: Plant) -> Joints:
+    """Angles after a step at these rates, up to the stops."""
     dt = plant.dt
-    rate = Links(
-        rate.swing + dt * acceleration.swing,
-        rate.boom + dt * acceleration.boom,
-        rate.stick + dt * acceleration.stick,
-    )
-    met = _passing(angle, rate, plant)
-    rate = stopped_rates(angle, rate, mass, plant) if (met.swing or met.boom or met.stick) else rate
-    left = _passing(angle, rate, plant)
     return Joints(
         Links(
             _moved(angle.swing, rate.swing, plant.swing.stops, dt),
             _moved(angle.boom, rate.boom, plant.boom.stops, dt),
             _moved(angle.stick, rate.stick, plant.stick.stops, dt),
         ),
+        rate,
+    )
+
+
+@kernel
+def moved(angle: Links, rate: Links, acceleration: Links, mass: Symmetric, plant: Plant) -> Joints:
+    """Angles and rates after a step: the new rates move the angles, up to the stops."""
+    rate = accelerated(rate, acceleration, plant.dt)
+    met = passing(angle, rate, plant)
+    rate = stopped_rates(angle, rate, mass, plant) if (met.swing or met.boom or met.stick) else rate
+    left = passing(angle, rate, plant)
+    after = turned(angle, rate, plant)
+    return Joints(
+        after.angle,
         Links(
             0.0 if left.swing else rate.swing,
             0.0 if left.boom else rate.boom,
