@@ -13,10 +13,10 @@ from polydraulic.parameters import LINKS, Machine, Scenario
 from polydraulic.simulation.loop import FASTEST, N_RECORD, run
 from polydraulic.tables import Table
 
-_STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
-_FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
-_FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
-_CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
+STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
+FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
+FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
+CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
 
 
 def simulate(
@@ -149,16 +149,16 @@ def trajectory(
     for link in (link for link in LINKS if link not in scenario.locked):
         place = LINKS.index(link)
         add(f"{link}.voltage", "V", voltages[:, place])
-        for number, (name, unit) in enumerate(_STATE_COLUMNS + _FLOW_COLUMNS):
+        for number, (name, unit) in enumerate(STATE_COLUMNS + FLOW_COLUMNS):
             add(f"{link}.{name}", unit, rows[:, 3 * number + place])
         forward = columns[f"{link}.spool"] >= 0.0
         p_a, p_b = columns[f"{link}.p_a"], columns[f"{link}.p_b"]
         add(f"{link}.p_in", "Pa", np.where(forward, p_a, p_b))
         add(f"{link}.p_out", "Pa", np.where(forward, p_b, p_a))
     for circuit, first in (("boom", 21), ("series", 25)):
-        if set(_FED[circuit]) <= set(scenario.locked):
+        if set(FED[circuit]) <= set(scenario.locked):
             continue
-        for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
+        for number, (name, unit) in enumerate(CIRCUIT_COLUMNS):
             if name != "p_pump" or pump_pressure:
                 add(f"{circuit}.{name}", unit, rows[:, first + number])
     if "series.p_pump" in columns:
