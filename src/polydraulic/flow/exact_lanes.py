@@ -32,6 +32,7 @@ from polydraulic.machine.pump import (
     LIMIT_PASSES,
     Bracket,
     Circuit,
+    Pump,
     limit_series,
     limit_single,
     limits,
@@ -43,8 +44,9 @@ from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifices
 
 _GROUP = 16
-# scratch: the number of a packed machine's lane, inlet, bypass and pressure of one or two valves, the bracket of the search, results
-_LANE, _PACKED, _BRACKET, _RESULT = FLOW_SCRATCH, FLOW_SCRATCH + 1, FLOW_SCRATCH + 7, FLOW_SCRATCH + 12
+# scratch of packed machines: number of the lane, inlet, bypass and pressure of one or two valves, pump, bracket, results
+_LANE, _FIRST, _SECOND = FLOW_SCRATCH, FLOW_SCRATCH + 1, FLOW_SCRATCH + 4
+_PUMP, _BRACKET, _RESULT = FLOW_SCRATCH + 7, FLOW_SCRATCH + 13, FLOW_SCRATCH + 18
 
 
 @kernel
@@ -92,36 +94,65 @@ def _series(model: Any, own: Any, rows: np.ndarray, whole: bool) -> None:
 
 
 @kernel
-def _put_bracket(rows: np.ndarray, lane: int, x: Bracket) -> None:
-    put(rows, _BRACKET, lane, x.y)
-    put(rows, _BRACKET + 1, lane, x.low)
-    put(rows, _BRACKET + 2, lane, x.high)
-    put(rows, _BRACKET + 3, lane, x.off_low)
-    put(rows, _BRACKET + 4, lane, x.off_high)
+def _put_pump(rows: np.ndarray, place: int, pump: Pump) -> None:
+    put(rows, _PUMP, place, pump.flow)
+    put(rows, _PUMP + 1, place, pump.relief)
+    put(rows, _PUMP + 2, place, pump.p_return)
+    put(rows, _PUMP + 3, place, pump.limit_start)
+    put(rows, _PUMP + 4, place, pump.limit_exponent)
+    put(rows, _PUMP + 5, place, pump.log_least)
 
 
 @kernel
-def _get_bracket(rows: np.ndarray, lane: int, low_unknown: bool) -> Bracket:
+def _get_pump(rows: np.ndarray, place: int) -> Pump:
+    return Pump(
+        get(rows, _PUMP, place),
+        get(rows, _PUMP + 1, place),
+        get(rows, _PUMP + 2, place),
+        get(rows, _PUMP + 3, place),
+        get(rows, _PUMP + 4, place),
+        get(rows, _PUMP + 5, place),
+    )
+
+
+@kernel
+def _put_bracket(rows: np.ndarray, place: int, x: Bracket) -> None:
+    put(rows, _BRACKET, place, x.y)
+    put(rows, _BRACKET + 1, place, x.low)
+    put(rows, _BRACKET + 2, place, x.high)
+    put(rows, _BRACKET + 3, place, x.off_low)
+    put(rows, _BRACKET + 4, place, x.off_high)
+
+
+@kernel
+def _get_bracket(rows: np.ndarray, place: int, low_unknown: bool) -> Bracket:
     return Bracket(
-        get(rows, _BRACKET, lane),
-        get(rows, _BRACKET + 1, lane),
-        get(rows, _BRACKET + 2, lane),
-        get(rows, _BRACKET + 3, lane),
-        get(rows, _BRACKET + 4, lane),
+        get(rows, _BRACKET, place),
+        get(rows, _BRACKET + 1, place),
+        get(rows, _BRACKET + 2, place),
+        get(rows, _BRACKET + 3, place),
+        get(rows, _BRACKET + 4, place),
         low_unknown,
     )
 
 
 @kernel
-def _pack(rows: np.ndarray, place: int, lane: int, link: int, number: int) -> None:
-    put(rows, _PACKED + 3 * number, place, get(rows, INLET + link, lane))
-    put(rows, _PACKED + 3 * number + 1, place, get(rows, BYPASS + link, lane))
-    put(rows, _PACKED + 3 * number + 2, place, get(rows, P_IN + link, lane))
+def _pack(rows: np.ndarray, place: int, lane: int, link: int, first: int) -> None:
+    put(rows, first, place, get(rows, INLET + link, lane))
+    put(rows, first + 1, place, get(rows, BYPASS + link, lane))
+    put(rows, first + 2, place, get(rows, P_IN + link, lane))
 
 
 @kernel
-def _packed_orifices(rows: np.ndarray, number: int, lane: int) -> Orifices:
-    return Orifices(get(rows, _PACKED + 3 * number, lane), get(rows, _PACKED + 3 * number + 1, lane), 0.0)
+def _packed(rows: np.ndarray, place: int, first: int) -> Orifices:
+    return Orifices(get(rows, first, place), get(rows, first + 1, place), 0.0)
+
+
+@kernel
+def _begin(rows: np.ndarray, place: int, lane: int, pump: Pump) -> None:
+    put(rows, _LANE, place, float(lane))
+    _put_pump(rows, place, pump)
+    _put_bracket(rows, place, unlimited(pump))
 
 
 @kernel
@@ -140,22 +171,19 @@ def _limit_boom(model: Any, own: Any, rows: np.ndarray) -> None:
     for lane in range(LANES):
         pump = at(own, model, lane).boom_pump
         if limits(get(rows, BOOM + 3, lane), pump):
-            put(rows, _LANE, count, float(lane))
-            _pack(rows, count, lane, 1, 0)
-            _put_bracket(rows, count, unlimited(pump))
+            _begin(rows, count, lane, pump)
+            _pack(rows, count, lane, 1, _FIRST)
             count += 1
-    n_group = _fill_up(rows, count)
-    for group in range(n_group):
+    for group in range(_fill_up(rows, count)):
         part = rows[group * _GROUP :]
         for i in range(LIMIT_PASSES):
             for place in range(_GROUP):
-                pump = at(own, model, int(get(part, _LANE, place))).boom_pump
-                k, p = _packed_orifices(part, 0, place), get(part, _PACKED + 2, place)
-                _put_bracket(part, place, limit_single(_get_bracket(part, place, i == 0), k, p, pump))
+                x, p = _get_bracket(part, place, i == 0), get(part, _FIRST + 2, place)
+                _put_bracket(part, place, limit_single(x, _packed(part, place, _FIRST), p, _get_pump(part, place)))
         for place in range(_GROUP):
-            pump = at(own, model, int(get(part, _LANE, place))).boom_pump
-            k, p = _packed_orifices(part, 0, place), get(part, _PACKED + 2, place)
-            found = single_at(pump.flow * exp(get(part, _BRACKET, place)), k, p, pump)
+            pump, p = _get_pump(part, place), get(part, _FIRST + 2, place)
+            Q = pump.flow * exp(get(part, _BRACKET, place))
+            found = single_at(Q, _packed(part, place, _FIRST), p, pump)
             put(part, _RESULT, place, found.q_in)
             _put_circuit(part, _RESULT + 1, place, found.circuit)
     for place in range(count):
@@ -171,25 +199,21 @@ def _limit_series(model: Any, own: Any, rows: np.ndarray) -> None:
     for lane in range(LANES):
         pump = at(own, model, lane).series_pump
         if limits(get(rows, SERIES + 3, lane), pump):
-            put(rows, _LANE, count, float(lane))
-            _pack(rows, count, lane, 0, 0)
-            _pack(rows, count, lane, 2, 1)
-            _put_bracket(rows, count, unlimited(pump))
+            _begin(rows, count, lane, pump)
+            _pack(rows, count, lane, 0, _FIRST)
+            _pack(rows, count, lane, 2, _SECOND)
             count += 1
-    n_group = _fill_up(rows, count)
-    for group in range(n_group):
+    for group in range(_fill_up(rows, count)):
         part = rows[group * _GROUP :]
         for i in range(LIMIT_PASSES):
             for place in range(_GROUP):
-                pump = at(own, model, int(get(part, _LANE, place))).series_pump
-                first, second = _packed_orifices(part, 0, place), _packed_orifices(part, 1, place)
-                p_first, p_second = get(part, _PACKED + 2, place), get(part, _PACKED + 5, place)
+                first, second = _packed(part, place, _FIRST), _packed(part, place, _SECOND)
+                p_first, p_second = get(part, _FIRST + 2, place), get(part, _SECOND + 2, place)
                 x = _get_bracket(part, place, i == 0)
-                _put_bracket(part, place, limit_series(x, first, second, p_first, p_second, pump))
+                _put_bracket(part, place, limit_series(x, first, second, p_first, p_second, _get_pump(part, place)))
         for place in range(_GROUP):
-            pump = at(own, model, int(get(part, _LANE, place))).series_pump
-            first, second = _packed_orifices(part, 0, place), _packed_orifices(part, 1, place)
-            p_first, p_second = get(part, _PACKED + 2, place), get(part, _PACKED + 5, place)
+            first, second, pump = _packed(part, place, _FIRST), _packed(part, place, _SECOND), _get_pump(part, place)
+            p_first, p_second = get(part, _FIRST + 2, place), get(part, _SECOND + 2, place)
             found = series_at(pump.flow * exp(get(part, _BRACKET, place)), first, second, p_first, p_second, pump)
             put_links(part, _RESULT, place, Links(found.q_first, found.q_second, found.p_between))
             _put_circuit(part, _RESULT + 3, place, found.circuit)

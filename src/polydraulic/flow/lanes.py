@@ -21,7 +21,7 @@ SPOOL, P_A, P_B, ANGLE, RATE, Q_IN, Q_OUT, BOOM, SERIES, P_BETWEEN = 0, 3, 6, 9,
 # what the flow stage reads and writes
 P_IN, INLET, BYPASS, OUTLET = 30, 33, 36, 39
 FLOW_SCRATCH = 42
-N_FLOW_ROW = FLOW_SCRATCH + 19
+N_FLOW_ROW = FLOW_SCRATCH + 25
 
 
 @kernel
@@ -79,9 +79,13 @@ def _filled(form: Any, numbers: Any) -> Any:
 
 def leaves(parameters: Any) -> list[float]:
     """All numbers of a nested named tuple, in order."""
-    if isinstance(parameters, tuple):
-        return [number for part in parameters for number in leaves(part)]
-    return [float(parameters)]
+    found: list[float] = []
+    for part in parameters:
+        if isinstance(part, tuple):
+            found += leaves(part)
+        else:
+            found.append(part)
+    return found
 
 
 @overload(at, jit_options=KERNEL_OPTIONS)

@@ -253,9 +253,7 @@ def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_secon
 
 
 @kernel
-def limit_series(
-    x: Bracket, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump
-) -> Bracket:
+def limit_series(x: Bracket, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Bracket:
     """One step towards the torque limit with two actuators on the pump."""
     # without relief the pressure tells how far off the flow is; log_least then accounts for the relief valve
     ideal = Pump(pump.flow, NEVER, pump.p_return, pump.limit_start, pump.limit_exponent, pump.log_least)

@@ -19,6 +19,7 @@ from polydraulic.flow.lanes import ANGLE, BOOM, LANES, P_A, P_B, P_BETWEEN, P_IN
 from polydraulic.machine import end_effector
 from polydraulic.machine.state import N_STATE
 from polydraulic.parameters import LINKS, Machine, Scenario
+from polydraulic.parameters.schema import Geometry
 from polydraulic.simulation.cases import Cases, arrange_cases
 from polydraulic.simulation.lanes import N_ROW, P_OUT, STEPS, Block, Kept, run_block
 from polydraulic.simulation.loop import N_RECORD, run
@@ -228,41 +229,35 @@ def _chosen(able: dict[str, tuple[int, str]], columns: Sequence[str] | None, ran
 
 
 def _add_effector(cases: Cases, names: tuple[str, ...], kept: Kept) -> None:
-    angle = [names.index(f"{link}.angle") for link in LINKS]
-    first = names.index(_AXES[0])
-    for number, kind in enumerate(cases.kinds):
-        members = np.flatnonzero(cases.kind == number)
-        for values in (kept.rows, kept.final):
-            of_kind = values[members]
-            of_kind[..., first:] = end_effector(of_kind[..., angle], kind.machine.geometry)
-            values[members] = of_kind
+    angles, first = [names.index(f"{link}.angle") for link in LINKS], names.index(_AXES[0])
+    geometry: Any = np.array([kind.machine.geometry for kind in cases.kinds])[cases.kind].T
+    kept.final[:, first:] = end_effector(kept.final[:, angles], Geometry(*geometry))
+    kept.rows[:, :, first:] = end_effector(kept.rows[:, :, angles], Geometry(*geometry[..., None]))
 
 
 def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
-    """Work in blocks of lanes; machines with equal parameters come together."""
-    numbers, number = np.unique(
-        [leaves((kind.plant, kind.model)) for kind in cases.kinds], axis=0, return_inverse=True
-    )
+    """Work in blocks of lanes; machines with equal parameters come together, and blocks of them share one set."""
+    of_kinds = np.array([leaves((kind.model, kind.plant)) for kind in cases.kinds], dtype=np.float64)
+    numbers, number = np.unique(of_kinds, axis=0, return_inverse=True)
     parameters = number.reshape(-1)[cases.kind]
     order = np.argsort(parameters, kind="stable")
-    n_plant = len(leaves(cases.kinds[0].plant))
+    n_model = len(leaves(cases.kinds[0].model))
 
     def block(machine: np.ndarray) -> int:
-        lanes = np.resize(machine, LANES)
-        lanes[len(machine) :] = machine[0]
+        lanes = np.concatenate([machine, np.full(LANES - len(machine), machine[0])])
         rows = np.zeros(N_ROW * LANES)
         rows.reshape(N_ROW, LANES)[:N_STATE] = cases.x0[lanes].T
         own = np.ascontiguousarray(numbers[parameters[lanes]].T)
-        shared = bool(np.all(own == own[:, :1]))
+        differs = np.any(own != own[:, :1], axis=1)
         kind = cases.kinds[cases.kind[machine[0]]]
-        scratch = np.empty((len(kept.columns) if len(kept.lowest) else 0, LANES))
+        lowest = np.full((kept.lowest.shape[1], LANES), np.inf)
         run_block(
             kind.model,
-            None if shared else own[n_plant:].ravel(),
+            own[:n_model].ravel() if differs[:n_model].any() else None,
             kind.plant,
-            None if shared else own[:n_plant].ravel(),
+            own[n_model:].ravel() if differs.any() else None,
             cases.voltage,
-            Block(rows, machine, cases.signal[lanes], np.full_like(scratch, np.inf), np.full_like(scratch, -np.inf)),
+            Block(rows, machine, cases.signal[lanes], lowest, -lowest),
             kept,
         )
         counts[machine, 0] = rows.reshape(N_ROW, LANES)[STEPS, : len(machine)]

@@ -73,11 +73,11 @@ def arrange_cases(
     numbers: dict[tuple[int, int], int] = {}
     kind = np.array([numbers.setdefault((id(m), id(s)), len(numbers)) for m, s in pairs])
     first = np.unique(kind, return_index=True)[1]
-    kinds = [_kind(*pairs[i], flow, dt) for i in first]
+    kinds = [_kind(machine, scenario, flow, dt) for machine, scenario in (pairs[i] for i in first)]
 
     if voltage is None:
-        voltage = _scenario_voltages([pairs[i] for i in first], dt, t_end, every)
-        signal = kind
+        voltage, signal_of_kind = _scenario_voltages(kinds, [pairs[i][1] for i in first], dt, t_end, every)
+        signal = signal_of_kind[kind]
     else:
         voltage = voltage[:, : _array_steps(voltage.shape[1], dt, t_end, every)]
         signal = np.arange(n) % len(voltage)
@@ -111,16 +111,18 @@ def _scenarios(inputs: Any) -> list[Scenario]:
 
 
 def _voltages(inputs: Any) -> np.ndarray:
-    wanted = "inputs must be a scenario, a list of scenarios, or voltages of shape (n_step, 3) or (n_machine, n_step, 3)"
+    wanted = (
+        "inputs must be a scenario, a list of scenarios, or voltages of shape (n_step, 3) or (n_machine, n_step, 3)"
+    )
     if not isinstance(inputs, np.ndarray):
         raise InputError(f"{wanted}, not {type(inputs).__name__}")
     if inputs.ndim not in (2, 3) or inputs.shape[-1] != len(LINKS) or not inputs.size:
         raise InputError(f"{wanted}; the array has shape {inputs.shape}")
     voltage = np.ascontiguousarray(inputs if inputs.ndim == 3 else inputs[None], dtype=np.float64)
-    bad = np.argwhere(~np.isfinite(voltage))
-    if len(bad):
-        machine, step, link = bad[0]
-        raise InputError(f"voltage of {LINKS[link]} in step {step} of machine {machine} is {voltage[tuple(bad[0])]}")
+    if not np.isfinite(voltage).all():
+        machine, step, link = np.argwhere(~np.isfinite(voltage))[0]
+        value = voltage[machine, step, link]
+        raise InputError(f"the {LINKS[link]} voltage in step {step} of machine {machine} is {value}; it must be finite")
     return voltage
 
 
@@ -134,15 +136,24 @@ def _starts(x0: np.ndarray) -> np.ndarray:
 
 
 def _scenario_voltages(
-    pairs: Sequence[tuple[Machine, Any]], dt: float, t_end: float | None, every: int
-) -> np.ndarray:
-    durations = {scenario.duration: scenario.name for _, scenario in pairs}
+    kinds: Sequence[Kind], scenarios: Sequence[Any], dt: float, t_end: float | None, every: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Voltages that differ, and which of them each kind gets."""
+    durations = {scenario.duration: scenario.name for scenario in scenarios}
     if t_end is None and len(durations) > 1:
         found = ", ".join(f"{name} {duration:g} s" for duration, name in durations.items())
         raise InputError(f"the scenarios end at different times ({found}); give t_end")
-    n_step = n_steps(pairs[0][1], dt, t_end, every)
-    t = np.arange(n_step) * dt
-    return np.array([step_voltages(scenario.adapt(machine), scenario, t) for machine, scenario in pairs])
+    t = np.arange(n_steps(scenarios[0], dt, t_end, every)) * dt
+    numbers: dict[tuple[object, ...], int] = {}
+    voltages: list[np.ndarray] = []
+    which: list[int] = []
+    for kind, scenario in zip(kinds, scenarios, strict=True):
+        key = (id(scenario), *(getattr(kind.machine, link).pilot.dead_time for link in LINKS))
+        if key not in numbers:
+            numbers[key] = len(voltages)
+            voltages.append(step_voltages(kind.machine, scenario, t))
+        which.append(numbers[key])
+    return np.array(voltages), np.array(which)
 
 
 def _array_steps(n_step: int, dt: float, t_end: float | None, every: int) -> int:

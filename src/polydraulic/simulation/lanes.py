@@ -206,12 +206,24 @@ def _see_stage(rows: np.ndarray) -> None:
 
 
 @kernel
-def _count_stage(rows: np.ndarray, k: int, n_step: int) -> None:
-    """Note the step in which a rate left all reason."""
+def _count_stage(rows: np.ndarray, k: int, n_step: int) -> int:
+    """Note the step in which a rate left all reason; in how many machines one has."""
+    count = 0
     for lane in range(LANES):
         steps = get(rows, STEPS, lane)
-        lost = steps == float(n_step) and not reasonable(get_links(rows, RATE, lane))
-        put(rows, STEPS, lane, float(k) if lost else steps)
+        steps = min(steps, float(n_step if reasonable(get_links(rows, RATE, lane)) else k))
+        put(rows, STEPS, lane, steps)
+        count += 1 if steps < float(n_step) else 0
+    return count
+
+
+@kernel
+def _halt_stage(rows: np.ndarray, n_step: int) -> None:
+    """Keep machines that have left all reason from calculating with what is no number."""
+    for lane in range(LANES):
+        if get(rows, STEPS, lane) < float(n_step):
+            put_links(rows, ANGLE, lane, Links(0.0, 0.0, 0.0))
+            put_links(rows, RATE, lane, Links(0.0, 0.0, 0.0))
 
 
 @kernel
@@ -284,7 +296,8 @@ def run_block(
             _hose_stage(plant, own_plant, rows)
             if _motion_stage(plant, own_plant, rows) > 0:
                 _stop_stage(plant, own_plant, rows)
-            _count_stage(rows, k, n_step)
+            if _count_stage(rows, k, n_step) > 0:
+                _halt_stage(rows, n_step)
             if seen_now:
                 _see_stage(rows)
         if kept_now:
