@@ -5,7 +5,7 @@ Read `interface` (what a model gives), `dispatch` (how one is chosen), then the 
 historical attempt that fails.
 """
 
-from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, flow_step, served_links
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowKind, build_flow, flow_name, flow_step, served_links
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN, Flows
 from polydraulic.flow.iterative import iterative_flow
@@ -19,6 +19,7 @@ __all__ = [
     "NOT_CONVERGED",
     "OK",
     "OUT_OF_DOMAIN",
+    "FlowKind",
     "Flows",
     "build_flow",
     "exact_flow",

@@ -13,6 +13,7 @@ from numba.extending import overload
 from polydraulic._kernel import KERNEL_OPTIONS
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
+from polydraulic.flow.exact_lanes import exact_lanes
 from polydraulic.flow.interface import Flows
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
 from polydraulic.flow.polynomial import (
@@ -47,6 +48,8 @@ class FlowKind(NamedTuple):
     links : which links it can serve
     served : model -> links that this model serves, where that depends on it; the others get no flow
     has_state : whether pressures of its own go on from step to step, so that the flows depend on what was before
+    lanes : kernel (model, own, rows, whole) that finds the flows of a block of machines side by side; None where a step
+        keeps memory or loops as long as its data ask, so that machines must run one by one
     """
 
     model: type
@@ -58,23 +61,25 @@ class FlowKind(NamedTuple):
     links: tuple[str, ...]
     served: Callable[[Any], tuple[str, ...]] | None = None
     has_state: bool = False
+    lanes: Callable[..., None] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
-    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS),
+    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, lanes=exact_lanes),
     "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
     "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
     "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
     "polynomial": FlowKind(
-        PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, networks_serve
+        PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, served=networks_serve
     ),
-    "neural": FlowKind(NeuralFlow, neural_step, neural_flow, scratch, True, False, LINKS, networks_serve),
+    "neural": FlowKind(NeuralFlow, neural_step, neural_flow, scratch, True, False, LINKS, served=networks_serve),
     "pressure": FlowKind(
         PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)
     ),
 }
 
 FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}
+FLOW_LANES = {kind.model: kind.lanes for kind in FLOW_KINDS.values() if kind.lanes is not None}
 
 
 def flow_step(model: Any, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
@@ -100,6 +105,33 @@ def _flow_step_compiled(model: Any, memory: Any, spool: Any, p_in: Any, p_out: A
 
     def chosen(model: Any, memory: Any, spool: Any, p_in: Any, p_out: Any, dt: Any) -> Any:
         return step(model, memory, spool, p_in, p_out, dt)
+
+    return chosen
+
+
+def flow_lanes(model: Any, own: Any, rows: np.ndarray, whole: bool) -> None:
+    """Flows of a block of machines side by side, for models whose kind has `lanes`.
+
+    Parameters
+    ----------
+    model : flow model
+        That of all machines, or one of them where they differ.
+    own : None or flat array of rows
+        Parameters of each machine where they differ; see `lanes.at`.
+    rows : flat array of rows
+        Reads SPOOL and P_IN; writes Q_IN, OUTLET and, for `whole`, the pump flows and pressures; see `lanes`.
+    whole : bool
+        Whether pump flows and pressures are wanted.
+    """
+    FLOW_LANES[type(model)](model, own, rows, whole)
+
+
+@overload(flow_lanes, jit_options=KERNEL_OPTIONS)
+def _flow_lanes_compiled(model: Any, own: Any, rows: Any, whole: Any) -> Any:
+    lanes = FLOW_LANES[model.instance_class]
+
+    def chosen(model: Any, own: Any, rows: Any, whole: Any) -> Any:
+        lanes(model, own, rows, whole)
 
     return chosen
 

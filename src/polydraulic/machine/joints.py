@@ -81,7 +81,8 @@ def _passes(angle: float, rate: float, stops: Stops, dt: float) -> bool:
 
 
 @kernel
-def _passing(angle: Links, rate: Links, plant: Plant) -> Held:
+def passing(angle: Links, rate: Links, plant: Plant) -> Held:
+    """Which joints would pass a stop within the step."""
     return Held(
         _passes(angle.swing, rate.swing, plant.swing.stops, plant.dt),
         _passes(angle.boom, rate.boom, plant.boom.stops, plant.dt),
@@ -107,7 +108,7 @@ def stopped(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Stopped
 
     A second pass releases joints that a stop would have to pull, and stops those that the first impulses drive into theirs.
     """
-    met = _passing(angle, rate, plant)
+    met = passing(angle, rate, plant)
     momentum = times(mass, rate)
     after = solve_motion(mass, _either(plant.locked, met), momentum)
     then = times(mass, after)
@@ -116,9 +117,9 @@ def stopped(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Stopped
         met.boom and (then.boom - momentum.boom) * rate.boom <= 0.0,
         met.stick and (then.stick - momentum.stick) * rate.stick <= 0.0,
     )
-    met = _either(pushed, _passing(angle, after, plant))
+    met = _either(pushed, passing(angle, after, plant))
     after = solve_motion(mass, _either(plant.locked, met), momentum)
-    late = _passing(angle, after, plant)  # driven into a stop by the second impulses: rare, and without impulse
+    late = passing(angle, after, plant)  # driven into a stop by the second impulses: rare, and without impulse
     rate = Links(
         0.0 if late.swing else after.swing,
         0.0 if late.boom else after.boom,
@@ -134,21 +135,30 @@ def _turned(angle: float, rate: float, there: bool, stops: Stops, dt: float) -> 
 
 
 @kernel
-def moved(angle: Links, rate: Links, acceleration: Links, mass: Symmetric, plant: Plant) -> Joints:
-    """Angles and rates after a step: the new rates move the angles, up to the stops."""
-    dt = plant.dt
-    free = Links(
+def accelerated(rate: Links, acceleration: Links, dt: float) -> Links:
+    """Rates after a step without stops."""
+    return Links(
         rate.swing + dt * acceleration.swing,
         rate.boom + dt * acceleration.boom,
         rate.stick + dt * acceleration.stick,
     )
-    met = _passing(angle, free, plant)
-    after = stopped(angle, free, mass, plant) if (met.swing or met.boom or met.stick) else Stopped(free, met)
-    return Joints(
-        Links(
-            _turned(angle.swing, after.rate.swing, after.there.swing, plant.swing.stops, dt),
-            _turned(angle.boom, after.rate.boom, after.there.boom, plant.boom.stops, dt),
-            _turned(angle.stick, after.rate.stick, after.there.stick, plant.stick.stops, dt),
-        ),
-        after.rate,
+
+
+@kernel
+def turned(angle: Links, rate: Links, there: Held, plant: Plant) -> Links:
+    """Angles after a step at these rates, up to the stops; joints that stand `there` are at the nearer one."""
+    dt = plant.dt
+    return Links(
+        _turned(angle.swing, rate.swing, there.swing, plant.swing.stops, dt),
+        _turned(angle.boom, rate.boom, there.boom, plant.boom.stops, dt),
+        _turned(angle.stick, rate.stick, there.stick, plant.stick.stops, dt),
     )
+
+
+@kernel
+def moved(angle: Links, rate: Links, acceleration: Links, mass: Symmetric, plant: Plant) -> Joints:
+    """Angles and rates after a step: the new rates move the angles, up to the stops."""
+    free = accelerated(rate, acceleration, plant.dt)
+    met = passing(angle, free, plant)
+    after = stopped(angle, free, mass, plant) if (met.swing or met.boom or met.stick) else Stopped(free, met)
+    return Joints(turned(angle, after.rate, after.there, plant), after.rate)

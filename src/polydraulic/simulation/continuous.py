@@ -255,7 +255,7 @@ def reference(
         "rtol": rtol,
         "contacts": events,
     }
-    return trajectory(machine, scenario, time, rows, info, pump_pressure=kind.gives_pump_pressure)
+    return trajectory(machine, scenario, time, rows, info, kind)
 
 
 def _smooth_pieces(machine: Machine, scenario: Scenario, t_end: float) -> list[tuple[float, float]]:

@@ -46,16 +46,27 @@ def _outlet(k: float, p_out: float, line: LineStep) -> float:
 
 
 @kernel
+def rest_outlets(k: Links, p_out: Links, plant: Plant) -> Links:
+    """Outlet flows at line pressures that stay as they are."""
+    return Links(
+        _outlet(k.swing, p_out.swing, plant.swing.line),
+        _outlet(k.boom, p_out.boom, plant.boom.line),
+        _outlet(k.stick, p_out.stick, plant.stick.line),
+    )
+
+
+@kernel
+def reasonable(rate: Links) -> bool:
+    """Whether the rates are numbers that still mean something."""
+    return abs(rate.swing) < FASTEST and abs(rate.boom) < FASTEST and abs(rate.stick) < FASTEST
+
+
+@kernel
 def at_rest(model: Any, memory: np.ndarray, plant: Plant, x: State) -> Step:
     """Flows at a state, without advancing it."""
     seen = seen_pressures(x.spool, x.p_a, x.p_b)
     flows = flow_step(model, memory, x.spool, seen.p_in, seen.p_out, plant.dt)
-    q_out = Links(
-        _outlet(flows.k_out.swing, seen.p_out.swing, plant.swing.line),
-        _outlet(flows.k_out.boom, seen.p_out.boom, plant.boom.line),
-        _outlet(flows.k_out.stick, seen.p_out.stick, plant.stick.line),
-    )
-    return Step(x, flows, q_out)
+    return Step(x, flows, rest_outlets(flows.k_out, seen.p_out, plant))
 
 
 @driver
@@ -97,8 +108,7 @@ def run(
         step = machine_step(model, memory, plant, step.state, Links(voltage[k, 0], voltage[k, 1], voltage[k, 2]))
         counts[0] += 1 if step.flows.status == NOT_CONVERGED else 0
         counts[1] += 1 if step.flows.status == OUT_OF_DOMAIN else 0
-        w = step.state.rate
-        if not (abs(w.swing) < FASTEST and abs(w.boom) < FASTEST and abs(w.stick) < FASTEST):
+        if not reasonable(step.state.rate):
             _record(step, rows[0])
             return k
         if (k + 1) % every == 0:

@@ -6,17 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow import FLOW_KINDS, build_flow, flow_name, served_links
+from polydraulic.flow import FLOW_KINDS, FlowKind, build_flow, flow_name, served_links
 from polydraulic.machine import Plant, end_effector, initial_state, prepare
 from polydraulic.machine.state import to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
 from polydraulic.simulation.loop import FASTEST, N_RECORD, run
 from polydraulic.tables import Table
 
-_STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
-_FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
-_FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
-_CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
+STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
+FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
+FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
+CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
 
 
 def simulate(
@@ -83,8 +83,7 @@ def simulate(
         "steps_out_of_domain": int(arranged.counts[1]),
     }
     time = np.arange(len(arranged.rows)) * every * dt
-    known = FLOW_KINDS[name].gives_pump_pressure
-    return trajectory(scenario.adapt(machine), scenario, time, arranged.rows, info, pump_pressure=known)
+    return trajectory(scenario.adapt(machine), scenario, time, arranged.rows, info, FLOW_KINDS[name])
 
 
 class Arranged(NamedTuple):
@@ -143,10 +142,9 @@ def trajectory(
     time: np.ndarray,
     rows: np.ndarray,
     info: dict[str, object],
-    *,
-    pump_pressure: bool,
+    kind: FlowKind,
 ) -> Table:
-    """Name the columns of recorded rows, and add what follows from them."""
+    """Name the columns of recorded rows, those that this kind of flow model gives, and add what follows from them."""
     columns: dict[str, np.ndarray] = {"time": time}
     units = {"time": "s"}
 
@@ -157,19 +155,20 @@ def trajectory(
     for link in (link for link in LINKS if link not in scenario.locked):
         place = LINKS.index(link)
         add(f"{link}.voltage", "V", voltages[:, place])
-        for number, (name, unit) in enumerate(_STATE_COLUMNS + _FLOW_COLUMNS):
+        for number, (name, unit) in enumerate(STATE_COLUMNS + FLOW_COLUMNS):
             add(f"{link}.{name}", unit, rows[:, 3 * number + place])
         forward = columns[f"{link}.spool"] >= 0.0
         p_a, p_b = columns[f"{link}.p_a"], columns[f"{link}.p_b"]
         add(f"{link}.p_in", "Pa", np.where(forward, p_a, p_b))
         add(f"{link}.p_out", "Pa", np.where(forward, p_b, p_a))
     for circuit, first in (("boom", 21), ("series", 25)):
-        if set(_FED[circuit]) <= set(scenario.locked):
+        if set(FED[circuit]) <= set(scenario.locked):
             continue
-        for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
-            if name != "p_pump" or pump_pressure:
+        for number, (name, unit) in enumerate(CIRCUIT_COLUMNS):
+            if name != "p_pump" or kind.gives_pump_pressure:
                 add(f"{circuit}.{name}", unit, rows[:, first + number])
-        add(f"{circuit}.q_stored", "m3/s", rows[:, 30 if circuit == "boom" else 31])
+        if kind.has_state:
+            add(f"{circuit}.q_stored", "m3/s", rows[:, 30 if circuit == "boom" else 31])
     if "series.p_pump" in columns:
         add("series.p_between", "Pa", rows[:, 29])
     for place, link in enumerate(LINKS):
