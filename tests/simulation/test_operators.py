@@ -23,7 +23,8 @@ def check(machine, run, balances):
     for circuit, fed in (("boom", ["boom"]), ("series", ["swing", "stick"])):
         if balances:
             used = sum(run[f"{link}.q_in"] for link in fed)
-            used += sum(run[f"{circuit}.{name}"] for name in ("q_bypass", "q_relief", "q_stored"))
+            parts = [f"{circuit}.{name}" for name in ("q_bypass", "q_relief", "q_stored")]
+            used += sum(run[name] for name in parts if name in run.names)
             assert np.abs(run[f"{circuit}.q_pump"] - used).max() <= 1e-9 * run[f"{circuit}.q_pump"].max()
         for name in (f"{circuit}.p_pump", f"{circuit}.p_between"):
             if name in run.names:
@@ -48,12 +49,3 @@ def test_ten_minutes(machine, name, seed, limited):
     check(machine, run, FLOW_KINDS[name].balances)
     stops = machine.boom.stops
     assert np.ptp(run["boom.angle"]) > 0.5 * (stops.high - stops.low)
-
-
-@pytest.mark.slow
-def test_networks_of_the_boom_for_ten_minutes(machine):
-    scenario = random_operator(4, 600.0, links=("boom",))
-    run = simulate(machine, "polynomial", scenario, every=2)
-    assert np.all(np.isfinite(run["boom.rate"]))
-    assert machine.boom.stops.low <= run["boom.angle"].min() <= run["boom.angle"].max() <= machine.boom.stops.high
-    assert run["boom.p_a"].max() <= machine.boom.line.relief
