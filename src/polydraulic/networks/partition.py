@@ -161,6 +161,7 @@ def choose(regions: Regions, x: np.ndarray) -> int:
     """Network that answers for the inputs in the first places of `x`."""
     way = regions.root
     for _ in range(regions.depth):
-        if way >= 0:
-            way = regions.above[way] if x[regions.axis[way]] > regions.at[way] else regions.below[way]
+        if way < 0:
+            break
+        way = regions.above[way] if x[regions.axis[way]] > regions.at[way] else regions.below[way]
     return -1 - way

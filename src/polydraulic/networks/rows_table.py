@@ -37,7 +37,7 @@ def _evaluate_sorted(table: NetworkTable, first: np.ndarray, X: np.ndarray, work
     for k in range(first.shape[0] - 1):
         for start in range(first[k], first[k + 1], LANES):
             n = min(LANES, first[k + 1] - start)
-            for i in range(X.shape[1]):
+            for i in range(table.n_read[k]):
                 low, high = table.x_low[k, i], table.x_high[k, i]
                 mean, gain = table.x_mean[k, i], table.x_gain[k, i]
                 for lane in range(n):

@@ -69,6 +69,7 @@ class NetworkTable(NamedTuple):
     """Networks packed into arrays; network k has the nodes first[k]:first[k + 1]."""
 
     first: np.ndarray  # (n_network + 1,) int64
+    n_read: np.ndarray  # (n_network,) int64: nodes read no inputs beyond so many; 0 for a constant
     kind: np.ndarray  # (n_node,) int64
     n_in: np.ndarray  # (n_node,) int64: how many of the input slots a node uses
     inputs: np.ndarray  # (n_node, width) int64 slots
@@ -100,6 +101,11 @@ def pack(networks: list[Network]) -> NetworkTable:
             coef[row, : len(node.coef)] = node.coef
             row += 1
 
+    n_read = [
+        1 + max((slot for node in network.nodes for slot in node.inputs if slot < network.n_inputs), default=-1)
+        for network in networks
+    ]
+
     def padded(name: str, fill: float) -> np.ndarray:
         table = np.full((len(networks), n_input), fill)
         for k, network in enumerate(networks):
@@ -111,6 +117,7 @@ def pack(networks: list[Network]) -> NetworkTable:
 
     return NetworkTable(
         first=np.cumsum([0, *(len(network.nodes) for network in networks)]).astype(np.int64),
+        n_read=np.array(n_read, dtype=np.int64),
         kind=np.array([node.kind for node in nodes], dtype=np.int64),
         n_in=np.array([len(node.inputs) for node in nodes], dtype=np.int64),
         inputs=inputs,
@@ -181,7 +188,7 @@ def evaluate(table: NetworkTable, k: int, work: np.ndarray) -> float:
         The inputs stand in its first places and are overwritten.
     """
     n_input = table.x_mean.shape[1]
-    for i in range(n_input):
+    for i in range(table.n_read[k]):
         clamped = min(max(work[i], table.x_low[k, i]), table.x_high[k, i])
         work[i] = (clamped - table.x_mean[k, i]) * table.x_gain[k, i]
     y = 0.0
