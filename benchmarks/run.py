@@ -53,6 +53,10 @@ def steps():
         "exact, torque limit": build_flow("exact", limited),
         "iterative, eps 0.05": build_flow("iterative", machine),
         "iterative, eps 0.001": build_flow("iterative", machine, eps=0.001),
+        "stiff": build_flow("stiff", machine),
+        "stiff, torque limit": build_flow("stiff", limited),
+        "tlm, 1 substep": build_flow("tlm", machine, substeps=1),
+        "tlm, 4 substeps": build_flow("tlm", machine),
     }
     for name in ("sine", "task"):
         show(f"one step of all three links, {name}", time_runs(machine, models, load_scenario(name)), "ns", 1e9 / 2600)

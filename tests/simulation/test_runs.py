@@ -100,6 +100,9 @@ limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=Tru
 for name, t_end in (("task", 13.0), ("step", 6.0), ("pulse", 4.0)):
     run = simulate(limited, "exact", load_scenario(name), t_end=t_end)
     print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
+for flow in ("stiff", "tlm"):
+    run = simulate(limited, flow, load_scenario("pulse"), t_end=2.0)
+    print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
 """
 
 
