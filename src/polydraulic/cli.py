@@ -75,6 +75,9 @@ def simulate(
     out: Annotated[Path | None, typer.Option(help="Trajectory to write, .parquet or .csv (SI).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
+    method: Annotated[
+        str, typer.Option(help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.")
+    ] = "semi-implicit",
     machine: MachineOption = "cat215b",
 ) -> None:
     """Simulate a scenario and compare it with the exact flow.
@@ -94,15 +97,18 @@ def simulate(
         raise InputError(f"--model goes with --flow polynomial or pressure, not with {flow!r}")
     plant, what = load_machine(machine), load_scenario(scenario)
     options = {"models": [found for path in model for found in load_models(path)]} if model else {}
-    runs = {flow: run(plant, build_flow(flow, plant, **options), what, dt=dt)}
+    runs = {flow: run(plant, build_flow(flow, plant, **options), what, dt=dt, method=method)}
     info = runs[flow].info
     print(f"{what.name}: {what.title}")
-    print(
-        f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
-        f"{info['steps_out_of_domain']} outside the model's domain"
-    )
+    if "rtol" in info:
+        print(f"{method} with flow {flow!r} to a relative tolerance of {info['rtol']:g}, every {dt:g} s")
+    else:
+        print(
+            f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
+            f"{info['steps_out_of_domain']} outside the model's domain"
+        )
     if flow != "exact":
-        runs["exact"] = run(plant, "exact", what, dt=dt)
+        runs["exact"] = run(plant, "exact", what, dt=dt, method=method)
         differences = compare(runs["exact"], runs[flow])
         print("differences from exact:   largest        at        rms")
         for name in ("boom.angle", "boom.rate", "boom.q_in", "boom.p_in"):

@@ -10,25 +10,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver
-from polydraulic.machine import prepare
-from polydraulic.machine.joints import position, stopped_rates
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links
 from polydraulic.parameters import LINKS, Machine
+from polydraulic.simulation.right_hand_side import landed
 
 _NEAR = 1e-9  # rad; an event is found closer than this
 _STILL = 1e-9  # rad/s
-_BLINK = 1e-6  # s; a joint that would pass its stop within this time is at it
 
 Push = Callable[[float, np.ndarray, Held], np.ndarray]
 
 
 class Contact(NamedTuple):
-    """Stops of the joints, which of them are locked, and the torques that hold joints: (t, state, held) -> (3,), N m."""
+    """Stops of the joints, the plant, and the torques that hold joints: (t, state, held) -> (3,), N m."""
 
     machine: Machine
-    locked: Held
+    plant: Plant
     push: Push
 
 
@@ -47,7 +45,7 @@ def watch(contact: Contact, held: Held) -> list[Callable[..., float]]:
         def never(t: float, v: np.ndarray) -> float:
             return 1.0
 
-        event: Any = never if contact.locked[place] else (pressed if held[place] else gap)
+        event: Any = never if contact.plant.locked[place] else (pressed if held[place] else gap)
         event.terminal, event.direction = True, -1.0
         events.append(event)
     return events
@@ -60,8 +58,7 @@ def impact(contact: Contact, t: float, v: np.ndarray, held: Held, which: int) ->
         return v, freed
     stops = getattr(contact.machine, LINKS[which]).stops
     v[9 + which] = stops.high if _side(v[9 + which], stops) > 0.0 else stops.low
-    plant = prepare(contact.machine, _BLINK, [link for link, lock in zip(LINKS, contact.locked, strict=True) if lock])
-    _stop(plant, v)
+    _stop(contact.plant, v)
     return v, held_joints(contact, t, v)
 
 
@@ -72,10 +69,10 @@ def held_joints(contact: Contact, t: float, v: np.ndarray) -> Held:
         min(v[9 + i] - stops[i].low, stops[i].high - v[9 + i]) <= _NEAR and abs(v[12 + i]) <= _STILL for i in range(3)
     ]
     for _ in range(3):  # each pass releases one joint at least, or none
-        held = Held(*(bool(here or lock) for here, lock in zip(there, contact.locked, strict=True)))
+        held = Held(*(bool(here or lock) for here, lock in zip(there, contact.plant.locked, strict=True)))
         push = contact.push(t, v, held)
         there = [here and _side(v[9 + i], stops[i]) * push[i] < 0.0 for i, here in enumerate(there)]
-    return Held(*(bool(here or lock) for here, lock in zip(there, contact.locked, strict=True)))
+    return Held(*(bool(here or lock) for here, lock in zip(there, contact.plant.locked, strict=True)))
 
 
 def _side(angle: float, stops: Any) -> float:
@@ -84,7 +81,7 @@ def _side(angle: float, stops: Any) -> float:
 
 @driver
 def _stop(plant: Plant, v: np.ndarray) -> None:
-    """Impulse of the stops on the rates in a state."""
-    angle, rate = Links(v[9], v[10], v[11]), Links(v[12], v[13], v[14])
-    after = stopped_rates(angle, rate, position(angle, rate, plant).motion.mass, plant)
-    v[12], v[13], v[14] = after.swing, after.boom, after.stick
+    """Put a joint at its stop, with the impulse that this takes."""
+    after = landed(Links(v[9], v[10], v[11]), Links(v[12], v[13], v[14]), plant)
+    v[9], v[10], v[11] = after.angle.swing, after.angle.boom, after.angle.stick
+    v[12], v[13], v[14] = after.rate.swing, after.rate.boom, after.rate.stick
