@@ -12,8 +12,8 @@ from numba.extending import overload
 
 from polydraulic._kernel import KERNEL_OPTIONS
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
-from polydraulic.flow.interface import Flows
+from polydraulic.flow.exact import ExactFlow, exact_flow, exact_slopes, exact_step
+from polydraulic.flow.interface import Flows, FlowSlopes
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
 from polydraulic.flow.polynomial import PolynomialFlow, polynomial_flow, polynomial_step
 from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
@@ -34,6 +34,7 @@ class FlowKind(NamedTuple):
     balances : whether pump flow = actuator + bypass + relief at every step
     gives_pump_pressure : whether the pump pressure is computed
     links : which links it serves; the others get no flow
+    slopes : kernel (model, spool, inside, flows) -> FlowSlopes, if there is one
     """
 
     model: type
@@ -43,10 +44,11 @@ class FlowKind(NamedTuple):
     balances: bool
     gives_pump_pressure: bool
     links: tuple[str, ...]
+    slopes: Callable[..., FlowSlopes] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
-    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS),
+    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, exact_slopes),
     "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
     "polynomial": FlowKind(
         PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False, ("boom",)
@@ -57,6 +59,7 @@ FLOW_KINDS: dict[str, FlowKind] = {
 }
 
 FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}
+FLOW_SLOPES = {kind.model: kind.slopes for kind in FLOW_KINDS.values() if kind.slopes is not None}
 
 
 def flow_step(model: Any, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
@@ -82,6 +85,32 @@ def _flow_step_compiled(model: Any, memory: Any, spool: Any, p_in: Any, p_out: A
 
     def chosen(model: Any, memory: Any, spool: Any, p_in: Any, p_out: Any, dt: Any) -> Any:
         return step(model, memory, spool, p_in, p_out, dt)
+
+    return chosen
+
+
+def flow_slopes(model: Any, spool: Links, inside: Links, flows: Flows) -> FlowSlopes:
+    """Slopes of `flow_step` at a solution, of a model that has them.
+
+    Parameters
+    ----------
+    model : one of the models in `FLOW_SLOPES`
+    spool : Links, m
+    inside : Links, m
+        Spools on the same segments of their tables, but not on a knot: at a knot the slopes of the two sides differ.
+    flows : Flows
+        The solution.
+    """
+    slopes: Callable[..., FlowSlopes] = FLOW_SLOPES[type(model)]
+    return slopes(model, spool, inside, flows)
+
+
+@overload(flow_slopes, jit_options=KERNEL_OPTIONS)
+def _flow_slopes_compiled(model: Any, spool: Any, inside: Any, flows: Any) -> Any:
+    slopes = FLOW_SLOPES[model.instance_class]
+
+    def chosen(model: Any, spool: Any, inside: Any, flows: Any) -> Any:
+        return slopes(model, spool, inside, flows)
 
     return chosen
 

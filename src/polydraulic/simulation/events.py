@@ -36,6 +36,7 @@ CONDITIONS = (
     *((circuit, *_PUMP) for circuit in ("boom", "series")),
 )
 STOPS = range(6, 12)  # bits of the end stops
+SPOOLS = (1 << 6) - 1  # all bits of the spools
 
 
 class Edges(NamedTuple):
@@ -94,7 +95,7 @@ def _pick(v: Links, place: int) -> float:
 
 
 @kernel
-def _share(bit: int, begins: bool, before: State, after: State, edges: Edges, plant: Plant) -> float:
+def _share(bit: int, begins: bool, dt: float, before: State, after: State, edges: Edges, plant: Plant) -> float:
     """Part of the way from one row to the next at which a condition changes."""
     place = bit % 3
     if bit < 6:
@@ -104,7 +105,7 @@ def _share(bit: int, begins: bool, before: State, after: State, edges: Edges, pl
     if bit < 12:
         stops = plant.swing.stops if place == 0 else (plant.boom.stops if place == 1 else plant.stick.stops)
         gap = (stops.low if bit < 9 else stops.high) - _pick(before.angle, place)
-        way = plant.dt * _pick(before.rate, place)
+        way = dt * _pick(before.rate, place)
         meets = min(max(gap / way, 0.0), 1.0) if way * gap > 0.0 else 1.0
         return meets if begins else 0.0
     return 1.0
@@ -114,20 +115,20 @@ def _share(bit: int, begins: bool, before: State, after: State, edges: Edges, pl
 def note(
     log: Log, changed: int, bits: int, t0: float, t1: float, before: State, after: State, edges: Edges, plant: Plant
 ) -> None:
-    """Write down every condition that changed between two states; `plant` is prepared for dt = t1 - t0."""
+    """Write down every condition that changed between two states, at the times t0 and t1."""
     for bit in range(N_CONDITION):
         if (changed >> bit) & 1:
             begins = ((bits >> bit) & 1) == 1
             k = log.count[0]
             if k < MAX_EVENTS:
-                log.time[k] = t0 + (t1 - t0) * _share(bit, begins, before, after, edges, plant)
+                log.time[k] = t0 + (t1 - t0) * _share(bit, begins, t1 - t0, before, after, edges, plant)
                 log.code[k] = bit + 1 if begins else -(bit + 1)
             log.count[0] = k + 1
 
 
 @driver
 def scan(time: np.ndarray, rows: np.ndarray, edges: Edges, plant: Plant, log: Log) -> None:
-    """Find the events in recorded rows; `plant` is prepared for the time from row to row."""
+    """Find the events in recorded rows."""
     x = from_vector(rows[0])
     bits = conditions(x, rows[0, 23], rows[0, 27], edges, plant)
     for k in range(1, rows.shape[0]):
@@ -153,7 +154,7 @@ def find_events(
     """Events in recorded rows, as `listed` gives them; what begins and ends between two rows is not seen."""
     log = new_log()
     if len(rows) > 1:
-        scan(time, rows, edges_of(machine), prepare(machine, time[1], scenario.locked), log)
+        scan(time, rows, edges_of(machine), prepare(machine, 1.0, scenario.locked), log)
     return listed(log, scenario.locked, at_stops)
 
 

@@ -173,6 +173,36 @@ def landed(angle: Links, rate: Links, plant: Plant) -> Joints:
     return Joints(there, after)
 
 
+@kernel
+def _rests(angle: float, rate: float, stops: Stops) -> bool:
+    return rate == 0.0 and (angle <= stops.low or angle >= stops.high)
+
+
+@kernel
+def resting(x: State, plant: Plant) -> Held:
+    """Joints that are locked, or stand at a stop."""
+    return Held(
+        plant.locked.swing or _rests(x.angle.swing, x.rate.swing, plant.swing.stops),
+        plant.locked.boom or _rests(x.angle.boom, x.rate.boom, plant.boom.stops),
+        plant.locked.stick or _rests(x.angle.stick, x.rate.stick, plant.stick.stops),
+    )
+
+
+@kernel
+def _pushes(angle: float, reaction: float, stops: Stops) -> bool:
+    return reaction <= 0.0 if angle >= stops.high else reaction >= 0.0
+
+
+@kernel
+def pushed(held: Held, x: State, reaction: Links, plant: Plant) -> Held:
+    """Those of the held joints that are locked, or that their stop pushes and need not pull."""
+    return Held(
+        plant.locked.swing or (held.swing and _pushes(x.angle.swing, reaction.swing, plant.swing.stops)),
+        plant.locked.boom or (held.boom and _pushes(x.angle.boom, reaction.boom, plant.boom.stops)),
+        plant.locked.stick or (held.stick and _pushes(x.angle.stick, reaction.stick, plant.stick.stops)),
+    )
+
+
 @driver
 def evaluate(
     model: Any,

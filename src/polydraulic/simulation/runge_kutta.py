@@ -14,9 +14,8 @@ from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State, from_vector, store
-from polydraulic.parameters.schema import Stops
 from polydraulic.simulation.loop import FASTEST, record_flows
-from polydraulic.simulation.right_hand_side import Derivative, bounded_pressures, derivative, landed
+from polydraulic.simulation.right_hand_side import Derivative, bounded_pressures, derivative, landed, pushed, resting
 
 
 @kernel
@@ -45,36 +44,6 @@ def _settled(x: State, plant: Plant) -> State:
 @kernel
 def _volts(voltage: np.ndarray, k: int) -> Links:
     return Links(voltage[k, 0], voltage[k, 1], voltage[k, 2])
-
-
-@kernel
-def _rests(angle: float, rate: float, stops: Stops) -> bool:
-    return rate == 0.0 and (angle <= stops.low or angle >= stops.high)
-
-
-@kernel
-def _resting(x: State, plant: Plant) -> Held:
-    """Joints that are locked, or stand at a stop."""
-    return Held(
-        plant.locked.swing or _rests(x.angle.swing, x.rate.swing, plant.swing.stops),
-        plant.locked.boom or _rests(x.angle.boom, x.rate.boom, plant.boom.stops),
-        plant.locked.stick or _rests(x.angle.stick, x.rate.stick, plant.stick.stops),
-    )
-
-
-@kernel
-def _pushes(angle: float, reaction: float, stops: Stops) -> bool:
-    return reaction <= 0.0 if angle >= stops.high else reaction >= 0.0
-
-
-@kernel
-def _pushed(held: Held, x: State, reaction: Links, plant: Plant) -> Held:
-    """Those of the held joints that are locked, or that their stop pushes and need not pull."""
-    return Held(
-        plant.locked.swing or (held.swing and _pushes(x.angle.swing, reaction.swing, plant.swing.stops)),
-        plant.locked.boom or (held.boom and _pushes(x.angle.boom, reaction.boom, plant.boom.stops)),
-        plant.locked.stick or (held.stick and _pushes(x.angle.stick, reaction.stick, plant.stick.stops)),
-    )
 
 
 @driver
@@ -106,9 +75,9 @@ def run_runge_kutta(
     n_step = voltage.shape[0] // 2
     x = from_vector(x0)
     for k in range(n_step + 1):
-        held = _resting(x, plant)
+        held = resting(x, plant)
         first = _slope(model, memory, plant, tau, held, voltage, 2 * k, x)
-        left = _pushed(held, x, first.rates.reaction, plant)
+        left = pushed(held, x, first.rates.reaction, plant)
         if left.swing != held.swing or left.boom != held.boom or left.stick != held.stick:
             held = left
             first = _slope(model, memory, plant, tau, held, voltage, 2 * k, x)

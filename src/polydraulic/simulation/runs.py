@@ -16,7 +16,7 @@ from polydraulic.simulation.runge_kutta import run_runge_kutta
 from polydraulic.tables import Table
 
 # methods of `simulate`, with the tolerance of those that choose their own steps
-METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "reference": 1e-9}
+METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbrock": 1e-4, "reference": 1e-9}
 _STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 _FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
 _FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
