@@ -1,7 +1,7 @@
 """Simulation: the machine in time.
 
 Read `step` (one step, the whole algorithm), `loop` (compiled), `runs` (`simulate`, the function to call), then the other methods:
-`right_hand_side` (the equations in continuous time), `runge_kutta`, `rosenbrock`, `continuous` (the tight judge); `events`
+`right_hand_side` (the equations in continuous time), `runge_kutta`, `rosenbrock`, `tight` (the judge); `events`
 (what happened when) and `trajectory` (comparison and plots).
 """
 

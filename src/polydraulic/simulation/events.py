@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver, kernel
+from polydraulic.flow.interface import Flows
 from polydraulic.machine import prepare
 from polydraulic.machine.hose import LineStep
 from polydraulic.machine.plant import Plant
@@ -35,7 +36,6 @@ CONDITIONS = (
     *((link, *words) for words in _LINK_CONDITIONS for link in LINKS),
     *((circuit, *_PUMP) for circuit in ("boom", "series")),
 )
-STOPS = range(6, 12)  # bits of the end stops
 SPOOLS = (1 << 6) - 1  # all bits of the spools
 
 
@@ -127,6 +127,22 @@ def note(
 
 
 @driver
+def observe(
+    log: Log, had: int, t0: float, t1: float, before: State, after: State, flows: Flows, edges: Edges, plant: Plant
+) -> int:
+    """Events of a step of a solver that ends its steps at events; returns the conditions at its end, `had` are those before.
+
+    Only spool edges may lie within a step: on either side of its ends, by rounding.
+    """
+    bits = conditions(after, flows.boom.q_relief, flows.series.q_relief, edges, plant)
+    changed = bits ^ had
+    if changed != 0:
+        note(log, changed & SPOOLS, bits, t0, t1, before, after, edges, plant)
+        note(log, changed & ~SPOOLS, bits, t1, t1, before, after, edges, plant)
+    return bits
+
+
+@driver
 def scan(time: np.ndarray, rows: np.ndarray, edges: Edges, plant: Plant, log: Log) -> None:
     """Find the events in recorded rows."""
     x = from_vector(rows[0])
@@ -144,39 +160,26 @@ def edges_of(machine: Machine) -> Edges:
     return Edges(machine.spool.deadband, machine.spool.bypass_closed)
 
 
-def find_events(
-    machine: Machine,
-    scenario: Scenario,
-    time: np.ndarray,
-    rows: np.ndarray,
-    at_stops: list[list[Any]] | None = None,
-) -> dict[str, object]:
+def find_events(machine: Machine, scenario: Scenario, time: np.ndarray, rows: np.ndarray) -> dict[str, object]:
     """Events in recorded rows, as `listed` gives them; what begins and ends between two rows is not seen."""
     log = new_log()
     if len(rows) > 1:
         scan(time, rows, edges_of(machine), prepare(machine, 1.0, scenario.locked), log)
-    return listed(log, scenario.locked, at_stops)
+    return listed(log, scenario.locked)
 
 
-def stop_event(t: float, link: str, stops: Stops, angle: float, met: bool) -> list[Any]:
-    """Entry for a joint that has met or left the stop which is nearest to its angle."""
-    words = _LINK_CONDITIONS[2 if angle - stops.low < stops.high - angle else 3]
-    return [t, link, words[0] if met else words[1]]
-
-
-def listed(log: Log, locked: tuple[str, ...], at_stops: list[list[Any]] | None = None) -> dict[str, object]:
+def listed(log: Log, locked: tuple[str, ...]) -> dict[str, object]:
     """Entries for a trajectory's `info`: ``events``, rows of [time in s, link or circuit, what], and ``events_dropped``.
 
-    Locked links have none. `at_stops` are the end stops' events where they are known better than the log knows them.
+    Locked links have none.
     """
     n = int(log.count[0])
     kept = min(n, MAX_EVENTS)
-    rows: list[list[Any]] = [] if at_stops is None else list(at_stops)
-    for t, code in zip(log.time[:kept], log.code[:kept], strict=True):
-        bit = abs(int(code)) - 1
-        link, begins, ends = CONDITIONS[bit]
+    rows: list[list[Any]] = []
+    for k in np.argsort(log.time[:kept], kind="stable"):
+        code = int(log.code[k])
+        link, begins, ends = CONDITIONS[abs(code) - 1]
         gone = link in locked if link != "series" else {"swing", "stick"} <= set(locked)
-        if not gone and not (at_stops is not None and bit in STOPS):
-            rows.append([float(t), link, begins if code > 0 else ends])
-    order = np.argsort([row[0] for row in rows], kind="stable")
-    return {"events": [rows[k] for k in order], "events_dropped": n - kept}
+        if not gone:
+            rows.append([float(log.time[k]), link, begins if code > 0 else ends])
+    return {"events": rows, "events_dropped": n - kept}

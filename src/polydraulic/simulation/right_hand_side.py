@@ -17,7 +17,7 @@ from polydraulic.machine.joints import Joints, Position, net_torque, position, s
 from polydraulic.machine.linkage import Held, solve_motion, times
 from polydraulic.machine.pilot import spool_target
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import N_STATE, Links, State, from_vector, store
+from polydraulic.machine.state import Links, State, from_vector, store
 from polydraulic.parameters.schema import Stops
 from polydraulic.simulation.loop import record_flows
 from polydraulic.simulation.step import seen_pressures
@@ -204,23 +204,11 @@ def pushed(held: Held, x: State, reaction: Links, plant: Plant) -> Held:
 
 
 @driver
-def evaluate(
-    model: Any,
-    memory: np.ndarray,
-    plant: Plant,
-    tau: Links,
-    held: Held,
-    voltage: np.ndarray,
-    v: np.ndarray,
-    slope: np.ndarray,
-    row: np.ndarray,
-    reaction: np.ndarray,
-) -> None:
-    """`derivative` of the state `v` for a solver: fills `slope` (15,), `row` as the loop records, and `reaction` (3,) in N m."""
-    found = derivative(model, memory, plant, tau, held, Links(voltage[0], voltage[1], voltage[2]), from_vector(v))
-    store(found.state, slope)
-    r = found.rates
-    reaction[0], reaction[1], reaction[2] = r.reaction.swing, r.reaction.boom, r.reaction.stick
-    for i in range(N_STATE):
-        row[i] = v[i]
-    record_flows(r.flows, r.q_out, row)
+def fill_flows(model: Any, memory: np.ndarray, plant: Plant, rows: np.ndarray) -> None:
+    """Flows at recorded states, whose pressures are put within their bounds."""
+    for k in range(rows.shape[0]):
+        x = from_vector(rows[k])
+        x = State(x.spool, bounded_pressures(x.p_a, plant), bounded_pressures(x.p_b, plant), x.angle, x.rate)
+        r = rates(model, memory, plant, plant.locked, x)
+        store(x, rows[k])
+        record_flows(r.flows, r.q_out, rows[k])

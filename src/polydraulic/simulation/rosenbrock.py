@@ -15,11 +15,11 @@ from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow import FLOW_KINDS, flow_name
 from polydraulic.machine import initial_state, prepare
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import State, from_vector, store, to_vector
+from polydraulic.machine.state import from_vector, to_vector
 from polydraulic.parameters import Machine, Scenario
-from polydraulic.simulation.events import SPOOLS, Edges, Log, conditions, edges_of, listed, new_log, note
-from polydraulic.simulation.loop import FASTEST, N_RECORD, record_flows
-from polydraulic.simulation.right_hand_side import bounded_pressures, rates
+from polydraulic.simulation.events import Edges, Log, conditions, edges_of, listed, new_log, observe
+from polydraulic.simulation.loop import FASTEST, N_RECORD
+from polydraulic.simulation.right_hand_side import fill_flows
 from polydraulic.simulation.rosenbrock_step import (
     RODAS,
     Tableau,
@@ -91,7 +91,7 @@ def run_rosenbrock(
     held = settle(model, memory, plant, spool, w.y, w.f, w.free)
     r = evaluate_slow(model, memory, plant, held, w.free, spool, w.y, w.f)
     relief = relief_open(r)
-    bits = conditions(slow_state(spool, w.y), r.flows.boom.q_relief, r.flows.series.q_relief, edges, plant)
+    bits = conditions(x, r.flows.boom.q_relief, r.flows.series.q_relief, edges, plant)
     for m in range(15):
         rows[0, m] = x0[m]
     h = 1e-3
@@ -151,13 +151,7 @@ def run_rosenbrock(
             held = settle(model, memory, plant, spool_new, w.y, w.f, w.free)
             r = evaluate_slow(model, memory, plant, held, w.free, spool_new, w.y, w.f)
             relief = relief_open(r)
-        after = slow_state(spool_new, w.y)
-        had = bits
-        bits = conditions(after, r.flows.boom.q_relief, r.flows.series.q_relief, edges, plant)
-        changed = bits ^ had
-        if changed != 0:
-            note(log, changed & SPOOLS, bits, t, t_new, before, after, edges, plant)
-            note(log, changed & ~SPOOLS, bits, t_new, t_new, before, after, edges, plant)
+        bits = observe(log, bits, t, t_new, before, slow_state(spool_new, w.y), r.flows, edges, plant)
         if not (abs(w.y[9]) < FASTEST and abs(w.y[10]) < FASTEST and abs(w.y[11]) < FASTEST):
             return TOO_FAST
         t, spool = t_new, spool_new
@@ -168,21 +162,10 @@ def run_rosenbrock(
     return DONE
 
 
-@driver
-def fill_flows(model: Any, memory: np.ndarray, plant: Plant, rows: np.ndarray) -> None:
-    """Flows at recorded states, whose pressures are put within their bounds."""
-    for k in range(rows.shape[0]):
-        x = from_vector(rows[k])
-        x = State(x.spool, bounded_pressures(x.p_a, plant), bounded_pressures(x.p_b, plant), x.angle, x.rate)
-        r = rates(model, memory, plant, plant.locked, x)
-        store(x, rows[k])
-        record_flows(r.flows, r.q_out, rows[k])
-
-
 def integrate(
     machine: Machine, model: Any, scenario: Scenario, time: np.ndarray, rtol: float
 ) -> tuple[np.ndarray, dict[str, object]]:
-    """Integrate a scenario to a tolerance; arguments and result are those of `continuous.integrate`.
+    """Integrate a scenario to a tolerance; arguments and result are those of `tight.integrate`.
 
     Raises
     ------

@@ -18,6 +18,9 @@ from polydraulic.simulation.linearised import Free, Slow, factorise, linearise, 
 from polydraulic.simulation.right_hand_side import Rates, rates
 from polydraulic.simulation.spools import spools_at
 
+# size of line pressures A and B, angles, rates: sets absolute tolerances
+SIZES = np.repeat([1e6, 1e6, 1.0, 1.0], 3)
+
 
 class Tableau(NamedTuple):
     """Coefficients in the form without matrix-vector products: (1 / (gamma h) - J) U_i = f(y + sum a U) + sum (c / h) U + d h f_t.
@@ -78,8 +81,7 @@ class Work(NamedTuple):
 def new_work(tableau: Tableau) -> Work:
     """Scratch for a run."""
     one = [np.zeros(12) for _ in range(6)]
-    scale = np.repeat([1e6, 1e6, 1.0, 1.0], 3)
-    return Work(*one, np.zeros((len(tableau.time), 12)), np.ones(6), scale)
+    return Work(*one, np.zeros((len(tableau.time), 12)), np.ones(6), SIZES)
 
 
 @kernel

@@ -104,7 +104,7 @@ def _solver(method: str) -> Any:
     if method == "rosenbrock":
         from polydraulic.simulation.rosenbrock import integrate
     else:
-        from polydraulic.simulation.continuous import integrate
+        from polydraulic.simulation.tight import integrate
     return integrate
 
 
