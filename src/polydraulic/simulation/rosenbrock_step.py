@@ -92,8 +92,8 @@ def slow_state(spool: Links, y: np.ndarray) -> State:
     )
 
 
-@driver
-def evaluate_slow(
+@kernel
+def slow_rates(
     model: Any,
     memory: np.ndarray,
     plant: Plant,
@@ -110,6 +110,21 @@ def evaluate_slow(
     f[6], f[7], f[8] = y[9], y[10], y[11]
     f[9], f[10], f[11] = r.acceleration.swing, r.acceleration.boom, r.acceleration.stick
     return r
+
+
+@driver
+def evaluate_slow(
+    model: Any,
+    memory: np.ndarray,
+    plant: Plant,
+    held: Held,
+    free: np.ndarray,
+    spool: Links,
+    y: np.ndarray,
+    f: np.ndarray,
+) -> Rates:
+    """`slow_rates` as a function of its own: where it is called in many places, it is compiled once."""
+    return slow_rates(model, memory, plant, held, free, spool, y, f)
 
 
 @kernel
@@ -163,7 +178,7 @@ def step(
                 for m in range(12):
                     w.y_stage[m] += tableau.a[i, j] * w.stages[j, m]
             spool = spools_at(coefficients, t_piece, t + tableau.time[i] * h).x
-            evaluate_slow(model, memory, plant, held, w.free, spool, w.y_stage, w.f_stage)
+            slow_rates(model, memory, plant, held, w.free, spool, w.y_stage, w.f_stage)
             for j in range(i):
                 for m in range(12):
                     w.f_stage[m] += tableau.c[i, j] / h * w.stages[j, m]

@@ -4,18 +4,17 @@ Between the corners of the voltages a pilot's command is a straight line or a si
 x(s) = c0 + c1 s + c2 exp(-s / tau) + c3 sin(w t) + c4 cos(w t), with s from the last corner and t the signal's own time.
 """
 
-import itertools
-from math import asin, ceil, floor, pi
+from math import asin, ceil, pi
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.elementary import exp, sincos
-from polydraulic.errors import InputError
 from polydraulic.machine.state import Links
 from polydraulic.parameters import LINKS, Constant, Machine, Piecewise, Scenario, Sine
 from polydraulic.parameters.schema import Pilot
+from polydraulic.parameters.signals import Signal
 
 N_COEFFICIENT = 8  # c0 .. c4, w, delay, 1 / tau
 _LOOK = 0.02  # s; a spool is taken to pass no knot twice within this time
@@ -55,6 +54,16 @@ def spools_at(c: np.ndarray, t0: float, t: float) -> Spools:
     """Spools at the time t of a piece that begins at t0 and has the coefficients c, (3, N_COEFFICIENT)."""
     swing, boom, stick = _spool(c, 0, t0, t), _spool(c, 1, t0, t), _spool(c, 2, t0, t)
     return Spools(Links(swing.x, boom.x, stick.x), Links(swing.v, boom.v, stick.v))
+
+
+@driver
+def _chain(starts: np.ndarray, c: np.ndarray) -> None:
+    """What is left of each spool's past at the start of a piece: it begins where the piece before has ended, the first at rest."""
+    for link in range(3):
+        x = 0.0
+        for piece in range(c.shape[0]):
+            c[piece, link, 2] = x - _spool(c[piece], link, starts[piece], starts[piece]).x
+            x = _spool(c[piece], link, starts[piece], starts[piece + 1]).x
 
 
 @driver
@@ -112,7 +121,8 @@ def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> Motion:
     starts = np.concatenate([starts[:-1][np.diff(starts) > _SAME], starts[-1:]])
     c = np.zeros((len(starts) - 1, 3, N_COEFFICIENT))
     for link, (signal, pilot) in enumerate(zip(signals, pilots, strict=True)):
-        _fill(c[:, link], starts, signal, pilot, travel)
+        _command(c[:, link], starts, signal, pilot, travel)
+    _chain(starts, c)
     knots = np.array(machine.spool.knots[1:-1])
     levels = np.concatenate([-knots, [0.0], knots])
     found = np.empty(1024)
@@ -126,7 +136,7 @@ def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> Motion:
     return Motion(starts, c, breaks)
 
 
-def _corners(signal: object, pilot: Pilot, travel: float, t_end: float) -> list[float]:
+def _corners(signal: Signal, pilot: Pilot, travel: float, t_end: float) -> list[float]:
     """Times at which a pilot's command has a corner, its limits among them."""
     delay, limit = pilot.dead_time, travel / pilot.gain
     if isinstance(signal, Constant):
@@ -139,34 +149,28 @@ def _corners(signal: object, pilot: Pilot, travel: float, t_end: float) -> list[
             share = (level - v[passing]) / (v[passing + 1] - v[passing])
             found += list(t[passing] + share * (t[passing + 1] - t[passing]))
         return [delay, *(time + delay for time in found if time > 0.0)]
+    if abs(signal.amplitude) <= limit or signal.omega == 0.0:
+        return [delay]
+    first, omega = asin(limit / abs(signal.amplitude)), abs(signal.omega)
+    angles = [k * pi + side * first for k in range(ceil(omega * t_end / pi) + 2) for side in (-1.0, 1.0)]
+    return [delay, *(angle / omega + delay for angle in angles if angle > 0.0)]
+
+
+def _command(c: np.ndarray, starts: np.ndarray, signal: Signal, pilot: Pilot, travel: float) -> None:
+    """Coefficients (n_piece, N_COEFFICIENT) of one spool in all pieces, but for what is left of its past."""
+    tau, delay = pilot.time_constant, pilot.dead_time
+    length = np.diff(starts)
+    early, middle, late = (starts[:-1] + share * length for share in (0.25, 0.5, 0.75))
+    alive = middle > delay
+    first, command, last = (pilot.gain * signal(t - delay) for t in (early, middle, late))
+    slope = np.where(alive, (last - first) / (late - early), 0.0)
+    c[:, 0] = np.where(alive, command, 0.0) - slope * (middle - starts[:-1]) - tau * slope
+    c[:, 1], c[:, 6], c[:, 7] = slope, delay, 1.0 / tau
     if isinstance(signal, Sine):
-        if abs(signal.amplitude) <= limit or signal.omega == 0.0:
-            return [delay]
-        first, omega = asin(limit / abs(signal.amplitude)), abs(signal.omega)
-        turns = range(floor(-1.0), ceil(omega * t_end / pi) + 1)
-        angles = [k * pi + side * first for k in turns for side in (-1.0, 1.0)]
-        return [delay, *(angle / omega + delay for angle in angles if angle > 0.0)]
-    raise InputError(f"method 'rosenbrock' does not know signals of type {type(signal).__name__}; use 'semi-implicit'")
-
-
-def _fill(c: np.ndarray, starts: np.ndarray, signal: object, pilot: Pilot, travel: float) -> None:
-    """Coefficients of one spool in all pieces, each from where the piece before has left it."""
-    assert isinstance(signal, Constant | Piecewise | Sine)
-    tau, delay, x = pilot.time_constant, pilot.dead_time, 0.0
-    for piece, (t0, t1) in enumerate(itertools.pairwise(starts)):
-        quarters = t0 + (t1 - t0) * np.array([0.25, 0.5, 0.75])
-        command = pilot.gain * signal(quarters - delay) if quarters[1] > delay else np.zeros(3)
-        row = c[piece]
-        row[5:] = 0.0, delay, 1.0 / tau
-        if abs(command[1]) >= travel:
-            row[0] = np.copysign(travel, command[1])
-        elif isinstance(signal, Sine) and quarters[1] > delay:
-            turn = signal.omega * tau
-            row[3] = pilot.gain * signal.amplitude / (1.0 + turn * turn)
-            row[4], row[5] = -turn * row[3], signal.omega
-        else:
-            row[1] = (command[2] - command[0]) / (quarters[2] - quarters[0])
-            row[0] = command[1] + row[1] * (t0 - quarters[1]) - tau * row[1]
-        row[2] = 0.0
-        row[2] = x - _spool(c[piece][None, :], 0, t0, t0).x
-        x = _spool(c[piece][None, :], 0, t0, t1).x
+        turn = signal.omega * tau
+        share = pilot.gain * signal.amplitude / (1.0 + turn * turn)
+        c[alive, 0:2] = 0.0
+        c[alive, 3], c[alive, 4], c[alive, 5] = share, -turn * share, signal.omega
+    full = alive & (np.abs(command) >= travel)
+    c[full, 1:6] = 0.0
+    c[full, 0] = np.copysign(travel, command[full])
