@@ -122,7 +122,7 @@ def summary(title, names, found):
     rows = []
     for j in np.argsort(overall, kind="stable"):
         results = [row[names[j]] for row in found.values()]
-        worst = min(result.scores.min() for result in results)
+        worst = min((result.scores.min() for result in results if not result.failure), default=np.nan)
         bad = sum(int(np.sum(result.scores < BLOW_UP)) for result in results if not result.failure)
         failed = sum(bool(result.failure) for result in results)
         rows.append(
@@ -132,7 +132,7 @@ def summary(title, names, found):
                 f"{among[j]:.2f}" if formula[j] else "-",
                 number(np.median(means[:, j])),
                 number(worst),
-                f"{bad}" + (f", and {failed} sets without a result" if failed else ""),
+                f"{bad}" + (f"; sets without a result: {failed}" if failed else ""),
                 f"{np.exp(np.nanmean(np.log(ratios[:, j]))):.3g}",
             ]
         )

@@ -46,7 +46,16 @@ def steps():
         "iterative, eps 0.001": build_flow("iterative", machine, eps=0.001),
         "polynomial, shipped networks": build_flow("polynomial", machine),
     }
-    show("one step of the boom circuit", time_runs(machine, models, scenario), "ns", 1e9 / 2000)
+    show("one step, boom alone", time_runs(machine, models, scenario), "ns", 1e9 / 2000)
+    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    models = {
+        "exact": build_flow("exact", machine),
+        "exact, torque limit": build_flow("exact", limited),
+        "iterative, eps 0.05": build_flow("iterative", machine),
+        "iterative, eps 0.001": build_flow("iterative", machine, eps=0.001),
+    }
+    for name in ("sine", "task"):
+        show(f"one step of all three links, {name}", time_runs(machine, models, load_scenario(name)), "ns", 1e9 / 2600)
 
 
 def scoring():

@@ -245,7 +245,7 @@ def rosenbrock(rtol, voltages_held):
     def call():
         motion = known or spool_motion(MACHINE, SCENARIO, SCENARIO.duration)  # part of the work where it is known
         counts = np.zeros(4, dtype=np.int64)
-        log.count[0] = 0
+        log.number[0] = 0
         run_rosenbrock(flow, memory, PLANT, RODAS, motion, x0, rtol, TIME, rows, counts, log, edges, work)
         return rows
 

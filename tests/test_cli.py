@@ -8,6 +8,7 @@ import pytest
 
 from polydraulic import cli
 from polydraulic.networks import Model, Network, Variable, load_models, save_models
+from polydraulic.parameters import scenario_names
 from polydraulic.tables import read_table
 
 
@@ -34,6 +35,37 @@ def test_simulate_writes_a_run_and_a_picture(call, tmp_path):
     assert (tmp_path / "r.svg").read_text().startswith("<?xml")
     largest = float(re.search(r"boom.angle\s+(\S+)", out)[1])
     assert abs(largest) < 0.15
+
+
+def test_simulate_states_differences_of_all_links_and_the_tip(call, tmp_path):
+    (tmp_path / "hand.csv").write_text("time,swing,boom,stick\n0,0.5,0.5,0.5\n0.5,0.5,0.4,0.6\n")
+    code, out, _ = call(
+        "simulate", tmp_path / "hand.csv", "--flow", "iterative", "--raster", 0.05, "--out", tmp_path / "r.csv"
+    )
+    assert code == 0
+    assert "hand: Recording of 0.5 s" in out
+    named = re.findall(r"^  (\S+) .* (\S+)$", out, re.MULTILINE)
+    links = [(f"{n}.{q}", u) for n in ("swing", "boom", "stick") for q, u in zip(
+        ("angle", "rate", "q_in", "p_in"), ("deg", "deg/s", "in3/s", "psi"), strict=True)]  # fmt: skip
+    assert named == [*links, ("boom.p_pump", "psi"), ("series.p_pump", "psi"), ("tip", "mm")]
+    assert read_table(tmp_path / "r.csv")["time"] == pytest.approx(np.arange(11) * 0.05)
+
+
+def test_scenarios_are_listed_and_named_in_the_help(call):
+    code, out, _ = call("scenarios")
+    assert code == 0
+    assert [line.split()[0] for line in out.splitlines()] == [*scenario_names(), "random:SEED"]
+    assert re.search(r"single_08 +10 s +boom +Boom alone", out)
+    assert all(name in call("simulate", "--help")[1] for name in scenario_names())
+
+
+def test_animate_writes_a_page(call, tmp_path):
+    code, out, _ = call(
+        "animate", "random:1:0.5", "--flow", "exact", "--flow", "iterative", "--out", tmp_path / "run.html"
+    )
+    assert code == 0
+    assert "run.html: random:1, exact, iterative" in out
+    assert '"iterative"' in (tmp_path / "run.html").read_text()
 
 
 def test_sample_fit_export(call, tmp_path):
@@ -117,6 +149,14 @@ FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
         (("simulate", "single_08", "--out", "{0}/run.txt"), "ends in .csv or .parquet"),
         (("simulate", "single_08", "--plot", "{0}/run.gif"), "a picture ends in one of"),
         (("simulate", "single_08", "--out", "{0}/good.csv/run.csv"), "cannot write"),
+        (("simulate", "single_08", "--raster", "0.007"), "raster = 0.007 s"),
+        (("simulate", "single_08", "--out", "{0}/r.csv", "--plot", "{0}/r.gif"), "a picture ends in one of"),
+        (("simulate", "random:x"), "scenario 'random:x': must be random:SEED"),
+        (("simulate", "{0}/good.csv"), "good.csv: no column 'time'"),
+        (("animate", "single_08", "--out", "{0}/run.mp4"), "an animation ends in one of"),
+        (("animate", "single_08", "--flow", "magic", "--out", "{0}/run.gif"), "unknown flow model 'magic'"),
+        (("animate", "single_08", "--rate", "0", "--out", "{0}/run.gif"), "0.0 frames/s over 10 s"),
+        (("animate", "single_08", "--out", "{0}/good.csv/run.html"), "cannot write"),
         (("sample", "--rows", "0", "--out", "{0}/s.csv"), "rows = 0"),
         (("sample", "--circuit", "swing", "--rows", "5", "--out", "{0}/s.csv"), "unknown circuit 'swing'"),
         (("fit", "{0}/none.csv", *FIT), "none.csv: no such file"),
@@ -152,7 +192,7 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
     assert sorted(files.iterdir()) == before
 
 
-@pytest.mark.parametrize("command", ["report", "simulate", "sample", "fit", "check", "export"])
+@pytest.mark.parametrize("command", ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export"])
 def test_help_shows_an_example(call, command):
     code, out, _ = call(command, "--help")
     assert code == 0

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from polydraulic.elementary import exp, sincos, tanh
+from polydraulic.elementary import exp, log, sincos, tanh
 
 
 @given(st.floats(-1e6, 1e6))
@@ -23,6 +23,16 @@ def test_exp_is_accurate_to_the_last_bits(x):
 @pytest.mark.parametrize("x", [-1e5, 1e5, math.inf, -math.inf])
 def test_exp_is_limited(x):
     assert exp(x) == exp(math.copysign(700.0, x))
+
+
+@given(st.floats(1e-300, 1e300))
+def test_log_is_accurate_to_the_last_bits(x):
+    assert log(x) == pytest.approx(math.log(x), rel=5e-16, abs=1e-300)
+
+
+@pytest.mark.parametrize("x", [1.0, 1.0 + 2e-16, 1.0 - 1e-16, 2.0, 0.5, math.sqrt(2.0), math.sqrt(0.5), math.e])
+def test_log_around_one_and_its_seams(x):
+    assert log(x) == pytest.approx(math.log(x), rel=5e-16, abs=0.0)
 
 
 @given(st.floats(-50.0, 50.0))

@@ -5,6 +5,7 @@ X_test_0, X_train_1, ... and writes predicted_0, seconds_0, predicted_1, ...: CP
 count. It needs nothing of polydraulic.
 """
 
+import resource
 import sys
 import warnings
 from importlib.util import find_spec
@@ -73,13 +74,15 @@ def operon(X, y):
     model = SymbolicRegressor(
         allowed_symbols="add,sub,mul,aq,sin,constant,variable",
         optimizer_iterations=5,
-        max_evaluations=200_000,
+        population_size=500,
+        max_evaluations=100_000,
         n_threads=1,
         random_state=0,
     )
     return model.fit(X, y).predict
 
 
+SECONDS = 300  # of CPU for all folds of a data set; the system ends the process then
 LEARNERS = {  # name -> module it needs, function (X, y) -> predict
     "gmdh Mia": ("gmdh", gmdh_default("Mia")),
     "gmdh Ria": ("gmdh", gmdh_default("Ria")),
@@ -92,6 +95,7 @@ LEARNERS = {  # name -> module it needs, function (X, y) -> predict
 
 
 def main(name, source, target):
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 10))
     fit, folds, found = LEARNERS[name][1], np.load(source), {}
     X = np.random.default_rng(0).uniform(size=(60, 8))
     fit(X, X[:, 0] * X[:, 1])  # imports are not fitting

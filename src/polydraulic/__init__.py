@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from polydraulic.flow import build_flow
     from polydraulic.networks import AbductiveRegressor, RegionRegressor, load_models
     from polydraulic.parameters import load_machine, load_scenario
-    from polydraulic.simulation import compare, reference, simulate
+    from polydraulic.simulation import compare, reference, simulate, simulate_batch
     from polydraulic.tables import Table, read_table, write_table
 
 __version__ = "0.1.0"
@@ -31,6 +31,7 @@ _HOME = {
     "read_table": "tables",
     "reference": "simulation",
     "simulate": "simulation",
+    "simulate_batch": "simulation",
     "write_table": "tables",
 }
 
@@ -48,6 +49,7 @@ __all__ = [
     "read_table",
     "reference",
     "simulate",
+    "simulate_batch",
     "write_table",
 ]
 

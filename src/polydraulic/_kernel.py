@@ -71,5 +71,5 @@ def kernel(function: F) -> F:
 
 
 def driver(function: F) -> F:
-    """Compile a function that loops over arrays it is given."""
-    return _compiled(function, _DRIVER_OPTIONS)
+    """Compile a function that loops over arrays it is given; other threads run meanwhile."""
+    return _compiled(function, {**_DRIVER_OPTIONS, "nogil": True})

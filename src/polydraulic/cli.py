@@ -1,8 +1,6 @@
 """The command line: thin, and importing what a command needs only when it runs."""
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from polydraulic.errors import InputError, SimulationError
+from polydraulic.terminal import counted, print_differences, steps
 
 if TYPE_CHECKING:
     import numpy as np
 
     from polydraulic.networks import Model
-
 app = typer.Typer(
     help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.",
     no_args_is_help=True,
@@ -24,6 +22,14 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 
+FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, or pressure (historical)."
+ScenarioArgument = Annotated[
+    str,
+    typer.Argument(
+        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links), a TOML file, "
+        "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS."
+    ),
+]
 MachineOption = Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")]
 
 
@@ -60,44 +66,69 @@ def report(
     from polydraulic.parameters import load_machine
     from polydraulic.studies import STEPS, write_report
 
-    with _steps("report", len(STEPS)) as progress:
+    with steps("report", len(STEPS)) as progress:
         rows = write_report(load_machine(machine), out, chapters=chapter, progress=progress)
     print(f"{out / 'index.html'}: {sum(row['thesis'] is not None for row in rows)} printed numbers next to ours")
 
 
 @app.command()
 def simulate(
-    scenario: Annotated[str, typer.Argument(help="Scenario by name (single_08, single_05), or a TOML file.")],
-    flow: Annotated[str, typer.Option(help="exact, iterative, polynomial, or pressure (historical).")] = "exact",
+    scenario: ScenarioArgument,
+    flow: Annotated[str, typer.Option(help=FLOWS)] = "exact",
     model: Annotated[
         list[Path] | None, typer.Option(help="Model file for polynomial or pressure; repeat for more.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Trajectory to write, .parquet or .csv (SI).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
+    raster: Annotated[
+        float | None,
+        typer.Option(help="Record every so many seconds, a whole number of steps; every step if not given."),
+    ] = None,
     method: Annotated[
         str, typer.Option(help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.")
     ] = "semi-implicit",
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Simulate a scenario and compare it with the exact flow.
+    """Simulate a scenario, and state how far it is from the exact flow.
 
-    Example: `polydraulic simulate single_08 --flow polynomial --out run.parquet --plot run.svg`
+    Example: `polydraulic simulate task --out task.parquet --plot task.svg`
+
+    - The iteration that the closed form replaces: `polydraulic simulate step --flow iterative`
+
+    - Networks of your own: `polydraulic simulate single_08 --flow polynomial --model q_in.json --plot run.svg`
+
+    - What a real operator did, from a CSV file with the columns time [s], swing [V], boom [V], stick [V]:
+    `polydraulic simulate recording.csv --raster 0.05 --out run.csv`
+
+    - Ten minutes of a random operator: `polydraulic simulate random:42:600 --raster 0.1 --out run.parquet`
+
+    `polydraulic scenarios` lists the scenarios that come with the package; `polydraulic animate` shows the linkage move.
     """
     from polydraulic.flow import build_flow
     from polydraulic.networks import load_models
     from polydraulic.parameters import load_machine, load_scenario
     from polydraulic.simulation import compare, plot_run
     from polydraulic.simulation import simulate as run
-    from polydraulic.simulation.trajectory import FIELD_UNITS
-    from polydraulic.tables import write_table
-    from polydraulic.units import from_si
+    from polydraulic.simulation.plot import picture_ending, save_figure
+    from polydraulic.tables import table_ending, write_table
 
     if model and flow not in ("polynomial", "pressure"):
         raise InputError(f"--model goes with --flow polynomial or pressure, not with {flow!r}")
+    if out is not None:
+        table_ending(out)
+    if plot is not None:
+        picture_ending(plot)
     plant, what = load_machine(machine), load_scenario(scenario)
     options = {"models": [found for path in model for found in load_models(path)]} if model else {}
-    runs = {flow: run(plant, build_flow(flow, plant, **options), what, dt=dt, method=method)}
+    chosen = build_flow(flow, plant, **options)
+    runs = {}
+    with steps("simulate", 1 if flow == "exact" else 2) as progress:
+        if flow != "exact":
+            progress("exact")
+            runs["exact"] = run(plant, "exact", what, dt=dt, raster=raster, method=method)
+        progress(flow)
+        runs[flow] = run(plant, chosen, what, dt=dt, raster=raster, method=method)
     info = runs[flow].info
     print(f"{what.name}: {what.title}")
     if "rtol" in info:
@@ -108,17 +139,69 @@ def simulate(
             f"{info['steps_out_of_domain']} outside the model's domain"
         )
     if flow != "exact":
-        runs["exact"] = run(plant, "exact", what, dt=dt, method=method)
-        differences = compare(runs["exact"], runs[flow])
-        print("differences from exact:   largest        at        rms")
-        for name in ("boom.angle", "boom.rate", "boom.q_in", "boom.p_in"):
-            d = differences[name]
-            unit = FIELD_UNITS[d.unit]
-            print(f"  {name:12s} {from_si(d.largest, unit):18.4g} {d.time:7.2f} s {from_si(d.rms, unit):10.4g} {unit}")
+        print_differences(compare(runs["exact"], runs[flow]))
     if out is not None:
         write_table(runs[flow], out)
     if plot is not None:
-        _save_figure(plot_run(runs), plot)
+        save_figure(plot_run(runs), plot)
+
+
+@app.command()
+def animate(
+    scenario: ScenarioArgument,
+    out: Annotated[Path, typer.Option(help="Animation to write: .html plays in any browser, .gif anywhere.")],
+    flow: Annotated[
+        list[str] | None, typer.Option(help=f"{FLOWS} Repeat to lay runs on top of each other; exact if not given.")
+    ] = None,
+    dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
+    rate: Annotated[
+        float | None, typer.Option(help="Frames in a second; 20 for .html, which draws between them, 12.5 for .gif.")
+    ] = None,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Show the linkage move: side view, view from above, angles, flows and pressures.
+
+    Example: `polydraulic animate task --flow exact --flow iterative --out task.html`
+
+    - As a GIF: `polydraulic animate step --out step.gif`
+
+    - A random operator: `polydraulic animate random:42:30 --out operator.html`
+
+    The first flow is drawn filled, the others as outlines; distances of the tip are from the first.
+    """
+    from polydraulic.parameters import load_machine, load_scenario
+    from polydraulic.simulation import simulate as run
+    from polydraulic.simulation import write_animation
+    from polydraulic.simulation.animation import animation_ending
+
+    animation_ending(out)
+    plant, what = load_machine(machine), load_scenario(scenario)
+    flows = list(dict.fromkeys(flow or ["exact"]))
+    runs = {}
+    with steps("simulate", len(flows)) as progress:
+        for name in flows:
+            progress(name)
+            runs[name] = run(plant, name, what, dt=dt)
+    with counted("draw") as drawn:
+        write_animation(runs, plant, out, rate=rate, progress=drawn)
+    print(f"{out}: {what.name}, {', '.join(flows)}")
+
+
+@app.command()
+def scenarios() -> None:
+    """List the scenarios that come with the package.
+
+    Example: `polydraulic scenarios`
+    """
+    from polydraulic.parameters import LINKS, load_scenario, scenario_names
+
+    for name in scenario_names():
+        what = load_scenario(name)
+        moved = ", ".join(link for link in LINKS if link not in what.locked)
+        print(f"{name:12s} {what.duration:5g} s  {moved:20s} {what.title}")
+    print(
+        f"{'random:SEED':12s} {60:5g} s  {', '.join(LINKS):20s} Random operator; random:SEED:SECONDS for another duration"
+    )
 
 
 @app.command()
@@ -189,7 +272,7 @@ def fit(
         prior_variance=prior if prior in ("adaptive", "half-variance") else _numbers(prior, "--prior", 1)[0],
         output_bounds="data" if limits is None else (limits[0], limits[1]),
     )
-    with _steps("fit", 2 * len(targets)) as progress:
+    with steps("fit", 2 * len(targets)) as progress:
         fits = fit_table(data, names, targets, estimator, _edges(edges or []), regions, progress)
     save_models([found.model for found in fits], out)
     for found in fits:
@@ -261,30 +344,6 @@ def export(
         print(path)
 
 
-@contextmanager
-def _steps(title: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A progress bar; the function it gives is called as each step begins."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn("{task.fields[step]:24s}"),
-        BarColumn(),
-        TextColumn("{task.completed}/{task.total}"),
-    )
-    with Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=False) as bar:
-        task = bar.add_task(title, total=total, step="")
-        begun = 0
-
-        def begin(step: str) -> None:
-            nonlocal begun
-            bar.update(task, completed=begun, step=step)
-            begun += 1
-
-        yield begin
-        bar.update(task, completed=total, step=title)
-
-
 def _names(text: str, option: str) -> list[str]:
     names = [name.strip() for name in text.split(",")]
     if not all(names) or len(set(names)) < len(names):
@@ -321,21 +380,6 @@ def _box(texts: list[str], model: "Model") -> "np.ndarray":
             raise InputError(f"--box {text!r}: the model of {model.output.name!r} reads {names}")
         found[names.index(name.strip())] = _numbers(ends, f"--box {name}", 2)
     return found
-
-
-def _save_figure(figure: object, path: Path) -> None:
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    from polydraulic.files import replacing
-
-    assert isinstance(figure, Figure)
-    formats = ("svg", "png", "pdf")
-    ending = path.suffix.lower().removeprefix(".")
-    if ending not in formats:
-        raise InputError(f"{path}: a picture ends in one of {[f'.{name}' for name in formats]}")
-    with matplotlib.rc_context({"svg.hashsalt": path.stem}), replacing(path) as temporary:
-        figure.savefig(temporary, format=ending, dpi=150)
 
 
 if __name__ == "__main__":

@@ -64,7 +64,7 @@ def write_table(table: Table, path: str | Path) -> None:
     InputError
         If the ending is neither, or the place cannot be written.
     """
-    ending = _ending(path)
+    ending = table_ending(path)
     with replacing(path) as temporary:
         if ending == ".csv":
             header = ",".join(f"{n} [{table.unit(n)}]" if table.unit(n) else n for n in table.names)
@@ -89,7 +89,7 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None) -> Table:
         (named with its column and row).
     """
     path = Path(path)
-    ending = _ending(path)
+    ending = table_ending(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     import pyarrow as pa
@@ -125,7 +125,8 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None) -> Table:
     return Table(data, {name: units[name] for name in wanted}, json.loads(stored) if stored else {})
 
 
-def _ending(path: str | Path) -> str:
+def table_ending(path: str | Path) -> str:
+    """Ending of a table's path, or an InputError."""
     ending = Path(path).suffix.lower()
     if ending not in (".csv", ".parquet"):
         raise InputError(f"{path}: a table ends in .csv or .parquet, not in {ending!r}")

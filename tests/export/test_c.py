@@ -31,7 +31,7 @@ MODELS = {
     "perceptron": lambda: (
         PerceptronRegressor(hidden_units=3, max_iter=20, n_starts=1).fit(X, Y).to_model(output=Variable("mlp"))
     ),
-    "shipped input flow": lambda: shipped_models()[0],
+    "shipped input flow": lambda: shipped_models()[3],
     "shipped output flow": lambda: shipped_models()[1],
 }
 

@@ -49,9 +49,9 @@ def test_a_budget_ends_the_search():
         asked.append(len(X))
         return np.sin(9.0 * X[:, 0]) * np.cos(7.0 * X[:, 1])
 
-    found = learn_from(counted, [(0, 1), (0, 1)], tolerance=1e-9, budget=25_000, rows=200, estimator=quick)
+    found = learn_from(counted, [(0, 1), (0, 1)], tolerance=1e-9, budget=60_000, rows=200, estimator=quick)
     assert not found.converged
-    assert found.n_evaluations == sum(asked) <= 25_000
+    assert found.n_evaluations == sum(asked) <= 60_000
     assert len(found.model.networks) > 1
     few = learn_from(counted, [(0, 1), (0, 1)], tolerance=1e-9, max_regions=2, rows=200, estimator=quick)
     assert len(few.model.networks) == 2
@@ -103,3 +103,13 @@ def test_a_valve_map_is_learnt_to_its_tolerance(steep, tolerance, rows):
     assert found.converged
     X = grid(box, 401)
     assert np.abs(found.model.predict(X) - valve(steep)(X)).max() <= tolerance
+
+
+def test_the_search_starts_from_known_borders():
+    names = [Variable("travel", "m"), Variable("load")]
+    box = [(0.0, 1.0), (0.0, 1.0)]
+    found = learn_from(kink, box, tolerance=0.01, edges={"travel": [0.3]}, rows=200, estimator=quick, inputs=names)
+    assert found.converged
+    assert [name for name in found.model.region_names()] == ["travel in (-inf, 0.3]", "travel in (0.3, inf)"]
+    with pytest.raises(InputError, match="has no part in the box"):
+        learn_from(kink, box, tolerance=0.01, edges={0: [1.5]}, rows=200, estimator=quick)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from polydraulic.networks import AbductiveRegressor
-from polydraulic.networks.refine import _forward, _jacobian, _normal, refine
+from polydraulic.networks.derivatives import forward, jacobian
+from polydraulic.networks.refine import _normal, refine
 from polydraulic.networks.rows import rows_in_memory
 from polydraulic.networks.table import Node
 
@@ -21,12 +22,12 @@ FREE = [np.flatnonzero(node.coef) for node in NODES]
 
 
 def output(nodes):
-    return _forward(nodes, X)[0][-1]
+    return forward(nodes, X)[0][-1]
 
 
 @pytest.mark.parametrize("root", [np.ones(300), RNG.uniform(0.0, 2.0, 300)])
 def test_derivatives_are_exact(root):
-    jacobian = _jacobian(NODES, FREE, *_forward(NODES, X), root)
+    slope = jacobian(NODES, FREE, *forward(NODES, X), root)
     column = 0
     for place, (node, keep) in enumerate(zip(NODES, FREE, strict=True)):
         for term in keep:
@@ -36,10 +37,10 @@ def test_derivatives_are_exact(root):
                 coef[term] += sign * 1e-6
                 changed = [*NODES[:place], Node(node.kind, node.inputs, tuple(coef)), *NODES[place + 1 :]]
                 moved.append(root * output(changed))
-            size = np.abs(jacobian[:, column]).max()
-            assert jacobian[:, column] == pytest.approx((moved[0] - moved[1]) / 2e-6, abs=1e-6 * size)
+            size = np.abs(slope[:, column]).max()
+            assert slope[:, column] == pytest.approx((moved[0] - moved[1]) / 2e-6, abs=1e-6 * size)
             column += 1
-    assert column == jacobian.shape[1]
+    assert column == slope.shape[1]
 
 
 def test_weights_are_repetitions():

@@ -1,7 +1,10 @@
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from polydraulic.networks import AbductiveRegressor
+from polydraulic.networks.synthesis import _rising
 
 RNG = np.random.default_rng(7)
 X = RNG.uniform(-1.0, 1.0, size=(400, 3))
@@ -65,4 +68,16 @@ def test_kinds_limit_the_search():
 def test_no_linear_node_reads_raw_inputs_only():
     """A linear node sums the outputs of a layer of nodes; the inputs are no such layer."""
     model = AbductiveRegressor(kinds=("linear",)).fit(X, X[:, 0] + X[:, 1])
+    assert model.network_.nodes == ()
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+@pytest.mark.parametrize("n_old", [0, 1, 4])
+def test_every_choice_with_a_new_variable_is_a_candidate(size, n_old):
+    expected = [c for c in combinations(range(6), size) if max(c) >= n_old]
+    assert sorted(map(tuple, _rising(6, size, n_old).tolist())) == expected
+
+
+def test_without_varying_inputs_there_is_no_network():
+    model = AbductiveRegressor().fit(np.ones((20, 2)), np.arange(20.0))
     assert model.network_.nodes == ()

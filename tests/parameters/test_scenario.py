@@ -3,6 +3,7 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.parameters import LINKS, Piecewise, load_scenario, scenario_names
+from polydraulic.tables import read_table, write_table
 
 BASIC = """
 title = "mine"
@@ -100,3 +101,63 @@ def test_a_recording_with_gaps_is_refused(written, tmp_path):
     table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
     with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' holds nan in row 2"):
         written(BASIC[: BASIC.index("[voltage.boom]")] + table)
+
+
+RECORDED = (
+    "time [s],swing [V],boom [V],stick [V],engine [rpm]\n2.0,0,0.1,0,1800\n2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n"
+)
+
+
+def test_a_recording_is_a_scenario_from_its_first_row_on(tmp_path):
+    (tmp_path / "morning.csv").write_text(RECORDED)
+    scenario = load_scenario(tmp_path / "morning.csv")
+    assert (scenario.name, scenario.duration, scenario.locked) == ("morning", 2.0, ())
+    assert scenario.voltages(np.array([0.0, 0.25, 2.0])) == pytest.approx(
+        np.array([[0.0, 0.1, 0.0], [0.0, 0.15, -0.25], [0.3, 0.2, 0.0]])
+    )
+
+
+def test_a_recording_may_come_without_units_in_others_or_as_parquet(tmp_path):
+    (tmp_path / "bare.csv").write_text("time,swing,boom,stick\n0,0,0.1,0\n1,0,0.2,0\n")
+    (tmp_path / "small.csv").write_text("time [ms],swing [mV],boom [mV],stick\n0,0,100,0\n1000,0,200,0\n")
+    write_table(read_table(tmp_path / "small.csv"), tmp_path / "small.parquet")
+    t = np.linspace(0.0, 1.0, 5)
+    for name in ("small.csv", "small.parquet"):
+        found, bare = load_scenario(tmp_path / name), load_scenario(tmp_path / "bare.csv")
+        assert found.voltages(t) == pytest.approx(bare.voltages(t), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2.5,", "1.5,", "r.csv: signal times must rise; time 1 is 1.5 after 2.0"),
+        ("2.5,", "2.0,", "r.csv: signal times must rise; time 1 is 2.0 after 2.0"),
+        ("boom [V]", "boom [bar]", r"r.csv: column 'boom' has unit 'bar'; it must be one of \['V', 'mV'\]"),
+        ("time [s]", "time [h]", r"r.csv: column 'time' has unit 'h'; it must be one of \['s', 'ms'\]"),
+        ("stick [V]", "arm [V]", "r.csv: no column 'stick'; the table has"),
+        ("time [s]", "t [s]", "r.csv: no column 'time'"),
+        ("-0.5", "", "r.csv: column 'stick' holds nan in row 2"),
+        ("2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: a recording needs two rows at least"),
+        ("2.0,0,0.1,0,1800\n2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: the table has no rows"),
+    ],
+)
+def test_bad_recordings_are_one_clear_error(tmp_path, old, new, message):
+    assert old in RECORDED
+    (tmp_path / "r.csv").write_text(RECORDED.replace(old, new))
+    with pytest.raises(InputError, match=message):
+        load_scenario(tmp_path / "r.csv")
+
+
+def test_a_recording_in_a_scenario_file_is_converted_too(written, tmp_path):
+    (tmp_path / "r.csv").write_text("t [ms],v [bar]\n0,0\n1,1\n")
+    table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
+    with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' has unit 'bar'"):
+        written(BASIC[: BASIC.index("[voltage.boom]")] + table)
+    (tmp_path / "r.csv").write_text("t [ms],v [mV]\n0,0\n1000,500\n")
+    scenario = written(BASIC[: BASIC.index("[voltage.boom]")] + table)
+    assert scenario.voltages(np.array([0.5]))[0, 1] == pytest.approx(0.25)
+
+
+def test_other_names_say_what_may_be_given():
+    with pytest.raises(InputError, match=r"unknown scenario 'x'; .*\.csv or \.parquet recording, or random:SEED"):
+        load_scenario("x")

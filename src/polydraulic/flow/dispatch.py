@@ -13,10 +13,22 @@ from numba.extending import overload
 from polydraulic._kernel import KERNEL_OPTIONS
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import ExactFlow, exact_flow, exact_slopes, exact_step
+from polydraulic.flow.exact_lanes import exact_lanes
 from polydraulic.flow.interface import Flows, FlowSlopes
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
-from polydraulic.flow.polynomial import PolynomialFlow, polynomial_flow, polynomial_step
+from polydraulic.flow.polynomial import (
+    NeuralFlow,
+    PolynomialFlow,
+    networks_serve,
+    neural_flow,
+    neural_step,
+    polynomial_flow,
+    polynomial_step,
+    scratch,
+)
 from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
+from polydraulic.flow.stiff import StiffFlow, stiff_flow, stiff_step
+from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.table import work_size
 from polydraulic.parameters import LINKS, Machine
@@ -31,10 +43,14 @@ class FlowKind(NamedTuple):
     step : kernel (model, memory, spool, p_in, p_out, dt) -> Flows
     build : (machine, **options) -> model
     n_memory : model -> floats that the step keeps or uses as scratch
-    balances : whether pump flow = actuator + bypass + relief at every step
+    balances : whether pump flow = actuators + bypass + relief + stored at every step
     gives_pump_pressure : whether the pump pressure is computed
-    links : which links it serves; the others get no flow
-    slopes : kernel (model, spool, inside, flows) -> FlowSlopes, if there is one
+    links : which links it can serve
+    served : model -> links that this model serves, where that depends on it; the others get no flow
+    has_state : whether pressures of its own go on from step to step, so that the flows depend on what was before
+    lanes : kernel (model, own, rows, whole) that finds the flows of a block of machines side by side; None where a step
+        keeps memory or loops as long as its data ask, so that machines must run one by one
+    slopes : kernel (model, spool, inside, flows) -> FlowSlopes; None where there is none
     """
 
     model: type
@@ -44,21 +60,30 @@ class FlowKind(NamedTuple):
     balances: bool
     gives_pump_pressure: bool
     links: tuple[str, ...]
+    served: Callable[[Any], tuple[str, ...]] | None = None
+    has_state: bool = False
+    lanes: Callable[..., None] | None = None
     slopes: Callable[..., FlowSlopes] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
-    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, exact_slopes),
-    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
-    "polynomial": FlowKind(
-        PolynomialFlow, polynomial_step, polynomial_flow, lambda model: work_size(model.table), True, False, ("boom",)
+    "exact": FlowKind(
+        ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, lanes=exact_lanes, slopes=exact_slopes
     ),
+    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
+    "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
+    "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
+    "polynomial": FlowKind(
+        PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, served=networks_serve
+    ),
+    "neural": FlowKind(NeuralFlow, neural_step, neural_flow, scratch, True, False, LINKS, served=networks_serve),
     "pressure": FlowKind(
         PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)
     ),
 }
 
 FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}
+FLOW_LANES = {kind.model: kind.lanes for kind in FLOW_KINDS.values() if kind.lanes is not None}
 FLOW_SLOPES = {kind.model: kind.slopes for kind in FLOW_KINDS.values() if kind.slopes is not None}
 
 
@@ -115,6 +140,33 @@ def _flow_slopes_compiled(model: Any, spool: Any, inside: Any, flows: Any) -> An
     return chosen
 
 
+def flow_lanes(model: Any, own: Any, rows: np.ndarray, whole: bool) -> None:
+    """Flows of a block of machines side by side, for models whose kind has `lanes`.
+
+    Parameters
+    ----------
+    model : flow model
+        That of all machines, or one of them where they differ.
+    own : None or flat array of rows
+        Parameters of each machine where they differ; see `lanes.at`.
+    rows : flat array of rows
+        Reads SPOOL and P_IN; writes Q_IN, OUTLET and, for `whole`, the pump flows and pressures; see `lanes`.
+    whole : bool
+        Whether pump flows and pressures are wanted.
+    """
+    FLOW_LANES[type(model)](model, own, rows, whole)
+
+
+@overload(flow_lanes, jit_options=KERNEL_OPTIONS)
+def _flow_lanes_compiled(model: Any, own: Any, rows: Any, whole: Any) -> Any:
+    lanes = FLOW_LANES[model.instance_class]
+
+    def chosen(model: Any, own: Any, rows: Any, whole: Any) -> Any:
+        lanes(model, own, rows, whole)
+
+    return chosen
+
+
 def build_flow(name: str, machine: Machine, **options: Any) -> Any:
     """Build a flow model by name.
 
@@ -142,3 +194,9 @@ def flow_name(model: Any) -> str:
         if type(model) is kind.model:
             return name
     raise InputError(f"{type(model).__name__} is no flow model; choose one of {sorted(FLOW_KINDS)}")
+
+
+def served_links(model: Any) -> tuple[str, ...]:
+    """Links that a flow model serves."""
+    kind = FLOW_KINDS[flow_name(model)]
+    return kind.links if kind.served is None else kind.served(model)

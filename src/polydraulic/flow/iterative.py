@@ -94,7 +94,7 @@ def _boom(k: Orifices, p_in: float, p: float, pump: Pump) -> Circuit:
     surplus = Q - min(orifice_flow(k.inlet, p - p_in), Q)
     at_relief = p >= pump.relief
     q_bypass = min(surplus, orifice_flow(k.bypass, p - pump.p_return)) if at_relief else surplus
-    return Circuit(Q, q_bypass, surplus - q_bypass, p)
+    return Circuit(Q, q_bypass, surplus - q_bypass, p, 0.0)
 
 
 @kernel
@@ -137,7 +137,7 @@ def _series(swing: Orifices, stick: Orifices, p_in: Links, found: _Swept, pump: 
     w = min(Q - q_swing, passing) if at_relief else Q - q_swing
     q_stick = min(orifice_flow(stick.inlet, found.p_between - p_in.stick), w)
     q_stick = w if stick.bypass <= 0.0 else q_stick
-    return _SeriesFlows(q_swing, q_stick, Circuit(Q, w - q_stick, Q - q_swing - w, found.p))
+    return _SeriesFlows(q_swing, q_stick, Circuit(Q, w - q_stick, Q - q_swing - w, found.p, 0.0))
 
 
 @kernel

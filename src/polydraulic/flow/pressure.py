@@ -13,7 +13,7 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import constant_boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
-from polydraulic.flow.polynomial import Q_IN, choose_model
+from polydraulic.flow.polynomial import BOOM_IN, choose_model
 from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
@@ -23,7 +23,7 @@ from polydraulic.networks.partition import Regions, choose
 from polydraulic.networks.table import evaluate
 from polydraulic.parameters import Machine
 
-P_PUMP = (Variable("boom.p_pump", "Pa"), Q_IN[1])
+P_PUMP = (Variable("boom.p_pump", "Pa"), BOOM_IN[1])
 
 
 class PressureFlow(NamedTuple):
@@ -52,7 +52,7 @@ def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) ->
     """
     if models is None:
         raise InputError("flow 'pressure' needs models=[...]: fit one of 'boom.p_pump' on a sampled table first")
-    model = choose_model(models, *P_PUMP)
+    model = choose_model(models, P_PUMP)
     (regions,), table = pack_models([model])
     valve = prepare_valve(machine.boom.valve, machine.spool)
     return PressureFlow(table, regions, float(model.domain()[1, 1]), valve, constant_boom_pump(machine))
@@ -67,6 +67,8 @@ def pressure_step(model: PressureFlow, memory: np.ndarray, spool: Links, p_in: L
     memory[1] = p_in.boom
     p = evaluate(model.table, choose(model.p_pump, memory), memory)
     q_in = orifice_flow(k.inlet, p - p_in.boom)
-    circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p)
+    circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p, 0.0)
     status = OK if p_in.boom <= model.p_in_high else OUT_OF_DOMAIN
-    return Flows(Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0), 0.0, status)
+    return Flows(
+        Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, status
+    )

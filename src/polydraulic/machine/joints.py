@@ -81,7 +81,8 @@ def _passes(angle: float, rate: float, stops: Stops, dt: float) -> bool:
 
 
 @kernel
-def _passing(angle: Links, rate: Links, plant: Plant) -> Held:
+def passing(angle: Links, rate: Links, plant: Plant) -> Held:
+    """Which joints would pass a stop within the step."""
     return Held(
         _passes(angle.swing, rate.swing, plant.swing.stops, plant.dt),
         _passes(angle.boom, rate.boom, plant.boom.stops, plant.dt),
@@ -94,13 +95,20 @@ def _either(x: Held, y: Held) -> Held:
     return Held(x.swing or y.swing, x.boom or y.boom, x.stick or y.stick)
 
 
+class Stopped(NamedTuple):
+    """Rates after the impulses of end stops, and the joints that stand at one."""
+
+    rate: Links
+    there: Held
+
+
 @kernel
-def stopped_rates(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Links:
-    """Rates after the impulses of the stops that joints would pass within the step.
+def stopped(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Stopped:
+    """Impulses of the stops that joints would pass within the step.
 
     A second pass releases joints that a stop would have to pull, and stops those that the first impulses drive into theirs.
     """
-    met = _passing(angle, rate, plant)
+    met = passing(angle, rate, plant)
     momentum = times(mass, rate)
     after = solve_motion(mass, _either(plant.locked, met), momentum)
     then = times(mass, after)
@@ -109,36 +117,48 @@ def stopped_rates(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> L
         met.boom and (then.boom - momentum.boom) * rate.boom <= 0.0,
         met.stick and (then.stick - momentum.stick) * rate.stick <= 0.0,
     )
-    met = _either(pushed, _passing(angle, after, plant))
-    return solve_motion(mass, _either(plant.locked, met), momentum)
+    met = _either(pushed, passing(angle, after, plant))
+    after = solve_motion(mass, _either(plant.locked, met), momentum)
+    late = passing(angle, after, plant)  # driven into a stop by the second impulses: rare, and without impulse
+    rate = Links(
+        0.0 if late.swing else after.swing,
+        0.0 if late.boom else after.boom,
+        0.0 if late.stick else after.stick,
+    )
+    return Stopped(rate, _either(met, late))
 
 
 @kernel
-def _moved(angle: float, rate: float, stops: Stops, dt: float) -> float:
-    return min(max(angle + dt * rate, stops.low), stops.high)
+def _turned(angle: float, rate: float, there: bool, stops: Stops, dt: float) -> float:
+    stop = stops.high if stops.high - angle < angle - stops.low else stops.low
+    return stop if there else min(max(angle + dt * rate, stops.low), stops.high)
+
+
+@kernel
+def accelerated(rate: Links, acceleration: Links, dt: float) -> Links:
+    """Rates after a step without stops."""
+    return Links(
+        rate.swing + dt * acceleration.swing,
+        rate.boom + dt * acceleration.boom,
+        rate.stick + dt * acceleration.stick,
+    )
+
+
+@kernel
+def turned(angle: Links, rate: Links, there: Held, plant: Plant) -> Links:
+    """Angles after a step at these rates, up to the stops; joints that stand `there` are at the nearer one."""
+    dt = plant.dt
+    return Links(
+        _turned(angle.swing, rate.swing, there.swing, plant.swing.stops, dt),
+        _turned(angle.boom, rate.boom, there.boom, plant.boom.stops, dt),
+        _turned(angle.stick, rate.stick, there.stick, plant.stick.stops, dt),
+    )
 
 
 @kernel
 def moved(angle: Links, rate: Links, acceleration: Links, mass: Symmetric, plant: Plant) -> Joints:
     """Angles and rates after a step: the new rates move the angles, up to the stops."""
-    dt = plant.dt
-    rate = Links(
-        rate.swing + dt * acceleration.swing,
-        rate.boom + dt * acceleration.boom,
-        rate.stick + dt * acceleration.stick,
-    )
-    met = _passing(angle, rate, plant)
-    rate = stopped_rates(angle, rate, mass, plant) if (met.swing or met.boom or met.stick) else rate
-    left = _passing(angle, rate, plant)
-    return Joints(
-        Links(
-            _moved(angle.swing, rate.swing, plant.swing.stops, dt),
-            _moved(angle.boom, rate.boom, plant.boom.stops, dt),
-            _moved(angle.stick, rate.stick, plant.stick.stops, dt),
-        ),
-        Links(
-            0.0 if left.swing else rate.swing,
-            0.0 if left.boom else rate.boom,
-            0.0 if left.stick else rate.stick,
-        ),
-    )
+    free = accelerated(rate, acceleration, plant.dt)
+    met = passing(angle, free, plant)
+    after = stopped(angle, free, mass, plant) if (met.swing or met.boom or met.stick) else Stopped(free, met)
+    return Joints(turned(angle, after.rate, after.there, plant), after.rate)

@@ -1,6 +1,6 @@
 """Pumps and their circuits: how a pump's flow is shared between actuators, bypasses and relief valve (Eqs 1-3, 8-13).
 
-One circuit has a closed form. Two valves in series are solved by the same form, four times: at the flow that passes the
+One circuit has a closed form. Two valves in series are solved by the same form, five times: at the flow that passes the
 first valve, the second one looks like a single orifice. A torque limit is a root in one unknown, the pump flow, found in
 a fixed number of Newton steps within a bracket. Clamps decide all special cases.
 """
@@ -34,12 +34,13 @@ class Pump(NamedTuple):
 
 
 class Circuit(NamedTuple):
-    """Flows and pressure at one pump: pump = actuators + bypass + relief."""
+    """Flows and pressure at one pump: pump = actuators + bypass + relief + stored."""
 
     q_pump: float
     q_bypass: float  # what returns to the tank through the last valve's bypass
     q_relief: float
     p_pump: float  # 0 where a flow model does not give it
+    q_stored: float  # what charges the oil between pump and valves, where a flow model has such volumes
 
 
 class Single(NamedTuple):
@@ -122,7 +123,7 @@ def _as_one(Q: float, q: float, k_in: float, b: float, p_in: float, p_return: fl
     return Orifice(square, p_rest)
 
 
-class _Bracket(NamedTuple):
+class Bracket(NamedTuple):
     """Where y = ln(Q / flow) of a torque-limited pump lies, and how far off both ends of that range are."""
 
     y: float
@@ -134,12 +135,13 @@ class _Bracket(NamedTuple):
 
 
 @kernel
-def _unlimited(pump: Pump) -> _Bracket:
-    return _Bracket(0.0, pump.log_least, 0.0, -1.0, 1.0, True)
+def unlimited(pump: Pump) -> Bracket:
+    """Where the search for the torque limit starts."""
+    return Bracket(0.0, pump.log_least, 0.0, -1.0, 1.0, True)
 
 
 @kernel
-def _narrowed(x: _Bracket, circuit: Orifice, pump: Pump) -> _Bracket:
+def _narrowed(x: Bracket, circuit: Orifice, pump: Pump) -> Bracket:
     """Newton step towards the torque limit, or the chord where it would go too far; the first one to the lower end.
 
     ln P rises with ln Q by 0 to 2, so that ln P + y / exponent is well conditioned. Its slope drops where an orifice
@@ -157,21 +159,26 @@ def _narrowed(x: _Bracket, circuit: Orifice, pump: Pump) -> _Bracket:
     near = newton >= low and newton <= high and abs(newton - x.y) <= 0.5 * (high - low)
     y = newton if near else chord
     y = pump.log_least if x.low_unknown else y
-    return _Bracket(min(max(y, low), high), low, high, off_low, off_high, False)
+    return Bracket(min(max(y, low), high), low, high, off_low, off_high, False)
 
 
 @kernel
-def _limited_single(k_in: float, b: float, p_in: float, pump: Pump) -> float:
-    x = _unlimited(pump)
-    for _ in range(LIMIT_PASSES):
-        Q = pump.flow * exp(x.y)
-        q = _inlet_share(Q, k_in, b, p_in - pump.p_return)
-        x = _narrowed(x, _as_one(Q, q, k_in, b, p_in, pump.p_return), pump)
-    return pump.flow * exp(x.y)
+def limit_single(x: Bracket, k: Orifices, p_in: float, pump: Pump) -> Bracket:
+    """One step towards the torque limit with one actuator on the pump."""
+    b, Q = k.bypass * k.bypass, pump.flow * exp(x.y)
+    q = _inlet_share(Q, k.inlet, b, p_in - pump.p_return)
+    return _narrowed(x, _as_one(Q, q, k.inlet, b, p_in, pump.p_return), pump)
 
 
 @kernel
-def _single_at(Q: float, k: Orifices, p_in: float, pump: Pump) -> Single:
+def limits(p_pump: float, pump: Pump) -> bool:
+    """Whether the torque limit lowers the flow of a pump that would otherwise have this pressure."""
+    return pump.log_least < 0.0 and p_pump > pump.limit_start
+
+
+@kernel
+def single_at(Q: float, k: Orifices, p_in: float, pump: Pump) -> Single:
+    """One actuator on a pump that delivers Q."""
     q = _inlet_share(Q, k.inlet, k.bypass * k.bypass, p_in - pump.p_return)
     q = min(q, orifice_flow(k.inlet, pump.relief - p_in))
     surplus = Q - q
@@ -179,7 +186,7 @@ def _single_at(Q: float, k: Orifices, p_in: float, pump: Pump) -> Single:
     q_relief = surplus - q_bypass
     p = _pressure(q, k.inlet, p_in, q_bypass, k.bypass, pump.p_return)
     p = pump.relief if q_relief > 1e-9 * Q else p  # less is rounding
-    return Single(q, Circuit(Q, q_bypass, q_relief, p))
+    return Single(q, Circuit(Q, q_bypass, q_relief, p, 0.0))
 
 
 @kernel
@@ -193,9 +200,12 @@ def single_circuit(k: Orifices, p_in: float, pump: Pump) -> Single:
         At the pressurised port.
     pump : Pump
     """
-    s = _single_at(pump.flow, k, p_in, pump)
-    if pump.log_least < 0.0 and s.circuit.p_pump > pump.limit_start:
-        s = _single_at(_limited_single(k.inlet, k.bypass * k.bypass, p_in, pump), k, p_in, pump)
+    s = single_at(pump.flow, k, p_in, pump)
+    if limits(s.circuit.p_pump, pump):
+        x = unlimited(pump)
+        for _ in range(LIMIT_PASSES):
+            x = limit_single(x, k, p_in, pump)
+        s = single_at(pump.flow * exp(x.y), k, p_in, pump)
     return s
 
 
@@ -230,35 +240,34 @@ def _series_pass(
 
 @kernel
 def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> _Passed:
-    """Five passes, from as much as can pass."""
+    """Five passes; the start is that from which the slowest states, those at relief, settle soonest."""
     b, c = first.bypass * first.bypass, second.bypass * second.bypass
     # what both bypasses take when the relief valve is open; the second inlet adds to it
     low = sqrt(b * c / (b + c + 1e-300) * (pump.relief - pump.p_return))
     bounds = _Bounds(low, low + orifice_flow(second.inlet, pump.relief - p_second))
-    x = _series_pass(
-        min(Q, bounds.low + 0.25 * (bounds.high - bounds.low)), Q, first, second, p_first, p_second, bounds, pump
-    )
-    x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
-    x = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
-    return _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump)
+    w = min(Q, bounds.low + 0.25 * (bounds.high - bounds.low))
+    # a pass that changed nothing is the last: leaving out the others gives the same bits
+    x = _series_pass(w, Q, first, second, p_first, p_second, bounds, pump)
+    y = _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump) if x.flow != w else x
+    z = _series_pass(y.flow, Q, first, second, p_first, p_second, bounds, pump) if y.flow != x.flow else y
+    x = _series_pass(z.flow, Q, first, second, p_first, p_second, bounds, pump) if z.flow != y.flow else z
+    return _series_pass(x.flow, Q, first, second, p_first, p_second, bounds, pump) if x.flow != z.flow else x
 
 
 @kernel
-def _limited_series(first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> float:
+def limit_series(x: Bracket, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Bracket:
+    """One step towards the torque limit with two actuators on the pump."""
     # without relief the pressure tells how far off the flow is; log_least then accounts for the relief valve
     ideal = Pump(pump.flow, NEVER, pump.p_return, pump.limit_start, pump.limit_exponent, pump.log_least)
-    x = _unlimited(pump)
-    for _ in range(LIMIT_PASSES):
-        Q = pump.flow * exp(x.y)
-        passed = _passed(Q, first, second, p_first, p_second, ideal)
-        behind = passed.behind
-        whole = _as_one(Q, Q - passed.flow, first.inlet, behind.square, p_first, behind.p_rest)
-        x = _narrowed(x, whole, pump)
-    return pump.flow * exp(x.y)
+    Q = pump.flow * exp(x.y)
+    passed = _passed(Q, first, second, p_first, p_second, ideal)
+    behind = passed.behind
+    return _narrowed(x, _as_one(Q, Q - passed.flow, first.inlet, behind.square, p_first, behind.p_rest), pump)
 
 
 @kernel
-def _series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Series:
+def series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Series:
+    """Two actuators on a pump that delivers Q."""
     w = _passed(Q, first, second, p_first, p_second, pump).flow
     q_second = _inlet_share(w, second.inlet, second.bypass * second.bypass, p_second - pump.p_return)
     q_bypass = w - q_second
@@ -267,7 +276,7 @@ def _series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_se
     q_relief = Q - w - q_first
     p = _pressure(q_first, first.inlet, p_first, w, first.bypass, p_between)
     p = pump.relief if q_relief > 1e-9 * Q else p  # less is rounding
-    return Series(q_first, q_second, p_between, Circuit(Q, q_bypass, q_relief, p))
+    return Series(q_first, q_second, p_between, Circuit(Q, q_bypass, q_relief, p, 0.0))
 
 
 @kernel
@@ -282,8 +291,10 @@ def series_circuit(first: Orifices, second: Orifices, p_first: float, p_second: 
         At the pressurised ports.
     pump : Pump
     """
-    s = _series_at(pump.flow, first, second, p_first, p_second, pump)
-    if pump.log_least < 0.0 and s.circuit.p_pump > pump.limit_start:
-        Q = _limited_series(first, second, p_first, p_second, pump)
-        s = _series_at(Q, first, second, p_first, p_second, pump)
+    s = series_at(pump.flow, first, second, p_first, p_second, pump)
+    if limits(s.circuit.p_pump, pump):
+        x = unlimited(pump)
+        for _ in range(LIMIT_PASSES):
+            x = limit_series(x, first, second, p_first, p_second, pump)
+        s = series_at(pump.flow * exp(x.y), first, second, p_first, p_second, pump)
     return s

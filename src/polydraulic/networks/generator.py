@@ -1,10 +1,10 @@
 """Learning from a function instead of a table: samples where the error asks for them, until a tolerance is reached.
 
 A region draws its own points, on faces and in corners too, fits a network, and hunts for its largest error on a grid and
-around the worst points of it. The worst region is cut in two, until all are good enough or the budget is used.
+around the worst points of it; if that is too large, these points join the rows and it fits again. The worst region is cut in two, until all are good enough or the budget is used.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from sklearn.utils import check_random_state
 from polydraulic.errors import InputError
 from polydraulic.networks.cuts import best_cut
 from polydraulic.networks.model import Model, Variable
+from polydraulic.networks.partition import checked_edges, grid, region_boxes
 from polydraulic.networks.regressor import AbductiveRegressor, checked_box
 from polydraulic.networks.tree import Halves, Leaf, box_halves, grow_tree
 
@@ -23,6 +24,7 @@ _ON_FACES = 0.25  # of a region's points
 _MARGIN = 0.8  # a region is good enough at this share of the tolerance: a finer grid finds a little more
 _GRID = 4000  # points on which errors are sought
 _WORST, _AROUND, _ROUNDS = 8, 64, 3  # points around which they are sought further, how many there, how often
+_HUNTED = 0.25  # of a region's rows: so many of the worst points join them for a second fit
 _NEAR_BORDER = 0.02  # of a region's points that a cut leaves on each side
 
 
@@ -50,13 +52,15 @@ class Learnt(NamedTuple):
 
 
 class _Region(NamedTuple):
-    """A fitted region: estimator, its rows, and the largest error found with its place."""
+    """A fitted region: estimator, its rows, the largest error found with its place, and where else errors are large."""
 
     estimator: AbductiveRegressor
     X: np.ndarray
     y: np.ndarray
     error: float
     where: np.ndarray
+    X_hunted: np.ndarray
+    y_hunted: np.ndarray
 
 
 def learn_from(
@@ -64,6 +68,7 @@ def learn_from(
     box: Sequence[tuple[float, float]],
     *,
     tolerance: float,
+    edges: Mapping[Any, Sequence[float]] | None = None,
     budget: int = 1_000_000,
     max_regions: int = 64,
     rows: int = 1500,
@@ -82,6 +87,8 @@ def learn_from(
     box : sequence of (low, high), one an input
     tolerance : float
         Largest error allowed, in units of the output.
+    edges : mapping from input (index, or name of a given input) to rising edges, optional
+        Borders that are known: the search starts from the cells of this grid.
     budget : int
         Points at which the function may be asked.
     max_regions : int
@@ -125,10 +132,12 @@ def learn_from(
     def leaf(cell: np.ndarray) -> Leaf:
         seed = int(random.randint(2**31 - 1))
         X = _points(cell, rows, seed)
-        y = ask(X)
-        fitted = clone(base).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0).fit(X, y)
-        error, where = _largest_error(ask, fitted, cell, seed)
-        return Leaf(cell, _Region(fitted, X, y, error, where), error, error <= _MARGIN * tolerance)
+        estimator = clone(base).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0)
+        region = _fitted(ask, estimator, cell, X, ask(X), seed)
+        if region.error > _MARGIN * tolerance:
+            X, y = np.vstack([region.X, region.X_hunted]), np.append(region.y, region.y_hunted)
+            region = min(region, _fitted(ask, clone(estimator), cell, X, y, seed), key=lambda r: r.error)
+        return Leaf(cell, region, region.error, region.error <= _MARGIN * tolerance)
 
     def cut(parent: Leaf) -> Halves | None:
         region = parent.fitted
@@ -143,9 +152,14 @@ def learn_from(
         above[found.axis, 0] = np.nextafter(found.at, np.inf)  # the border itself belongs below
         return Halves(found.axis, found.at, leaf(below), leaf(above))
 
-    root = leaf(limits)
-    price = asked
-    partition, leaves = grow_tree(root, cut, max_regions)
+    names = [variable.name for variable in inputs] if inputs else [f"x{i}" for i in range(len(limits))]
+    known = grid(checked_edges(edges or {}, names))
+    start = []
+    for region in region_boxes(known, len(limits)).values():
+        before = asked
+        start.append(leaf(_cell(region, limits)))
+        price = max(price, asked - before)
+    partition, leaves = grow_tree(known, start, cut, max_regions)
     regions = [found.fitted for found in leaves]
     worst = max(regions, key=lambda region: region.error)
     models = [region.estimator.to_model(inputs, output) for region in regions]
@@ -154,6 +168,22 @@ def learn_from(
     networks = tuple(model.networks[0] for model in models)
     model = Model(models[0].inputs, models[0].output, networks, partition, training)
     return Learnt(model, worst.error, worst.where, worst.error <= tolerance, asked)
+
+
+def _cell(region: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """A region inside the box; the border itself belongs below.
+
+    Raises
+    ------
+    InputError
+        If an edge lies outside the box.
+    """
+    cell = np.column_stack(
+        [np.maximum(np.nextafter(region[:, 0], np.inf), limits[:, 0]), np.minimum(region[:, 1], limits[:, 1])]
+    )
+    if not np.all(cell[:, 0] < cell[:, 1]):
+        raise InputError(f"edges: the region {region.tolist()} has no part in the box {limits.tolist()}")
+    return cell
 
 
 def _asked(function: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> np.ndarray:
@@ -172,28 +202,39 @@ def _points(cell: np.ndarray, n: int, seed: int) -> np.ndarray:
     unit = qmc.Sobol(n_input, rng=seed).random(2 ** int(np.ceil(np.log2(n))))[:n]
     random = np.random.default_rng(seed)
     faces = unit[: round(_ON_FACES * n)]
-    axis = random.integers(0, n_input, len(faces))
-    faces[np.arange(len(faces)), axis] = random.integers(0, 2, len(faces))
+    moved = random.random(faces.shape) < random.random((len(faces), 1))  # faces of faces, too
+    moved[np.arange(len(faces)), random.integers(0, n_input, len(faces))] = True
+    faces[moved] = np.round(faces[moved])
     return _in_box(cell, np.vstack([unit, list(product((0.0, 1.0), repeat=n_input))]))
 
 
-def _largest_error(
-    ask: Callable[[np.ndarray], np.ndarray], fitted: AbductiveRegressor, cell: np.ndarray, seed: int
-) -> tuple[float, np.ndarray]:
-    """Largest error in a box and where: on a grid with its faces, then around the worst points of what was seen."""
-    n_input, model, random = len(cell), fitted.to_model(), np.random.default_rng(seed)
+def _fitted(
+    ask: Callable[[np.ndarray], np.ndarray],
+    estimator: AbductiveRegressor,
+    cell: np.ndarray,
+    X: np.ndarray,
+    y: np.ndarray,
+    seed: int,
+) -> _Region:
+    """Fit, then hunt for the largest error: on a grid with its faces, and around the worst points of what was seen."""
+    n_input, random = len(cell), np.random.default_rng(seed)
+    model = estimator.fit(X, y).to_model()
     side = max(3, round(_GRID ** (1.0 / n_input)))
     unit = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, side)] * n_input), axis=-1).reshape(-1, n_input)
-    error, reach = np.abs(model.predict(_in_box(cell, unit)) - ask(_in_box(cell, unit))), 1.0 / (side - 1)
+    seen = _in_box(cell, unit)
+    truth, reach = ask(seen), 1.0 / (side - 1)
+    error = np.abs(model.predict(seen) - truth)
     for _ in range(_ROUNDS):
         worst = unit[np.argsort(-error, kind="stable")[:_WORST]]
         steps = random.uniform(-reach, reach, size=(len(worst), _AROUND, n_input))
         more = np.clip(worst[:, None] + steps, 0.0, 1.0).reshape(-1, n_input)
-        X = _in_box(cell, more)
-        unit, error = np.vstack([unit, more]), np.append(error, np.abs(model.predict(X) - ask(X)))
+        around = _in_box(cell, more)
+        values = ask(around)
+        unit, seen, truth = np.vstack([unit, more]), np.vstack([seen, around]), np.append(truth, values)
+        error = np.append(error, np.abs(model.predict(around) - values))
         reach *= 0.25
-    place = int(np.argmax(error))
-    return float(error[place]), _in_box(cell, unit[place : place + 1])[0]
+    order = np.argsort(-error, kind="stable")[: round(_HUNTED * len(X))]
+    return _Region(estimator, X, y, float(error[order[0]]), seen[order[0]], seen[order], truth[order])
 
 
 def _in_box(cell: np.ndarray, unit: np.ndarray) -> np.ndarray:

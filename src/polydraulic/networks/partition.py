@@ -6,11 +6,12 @@ belongs to the region below it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic._kernel import kernel
+from polydraulic.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,26 @@ def grid(edges: Mapping[int, Sequence[float]]) -> Partition:
         return between(0, len(cuts))
 
     return cells(0, 0)
+
+
+def checked_edges(edges: Mapping[Any, Sequence[float]], names: Sequence[str]) -> dict[int, tuple[float, ...]]:
+    """Edges by input index, from edges by index or name.
+
+    Raises
+    ------
+    InputError
+        If an input is unknown, or edges do not rise.
+    """
+    found: dict[int, tuple[float, ...]] = {}
+    for key, cuts in edges.items():
+        axis = list(names).index(key) if key in names else key
+        if not isinstance(axis, int | np.integer) or not 0 <= axis < len(names):
+            raise InputError(f"edges name the input {key!r}; the inputs are {list(names)}")
+        values = np.asarray(cuts, dtype=np.float64)
+        if values.ndim != 1 or not values.size or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0):
+            raise InputError(f"edges of {key!r} = {cuts!r}: must be rising finite numbers")
+        found[int(axis)] = tuple(values.tolist())
+    return found
 
 
 def networks_of(partition: Partition) -> list[int]:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.linalg.blas import dsyrk
 
-from polydraulic.networks.nodes import design, slopes
+from polydraulic.networks.derivatives import forward, jacobian
 from polydraulic.networks.rows import Rows
 from polydraulic.networks.table import Node
 
@@ -119,7 +119,7 @@ def _normal(
     gram, gradient, loss = np.zeros((n, n), order="F"), np.zeros(n), 0.0
     for x, y, w in rows:
         with np.errstate(over="ignore", invalid="ignore"):
-            values, designs = _forward(moved, x)
+            values, designs = forward(moved, x)
             output = values[-1]
             met = ((y >= high) & (output >= high)) | ((y <= low) & (output <= low))
             root = np.where(met, 0.0, 1.0 if w is None else np.sqrt(w))
@@ -127,44 +127,8 @@ def _normal(
             loss += float(residual @ residual) / weight
             if not loss < limit:
                 return None
-            jacobian = _jacobian(moved, free, values, designs, root)
-            dsyrk(1.0, jacobian, 1.0, gram, trans=1, overwrite_c=True)
-            gradient += residual @ jacobian
+            slope = jacobian(moved, free, values, designs, root)
+            dsyrk(1.0, slope, 1.0, gram, trans=1, overwrite_c=True)
+            gradient += residual @ slope
     gram = gram / weight
     return _Normal(gram + np.triu(gram, 1).T, gradient / weight, loss)
-
-
-def _forward(nodes: Sequence[Node], x: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Inputs and nodes on a block of rows, one a row, and the design matrices of the nodes."""
-    n_input = x.shape[1]
-    values = np.empty((n_input + len(nodes), len(x)))
-    values[:n_input] = x.T
-    designs = []
-    for place, node in enumerate(nodes):
-        matrix = design(node.kind, values[list(node.inputs)].T)
-        designs.append(matrix)
-        np.dot(matrix, np.array(node.coef), out=values[n_input + place])
-    return values, designs
-
-
-def _jacobian(
-    nodes: Sequence[Node], free: list[np.ndarray], values: np.ndarray, designs: list[np.ndarray], root: np.ndarray
-) -> np.ndarray:
-    """Derivatives of the output by the free coefficients, each row times the root of its weight."""
-    n_input, n_free = len(values) - len(nodes), [keep.size for keep in free]
-    # backwards: what the output gains from each node
-    gain = np.zeros((len(nodes), values.shape[1]))
-    gain[-1] = root
-    start = sum(n_free)
-    jacobian = np.empty((values.shape[1], start), order="F")
-    for place in range(len(nodes) - 1, -1, -1):
-        node, own = nodes[place], gain[place]
-        start -= n_free[place]
-        for column, term in enumerate(free[place].tolist(), start):
-            np.multiply(designs[place][:, term], own, out=jacobian[:, column])
-        if max(node.inputs) >= n_input:
-            by_input = slopes(node.kind, values[list(node.inputs)].T, np.array(node.coef), designs[place])
-            for slot, slope in zip(node.inputs, by_input.T, strict=True):
-                if slot >= n_input:
-                    gain[slot - n_input] += own * slope
-    return jacobian

@@ -11,7 +11,7 @@ from polydraulic.errors import InputError
 from polydraulic.networks.cuts import best_cut
 from polydraulic.networks.intervals import half_width, hold_out
 from polydraulic.networks.model import Model, Variable
-from polydraulic.networks.partition import Partition, box_name, grid, region_boxes, region_of
+from polydraulic.networks.partition import EVERYWHERE, Partition, box_name, checked_edges, grid, region_boxes, region_of
 from polydraulic.networks.regressor import AbductiveRegressor, variables
 from polydraulic.networks.tree import Halves, Leaf, box_halves, grow_tree
 
@@ -108,7 +108,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self.edges is None:
             self.partition_, self.estimators_ = self._find(rows, base)
         else:
-            self.partition_ = grid(self._edges())
+            self.partition_ = grid(checked_edges(self.edges, [variable.name for variable in variables(self, None)]))
             self.estimators_ = [self._fit_box(rows, base, box) for box in self._boxes()]
         errors = np.abs(self._outputs(X[hold]) - y.reshape(len(y), -1)[hold])
         region = region_of(self.partition_, X[hold])
@@ -206,7 +206,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             better = below.cost + above.cost < (1.0 - _GAIN) * parent.cost
             return Halves(found.axis, found.at, below, above) if better else None
 
-        partition, leaves = grow_tree(leaf(everywhere), cut, self.max_regions)
+        partition, leaves = grow_tree(EVERYWHERE, [leaf(everywhere)], cut, self.max_regions)
         return partition, [found.fitted for found in leaves]
 
     def _check_settings(self) -> None:
@@ -218,19 +218,6 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             raise InputError(f"borrow = {self.borrow!r}: must be a share of a region's width, at least 0")
         if self.tolerance is not None and not self.tolerance >= 0.0:
             raise InputError(f"tolerance = {self.tolerance!r}: must be at least 0")
-
-    def _edges(self) -> dict[int, tuple[float, ...]]:
-        names = [variable.name for variable in variables(self, None)]
-        found: dict[int, tuple[float, ...]] = {}
-        for key, cuts in (self.edges or {}).items():
-            axis = names.index(key) if key in names else key
-            if not isinstance(axis, int | np.integer) or not 0 <= axis < len(names):
-                raise InputError(f"edges name the input {key!r}; the inputs are {names}")
-            values = np.asarray(cuts, dtype=np.float64)
-            if values.ndim != 1 or not values.size or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0):
-                raise InputError(f"edges of {key!r} = {cuts!r}: must be rising finite numbers")
-            found[int(axis)] = tuple(values.tolist())
-        return found
 
 
 def _models(estimator: Any, inputs: Sequence[Variable] | None, outputs: Sequence[Variable] | None) -> list[Model]:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from polydraulic.errors import InputError
 from polydraulic.networks.intervals import half_width, hold_out
+from polydraulic.networks.leave_one_out import leave_one_out
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.nodes import POLYNOMIALS
 from polydraulic.networks.prescreen import promising_inputs
@@ -54,6 +56,9 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Leave terms out of a node that cost more than they explain.
     refine : bool, default=True
         Improve all coefficients of the grown network together, by Levenberg-Marquardt.
+    leave_one_out : bool, default=True
+        Of all layers keep the one whose rows are predicted best by a network that has not seen them (to first order),
+        and refined coefficients only if they lower this error too. It stops high powers that a few far rows decide.
     max_inputs : int, default=30
         With more inputs than this, the search sees only that many, chosen by what they explain in Singles and Doubles.
     missing : "refuse", "drop" or "impute", default="refuse"
@@ -105,6 +110,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         prior_variance: str | float = "adaptive",
         carve: bool = True,
         refine: bool = True,
+        leave_one_out: bool = True,
         max_inputs: int = 30,
         missing: str = "refuse",
         domain: Sequence[tuple[float, float]] | None = None,
@@ -120,6 +126,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.prior_variance = prior_variance
         self.carve = carve
         self.refine = refine
+        self.leave_one_out = leave_one_out
         self.max_inputs = max_inputs
         self.missing = missing
         self.domain = domain
@@ -260,16 +267,26 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         n_input = len(s.x_mean)
         inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)
         inputs = inputs[s.varies[inputs]]
-        nodes, history = synthesize(rows, inputs, settings)
+        grown, history = synthesize(rows, inputs, settings)
         self._say(*(f"layer {h.layer}: K {h.n_coefficients}, PSE {h.pse:.6g}, {h.n_candidates} tried" for h in history))
         y_low, y_high = self._output_bounds(s)
-        fse = [step for step in history if step.accepted][-1].fse / s.y_scale**2
+        bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
+        depth, without = len(grown) - 1, np.inf
+        if self.leave_one_out:
+            errors = [leave_one_out(nodes, rows, bounds) for nodes in grown]
+            depth = int(np.argmin(errors))
+            without = errors[depth]
+            history[: len(grown)] = [
+                replace(step, leave_one_out=error * s.y_scale**2) for step, error in zip(history, errors, strict=False)
+            ]
+        nodes, fse = grown[depth], history[depth].fse / s.y_scale**2
         if self.refine and nodes:
-            bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
-            nodes, fse = refine(
+            refined, its_fse = refine(
                 nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS,
                 progress=lambda i, loss: self._say(f"refinement {i}: FSE {loss * s.y_scale**2:.6g}"),
             )  # fmt: skip
+            if not self.leave_one_out or leave_one_out(refined, rows, bounds) <= without:
+                nodes, fse = refined, its_fse
         low, high = (s.x_low, s.x_high) if self.domain is None else checked_box(self.domain, n_input)
         network = Network(
             nodes=tuple(nodes),
@@ -347,7 +364,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
 def settings_of(estimator: BaseEstimator) -> dict[str, object]:
     """Return the settings of a fit worth keeping in a model file."""
-    keep = "max_layers n_survivors cpm prior_variance carve refine".split()
+    keep = "max_layers n_survivors cpm prior_variance carve refine leave_one_out".split()
     keep += "hidden_units output beta weight_cost zero_error_radius solver".split()
     return {name: value for name, value in estimator.get_params(deep=False).items() if name in keep}
 

@@ -8,7 +8,7 @@ one in which the best are fitted as exactly as by orthogonal least squares.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import comb
+from math import comb, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,6 +65,7 @@ class Step:
     penalty: float
     pse: float
     accepted: bool
+    leave_one_out: float = nan  # where it was asked for
 
 
 class _Variable(NamedTuple):
@@ -120,7 +121,7 @@ def residual_variance(fse: Any, k: Any, weight: float) -> Any:
     return fse * weight / np.maximum(weight - k, 1.0)
 
 
-def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list[Node], list[Step]]:
+def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list[list[Node]], list[Step]]:
     """Grow a network.
 
     Parameters
@@ -132,15 +133,17 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
 
     Returns
     -------
-    nodes : list of Node
-        In order of evaluation, slots counted as in `NetworkTable`; empty if no node is worth its coefficients.
+    networks : list of list of Node
+        The best network of each accepted step, first the empty one; nodes in order of evaluation, slots counted as in
+        `NetworkTable`.
     history : list of Step
         The start and each layer tried.
     """
     n_input, weight = len(rows.scaling.x_mean), rows.scaling.weight
     variance = rows.scaling.y_scale**2
     variables = [_Variable(None, frozenset()) for _ in range(n_input)]
-    best, best_k = None, 0
+    networks: list[list[Node]] = [[]]
+    best_k = 0
     best_fse = sum(float(y @ y if w is None else w @ (y * y)) for _, y, w in rows) / weight
     history = [Step(0, 0, 0, best_fse * variance, 0.0, best_fse * variance, True)]
     noise = best_fse
@@ -170,8 +173,9 @@ def synthesize(rows: Rows, inputs: np.ndarray, settings: Settings) -> tuple[list
         old, new = drawn, np.arange(len(variables), len(variables) + len(survivors))
         for number, survivor in zip(new.tolist(), survivors, strict=True):
             variables.append(survivor.variable._replace(ancestors=survivor.variable.ancestors | {number}))
-        best, best_fse, best_k = variables[new[0]], fse, k
-    return ([] if best is None else _extract(variables, best, n_input)), history
+        networks.append(_extract(variables, variables[new[0]], n_input))
+        best_fse, best_k = fse, k
+    return networks, history
 
 
 def _values(variables: list[_Variable], x: np.ndarray) -> np.ndarray:

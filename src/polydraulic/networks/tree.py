@@ -1,11 +1,11 @@
-"""A partition grown as a tree: the costliest region is cut in two, again and again."""
+"""A partition grown further, as a tree: the costliest region is cut in two, again and again."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.networks.partition import EVERYWHERE, Partition, Split, networks_of
+from polydraulic.networks.partition import Partition, Split, networks_of
 
 
 class Leaf(NamedTuple):
@@ -26,12 +26,17 @@ class Halves(NamedTuple):
     above: Leaf
 
 
-def grow_tree(root: Leaf, cut: Callable[[Leaf], Halves | None], max_regions: int) -> tuple[Partition, list[Leaf]]:
+def grow_tree(
+    partition: Partition, leaves: Sequence[Leaf], cut: Callable[[Leaf], Halves | None], max_regions: int
+) -> tuple[Partition, list[Leaf]]:
     """Cut the costliest leaf that is not settled, until there is none or there are enough.
 
     Parameters
     ----------
-    root : Leaf
+    partition : Split or int
+        What to start from.
+    leaves : sequence of Leaf
+        Its regions.
     cut : function of a leaf
         None to leave it as it is.
     max_regions : int
@@ -42,7 +47,7 @@ def grow_tree(root: Leaf, cut: Callable[[Leaf], Halves | None], max_regions: int
     leaves : list of Leaf
         One a region.
     """
-    leaves, partition = [root], EVERYWHERE
+    leaves = list(leaves)
     while len(leaves) < max_regions:
         waiting = [k for k, leaf in enumerate(leaves) if not leaf.settled]
         if not waiting:

@@ -1,10 +1,10 @@
 """Parameter sets and scenarios: TOML files -> typed trees in SI.
 
-Read `schema` first (what there is), then `load` (how it is read), `signals` and `scenario`.
+Read `schema` first (what there is), then `load` (how it is read), `signals`, `scenario` and `operator`.
 """
 
 from polydraulic.parameters.load import Entry, load_machine, machine_entries
-from polydraulic.parameters.scenario import Scenario, load_scenario, scenario_names
+from polydraulic.parameters.scenario import Scenario, load_scenario, random_operator, scenario_names
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
@@ -20,5 +20,6 @@ __all__ = [
     "load_machine",
     "load_scenario",
     "machine_entries",
+    "random_operator",
     "scenario_names",
 ]

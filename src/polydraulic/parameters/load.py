@@ -65,8 +65,8 @@ def machine_entries(source: str | Path) -> list[Entry]:
     return found
 
 
-def find(source: str | Path, folder: Path, what: str) -> Path:
-    """Path of a TOML file given by path, or by its name in a folder of the package."""
+def find(source: str | Path, folder: Path, what: str, more: str = "") -> Path:
+    """Path of a TOML file given by path, or by its name in a folder of the package; `more` says what else may be given."""
     if Path(source).suffix == ".toml":
         if not Path(source).is_file():
             raise InputError(f"{what} {source}: no such file")
@@ -75,7 +75,7 @@ def find(source: str | Path, folder: Path, what: str) -> Path:
     if not path.is_file():
         raise InputError(
             f"unknown {what} {str(source)!r}; choose one of {sorted(p.stem for p in folder.glob('*.toml'))} "
-            "or give the path of a .toml file"
+            f"or give the path of a .toml file{more}"
         )
     return path
 

@@ -1,9 +1,11 @@
 """Scenarios: what the operator does, for how long, and what differs from the machine's parameter set.
 
 A scenario file may change the pilots and the initial state of single links under ``[change.LINK...]``; the entries there
-have the form of a parameter set. Links that are not listed under ``[voltage]`` get 0 V.
+have the form of a parameter set. Links that are not listed under ``[voltage]`` get 0 V. A recording of all three joysticks is a
+scenario as it is, and so is a random operator.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -11,8 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.parameters.load import build, find, read_quantity, read_toml
+from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.schema import LINKS, Machine, Quantity
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 from polydraulic.tables import read_table
@@ -20,6 +24,7 @@ from polydraulic.tables import read_table
 _SCENARIOS = Path(__file__).parent / "scenarios"
 _SECTIONS = {"title", "source", "duration", "locked", "voltage", "change"}
 _CHANGEABLE = {"pilot", "initial"}
+_RANDOM = "random:"
 _TIME, _VOLT = Quantity("s"), Quantity("V")
 _KINDS = {
     "sine": {"amplitude", "omega"},
@@ -68,14 +73,20 @@ def load_scenario(source: str | Path) -> Scenario:
     Parameters
     ----------
     source : str or Path
-        Name of a scenario that comes with the package (``"single_08"``), or the path of a TOML file.
+        Name of a scenario that comes with the package (``"single_08"``); the path of a TOML file; the path of a recording,
+        ``.csv`` or ``.parquet``, with the columns ``time``, ``swing``, ``boom`` and ``stick`` in s and V or in the units of
+        the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"`` for a `random_operator`.
 
     Raises
     ------
     InputError
-        Unknown or missing key, wrong unit, value out of range, unreadable recording.
+        Unknown or missing key, wrong unit, value out of range, unreadable recording, times that do not rise.
     """
-    path = find(source, _SCENARIOS, "scenario")
+    if str(source).startswith(_RANDOM):
+        return _random(str(source))
+    if Path(source).suffix.lower() in (".csv", ".parquet"):
+        return _recording(Path(source))
+    path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     data = read_toml(path)
     _keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, "", path)
     duration = read_quantity(data["duration"], Quantity("s", above=0.0, high=inf), "duration", path)
@@ -89,6 +100,41 @@ def load_scenario(source: str | Path) -> Scenario:
     for link, part in changes.items():
         _keys(part, _CHANGEABLE, set(), f"change.{link}.", path)
     return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path)
+
+
+def random_operator(
+    seed: int, duration: float = 60.0, *, links: Collection[str] = LINKS, limit: float = 0.8
+) -> Scenario:
+    """Scenario of a random operator who moves all links as a hand could.
+
+    Each joystick by itself: a move to one side (seven times in ten the other one than before) holds one to three levels, each
+    for 0.4 s and an exponential time of mean 0.6 s; the first lies between 0.4 and 1 of the limit, the next at 0.6 to 1.3 of
+    the one before. After two moves in three the joystick rests for 0.2 s and an exponential time of mean 0.8 s; otherwise the
+    next move follows at once. Two lags of 0.08 s smooth all of this. A longer run begins like a shorter one.
+
+    Parameters
+    ----------
+    seed : int
+    duration : float, s
+    links : collection of str
+        Links to move; the others are locked.
+    limit : float, V
+        No voltage is beyond it.
+
+    Raises
+    ------
+    InputError
+        If one of these is not usable.
+
+    Examples
+    --------
+    >>> scenario = random_operator(42, 10.0)
+    >>> scenario.name, scenario.voltages(np.array([0.0, 5.0])).shape
+    ('random:42', (2, 3))
+    """
+    signals: dict[str, Signal] = {**random_signals(seed, duration, links=links, limit=limit)}
+    locked = tuple(link for link in LINKS if link not in links)
+    return Scenario(f"{_RANDOM}{seed}", duration, signals, locked, f"Random operator, seed {seed}")
 
 
 def scenario_names() -> list[str]:
@@ -124,12 +170,47 @@ def _signal(item: Any, where: str, path: Path) -> Signal:
                 np.array(time), np.array(read_quantity(item["voltage"], _VOLT, f"{where}.voltage", path, -1))
             )
         time, voltage = str(item["time_column"]), str(item["voltage_column"])
-        table = read_table(path.parent / str(item["file"]), [time, voltage])
-        for name, unit in ((time, "s"), (voltage, "V")):
-            if table.unit(name) not in ("", unit):
-                raise InputError(f"column {name!r} has unit {table.unit(name)!r}; it must be {unit!r}")
-        return Piecewise(table[time], table[voltage])
+        return _recorded(path.parent / str(item["file"]), time, [voltage])[0]
     except InputError as error:
         if str(path) in str(error):
             raise
         raise InputError(f"{path}: {where}: {error}") from error
+
+
+def _recorded(path: Path, time: str, voltages: list[str]) -> list[Piecewise]:
+    """Signals from the columns of a table, in SI; a column without a unit is in s or V."""
+    table = read_table(path, [time, *voltages])
+
+    def si(name: str, unit: str) -> np.ndarray:
+        given, allowed = table.unit(name) or unit, list(units.FACTORS[unit])
+        if given not in allowed:
+            raise InputError(f"{path}: column {name!r} has unit {given!r}; it must be one of {allowed}")
+        return units.to_si(table[name], given)
+
+    seconds, volts = si(time, "s"), [si(name, "V") for name in voltages]
+    try:
+        return [Piecewise(seconds, values) for values in volts]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _recording(path: Path) -> Scenario:
+    signals = _recorded(path, "time", list(LINKS))
+    time = signals[0].time - signals[0].time[0]
+    if len(time) < 2:
+        raise InputError(f"{path}: a recording needs two rows at least")
+    moved: dict[str, Signal] = {
+        link: Piecewise(time, signal.voltage) for link, signal in zip(LINKS, signals, strict=True)
+    }
+    return Scenario(path.stem, float(time[-1]), moved, title=f"Recording of {time[-1]:g} s", path=path)
+
+
+def _random(source: str) -> Scenario:
+    seed, _, seconds = source.removeprefix(_RANDOM).partition(":")
+    try:
+        return random_operator(int(seed), float(seconds) if seconds else 60.0)
+    except ValueError as error:
+        reason = f": {error}" if isinstance(error, InputError) else ""
+        raise InputError(
+            f"scenario {source!r}: must be random:SEED or random:SEED:SECONDS, for example random:42:120{reason}"
+        ) from error

@@ -58,7 +58,7 @@ class Pumps(NamedTuple):
     relief: PositivePressure
     torque_limit_enabled: bool
     torque_limit_start: PositivePressure
-    torque_limit_exponent: Annotated[float, Quantity("1", above=0.0)]
+    torque_limit_exponent: Annotated[float, Quantity("1", above=0.0, high=2.0)]
 
 
 class Tank(NamedTuple):

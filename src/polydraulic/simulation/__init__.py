@@ -1,18 +1,32 @@
 """Simulation: the machine in time.
 
-Read `step` (one step, the whole algorithm), `loop` (compiled), `runs` (`simulate`, the function to call), then the other methods:
-`right_hand_side` (the equations in continuous time), `runge_kutta`, `rosenbrock`, `tight` (the judge); `events`
-(what happened when) and `trajectory` (comparison and plots).
+Read `step` (one step, the whole algorithm), `loop` (compiled), `runs` (`simulate`, the function to call), `batch` (many machines
+at once, `lanes` inside). The other methods of `simulate`: `right_hand_side` (the equations in continuous time), `runge_kutta`,
+`rosenbrock`, `tight` (the judge). Then `events` (what happened when), `trajectory` (comparison), and for the eye `plot`,
+`shapes` (the linkage as drawn) and `animation`.
 """
 
 from typing import Any
 
 from polydraulic.parameters import Machine, Scenario
+from polydraulic.simulation.animation import write_animation
+from polydraulic.simulation.batch import Batch, simulate_batch
+from polydraulic.simulation.plot import plot_run
 from polydraulic.simulation.runs import METHODS, simulate
-from polydraulic.simulation.trajectory import Difference, compare, plot_run
+from polydraulic.simulation.trajectory import Difference, compare
 from polydraulic.tables import Table
 
-__all__ = ["METHODS", "Difference", "compare", "plot_run", "reference", "simulate"]
+__all__ = [
+    "METHODS",
+    "Batch",
+    "Difference",
+    "compare",
+    "plot_run",
+    "reference",
+    "simulate",
+    "simulate_batch",
+    "write_animation",
+]
 
 
 def reference(machine: Machine, flow: Any, scenario: Scenario, **options: Any) -> Table:

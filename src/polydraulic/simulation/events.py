@@ -37,6 +37,7 @@ CONDITIONS = (
     *((circuit, *_PUMP) for circuit in ("boom", "series")),
 )
 SPOOLS = (1 << 6) - 1  # all bits of the spools
+PUMPS = 3 << 24
 
 
 class Edges(NamedTuple):
@@ -51,7 +52,7 @@ class Log(NamedTuple):
 
     time: np.ndarray  # (MAX_EVENTS,) s
     code: np.ndarray  # (MAX_EVENTS,) bit + 1 where a condition begins, -(bit + 1) where it ends
-    count: np.ndarray  # (1,), beyond MAX_EVENTS if there were more
+    number: np.ndarray  # (1,), beyond MAX_EVENTS if there were more
 
 
 def new_log() -> Log:
@@ -119,11 +120,11 @@ def note(
     for bit in range(N_CONDITION):
         if (changed >> bit) & 1:
             begins = ((bits >> bit) & 1) == 1
-            k = log.count[0]
+            k = log.number[0]
             if k < MAX_EVENTS:
                 log.time[k] = t0 + (t1 - t0) * _share(bit, begins, t1 - t0, before, after, edges, plant)
                 log.code[k] = bit + 1 if begins else -(bit + 1)
-            log.count[0] = k + 1
+            log.number[0] = k + 1
 
 
 @driver
@@ -138,7 +139,9 @@ def observe(
     changed = bits ^ had
     if changed != 0:
         note(log, changed & SPOOLS, bits, t0, t1, before, after, edges, plant)
-        note(log, changed & ~SPOOLS, bits, t1, t1, before, after, edges, plant)
+        left = changed & ~(SPOOLS | PUMPS | bits)  # bounds and stops: the step began as they were left
+        note(log, left, bits, t0, t0, before, after, edges, plant)
+        note(log, changed & ~(SPOOLS | left), bits, t1, t1, before, after, edges, plant)
     return bits
 
 
@@ -173,7 +176,7 @@ def listed(log: Log, locked: tuple[str, ...]) -> dict[str, object]:
 
     Locked links have none.
     """
-    n = int(log.count[0])
+    n = int(log.number[0])
     kept = min(n, MAX_EVENTS)
     rows: list[list[Any]] = []
     for k in np.argsort(log.time[:kept], kind="stable"):

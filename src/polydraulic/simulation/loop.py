@@ -13,7 +13,7 @@ from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import N_STATE, Links, State, from_vector, store
 from polydraulic.simulation.step import Step, machine_step, seen_pressures
 
-N_RECORD = N_STATE + 15  # state, q_in and q_out of three links, four values of each circuit, p_between
+N_RECORD = N_STATE + 17  # state, q_in and q_out of three links, five values of each circuit, p_between
 FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
 
 
@@ -32,6 +32,7 @@ def record_flows(flows: Flows, q_out: Links, row: np.ndarray) -> None:
     row[21], row[22], row[23], row[24] = boom.q_pump, boom.q_bypass, boom.q_relief, boom.p_pump
     row[25], row[26], row[27], row[28] = series.q_pump, series.q_bypass, series.q_relief, series.p_pump
     row[29] = flows.p_between
+    row[30], row[31] = boom.q_stored, series.q_stored
 
 
 @kernel
@@ -40,16 +41,27 @@ def _outlet(k: float, p_out: float, line: LineStep) -> float:
 
 
 @kernel
+def rest_outlets(k: Links, p_out: Links, plant: Plant) -> Links:
+    """Outlet flows at line pressures that stay as they are."""
+    return Links(
+        _outlet(k.swing, p_out.swing, plant.swing.line),
+        _outlet(k.boom, p_out.boom, plant.boom.line),
+        _outlet(k.stick, p_out.stick, plant.stick.line),
+    )
+
+
+@kernel
+def reasonable(rate: Links) -> bool:
+    """Whether the rates are numbers that still mean something."""
+    return abs(rate.swing) < FASTEST and abs(rate.boom) < FASTEST and abs(rate.stick) < FASTEST
+
+
+@kernel
 def at_rest(model: Any, memory: np.ndarray, plant: Plant, x: State) -> Step:
     """Flows at a state, without advancing it."""
     seen = seen_pressures(x.spool, x.p_a, x.p_b)
     flows = flow_step(model, memory, x.spool, seen.p_in, seen.p_out, plant.dt)
-    q_out = Links(
-        _outlet(flows.k_out.swing, seen.p_out.swing, plant.swing.line),
-        _outlet(flows.k_out.boom, seen.p_out.boom, plant.boom.line),
-        _outlet(flows.k_out.stick, seen.p_out.stick, plant.stick.line),
-    )
-    return Step(x, flows, q_out)
+    return Step(x, flows, rest_outlets(flows.k_out, seen.p_out, plant))
 
 
 @driver
@@ -91,8 +103,7 @@ def run(
         step = machine_step(model, memory, plant, step.state, Links(voltage[k, 0], voltage[k, 1], voltage[k, 2]))
         counts[0] += 1 if step.flows.status == NOT_CONVERGED else 0
         counts[1] += 1 if step.flows.status == OUT_OF_DOMAIN else 0
-        w = step.state.rate
-        if not (abs(w.swing) < FASTEST and abs(w.boom) < FASTEST and abs(w.stick) < FASTEST):
+        if not reasonable(step.state.rate):
             _record(step, rows[0])
             return k
         if (k + 1) % every == 0:

@@ -13,7 +13,7 @@ from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import flow_step
 from polydraulic.flow.interface import Flows
 from polydraulic.machine.hose import LineStep
-from polydraulic.machine.joints import Joints, Position, net_torque, position, stopped_rates
+from polydraulic.machine.joints import Joints, Position, net_torque, position, stopped
 from polydraulic.machine.linkage import Held, solve_motion, times
 from polydraulic.machine.pilot import spool_target
 from polydraulic.machine.plant import Plant
@@ -169,7 +169,7 @@ def landed(angle: Links, rate: Links, plant: Plant) -> Joints:
         or _strikes(angle.boom, rate.boom, boom)
         or _strikes(angle.stick, rate.stick, stick)
     )
-    after = stopped_rates(there, rate, position(there, rate, now).motion.mass, now) if struck else rate
+    after = stopped(there, rate, position(there, rate, now).motion.mass, now).rate if struck else rate
     return Joints(there, after)
 
 

@@ -15,10 +15,10 @@ from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow import FLOW_KINDS, flow_name
 from polydraulic.machine import initial_state, prepare
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import from_vector, to_vector
+from polydraulic.machine.state import Links, from_vector, to_vector
 from polydraulic.parameters import Machine, Scenario
 from polydraulic.simulation.events import Edges, Log, conditions, edges_of, listed, new_log, observe
-from polydraulic.simulation.loop import FASTEST, N_RECORD
+from polydraulic.simulation.loop import N_RECORD, reasonable
 from polydraulic.simulation.right_hand_side import fill_flows
 from polydraulic.simulation.rosenbrock_step import (
     RODAS,
@@ -152,7 +152,7 @@ def run_rosenbrock(
             r = evaluate_slow(model, memory, plant, held, w.free, spool_new, w.y, w.f)
             relief = relief_open(r)
         bits = observe(log, bits, t, t_new, before, slow_state(spool_new, w.y), r.flows, edges, plant)
-        if not (abs(w.y[9]) < FASTEST and abs(w.y[10]) < FASTEST and abs(w.y[11]) < FASTEST):
+        if not reasonable(Links(w.y[9], w.y[10], w.y[11])):
             return TOO_FAST
         t, spool = t_new, spool_new
         if number == 1 and share == 1.0:

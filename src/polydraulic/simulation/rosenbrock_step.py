@@ -80,8 +80,8 @@ class Work(NamedTuple):
 
 def new_work(tableau: Tableau) -> Work:
     """Scratch for a run."""
-    one = [np.zeros(12) for _ in range(6)]
-    return Work(*one, np.zeros((len(tableau.time), 12)), np.ones(6), SIZES)
+    y, f, y_new, f_new, y_stage, f_stage = np.zeros((6, 12))
+    return Work(y, f, y_new, f_new, y_stage, f_stage, np.zeros((len(tableau.time), 12)), np.ones(6), SIZES)
 
 
 @kernel

@@ -14,7 +14,7 @@ from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State, from_vector, store
-from polydraulic.simulation.loop import FASTEST, record_flows
+from polydraulic.simulation.loop import reasonable, record_flows
 from polydraulic.simulation.right_hand_side import Derivative, bounded_pressures, derivative, landed, pushed, resting
 
 
@@ -83,13 +83,12 @@ def run_runge_kutta(
             first = _slope(model, memory, plant, tau, held, voltage, 2 * k, x)
         counts[0] += 1 if first.rates.flows.status == NOT_CONVERGED else 0
         counts[1] += 1 if first.rates.flows.status == OUT_OF_DOMAIN else 0
-        w = x.rate
-        reasonable = abs(w.swing) < FASTEST and abs(w.boom) < FASTEST and abs(w.stick) < FASTEST
-        if k % every == 0 or not reasonable:
-            row = rows[k // every] if reasonable else rows[0]
+        sound = reasonable(x.rate)
+        if k % every == 0 or not sound:
+            row = rows[k // every] if sound else rows[0]
             store(x, row)
             record_flows(first.rates.flows, first.rates.q_out, row)
-        if not reasonable:
+        if not sound:
             return k - 1
         if k < n_step:
             a = first.state

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
+from polydraulic.flow import FLOW_KINDS, FlowKind, build_flow, flow_name, served_links
 from polydraulic.machine import Plant, end_effector, initial_state, prepare
 from polydraulic.machine.state import Links, to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
@@ -17,10 +17,10 @@ from polydraulic.tables import Table
 
 # methods of `simulate`, with the tolerance of those that choose their own steps
 METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbrock": 1e-4, "reference": 1e-9}
-_STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
-_FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
-_FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
-_CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
+STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
+FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
+FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
+CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
 
 
 def simulate(
@@ -31,6 +31,7 @@ def simulate(
     dt: float = 5e-3,
     t_end: float | None = None,
     every: int = 1,
+    raster: float | None = None,
     method: str = "semi-implicit",
     rtol: float | None = None,
 ) -> Table:
@@ -49,6 +50,8 @@ def simulate(
         Instead of the scenario's duration.
     every : int
         Record every so many steps.
+    raster : float, s, optional
+        Instead of `every`: record at these intervals, a whole number of steps.
     method : str
         ``"semi-implicit"``: one valve evaluation a step, bounded cost, for inputs that nobody knows in advance; voltages are held
         over a step. ``"rk4"``: classic Runge-Kutta. ``"rosenbrock"``: steps of its own choice to the tolerance
@@ -60,13 +63,17 @@ def simulate(
     Returns
     -------
     Table
-        Columns ``time``, then ``boom.spool``, ``boom.p_in``, ... in SI; `info` counts the steps that did not converge
-        and those outside the flow model's domain, and lists the ``events`` (see `events`).
+        In SI. ``time``; of each link that moves ``boom.voltage``, ``boom.spool``, ``boom.p_a``, ``boom.p_b``, ``boom.angle``,
+        ``boom.rate``, ``boom.q_in``, ``boom.q_out``, ``boom.p_in``, ``boom.p_out`` (of a locked one its angle alone); of
+        the circuits ``boom`` and ``series`` ``boom.q_pump``, ``boom.q_bypass``, ``boom.q_relief``, ``boom.p_pump``, and
+        ``series.p_between`` swing and stick valve; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
+        that did not converge and those outside the flow model's domain, and lists the ``events`` (see `events`).
 
     Raises
     ------
     InputError
-        dt not positive, duration shorter than a step, an unknown flow model, a scenario that moves links not modelled.
+        dt not positive, duration shorter than a step, a raster that is no whole number of steps, an unknown flow model, a
+        scenario that moves links which the flow model does not serve.
     SimulationError
         If the state leaves all reason, or a solver fails; says when and where.
     """
@@ -75,7 +82,13 @@ def simulate(
     least = METHODS[method]
     if rtol is not None and (least is None or not 1e-13 <= rtol <= 0.1):
         raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
+    every = recorded_steps(dt, every, raster)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
+    if method != "semi-implicit" and FLOW_KINDS[flow_name(arranged.model)].has_state:
+        raise InputError(
+            f"flow {flow_name(arranged.model)!r} has pressures of its own, which method {method!r} does not integrate; "
+            "use 'exact', or 'semi-implicit' with a small dt"
+        )
     adapted, name, n_step = scenario.adapt(machine), flow_name(arranged.model), len(arranged.voltage)
     time = np.arange(len(arranged.rows)) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": name, "method": method, "dt": dt}
@@ -95,8 +108,7 @@ def simulate(
         not_converged, out_of_domain = (int(count) for count in arranged.counts)
         info |= {"steps": n_step, "steps_not_converged": not_converged, "steps_out_of_domain": out_of_domain}
         info |= find_events(adapted, scenario, time, rows)
-    known = FLOW_KINDS[name].gives_pump_pressure
-    return trajectory(adapted, scenario, time, rows, info, pump_pressure=known)
+    return trajectory(adapted, scenario, time, rows, info, FLOW_KINDS[name])
 
 
 def _solver(method: str) -> Any:
@@ -142,7 +154,7 @@ def arrange(
     machine = scenario.adapt(machine)
     plant = prepare(machine, dt, scenario.locked)
     model = build_flow(flow, machine) if isinstance(flow, str) else flow
-    check_links(scenario, flow_name(model))
+    check_links(scenario, model)
     n_step = n_steps(scenario, dt, t_end, every)
     return Arranged(
         model=model,
@@ -172,10 +184,9 @@ def trajectory(
     time: np.ndarray,
     rows: np.ndarray,
     info: dict[str, object],
-    *,
-    pump_pressure: bool,
+    kind: FlowKind,
 ) -> Table:
-    """Name the columns of recorded rows, and add what follows from them."""
+    """Name the columns of recorded rows, those that this kind of flow model gives, and add what follows from them."""
     columns: dict[str, np.ndarray] = {"time": time}
     units = {"time": "s"}
 
@@ -186,18 +197,20 @@ def trajectory(
     for link in (link for link in LINKS if link not in scenario.locked):
         place = LINKS.index(link)
         add(f"{link}.voltage", "V", voltages[:, place])
-        for number, (name, unit) in enumerate(_STATE_COLUMNS + _FLOW_COLUMNS):
+        for number, (name, unit) in enumerate(STATE_COLUMNS + FLOW_COLUMNS):
             add(f"{link}.{name}", unit, rows[:, 3 * number + place])
         forward = columns[f"{link}.spool"] >= 0.0
         p_a, p_b = columns[f"{link}.p_a"], columns[f"{link}.p_b"]
         add(f"{link}.p_in", "Pa", np.where(forward, p_a, p_b))
         add(f"{link}.p_out", "Pa", np.where(forward, p_b, p_a))
     for circuit, first in (("boom", 21), ("series", 25)):
-        if set(_FED[circuit]) <= set(scenario.locked):
+        if set(FED[circuit]) <= set(scenario.locked):
             continue
-        for number, (name, unit) in enumerate(_CIRCUIT_COLUMNS):
-            if name != "p_pump" or pump_pressure:
+        for number, (name, unit) in enumerate(CIRCUIT_COLUMNS):
+            if name != "p_pump" or kind.gives_pump_pressure:
                 add(f"{circuit}.{name}", unit, rows[:, first + number])
+        if kind.has_state:
+            add(f"{circuit}.q_stored", "m3/s", rows[:, 30 if circuit == "boom" else 31])
     if "series.p_pump" in columns:
         add("series.p_between", "Pa", rows[:, 29])
     for place, link in enumerate(LINKS):
@@ -209,16 +222,16 @@ def trajectory(
     return Table(columns, units, info)
 
 
-def check_links(scenario: Scenario, name: str) -> None:
-    """Refuse a scenario that moves links which the flow model `name` does not serve, or none at all."""
+def check_links(scenario: Scenario, model: Any) -> None:
+    """Refuse a scenario that moves links which the flow model does not serve, or none at all."""
     free = [link for link in LINKS if link not in scenario.locked]
     if not free:
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(LINKS)}; nothing is left to move")
-    missing = [link for link in free if link not in FLOW_KINDS[name].links]
+    missing = [link for link in free if link not in served_links(model)]
     if missing:
         able = [other for other, kind in FLOW_KINDS.items() if set(free) <= set(kind.links)]
         raise InputError(
-            f"scenario {scenario.name!r} moves {', '.join(missing)}, which flow {name!r} does not serve; "
+            f"scenario {scenario.name!r} moves {', '.join(missing)}, which flow {flow_name(model)!r} does not serve; "
             f"lock them in the scenario or use one of {able}"
         )
 
@@ -242,3 +255,23 @@ def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) 
     if not isinstance(every, int) or every < 1:
         raise InputError(f"every = {every!r}: must be a whole number, at least 1")
     return int(duration / dt + 1e-9)
+
+
+def recorded_steps(dt: float, every: int, raster: float | None) -> int:
+    """Every how many steps a row is recorded, from `every` or from a raster in seconds.
+
+    Raises
+    ------
+    InputError
+        If both are given, or the raster is no whole number of steps.
+    """
+    if raster is None or not dt > 0.0:  # whoever prepares the machine refuses such a dt
+        return every
+    if every != 1:
+        raise InputError(f"every = {every!r} and raster = {raster} s both say when to record; give one of them")
+    steps = raster / dt
+    if not (isfinite(steps) and steps > 0.5 and abs(steps - round(steps)) < 1e-6):
+        raise InputError(
+            f"raster = {raster} s: must be a whole number of time steps of {dt} s, for example {10 * dt:g}"
+        )
+    return round(steps)

@@ -98,23 +98,25 @@ def integrate(
     x0, rows, f, free = to_vector(initial_state(machine)), np.empty((len(time), N_RECORD)), np.empty(12), np.ones(6)
     log, edges, evaluations, located = new_log(), edges_of(machine), 0, 0
     y, rows[0, :15], row = x0[3:].copy(), x0, 1
-    first = motion.coefficients[0], 0.0
-    held, relief = _settle(model, memory, plant, free, *first, 0.0, y, f)
-    bits = _observe(model, memory, plant, held, free, *first, 0.0, 0.0, y, y, f, new_log(), 0, edges)
+    c, t_piece = motion.coefficients[0], 0.0
+    held, relief = _settle(model, memory, plant, free, c, t_piece, 0.0, y, f)
+    bits = _observe(model, memory, plant, held, free, c, t_piece, 0.0, 0.0, y, y, f, new_log(), 0, edges)
     for t, end in itertools.pairwise([0.0, *motion.breaks]):
         piece = int(np.searchsorted(motion.starts, t + 1e-12, side="right")) - 1
-        here = motion.coefficients[piece], float(motion.starts[piece])
+        c, t_piece = motion.coefficients[piece], float(motion.starts[piece])
 
         while t < end:
 
-            def slope(t: float, y: np.ndarray, here: Any = here, held: Held = held) -> np.ndarray:
+            def slope(
+                t: float, y: np.ndarray, c: np.ndarray = c, t_piece: float = t_piece, held: Held = held
+            ) -> np.ndarray:
                 nonlocal evaluations
                 evaluations += 1
                 if evaluations > _MAX_EVALUATIONS:
                     raise SimulationError(
                         f"reference solution of {scenario.name}: more than {_MAX_EVALUATIONS} evaluations"
                     )
-                _slope(model, memory, plant, held, free, *here, t, y, f)
+                _slope(model, memory, plant, held, free, c, t_piece, t, y, f)
                 return f.copy()
 
             solver = LSODA(slope, t, y, end, rtol=rtol, atol=rtol * SIZES, max_step=_MAX_STEP)
@@ -125,16 +127,16 @@ def integrate(
                 if solver.status == "failed":
                     raise SimulationError(f"reference solution of {scenario.name}: {message}")
                 dense, t, y = solver.dense_output(), solver.t, solver.y.copy()
-                happened = _changes(model, memory, plant, held, free, *here, t, y, f, relief)
+                happened = _changes(model, memory, plant, held, free, c, t_piece, t, y, f, relief)
                 if happened:
                     low = before
                     while t - low > 1e-12 * max(1.0, t):
                         middle = 0.5 * (low + t)
-                        late = _changes(model, memory, plant, held, free, *here, middle, dense(middle), f, relief)
+                        late = _changes(model, memory, plant, held, free, c, t_piece, middle, dense(middle), f, relief)
                         t, low = (middle, low) if late else (t, middle)
                     y = dense(t)
                 while row < len(time) and time[row] <= t:
-                    rows[row, :3], rows[row, 3:15] = spools_at(*here, time[row]).x, dense(time[row])
+                    rows[row, :3], rows[row, 3:15] = spools_at(c, t_piece, time[row]).x, dense(time[row])
                     row += 1
                 if happened:
                     located += 1
@@ -142,7 +144,9 @@ def integrate(
                         raise SimulationError(
                             f"reference solution of {scenario.name}: more than {_MAX_EVENTS} events by {t:g} s"
                         )
-                    held, relief = _settle(model, memory, plant, free, *here, t, y, f)
-                bits = _observe(model, memory, plant, held, free, *here, before, t, y_before, y, f, log, bits, edges)
+                    held, relief = _settle(model, memory, plant, free, c, t_piece, t, y, f)
+                bits = _observe(
+                    model, memory, plant, held, free, c, t_piece, before, t, y_before, y, f, log, bits, edges
+                )
     fill_flows(model, memory, plant, rows)
     return rows, {"evaluations": evaluations, "events_located": located, **listed(log, scenario.locked)}

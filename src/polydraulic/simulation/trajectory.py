@@ -1,16 +1,12 @@
-"""Trajectories side by side: errors by column, and the standard plot of a run."""
+"""Trajectories side by side: errors by column, and how the field reads a column."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.tables import Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # What the field reads these columns in.
 FIELD_UNITS = {
@@ -22,6 +18,7 @@ FIELD_UNITS = {
     "V": "V",
     "s": "s",
 }
+EFFECTOR = ("effector.x", "effector.y", "effector.z")
 
 
 class Difference(NamedTuple):
@@ -37,6 +34,16 @@ class Difference(NamedTuple):
 def compare(reference: Table, model: Table) -> dict[str, Difference]:
     """Differences model - reference, for every column that both have.
 
+    Parameters
+    ----------
+    reference, model : Table
+        Runs with the same times.
+
+    Returns
+    -------
+    dict from column to Difference
+        ``effector.distance`` is how far apart the two end-effectors are, in m, never negative.
+
     Raises
     ------
     InputError
@@ -48,53 +55,28 @@ def compare(reference: Table, model: Table) -> dict[str, Difference]:
     found = {}
     for name in reference.names:
         if name in model.columns and name != "time":
-            error = model[name] - reference[name]
-            k = int(np.argmax(np.abs(error)))
-            rms = float(np.sqrt(np.mean(error * error)))
-            found[name] = Difference(reference.unit(name), float(error[k]), float(t[k]), rms, float(error[-1]))
+            found[name] = _difference(reference.unit(name), t, model[name] - reference[name])
+    if set(EFFECTOR) <= set(found):
+        found["effector.distance"] = _difference("m", t, effector_distance(reference, model))
     return found
 
 
+def effector_distance(reference: Table, model: Table) -> np.ndarray:
+    """Distance in m between the end-effectors of two runs with the same times, (n_time,)."""
+    return np.asarray(np.linalg.norm(model.matrix(EFFECTOR) - reference.matrix(EFFECTOR), axis=1))
+
+
+def _difference(unit: str, t: np.ndarray, error: np.ndarray) -> Difference:
+    k = int(np.argmax(np.abs(error)))
+    return Difference(unit, float(error[k]), float(t[k]), float(np.sqrt(np.mean(error * error))), float(error[-1]))
+
+
+def field_unit(name: str, unit: str) -> str:
+    """Unit in which the field reads a column; effector positions stay in metres."""
+    return "m" if name.startswith("effector") else FIELD_UNITS.get(unit, unit)
+
+
 def in_field_units(table: Table, name: str) -> tuple[np.ndarray, str]:
-    """A column and its unit as the field reads it; effector positions stay in metres."""
-    unit = table.unit(name)
-    field = "m" if name.startswith("effector") else FIELD_UNITS.get(unit, unit)
+    """A column and its unit as the field reads it."""
+    field = field_unit(name, table.unit(name))
     return units.from_si(table[name], field), field
-
-
-PANELS = (
-    ("spool displacement", ("spool",)),
-    ("flow", ("q_in", "q_out")),
-    ("line pressure", ("p_in", "p_out")),
-    ("joint angle", ("angle",)),
-    ("joint rate", ("rate",)),
-)
-
-
-def plot_run(runs: Mapping[str, Table], *, link: str = "boom") -> "Figure":
-    """Spool, flows, line pressures and motion of one link over time, one colour a run.
-
-    Parameters
-    ----------
-    runs : mapping from label to trajectory
-    link : str
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 10.0), layout="constrained")
-    axes = figure.subplots(len(PANELS), 1, sharex=True)
-    for axis, (title, quantities) in zip(axes, PANELS, strict=True):
-        unit = ""
-        for number, (label, table) in enumerate(runs.items()):
-            for quantity, style in zip(quantities, ("-", "--"), strict=False):
-                values, unit = in_field_units(table, f"{link}.{quantity}")
-                name = f"{label} {quantity}" if len(quantities) > 1 else label
-                axis.plot(table["time"], values, style, color=f"C{number}", label=name, linewidth=1.2)
-        axis.set_ylabel(f"{title}\n[{unit}]")
-        axis.grid(alpha=0.3)
-        if len(runs) > 1 or len(quantities) > 1:
-            axis.legend(fontsize="small", loc="upper right")
-    axes[-1].set_xlabel("time [s]")
-    first = next(iter(runs.values()))
-    figure.suptitle(f"{link}: {first.info.get('scenario', '')}")
-    return figure

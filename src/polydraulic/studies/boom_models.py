@@ -14,7 +14,13 @@ SEED = 215
 N_ROWS = 10_000  # as many as the thesis used for its perceptrons; it does not print the number for its networks
 
 # The thesis' setting: half the variance as prior, nodes as they were grown. Ours is the learner's default.
-HISTORICAL: dict[str, Any] = {"cpm": 1.0, "prior_variance": "half-variance", "carve": False, "refine": False}
+HISTORICAL: dict[str, Any] = {
+    "cpm": 1.0,
+    "prior_variance": "half-variance",
+    "carve": False,
+    "refine": False,
+    "leave_one_out": False,
+}
 
 
 class BoomModels(NamedTuple):

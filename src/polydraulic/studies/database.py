@@ -1,12 +1,14 @@
 """Training databases: a circuit evaluated at random points of its operating box."""
 
+from typing import Any
+
 import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow import exact_flow
-from polydraulic.flow.sample import sample_flow
-from polydraulic.parameters import Machine
+from polydraulic.flow.sample import FlowSample, sample_flow
+from polydraulic.parameters import LINKS, Machine
 from polydraulic.tables import Table
 
 PRESSURE_HIGH = units.to_si(4000.0, "psi")  # upper end of the thesis' maps
@@ -70,7 +72,7 @@ def boom_table(
     relief : bool
         As for `sample_boom`.
     """
-    flow = sample_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
+    flow = boom_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
     root = np.sqrt(np.maximum(p_out - machine.tank.return_pressure, 0.0))
     columns = {
         "boom.spool": (spool, "m"),
@@ -84,3 +86,14 @@ def boom_table(
     }
     info: dict[str, object] = {"circuit": "boom", "relief": relief}
     return Table({k: v for k, (v, _) in columns.items()}, {k: u for k, (_, u) in columns.items()}, info)
+
+
+def boom_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray) -> FlowSample:
+    """Flows of the boom's valve at points (n_point,), with the others centred; arrays of shape (n_point,)."""
+    place = LINKS.index("boom")
+    columns = []
+    for values in (spool, p_in, p_out):
+        columns.append(np.zeros((len(values), len(LINKS))))
+        columns[-1][:, place] = values
+    sample = sample_flow(model, *columns)
+    return FlowSample(sample.q_in[:, place], sample.k_out[:, place], sample.p_pump[:, 0])

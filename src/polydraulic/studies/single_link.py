@@ -12,12 +12,11 @@ import numpy as np
 
 from polydraulic import units
 from polydraulic.flow import build_flow
-from polydraulic.flow.sample import sample_flow
 from polydraulic.networks import AbductiveRegressor, Variable
 from polydraulic.parameters import Machine, Scenario, Signal, Sine, load_scenario
 from polydraulic.simulation import reference, simulate
 from polydraulic.studies.boom_models import HISTORICAL, SEED, BoomModels, fit_boom
-from polydraulic.studies.database import PRESSURE_HIGH, boom_table, sample_boom
+from polydraulic.studies.database import PRESSURE_HIGH, boom_flow, boom_table, sample_boom
 from polydraulic.studies.timing import time_runs
 from polydraulic.tables import Table
 
@@ -155,7 +154,7 @@ def pressure_flow_error(study: BoomStudy) -> np.ndarray:
     """Input flow from the pump-pressure networks through Eq. (1), minus exact, at every grid point, in SI."""
     model = build_flow("pressure", study.machine, models=[study.historical.p_pump])
     grid = study.grid
-    return sample_flow(model, grid["boom.spool"], grid["boom.p_in"], grid["boom.p_out"]).q_in - grid["boom.q_in"]
+    return boom_flow(model, grid["boom.spool"], grid["boom.p_in"], grid["boom.p_out"]).q_in - grid["boom.q_in"]
 
 
 def converge(machine: Machine, scenarios: dict[str, Scenario]) -> Table:

@@ -1,19 +1,25 @@
-"""Train the networks that come with the package: ``python -m polydraulic.studies.train FILE``.
+"""Train the networks that come with the package: ``python -m polydraulic.studies.train FOLDER``.
 
-The circuit of Eqs (1)-(3) is learnt without its relief valve, up to the relief pressure, from a seeded database; the
-same seed and versions give the same file. At a dead-headed actuator these networks therefore go on delivering until the
-line relief opens.
+Writes ``outlets.json``, ``cascade.json``, ``direct.json`` and ``neural.json``; the same seed and versions give the same files.
 """
 
 import sys
+from pathlib import Path
 
-import numpy as np
-
+from polydraulic.flow.polynomial import ARRANGEMENTS
 from polydraulic.networks import save_models
 from polydraulic.parameters import load_machine
-from polydraulic.studies.boom_models import SEED, fit_boom
+from polydraulic.studies.circuit_models import learn_inlets, learn_outlets, train_perceptrons
+
+
+def say(output: str, asked: int, error: float) -> None:
+    """Print how far a search has come."""
+    print(f"{output}: {asked} points, largest error {error:.3g} m3/s", file=sys.stderr)
+
 
 if __name__ == "__main__":
-    machine = load_machine("cat215b")
-    models = fit_boom(machine, np.random.default_rng(SEED), pressure_high=machine.pumps.relief)
-    save_models([models.q_in, models.q_out], sys.argv[1])
+    machine, folder = load_machine("cat215b"), Path(sys.argv[1])
+    save_models(learn_outlets(machine), folder / "outlets.json")
+    save_models(train_perceptrons(machine), folder / "neural.json")
+    for arrangement in ARRANGEMENTS:
+        save_models(learn_inlets(machine, arrangement, say), folder / f"{arrangement}.json")

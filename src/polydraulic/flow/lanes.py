@@ -1,0 +1,110 @@
+"""Many machines side by side: values as rows of 64 lanes, one machine a lane, for loops that become vector instructions.
+
+A block of machines is one flat array, row after row; the first rows are those of a recorded step, scratch follows. Row numbers
+and `LANES` are constants, so that the compiler sees which places differ. Parameters are one named tuple for the
+whole block, or rows of their own where the machines differ: `at` gives the named tuple of a lane in both cases.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from polydraulic._kernel import KERNEL_OPTIONS, kernel
+from polydraulic.machine.state import Links
+from polydraulic.machine.valve import Orifices
+
+LANES = 64
+# rows of a recorded step
+SPOOL, P_A, P_B, ANGLE, RATE, Q_IN, Q_OUT, BOOM, SERIES, P_BETWEEN, STORED = 0, 3, 6, 9, 12, 15, 18, 21, 25, 29, 30
+# what the flow stage reads and writes
+P_IN, INLET, BYPASS, OUTLET = 32, 35, 38, 41
+FLOW_SCRATCH = 44
+N_FLOW_ROW = FLOW_SCRATCH + 25
+
+
+@kernel
+def get(rows: np.ndarray, row: int, lane: int) -> float:
+    """One value."""
+    return rows[row * LANES + lane]
+
+
+@kernel
+def put(rows: np.ndarray, row: int, lane: int, value: float) -> None:
+    """Set one value."""
+    rows[row * LANES + lane] = value
+
+
+@kernel
+def get_links(rows: np.ndarray, row: int, lane: int) -> Links:
+    """Three rows as one value a link."""
+    return Links(rows[row * LANES + lane], rows[(row + 1) * LANES + lane], rows[(row + 2) * LANES + lane])
+
+
+@kernel
+def put_links(rows: np.ndarray, row: int, lane: int, value: Links) -> None:
+    """Set three rows."""
+    rows[row * LANES + lane] = value.swing
+    rows[(row + 1) * LANES + lane] = value.boom
+    rows[(row + 2) * LANES + lane] = value.stick
+
+
+@kernel
+def get_orifices(rows: np.ndarray, link: int, lane: int) -> Orifices:
+    """Conductances of the valve of a link, by its number."""
+    return Orifices(get(rows, INLET + link, lane), get(rows, BYPASS + link, lane), get(rows, OUTLET + link, lane))
+
+
+def at(own: Any, shared: Any, lane: Any) -> Any:
+    """Parameters of a lane.
+
+    Parameters
+    ----------
+    own : None or flat array of rows
+        None where all machines of the block share their parameters; else every number of the named tuple, in the order of
+        `leaves`, one row a number.
+    shared : nested named tuple of floats and bools
+        The parameters that are shared, or an example of their form.
+    lane : int
+    """
+    return shared if own is None else _filled(shared, iter(own.reshape(-1, LANES)[:, lane].tolist()))
+
+
+def _filled(form: Any, numbers: Any) -> Any:
+    if isinstance(form, tuple):
+        return type(form)(*(_filled(part, numbers) for part in form))
+    return next(numbers) != 0.0 if isinstance(form, bool) else next(numbers)
+
+
+def leaves(parameters: Any) -> list[float]:
+    """All numbers of a nested named tuple, in order."""
+    found: list[float] = []
+    for part in parameters:
+        if isinstance(part, tuple):
+            found += leaves(part)
+        else:
+            found.append(part)
+    return found
+
+
+@overload(at, jit_options=KERNEL_OPTIONS)
+def _at_compiled(own: Any, shared: Any, lane: Any) -> Any:
+    # numba wants the signature of `at`, annotations included
+    names: dict[str, Any] = {"Any": Any}
+    text = "shared" if isinstance(own, types.NoneType) else _expression(shared, 0, names)[0]
+    exec(f"def chosen(own: Any, shared: Any, lane: Any) -> Any:\n    return {text}", names)
+    return names["chosen"]
+
+
+def _expression(form: Any, row: int, names: dict[str, Any]) -> tuple[str, int]:
+    """Source of a call that builds a named tuple from rows, and the next row."""
+    if not isinstance(form, types.BaseNamedTuple):
+        value = f"own[{row * LANES} + lane]"
+        return (f"{value} != 0.0" if isinstance(form, types.Boolean) else value), row + 1
+    names[form.instance_class.__name__] = form.instance_class
+    parts = []
+    for part in form.types:
+        text, row = _expression(part, row, names)
+        parts.append(text)
+    return f"{form.instance_class.__name__}({', '.join(parts)})", row

@@ -1,0 +1,76 @@
+"""What commands show while they work, and tables of what they found."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from polydraulic.simulation import Difference
+
+PATIENCE = 2.0  # s, before progress is shown
+
+
+@contextmanager
+def steps(title: str, total: int) -> Iterator[Callable[[str], None]]:
+    """A progress bar; the function it gives is called as each step begins."""
+    begun = 0
+    with _bar(title, total) as update:
+
+        def begin(step: str) -> None:
+            nonlocal begun
+            update(begun, total, step)
+            begun += 1
+
+        yield begin
+        update(total, total, title)
+
+
+@contextmanager
+def counted(title: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar; the function it gives is called with the number done and the number in all."""
+    with _bar(title, 1) as update:
+        yield lambda done, total: update(done, total, title)
+
+
+@contextmanager
+def _bar(title: str, total: int) -> Iterator[Callable[[int, int, str], None]]:
+    """A progress bar that appears when the work takes longer than `PATIENCE`."""
+    from threading import Timer
+
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.fields[step]:24s}"),
+        BarColumn(),
+        TextColumn("{task.completed}/{task.total}"),
+    )
+    bar = Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=False)
+    task = bar.add_task(title, total=total, step="")
+    timer = Timer(PATIENCE, bar.start)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield lambda done, total, step: bar.update(task, completed=done, total=total, step=step)
+    finally:
+        timer.cancel()
+        timer.join()
+        if bar.live.is_started:
+            bar.stop()
+
+
+def print_differences(differences: "Mapping[str, Difference]") -> None:
+    """What a run differs by from the exact one: every link that moves, the pumps and the tip."""
+    from polydraulic.parameters import LINKS
+    from polydraulic.simulation.trajectory import field_unit
+    from polydraulic.units import from_si
+
+    names = [f"{link}.{quantity}" for link in LINKS for quantity in ("angle", "rate", "q_in", "p_in")]
+    names += ["boom.p_pump", "series.p_pump", "effector.distance"]
+    print(f"{'differences from exact':24s}{'largest':>12s}{'at':>10s}{'rms':>12s}{'at the end':>12s}")
+    for name in (name for name in names if name in differences):
+        d = differences[name]
+        tip = name == "effector.distance"
+        unit = "mm" if tip else field_unit(name, d.unit)
+        largest, rms, final = (f"{from_si(value, unit):12.4g}" for value in (d.largest, d.rms, d.final))
+        print(f"  {'tip' if tip else name:22s}{largest}{d.time:8.2f} s{rms}{final} {unit}")
