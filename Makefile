@@ -19,6 +19,7 @@ test-all: .venv/ready
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/solvers.py
+	$(BIN)/python benchmarks/machine.py
 	$(BIN)/python benchmarks/networks.py --quick
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.

@@ -27,7 +27,6 @@ from polydraulic.studies.database import sample_boom
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
-RNG = np.random.default_rng(0)
 
 
 @pytest.fixture(scope="module", params=list(FLOW_KINDS))
@@ -55,9 +54,10 @@ def with_limit(machine):
 
 
 def points(machine, n=200):
-    travel = machine.spool.knots[-1]
+    """Spool, inlet and outlet pressure of the boom at random, the same ones for every model."""
+    rng, travel = np.random.default_rng(0), machine.spool.knots[-1]
     return zip(
-        RNG.uniform(-travel, travel, n), RNG.uniform(0, 3000 * PSI, n), RNG.uniform(0, 3000 * PSI, n), strict=True
+        rng.uniform(-travel, travel, n), rng.uniform(0, 3000 * PSI, n), rng.uniform(0, 3000 * PSI, n), strict=True
     )
 
 
@@ -74,8 +74,9 @@ def test_pump_flow_is_shared_out(model, machine):
     for spool, p_in, p_out in points(machine):
         flows = step(model, spool, p_in, p_out)
         circuit = flows.boom
-        assert circuit.q_pump == machine.pumps.boom_flow
-        assert flows.q_in.boom + circuit.q_bypass + circuit.q_relief == pytest.approx(circuit.q_pump, rel=1e-9)
+        assert circuit.q_pump == pytest.approx(machine.pumps.boom_flow, rel=1e-12)
+        parts = [flows.q_in.boom, circuit.q_bypass, circuit.q_relief, circuit.q_stored]
+        assert sum(parts) == pytest.approx(circuit.q_pump, rel=1e-9)
 
 
 # at -1 exactly the opening region answers: a border belongs to the cell below it
@@ -100,21 +101,27 @@ BOTH_CIRCUITS = [name for name, kind in FLOW_KINDS.items() if kind.links == LINK
 @pytest.mark.parametrize("limit", [False, True])
 @pytest.mark.parametrize("name", BOTH_CIRCUITS)
 def test_both_pumps_share_out_their_flow(machine, name, limit):
+    """From rest at each state, and as one state follows another."""
     model = build_flow(name, with_limit(machine) if limit else machine)
-    for spool, p_in, p_out in states(machine):
-        flows = step_all(model, spool, p_in, p_out)
+    memory, small = np.zeros(FLOW_KINDS[name].n_memory(model)), 1.0 + 1e-12
+    for number, (spool, p_in, p_out) in enumerate(states(machine, 400)):
+        from_rest = number < 200
+        flows = (
+            step_all(model, spool, p_in, p_out) if from_rest else flow_step(model, memory, spool, p_in, p_out, 0.005)
+        )
         for circuit, q_in, full in (
             (flows.boom, flows.q_in.boom, machine.pumps.boom_flow),
             (flows.series, flows.q_in.swing + flows.q_in.stick, machine.pumps.series_flow),
         ):
             parts = [q_in, circuit.q_bypass, circuit.q_relief]
             assert min(*parts, *flows.q_in) >= -1e-15 * full
-            assert sum(parts) == pytest.approx(circuit.q_pump, rel=1e-9)
-            assert 0.0 < circuit.q_pump <= full
-            assert limit or circuit.q_pump == full
-            assert circuit.p_pump <= machine.pumps.relief * (1.0 + 1e-12)
+            assert sum(parts) + circuit.q_stored == pytest.approx(circuit.q_pump, rel=1e-9)
+            assert FLOW_KINDS[name].has_state or circuit.q_stored == 0.0
+            assert 0.0 < circuit.q_pump <= full * small
+            assert limit or circuit.q_pump == pytest.approx(full, rel=1e-12)
+            assert circuit.p_pump <= machine.pumps.relief * small
         # the iteration leaves its last pressure where nothing passes
-        assert name != "exact" or flows.p_between <= flows.series.p_pump * (1.0 + 1e-12)
+        assert name != "exact" or flows.p_between <= flows.series.p_pump * small
 
 
 def test_the_torque_limit_lowers_both_flows(machine):
@@ -152,13 +159,14 @@ def test_iteration_settles_near_exact_in_series(machine):
 def test_models_of_the_boom_leave_the_others_still(model):
     assert FLOW_KINDS[flow_name(model)].links == ("boom",)
     flows = step(model, 0.008, 500 * PSI, 800 * PSI)
-    assert flows.series == (0.0, 0.0, 0.0, 0.0)
+    assert flows.series == (0.0,) * 5
     assert flows.q_in.swing == flows.q_in.stick == flows.k_out.swing == flows.k_out.stick == 0.0
 
 
 # Largest error of the input flow that each model may have against exact, as a share of the pump's flow.
 # The pump-pressure networks state none: they are kept to show that they fail.
-STATED = {"exact": 1e-12, "iterative": 0.08, "polynomial": 0.01, "neural": 0.1}
+# Models with pressures of their own are at rest here; tests of their own say how they get there.
+STATED = {"exact": 1e-12, "iterative": 0.08, "stiff": 1e-8, "tlm": 1e-5, "polynomial": 0.01, "neural": 0.1}
 NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("neural", {})]
 RMS = {"polynomial": 0.01, "neural": 0.03}
 
@@ -167,9 +175,14 @@ RMS = {"polynomial": 0.01, "neural": 0.03}
 def test_input_flow_is_near_exact(model, machine):
     stated = STATED[flow_name(model)]
     exact = build_flow("exact", machine)
+    settled = 0
     for spool, p_in, p_out in points(machine):
-        error = step(model, spool, p_in, p_out).q_in.boom - step(exact, spool, p_in, p_out).q_in.boom
-        assert abs(error) <= stated * machine.pumps.boom_flow
+        flows = step(model, spool, p_in, p_out)
+        if flows.status != NOT_CONVERGED:  # it states nothing then
+            settled += 1
+            error = flows.q_in.boom - step(exact, spool, p_in, p_out).q_in.boom
+            assert abs(error) <= stated * machine.pumps.boom_flow
+    assert settled > 180
 
 
 @pytest.mark.parametrize("eps", [0.1, 0.05, 0.001])

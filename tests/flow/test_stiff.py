@@ -119,6 +119,7 @@ def test_volumes_lose_no_oil(pumped):
     assert np.abs(run["series.q_stored"]).max() > 1e-3 * run["series.q_pump"].max()
 
 
+@pytest.mark.slow
 def test_the_flows_approach_exact_as_the_volumes_shrink(pumped):
     """First order in the volume: the pump's oil takes up C dP/dt."""
     scenario, volumes = load_scenario("task"), np.array([1e-3, 1e-4, 1e-5])

@@ -99,6 +99,7 @@ def orders(scales, errors):
     return np.polyfit(np.log(scales), np.log(errors), 1)[0]
 
 
+@pytest.mark.slow
 def test_the_flows_approach_exact_as_volume_and_delay_shrink(pumped):
     """First order, with the impedance held: half the volume, half the delay."""
     scenario, substeps = load_scenario("task"), [2, 8, 32]
@@ -117,6 +118,7 @@ def test_the_flows_approach_exact_as_volume_and_delay_shrink(pumped):
         assert 0.85 < -orders(substeps, errors) < 1.3, column
 
 
+@pytest.mark.slow
 def test_the_delay_alone_is_of_second_order(pumped):
     """Without low pass a line is its volume and an inertia in proportion to the delay squared; seen in the mean flow."""
     scenario, substeps = load_scenario("sine"), [2, 4, 8]

@@ -59,7 +59,7 @@ def test_a_valve_against_the_judge(k_in, k_bypass, p_in, p_rest, r, z, share):
 def test_special_cases():
     shut, wide = Bypass(0.0, 0.0, 0.0), Bypass(1e6, 0.0, 1e-12)
     dead = draw(Feed(5e6, 1e9), 0.0, 0.0, shut, RELIEF)
-    assert (dead.q_in, dead.q_bypass, dead.q_relief, dead.p) == pytest.approx((0.0, 0.0, 0.0, 5e6), abs=1e-100)
+    assert (dead.q_in, dead.q_bypass, dead.q_relief, dead.p) == pytest.approx((0.0, 0.0, 0.0, 5e6), abs=1e-60)
     over = draw(Feed(RELIEF + 1e6, 1e9), 0.0, 0.0, shut, RELIEF)
     assert over.p == RELIEF
     assert over.q_relief == pytest.approx(1e-3)
@@ -69,4 +69,4 @@ def test_special_cases():
     assert inlet.q_bypass == 0.0
     assert inlet.q_in == pytest.approx(1e-6 * math.sqrt(inlet.p - 2e6), rel=1e-12)
     assert bypass_flow(1e6 + 4.0, Bypass(1e6, 0.0, 1e-12)) == pytest.approx(2e-6)
-    assert bypass_flow(1e6 + 4.0, Bypass(1e6, 2.0, 1e300)) == pytest.approx(2.0)
+    assert bypass_flow(1e6 + 4.0, Bypass(1e6, 2.0, 1e200)) == pytest.approx(2.0)

@@ -135,7 +135,13 @@ def polynomial_flow(
 
 
 def neural_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> NeuralFlow:
-    """Flow model from perceptrons; arguments as for `polynomial_flow`."""
+    """Flow model from perceptrons.
+
+    Parameters
+    ----------
+    machine, models
+        As for `polynomial_flow`.
+    """
     return NeuralFlow(network_flow(machine, shipped_models("neural") if models is None else models))
 
 

@@ -19,6 +19,8 @@ from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import OK, Flows
 from polydraulic.machine.feed import (
     DRAW_PASSES,
+    SHUT,
+    TRICKLE,
     Bypass,
     Draw,
     Feed,
@@ -179,10 +181,10 @@ def _behind(d: Draw, w: float, passage: Feed, square: float) -> Bypass:
     share = z / (steep + z)  # how the flow into the second valve follows that between the two
     shut = d.flow <= 0.0
     slope = z if shut else steep * share
-    curve = 0.0 if shut else min(d.curve * share * share * share, 0.5 * slope / (w + 1e-300))
+    curve = 0.0 if shut else min(d.curve * share * share * share, 0.5 * slope / (w + TRICKLE))
     resistance = slope - 2.0 * w * curve
     p = passage.pressure - z * d.flow
-    return Bypass(p - w * (resistance + w * curve), resistance, 1.0 / (1.0 / (square + 1e-300) + curve))
+    return Bypass(p - w * (resistance + w * curve), resistance, 1.0 / (1.0 / (square + SHUT) + curve))
 
 
 @kernel
@@ -228,7 +230,7 @@ def _series_step(first: Orifices, second: Orifices, p_in: Links, at: _Volumes, p
     q_second = inlet_part(drawn, second.inlet, p_in.stick, onward)
     c = _circuit(source, x.first, drawn - q_second, at.p, at.z, pump)
     circuit = Circuit(c.q_pump, c.q_bypass, c.q_relief, c.p_pump, c.q_stored + x.between - drawn)
-    return _Series(x.first - x.between, q_second, passage.pressure - at.z_between * drawn, circuit)
+    return _Series(max(x.first - x.between, 0.0), q_second, passage.pressure - at.z_between * drawn, circuit)
 
 
 @kernel

@@ -13,8 +13,9 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.machine.valve import orifice_flow
 
-DRAW_PASSES = 4
-_TRICKLE = 1e-12  # m3/s; shows which orifice opens first
+DRAW_PASSES = 5
+SHUT = 1e-150  # conductance squared of a shut orifice, m6/s2/Pa: nothing passes, and its inverse is finite
+TRICKLE = 1e-12  # m3/s; shows which orifice opens first
 
 
 class Feed(NamedTuple):
@@ -54,7 +55,7 @@ def bypass_flow(p: float, bypass: Bypass) -> float:
     """Flow through a bypass with the pressure `p` before it."""
     drop = max(p - bypass.p_rest, 0.0)
     r = bypass.resistance
-    return 2.0 * drop / (r + sqrt(r * r + 4.0 * drop / (bypass.square + 1e-300)) + 1e-300)
+    return 2.0 * drop / (r + sqrt(r * r + 4.0 * drop / (bypass.square + SHUT)) + 1e-300)
 
 
 @kernel
@@ -80,19 +81,19 @@ def _agreed(feed: Feed, p_rest: float, resistance: float, curve: float) -> float
 @kernel
 def at_most(feed: Feed, k_in: float, p_in: float, bypass: Bypass) -> float:
     """Return more than a valve can draw, what inlet and bypass would draw alone: where to begin."""
-    alone = _agreed(feed, p_in, 0.0, 1.0 / (k_in * k_in + 1e-300))
-    return alone + _agreed(feed, bypass.p_rest, bypass.resistance, 1.0 / (bypass.square + 1e-300))
+    alone = _agreed(feed, p_in, 0.0, 1.0 / (k_in * k_in + SHUT))
+    return alone + _agreed(feed, bypass.p_rest, bypass.resistance, 1.0 / (bypass.square + SHUT))
 
 
 @kernel
 def draw_pass(flow: float, feed: Feed, k_in: float, p_in: float, bypass: Bypass) -> Draw:
     """One osculation."""
-    flow = max(flow, _TRICKLE)
+    flow = max(flow, TRICKLE)
     a, b, r = k_in * k_in, bypass.square, bypass.resistance
     q = inlet_part(flow, k_in, p_in, bypass)
     w = flow - q
     none_in, none_by = q <= 0.0, w <= 0.0
-    curve_in, curve_by = 1.0 / (a + 1e-300), 1.0 / (b + 1e-300)
+    curve_in, curve_by = 1.0 / (a + SHUT), 1.0 / (b + SHUT)
     steep_in, steep_by = 2.0 * curve_in * q, r + 2.0 * curve_by * w
     # P = p_rest + resistance flow + curve flow^2: in flow + m both orifices are pure ones
     m = 0.5 * r * b

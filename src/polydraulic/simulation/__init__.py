@@ -29,6 +29,26 @@ __all__ = [
 ]
 
 
-def reference(machine: Machine, flow: Any, scenario: Scenario, **options: Any) -> Table:
-    """`simulate` with ``method="reference"``."""
-    return simulate(machine, flow, scenario, method="reference", **options)
+def reference(
+    machine: Machine,
+    flow: Any,
+    scenario: Scenario,
+    *,
+    dt: float = 5e-3,
+    rtol: float = 1e-9,
+    t_end: float | None = None,
+) -> Table:
+    """`simulate` with ``method="reference"``: the tight solution.
+
+    Parameters
+    ----------
+    machine, flow, scenario
+        As for `simulate`.
+    dt : float, s
+        Raster of the result.
+    rtol : float
+        Relative tolerance of the solver.
+    t_end : float, s, optional
+        Instead of the scenario's duration.
+    """
+    return simulate(machine, flow, scenario, dt=dt, t_end=t_end, method="reference", rtol=rtol)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow import FLOW_KINDS, build_flow, flow_name
+from polydraulic.flow import build_flow, flow_name, served_links
 from polydraulic.machine import Plant, initial_state, prepare
 from polydraulic.machine.state import N_STATE, to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
@@ -91,12 +91,11 @@ def _kind(machine: Machine, scenario: Scenario | None, flow: Any, dt: float) -> 
     adapted = scenario.adapt(machine) if scenario else machine
     plant = prepare(adapted, dt, scenario.locked if scenario else ())
     model = build_flow(flow, adapted) if isinstance(flow, str) else flow
-    name = flow_name(model)
     if scenario:
-        check_links(scenario, name)
-    elif FLOW_KINDS[name].links != LINKS:
+        check_links(scenario, model)
+    elif served_links(model) != LINKS:
         raise InputError(
-            f"an array of voltages moves all links, and flow {name!r} serves {', '.join(FLOW_KINDS[name].links)}; "
+            f"an array of voltages moves all links, and flow {flow_name(model)!r} serves {', '.join(served_links(model))}; "
             "give scenarios that lock the others"
         )
     return Kind(adapted, plant, model)

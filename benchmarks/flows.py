@@ -1,0 +1,63 @@
+"""Every flow model next to the exact one: distance of the stick's tips, and time a step, in one run.
+
+``python benchmarks/flows.py [--operators N]``: it prints Markdown tables and asserts nothing. Networks are the ones that come
+with the package; no scenario took part in their training.
+"""
+
+import argparse
+
+import numpy as np
+
+from polydraulic import build_flow, compare, load_machine, load_scenario, simulate
+from polydraulic.parameters import random_operator
+from polydraulic.studies.timing import time_runs
+
+SCENARIOS = ("sine", "step", "pulse", "task")
+FLOWS = {
+    "exact": ("exact", {}),
+    "iterative, eps 0.05": ("iterative", {}),
+    "stiff": ("stiff", {}),
+    "tlm": ("tlm", {}),
+    "polynomial, cascade": ("polynomial", {}),
+    "polynomial, direct": ("polynomial", {"arrangement": "direct"}),
+    "neural": ("neural", {}),
+}
+
+
+def table(title, header, rows):
+    print(f"\n### {title}\n\n| {' | '.join(header)} |\n|{'---|' * len(header)}")
+    for row in rows:
+        print(f"| {' | '.join(row)} |")
+
+
+def distance(machine, flow, scenario, exact):
+    """Largest distance of the tips in mm."""
+    return 1e3 * compare(exact, simulate(machine, flow, scenario))["effector.distance"].largest
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--operators", type=int, default=20, help="random operators of 60 s")
+    options = parser.parse_args()
+    machine = load_machine("cat215b")
+    models = {name: build_flow(kind, machine, **settings) for name, (kind, settings) in FLOWS.items()}
+    scenarios = [load_scenario(name) for name in SCENARIOS]
+    operators = [random_operator(seed, 60.0) for seed in range(options.operators)]
+    exact = {scenario.name: simulate(machine, "exact", scenario) for scenario in (*scenarios, *operators)}
+    rows = []
+    for name, model in models.items():
+        found = [distance(machine, model, scenario, exact[scenario.name]) for scenario in scenarios]
+        by_chance = [distance(machine, model, scenario, exact[scenario.name]) for scenario in operators]
+        rows.append([name, *(f"{value:.1f}" for value in (*found, np.median(by_chance), np.quantile(by_chance, 0.95)))])
+    header = ["flow model", *SCENARIOS, f"{len(operators)} operators, median", "95 %"]
+    table("Largest distance of the tip from the exact run, mm", header, rows)
+    seconds = {name: time_runs(machine, models, load_scenario(name)) for name in ("sine", "task")}
+    rows = [[name, *(f"{values[name] / values['exact']:.2f}" for values in seconds.values())] for name in models]
+    table("Time a step, ratio to exact", ["flow model", *seconds], rows)
+    for name, values in seconds.items():
+        steps = round(load_scenario(name).duration / 5e-3)
+        print(f"\nexact, {name}: {values['exact'] / steps * 1e9:.0f} ns a step")
+
+
+if __name__ == "__main__":
+    main()
