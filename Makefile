@@ -18,6 +18,7 @@ test-all: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/solvers.py
 	$(BIN)/python benchmarks/machine.py
 	$(BIN)/python benchmarks/networks.py --quick
 

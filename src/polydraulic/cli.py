@@ -85,6 +85,9 @@ def simulate(
         float | None,
         typer.Option(help="Record every so many seconds, a whole number of steps; every step if not given."),
     ] = None,
+    method: Annotated[
+        str, typer.Option(help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.")
+    ] = "semi-implicit",
     machine: MachineOption = "cat215b",
 ) -> None:
     """Simulate a scenario, and state how far it is from the exact flow.
@@ -123,15 +126,18 @@ def simulate(
     with steps("simulate", 1 if flow == "exact" else 2) as progress:
         if flow != "exact":
             progress("exact")
-            runs["exact"] = run(plant, "exact", what, dt=dt, raster=raster)
+            runs["exact"] = run(plant, "exact", what, dt=dt, raster=raster, method=method)
         progress(flow)
-        runs[flow] = run(plant, chosen, what, dt=dt, raster=raster)
+        runs[flow] = run(plant, chosen, what, dt=dt, raster=raster, method=method)
     info = runs[flow].info
     print(f"{what.name}: {what.title}")
-    print(
-        f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
-        f"{info['steps_out_of_domain']} outside the model's domain"
-    )
+    if "rtol" in info:
+        print(f"{method} with flow {flow!r} to a relative tolerance of {info['rtol']:g}, every {dt:g} s")
+    else:
+        print(
+            f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
+            f"{info['steps_out_of_domain']} outside the model's domain"
+        )
     if flow != "exact":
         print_differences(compare(runs["exact"], runs[flow]))
     if out is not None:

@@ -12,9 +12,9 @@ from numba.extending import overload
 
 from polydraulic._kernel import KERNEL_OPTIONS
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
+from polydraulic.flow.exact import ExactFlow, exact_flow, exact_slopes, exact_step
 from polydraulic.flow.exact_lanes import exact_lanes
-from polydraulic.flow.interface import Flows
+from polydraulic.flow.interface import Flows, FlowSlopes
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
 from polydraulic.flow.polynomial import (
     NeuralFlow,
@@ -50,6 +50,7 @@ class FlowKind(NamedTuple):
     has_state : whether pressures of its own go on from step to step, so that the flows depend on what was before
     lanes : kernel (model, own, rows, whole) that finds the flows of a block of machines side by side; None where a step
         keeps memory or loops as long as its data ask, so that machines must run one by one
+    slopes : kernel (model, spool, inside, flows) -> FlowSlopes; None where there is none
     """
 
     model: type
@@ -62,10 +63,13 @@ class FlowKind(NamedTuple):
     served: Callable[[Any], tuple[str, ...]] | None = None
     has_state: bool = False
     lanes: Callable[..., None] | None = None
+    slopes: Callable[..., FlowSlopes] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
-    "exact": FlowKind(ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, lanes=exact_lanes),
+    "exact": FlowKind(
+        ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, lanes=exact_lanes, slopes=exact_slopes
+    ),
     "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
     "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
     "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
@@ -80,6 +84,7 @@ FLOW_KINDS: dict[str, FlowKind] = {
 
 FLOW_STEPS = {kind.model: kind.step for kind in FLOW_KINDS.values()}
 FLOW_LANES = {kind.model: kind.lanes for kind in FLOW_KINDS.values() if kind.lanes is not None}
+FLOW_SLOPES = {kind.model: kind.slopes for kind in FLOW_KINDS.values() if kind.slopes is not None}
 
 
 def flow_step(model: Any, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
@@ -105,6 +110,32 @@ def _flow_step_compiled(model: Any, memory: Any, spool: Any, p_in: Any, p_out: A
 
     def chosen(model: Any, memory: Any, spool: Any, p_in: Any, p_out: Any, dt: Any) -> Any:
         return step(model, memory, spool, p_in, p_out, dt)
+
+    return chosen
+
+
+def flow_slopes(model: Any, spool: Links, inside: Links, flows: Flows) -> FlowSlopes:
+    """Slopes of `flow_step` at a solution, of a model that has them.
+
+    Parameters
+    ----------
+    model : one of the models in `FLOW_SLOPES`
+    spool : Links, m
+    inside : Links, m
+        Spools on the same segments of their tables, but not on a knot: at a knot the slopes of the two sides differ.
+    flows : Flows
+        The solution.
+    """
+    slopes: Callable[..., FlowSlopes] = FLOW_SLOPES[type(model)]
+    return slopes(model, spool, inside, flows)
+
+
+@overload(flow_slopes, jit_options=KERNEL_OPTIONS)
+def _flow_slopes_compiled(model: Any, spool: Any, inside: Any, flows: Any) -> Any:
+    slopes = FLOW_SLOPES[model.instance_class]
+
+    def chosen(model: Any, spool: Any, inside: Any, flows: Any) -> Any:
+        return slopes(model, spool, inside, flows)
 
     return chosen
 

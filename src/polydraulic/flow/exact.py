@@ -6,10 +6,11 @@ import numpy as np
 
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.interface import OK, Flows
+from polydraulic.flow.interface import OK, Flows, FlowSlopes
+from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
 from polydraulic.machine.pump import NEVER, Pump, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
-from polydraulic.machine.valve import ValveTables, orifices, prepare_valve
+from polydraulic.machine.valve import ValveTables, orifice_slopes, orifices, prepare_valve
 from polydraulic.parameters import Machine
 
 
@@ -81,4 +82,26 @@ def exact_step(model: ExactFlow, memory: np.ndarray, spool: Links, p_in: Links, 
         series.circuit,
         series.p_between,
         OK,
+    )
+
+
+@kernel
+def exact_slopes(model: ExactFlow, spool: Links, inside: Links, flows: Flows) -> FlowSlopes:
+    """Slopes of `exact_step` at its solution `flows`; `inside` says on which segments of the orifice tables the spools are."""
+    swing, boom, stick = model.valves.swing, model.valves.boom, model.valves.stick
+    k_swing, k_boom, k_stick = orifices(spool.swing, swing), orifices(spool.boom, boom), orifices(spool.stick, stick)
+    s_swing, s_stick = orifice_slopes(inside.swing, swing), orifice_slopes(inside.stick, stick)
+    s_boom = orifice_slopes(inside.boom, boom)
+    one = single_slopes(k_boom, s_boom, flows.q_in.boom, flows.boom, model.boom_pump)
+    two = series_slopes(
+        k_swing, k_stick, s_swing, s_stick, flows.q_in.swing, flows.q_in.stick, flows.series, model.series_pump
+    )
+    return FlowSlopes(
+        Links(two.first_by_p, one.by_p, two.second_by_p),
+        two.other_by_p,
+        two.other_by_p,
+        Links(two.first_by_first, one.by_spool, two.second_by_second),
+        two.first_by_second,
+        two.second_by_first,
+        Links(s_swing.outlet, s_boom.outlet, s_stick.outlet),
     )

@@ -33,3 +33,18 @@ class Flows(NamedTuple):
     series: Circuit
     p_between: float
     status: int
+
+
+class FlowSlopes(NamedTuple):
+    """Slopes of a model's flows: of the inlets over the pressures at the fed ports (m3/s/Pa) and over the spools (m2/s).
+
+    Swing and stick share a pump, so that each also feels the other; the boom is alone.
+    """
+
+    by_own_p: Links
+    swing_by_stick_p: float
+    stick_by_swing_p: float
+    by_own_spool: Links
+    swing_by_stick_spool: float
+    stick_by_swing_spool: float
+    outlet_by_spool: Links  # of k_out, m2/s/Pa^0.5

@@ -53,3 +53,18 @@ def friction_torque(rate: float, f: Friction) -> float:
     w = rate / f.stribeck
     dry = f.coulomb + (f.static - f.coulomb) * exp(-(w * w))
     return dry * tanh(rate / f.smoothing) + f.viscous * rate
+
+
+@kernel
+def lever_slope(joint: SinCos, arm: float, t: Triangle) -> float:
+    """Slope of `lever_arm` over the joint angle, m/rad; `arm` is the lever arm itself."""
+    product_cos = t.product_cos * joint.cos - t.direction * t.product_sin * joint.sin
+    return t.direction * (0.5 * product_cos - arm * arm) / sqrt(t.squares - product_cos)
+
+
+@kernel
+def friction_slope(rate: float, f: Friction) -> float:
+    """Slope of `friction_torque` over the joint rate, N m s."""
+    w, s = rate / f.stribeck, tanh(rate / f.smoothing)
+    rise = (f.static - f.coulomb) * exp(-(w * w))
+    return (f.coulomb + rise) * (1.0 - s * s) / f.smoothing - 2.0 * w / f.stribeck * rise * s + f.viscous

@@ -59,3 +59,13 @@ def from_vector(v: np.ndarray) -> State:
         Links(v[9], v[10], v[11]),
         Links(v[12], v[13], v[14]),
     )
+
+
+@kernel
+def store(x: State, v: np.ndarray) -> None:
+    """Write a state into the first 15 places of a vector."""
+    v[0], v[1], v[2] = x.spool.swing, x.spool.boom, x.spool.stick
+    v[3], v[4], v[5] = x.p_a.swing, x.p_a.boom, x.p_a.stick
+    v[6], v[7], v[8] = x.p_b.swing, x.p_b.boom, x.p_b.stick
+    v[9], v[10], v[11] = x.angle.swing, x.angle.boom, x.angle.stick
+    v[12], v[13], v[14] = x.rate.swing, x.rate.boom, x.rate.stick

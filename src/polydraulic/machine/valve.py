@@ -83,6 +83,25 @@ def orifices(spool: float, valve: ValveTables) -> Orifices:
 
 
 @kernel
+def _slope(x: float, t: ValveTables, s: Segments) -> float:
+    y = s.s0
+    y = s.s1 if x >= t.k1 else y
+    y = s.s2 if x >= t.k2 else y
+    y = s.s3 if x >= t.k3 else y
+    y = s.s4 if x >= t.k4 else y
+    return y if x < t.k5 else 0.0
+
+
+@kernel
+def orifice_slopes(spool: float, valve: ValveTables) -> Orifices:
+    """Slopes of the conductances over the spool displacement, m2/s/Pa^0.5; constant between two knots."""
+    x, positive = abs(spool), spool >= 0.0
+    sign = 1.0 if positive else -1.0
+    outlet = _slope(x, valve, valve.outlet_positive) if positive else _slope(x, valve, valve.outlet_negative)
+    return Orifices(sign * _slope(x, valve, valve.inlet), sign * _slope(x, valve, valve.bypass), sign * outlet)
+
+
+@kernel
 def orifice_flow(conductance: float, drop: float) -> float:
     """Turbulent orifice flow in m3/s; a check valve lets nothing back (drop in Pa)."""
     return conductance * sqrt(max(drop, 0.0))

@@ -10,7 +10,7 @@ from polydraulic.flow.dispatch import flow_step
 from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN, Flows
 from polydraulic.machine.hose import LineStep
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import N_STATE, Links, State, from_vector
+from polydraulic.machine.state import N_STATE, Links, State, from_vector, store
 from polydraulic.simulation.step import Step, machine_step, seen_pressures
 
 N_RECORD = N_STATE + 17  # state, q_in and q_out of three links, five values of each circuit, p_between
@@ -19,12 +19,7 @@ FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
 
 @kernel
 def _record(step: Step, row: np.ndarray) -> None:
-    x = step.state
-    row[0], row[1], row[2] = x.spool.swing, x.spool.boom, x.spool.stick
-    row[3], row[4], row[5] = x.p_a.swing, x.p_a.boom, x.p_a.stick
-    row[6], row[7], row[8] = x.p_b.swing, x.p_b.boom, x.p_b.stick
-    row[9], row[10], row[11] = x.angle.swing, x.angle.boom, x.angle.stick
-    row[12], row[13], row[14] = x.rate.swing, x.rate.boom, x.rate.stick
+    store(step.state, row)
     record_flows(step.flows, step.q_out, row)
 
 

@@ -8,11 +8,15 @@ import numpy as np
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow import FLOW_KINDS, FlowKind, build_flow, flow_name, served_links
 from polydraulic.machine import Plant, end_effector, initial_state, prepare
-from polydraulic.machine.state import to_vector
+from polydraulic.machine.state import Links, to_vector
 from polydraulic.parameters import LINKS, Machine, Scenario
+from polydraulic.simulation.events import find_events
 from polydraulic.simulation.loop import FASTEST, N_RECORD, run
+from polydraulic.simulation.runge_kutta import run_runge_kutta
 from polydraulic.tables import Table
 
+# methods of `simulate`, with the tolerance of those that choose their own steps
+METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbrock": 1e-4, "reference": 1e-9}
 STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
 FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
@@ -28,8 +32,10 @@ def simulate(
     t_end: float | None = None,
     every: int = 1,
     raster: float | None = None,
+    method: str = "semi-implicit",
+    rtol: float | None = None,
 ) -> Table:
-    """Simulate a scenario with the semi-implicit loop.
+    """Simulate a scenario.
 
     Parameters
     ----------
@@ -39,13 +45,20 @@ def simulate(
         Name of a flow model, or a model from one of the builders in `polydraulic.flow`.
     scenario : Scenario
     dt : float, s
-        Time step; voltages are held over a step.
+        Time step; for the methods that choose their own steps, the raster of the result.
     t_end : float, s, optional
         Instead of the scenario's duration.
     every : int
         Record every so many steps.
     raster : float, s, optional
         Instead of `every`: record at these intervals, a whole number of steps.
+    method : str
+        ``"semi-implicit"``: one valve evaluation a step, bounded cost, for inputs that nobody knows in advance; voltages are held
+        over a step. ``"rk4"``: classic Runge-Kutta. ``"rosenbrock"``: steps of its own choice to the tolerance
+        `rtol`, the fastest for inputs known in advance; needs a flow model with slopes. ``"reference"``: a tight implicit solver,
+        slow.
+    rtol : float, optional
+        Relative tolerance of the last two; 1e-4 and 1e-9 if not given.
 
     Returns
     -------
@@ -54,7 +67,7 @@ def simulate(
         ``boom.rate``, ``boom.q_in``, ``boom.q_out``, ``boom.p_in``, ``boom.p_out`` (of a locked one its angle alone); of
         the circuits ``boom`` and ``series`` ``boom.q_pump``, ``boom.q_bypass``, ``boom.q_relief``, ``boom.p_pump``, and
         ``series.p_between`` swing and stick valve; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
-        that did not converge and those outside the flow model's domain.
+        that did not converge and those outside the flow model's domain, and lists the ``events`` (see `events`).
 
     Raises
     ------
@@ -62,28 +75,57 @@ def simulate(
         dt not positive, duration shorter than a step, a raster that is no whole number of steps, an unknown flow model, a
         scenario that moves links which the flow model does not serve.
     SimulationError
-        If the state leaves all reason; says when and where.
+        If the state leaves all reason, or a solver fails; says when and where.
     """
+    if method not in METHODS:
+        raise InputError(f"unknown method {method!r}; choose one of {list(METHODS)}")
+    least = METHODS[method]
+    if rtol is not None and (least is None or not 1e-13 <= rtol <= 0.1):
+        raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
     every = recorded_steps(dt, every, raster)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
-    done = run(*arranged)
-    name, n_step = flow_name(arranged.model), len(arranged.voltage)
-    if done < n_step:
-        raise SimulationError(
-            f"{scenario.name} with flow {name!r}: the rate of {_fastest(arranged.rows[0])} left all reason "
-            f"at t = {done * dt:g} s; "
-            "try a smaller dt or check the flow model"
+    if method != "semi-implicit" and FLOW_KINDS[flow_name(arranged.model)].has_state:
+        raise InputError(
+            f"flow {flow_name(arranged.model)!r} has pressures of its own, which method {method!r} does not integrate; "
+            "use 'exact', or 'semi-implicit' with a small dt"
         )
-    info: dict[str, object] = {
-        "scenario": scenario.name,
-        "flow": name,
-        "dt": dt,
-        "steps": n_step,
-        "steps_not_converged": int(arranged.counts[0]),
-        "steps_out_of_domain": int(arranged.counts[1]),
-    }
+    adapted, name, n_step = scenario.adapt(machine), flow_name(arranged.model), len(arranged.voltage)
     time = np.arange(len(arranged.rows)) * every * dt
-    return trajectory(scenario.adapt(machine), scenario, time, arranged.rows, info, FLOW_KINDS[name])
+    info: dict[str, object] = {"scenario": scenario.name, "flow": name, "method": method, "dt": dt}
+    if least is not None:
+        integrate = _solver(method)
+        rows, found = integrate(adapted, arranged.model, scenario, time, rtol or least)
+        info |= {"rtol": rtol or least, **found}
+    else:
+        rows = arranged.rows
+        done = run(*arranged) if method == "semi-implicit" else _run_runge_kutta(adapted, scenario, arranged)
+        if done < n_step:
+            raise SimulationError(
+                f"{scenario.name} with flow {name!r}: the rate of {_fastest(rows[0])} left all reason "
+                f"at t = {done * dt:g} s; "
+                "try a smaller dt or check the flow model"
+            )
+        not_converged, out_of_domain = (int(count) for count in arranged.counts)
+        info |= {"steps": n_step, "steps_not_converged": not_converged, "steps_out_of_domain": out_of_domain}
+        info |= find_events(adapted, scenario, time, rows)
+    return trajectory(adapted, scenario, time, rows, info, FLOW_KINDS[name])
+
+
+def _solver(method: str) -> Any:
+    # SciPy's solvers take long to import, and the loops do without
+    if method == "rosenbrock":
+        from polydraulic.simulation.rosenbrock import integrate
+    else:
+        from polydraulic.simulation.tight import integrate
+    return integrate
+
+
+def _run_runge_kutta(machine: Machine, scenario: Scenario, a: "Arranged") -> int:
+    halves = np.arange(2 * len(a.voltage) + 1) * (0.5 * a.plant.dt)
+    voltage = step_voltages(machine, scenario, halves)
+    tau = Links(*(getattr(machine, link).pilot.time_constant for link in LINKS))
+    plant = prepare(machine, 1.0, scenario.locked)
+    return run_runge_kutta(a.model, a.memory, plant, tau, a.plant.dt, a.x0, voltage, a.every, a.rows, a.counts)
 
 
 class Arranged(NamedTuple):

@@ -1,0 +1,436 @@
+"""The package's methods against the solvers that one would pick instead, on the pick-and-place run, at equal accuracy.
+
+Peers integrate the usual stiff form, in which each pump pressure, and the one between swing and stick valve, is a state behind a small
+volume: C dP/dt = Q - Q_i - Q_e. All share the same compiled machine kernels. Two tasks: the whole run, whose input is known in
+advance, and frames of 5 ms, each a start afresh with an input that nobody knew, held for the frame. Errors are against a tight
+solution of the stiff form: the largest joint error as a share of the joint's travel in the run, and the largest rms
+error of a line pressure as a share of its range. Needs the extra ``bench``; a peer that is missing is left out.
+
+Prints medians of CPU time and ratios, asserts nothing.
+"""
+
+import argparse
+from importlib.util import find_spec
+from statistics import median
+from time import thread_time
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from polydraulic import load_machine, load_scenario
+from polydraulic._kernel import driver, kernel
+from polydraulic.flow import exact_flow
+from polydraulic.flow.dispatch import FLOW_STEPS
+from polydraulic.flow.exact import Valves, prepare_valves
+from polydraulic.flow.interface import OK, Flows
+from polydraulic.machine import initial_state, prepare
+from polydraulic.machine.linkage import Held
+from polydraulic.machine.pilot import spool_target
+from polydraulic.machine.pump import Circuit
+from polydraulic.machine.state import Links, State, from_vector, to_vector
+from polydraulic.machine.valve import orifice_flow, orifices
+from polydraulic.parameters import LINKS
+from polydraulic.simulation.events import edges_of, new_log
+from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.right_hand_side import rates
+from polydraulic.simulation.rosenbrock import run_rosenbrock
+from polydraulic.simulation.rosenbrock_step import RODAS, new_work
+from polydraulic.simulation.runge_kutta import run_runge_kutta
+from polydraulic.simulation.runs import step_voltages
+from polydraulic.simulation.spools import Motion, spool_motion
+
+VOLUME = 1e-5 * 1.6387064e-5 / 6894.757293168361  # m3/Pa: 1e-5 in3/psi, each pump's line
+FRAME = 5e-3
+JOINT_GOAL, PRESSURE_GOAL = 0.1, 0.5  # %
+N_STIFF = 18
+
+
+class Given(NamedTuple):
+    """A flow model whose pump pressures are given from outside."""
+
+    valves: Valves
+    p_boom: float
+    p_series: float
+    p_between: float
+
+
+@kernel
+def given_step(model, memory, spool, p_in, p_out, dt):
+    """Flows of all orifices at the given pressures, each with its check valve."""
+    swing, boom = orifices(spool.swing, model.valves.swing), orifices(spool.boom, model.valves.boom)
+    stick = orifices(spool.stick, model.valves.stick)
+    to_boom, past_boom = (
+        orifice_flow(boom.inlet, model.p_boom - p_in.boom),
+        orifice_flow(boom.bypass, model.p_boom - P_RETURN),
+    )
+    to_swing = orifice_flow(swing.inlet, model.p_series - p_in.swing)
+    passed = orifice_flow(swing.bypass, model.p_series - model.p_between)
+    to_stick = orifice_flow(stick.inlet, model.p_between - p_in.stick)
+    past_stick = orifice_flow(stick.bypass, model.p_between - P_RETURN)
+    return Flows(
+        Links(to_swing, to_boom, to_stick),
+        Links(swing.outlet, boom.outlet, stick.outlet),
+        Circuit(BOOM_FLOW, past_boom, 0.0, model.p_boom),
+        Circuit(SERIES_FLOW, past_stick, passed, model.p_series),  # what passes the swing valve in place of the relief
+        model.p_between,
+        OK,
+    )
+
+
+FLOW_STEPS[Given] = given_step
+SCENARIO = load_scenario("task")
+MACHINE = SCENARIO.adapt(load_machine("cat215b"))
+P_RETURN, FLOOR, BOOM_FLOW, SERIES_FLOW = (
+    MACHINE.tank.return_pressure,
+    MACHINE.tank.floor,
+    MACHINE.pumps.boom_flow,
+    MACHINE.pumps.series_flow,
+)
+PLANT, VALVES, FREE = prepare(MACHINE, 1.0), prepare_valves(MACHINE), Held(False, False, False)
+TAU = Links(*(getattr(MACHINE, link).pilot.time_constant for link in LINKS))
+N_FRAME = round(SCENARIO.duration / FRAME)
+TIME = np.arange(N_FRAME + 1) * FRAME
+CORNERS = [np.asarray(SCENARIO.voltage[link].time) for link in LINKS]
+VOLTS = [np.asarray(SCENARIO.voltage[link].voltage) for link in LINKS]
+T0, T1, T2 = CORNERS
+V0, V1, V2 = VOLTS
+HELD_VOLTS = step_voltages(MACHINE, SCENARIO, TIME[:-1])
+SIZE = (1e-3, 1e6, 1e6, 1.0, 1.0)  # units of the peers' states, so that one absolute tolerance suits all
+UNITS = np.concatenate([np.repeat(SIZE, 3), np.full(3, SIZE[1])])
+BAND = 1e4  # Pa; make-up valves open over it, since a jump in the rates would hold the peers up
+
+
+@kernel
+def scaled(x, size):
+    return Links(x.swing * size, x.boom * size, x.stick * size)
+
+
+@kernel
+def filled(p, rate):
+    return rate * (min(max((p - FLOOR) / BAND, 0.0), 1.0) if rate < 0.0 else 1.0)
+
+
+@kernel
+def all_filled(p, rate):
+    return Links(filled(p.swing, rate.swing), filled(p.boom, rate.boom), filled(p.stick, rate.stick))
+
+
+@kernel
+def stiff_rates(voltage, y, f):
+    """Derivatives of 15 states and three pressures, in the peers' units."""
+    model = Given(VALVES, SIZE[1] * y[15], SIZE[1] * y[16], SIZE[1] * y[17])
+    v = from_vector(y)
+    x = State(
+        scaled(v.spool, SIZE[0]),
+        scaled(v.p_a, SIZE[1]),
+        scaled(v.p_b, SIZE[2]),
+        scaled(v.angle, SIZE[3]),
+        scaled(v.rate, SIZE[4]),
+    )
+    r = rates(model, y, PLANT, FREE, x)
+    swing, boom, stick = PLANT.swing.pilot, PLANT.boom.pilot, PLANT.stick.pilot
+    f[0] = (spool_target(voltage.swing, swing) - x.spool.swing) / TAU.swing / SIZE[0]
+    f[1] = (spool_target(voltage.boom, boom) - x.spool.boom) / TAU.boom / SIZE[0]
+    f[2] = (spool_target(voltage.stick, stick) - x.spool.stick) / TAU.stick / SIZE[0]
+    a, b = all_filled(x.p_a, r.p_a), all_filled(x.p_b, r.p_b)
+    f[3], f[4], f[5] = a.swing / SIZE[1], a.boom / SIZE[1], a.stick / SIZE[1]
+    f[6], f[7], f[8] = b.swing / SIZE[2], b.boom / SIZE[2], b.stick / SIZE[2]
+    f[9], f[10], f[11] = x.rate.swing, x.rate.boom, x.rate.stick
+    f[12], f[13], f[14] = r.acceleration.swing, r.acceleration.boom, r.acceleration.stick
+    q = r.flows
+    f[15] = (BOOM_FLOW - q.q_in.boom - q.boom.q_bypass) / (VOLUME * SIZE[1])
+    f[16] = (SERIES_FLOW - q.q_in.swing - q.series.q_relief) / (VOLUME * SIZE[1])
+    f[17] = (q.series.q_relief - q.q_in.stick - q.series.q_bypass) / (VOLUME * SIZE[1])
+
+
+@kernel
+def line(t, times, volts):
+    """Straight lines between points."""
+    k = 0
+    for i in range(1, times.shape[0] - 1):
+        k = i if t >= times[i] else k
+    share = (t - times[k]) / (times[k + 1] - times[k])
+    return volts[k] + min(max(share, 0.0), 1.0) * (volts[k + 1] - volts[k])
+
+
+@driver
+def whole(t, y, f):
+    stiff_rates(Links(line(t, T0, V0), line(t, T1, V1), line(t, T2, V2)), y, f)
+
+
+@driver
+def held(v0, v1, v2, y, f):
+    stiff_rates(Links(v0, v1, v2), y, f)
+
+
+def start():
+    """Rest, with pump pressures that the bypasses hold."""
+    y = np.concatenate([to_vector(initial_state(MACHINE)), np.full(3, 2.0 * P_RETURN)]) / UNITS
+    f = np.empty(N_STIFF)
+    for _ in range(100_000):
+        held(0.0, 0.0, 0.0, y, f)
+        y[15:] += 2e-7 * f[15:]
+    return y
+
+
+def spread(rows):
+    """Travel of each joint and range of each line pressure in a run."""
+    return np.ptp(rows[:, 9:12], axis=0), np.ptp(rows[:, 3:9], axis=0)
+
+
+def in_si(rows):
+    return rows * UNITS if rows.shape[1] == N_STIFF else rows
+
+
+def errors(rows, truth):
+    """Largest joint error and largest pressure error in percent."""
+    rows, truth = in_si(rows), in_si(truth)
+    travel, ranges = spread(truth)
+    off = rows[:, :15] - truth[:, :15]
+    joints = np.abs(off[:, 9:12]).max(axis=0) / travel
+    pressures = np.sqrt((off[:, 3:9] ** 2).mean(axis=0)) / ranges
+    return 100.0 * joints.max(), 100.0 * pressures.max()
+
+
+# Methods of the package: the compiled drivers, without naming columns, as the peers.
+
+
+def semi_implicit(dt, voltages_held):
+    many = round(FRAME / dt)
+    t = np.arange(N_FRAME * many) * dt
+    voltage = np.repeat(HELD_VOLTS, many, axis=0) if voltages_held else step_voltages(MACHINE, SCENARIO, t)
+    rows, counts = np.empty((N_FRAME + 1, N_RECORD)), np.zeros(2, dtype=np.int64)
+    plant, flow, x0, memory = prepare(MACHINE, dt), exact_flow(MACHINE), to_vector(initial_state(MACHINE)), np.zeros(1)
+
+    def call():
+        run(flow, memory, plant, x0, voltage, many, rows, counts)
+        return rows
+
+    return call
+
+
+def runge_kutta(dt):
+    many = round(FRAME / dt)
+    voltage = step_voltages(MACHINE, SCENARIO, np.arange(2 * N_FRAME * many + 1) * (0.5 * dt))
+    rows, counts = np.empty((N_FRAME + 1, N_RECORD)), np.zeros(2, dtype=np.int64)
+    flow, x0, memory = exact_flow(MACHINE), to_vector(initial_state(MACHINE)), np.zeros(1)
+
+    def call():
+        run_runge_kutta(flow, memory, PLANT, TAU, dt, x0, voltage, many, rows, counts)
+        return rows
+
+    return call
+
+
+def held_motion():
+    """Spools under voltages that are held for each frame; nothing about later frames enters."""
+    c = np.zeros((N_FRAME, 3, 8))
+    x = np.zeros(3)
+    gain = np.array([getattr(MACHINE, link).pilot.gain for link in LINKS])
+    fade = np.exp(-FRAME / np.array(TAU))
+    for k in range(N_FRAME):
+        target = np.clip(gain * HELD_VOLTS[k], -MACHINE.spool.knots[-1], MACHINE.spool.knots[-1])
+        c[k, :, 0], c[k, :, 2], c[k, :, 7] = target, x - target, 1.0 / np.array(TAU)
+        x = target + (x - target) * fade
+    return Motion(TIME, c, TIME[1:])
+
+
+def rosenbrock(rtol, voltages_held):
+    rows = np.empty((N_FRAME + 1, N_RECORD))
+    flow, x0, memory, work = exact_flow(MACHINE), to_vector(initial_state(MACHINE)), np.zeros(1), new_work(RODAS)
+    known, edges, log = held_motion() if voltages_held else None, edges_of(MACHINE), new_log()
+
+    def call():
+        motion = known or spool_motion(MACHINE, SCENARIO, SCENARIO.duration)  # part of the work where it is known
+        counts = np.zeros(4, dtype=np.int64)
+        log.number[0] = 0
+        run_rosenbrock(flow, memory, PLANT, RODAS, motion, x0, rtol, TIME, rows, counts, log, edges, work)
+        return rows
+
+    return call
+
+
+# Peers
+
+
+def scipy_lsoda(rtol, restarted, y0):
+    f = np.empty(N_STIFF)
+
+    def known(t, y):
+        whole(t, y, f)
+        return f.copy()
+
+    def call():
+        if not restarted:
+            return solve_ivp(known, (0.0, TIME[-1]), y0, "LSODA", t_eval=TIME, rtol=rtol, atol=rtol).y.T
+        rows = np.empty((N_FRAME + 1, N_STIFF))
+        rows[0] = y0
+        for k in range(N_FRAME):
+            v = HELD_VOLTS[k]
+
+            def frame(t, y, v=v):
+                held(v[0], v[1], v[2], y, f)
+                return f.copy()
+
+            rows[k + 1] = solve_ivp(frame, (0.0, FRAME), rows[k], "LSODA", rtol=rtol, atol=rtol).y[:, -1]
+        return rows
+
+    return call
+
+
+def cvode(rtol, restarted, y0):
+    from sksundae.cvode import CVODE
+
+    options = {"rtol": rtol, "atol": rtol, "method": "BDF", "max_num_steps": 100_000}
+
+    def call():
+        if not restarted:
+            return CVODE(lambda t, y, f: whole(t, y, f), **options).solve(TIME, y0).y
+        rows = np.empty((N_FRAME + 1, N_STIFF))
+        rows[0] = y0
+        volts = np.zeros(3)
+        solver = CVODE(lambda t, y, f: held(volts[0], volts[1], volts[2], y, f), **options)
+        ends = np.array([0.0, FRAME])
+        for k in range(N_FRAME):
+            volts[:] = HELD_VOLTS[k]
+            rows[k + 1] = solver.solve(ends, rows[k]).y[-1]
+        return rows
+
+    return call
+
+
+def numbalsoda_pair():
+    """Compiled right-hand sides for numbalsoda and the loop over frames."""
+    from numbalsoda import lsoda, lsoda_sig
+
+    @numba.cfunc(lsoda_sig)
+    def known(t, y, f, p):
+        whole(t, numba.carray(y, (N_STIFF,)), numba.carray(f, (N_STIFF,)))
+
+    @numba.cfunc(lsoda_sig)
+    def given(t, y, f, p):
+        v = numba.carray(p, (3,))
+        held(v[0], v[1], v[2], numba.carray(y, (N_STIFF,)), numba.carray(f, (N_STIFF,)))
+
+    known_address, given_address = known.address, given.address
+
+    @numba.njit
+    def frames(address, y0, volts, rtol, atol, rows):
+        rows[0] = y0
+        ends = np.array([0.0, FRAME])
+        for k in range(volts.shape[0]):
+            solution, _ = lsoda(address, rows[k], ends, volts[k], rtol, atol, 100_000)
+            rows[k + 1] = solution[1]
+
+    def make(rtol, restarted, y0):
+        rows = np.empty((N_FRAME + 1, N_STIFF))
+
+        def call():
+            if restarted:
+                frames(given_address, y0, HELD_VOLTS, rtol, rtol, rows)
+                return rows
+            return lsoda(known_address, y0, TIME, np.zeros(1), rtol, rtol, 100_000)[0]
+
+        call.keep = (known, given)
+        return call
+
+    return make
+
+
+def in_turn(calls, repeats):
+    """Median seconds of CPU time of each call; the calls take turns."""
+    seconds = {name: [] for name in calls}
+    for _ in range(repeats):
+        for name, call in calls.items():
+            begin = thread_time()
+            call()
+            seconds[name].append(thread_time() - begin)
+    return {name: median(values) for name, values in seconds.items()}
+
+
+def table(title, calls, truth, repeats, slow):
+    print(f"\n{title}")
+    found = {}
+    for name, call in calls.items():
+        found[name] = errors(call(), truth)  # compiles, too
+    seconds = in_turn({n: c for n, c in calls.items() if not n.startswith(slow)}, repeats)
+    seconds |= in_turn({n: c for n, c in calls.items() if n.startswith(slow)}, 1)
+    base = seconds[next(n for n in calls if "semi-implicit 5 ms" in n)]
+    print(f"  {'':34s} {'ms':>9s} {'ratio':>8s}   joints %  pressures %   goal")
+    for name, (joints, pressures) in found.items():
+        met = "met" if joints <= JOINT_GOAL and pressures <= PRESSURE_GOAL else ""
+        print(
+            f"  {name:34s} {seconds[name] * 1e3:9.3f} {seconds[name] / base:8.2f} {joints:10.4f} {pressures:12.4f}   {met}"
+        )
+    return found, seconds
+
+
+def fastest(found, seconds, family):
+    """Least seconds of a family of methods at the goal."""
+    met = [seconds[n] for n, (j, p) in found.items() if n.startswith(family) and j <= JOINT_GOAL and p <= PRESSURE_GOAL]
+    return min(met) if met else None
+
+
+def summary(found, seconds, ours, peers):
+    for mine in ours:
+        for peer in peers:
+            a, b = fastest(found, seconds, mine), fastest(found, seconds, peer)
+            if a is not None and b is not None:
+                print(f"  at the goal, {peer} takes {b / a:.2f} times as long as {mine}")
+
+
+def agreement(truth, makers, restarted, y0):
+    other = makers.get("CVODE", scipy_lsoda)(1e-9, restarted, y0)()
+    print(
+        "\ntight solutions of two solvers differ by {:.1e} % (joints), {:.1e} % (pressures)".format(
+            *errors(other, truth)
+        )
+    )
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--repeats", type=int, default=11)
+    repeats = arguments.parse_args().repeats
+    y0 = start()
+    makers = {}
+    if find_spec("numbalsoda"):
+        makers["numbalsoda"] = numbalsoda_pair()
+    else:
+        print('numbalsoda is not installed; pip install "polydraulic[bench]" (it is built with a Fortran compiler)')
+    if find_spec("sksundae"):
+        makers["CVODE"] = cvode
+    else:
+        print('scikit-sundae is not installed; pip install "polydraulic[bench]"')
+    makers["SciPy LSODA"] = scipy_lsoda
+    tight = makers.get("numbalsoda", scipy_lsoda)
+
+    print(
+        f"pick and place, {SCENARIO.duration:g} s; goal: joints within {JOINT_GOAL} % of travel, pressures {PRESSURE_GOAL} % rms"
+    )
+    truth = tight(1e-10, False, y0)().copy()
+    agreement(truth, makers, False, y0)
+    calls = {f"semi-implicit {dt * 1e3:g} ms": semi_implicit(dt, False) for dt in (5e-3, 2.5e-3, 1e-3)}
+    calls |= {f"rk4 {dt * 1e3:g} ms": runge_kutta(dt) for dt in (5e-3,)}
+    calls |= {f"rosenbrock {rtol:g}": rosenbrock(rtol, False) for rtol in (3e-3, 2e-3, 1e-3, 3e-4, 1e-4)}
+    for name, make in makers.items():
+        calls |= {
+            f"{name} {rtol:g}": make(rtol, False, y0) for rtol in (1e-2, 3e-3, 1e-3, 7e-4, 5e-4, 3e-4, 1e-4, 1e-5)
+        }
+    found, seconds = table("whole run, states every 5 ms", calls, truth, repeats, "SciPy")
+    summary(found, seconds, ["rosenbrock", "semi-implicit"], makers)
+
+    truth = tight(1e-10, True, y0)().copy()
+    agreement(truth, makers, True, y0)
+    calls = {f"semi-implicit {dt * 1e3:g} ms": semi_implicit(dt, True) for dt in (5e-3, 2.5e-3, 1e-3)}
+    calls |= {f"rosenbrock {rtol:g}": rosenbrock(rtol, True) for rtol in (1e-3, 3e-4, 1e-4)}
+    for name, make in makers.items():
+        calls |= {f"{name} {rtol:g}": make(rtol, True, y0) for rtol in (1e-3, 3e-4, 1e-4)}
+    found, seconds = table("a start afresh each 5 ms, voltages held", calls, truth, repeats, ("SciPy", "CVODE"))
+    summary(found, seconds, ["rosenbrock", "semi-implicit"], makers)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,214 @@
+"""The machine's equations in continuous time: state -> time derivatives, shared by the methods that need them.
+
+The component kernels are those of `step`, but no stage lags behind another. Line pressures have bounds that are no part of
+the smooth equations: `rates` knows none, so that a solver may look across them; `derivative` keeps to them.
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic._kernel import driver, kernel
+from polydraulic.flow.dispatch import flow_step
+from polydraulic.flow.interface import Flows
+from polydraulic.machine.hose import LineStep
+from polydraulic.machine.joints import Joints, Position, net_torque, position, stopped
+from polydraulic.machine.linkage import Held, solve_motion, times
+from polydraulic.machine.pilot import spool_target
+from polydraulic.machine.plant import Plant
+from polydraulic.machine.state import Links, State, from_vector, store
+from polydraulic.parameters.schema import Stops
+from polydraulic.simulation.loop import record_flows
+from polydraulic.simulation.step import seen_pressures
+
+BLINK = 1e-6  # s; a joint that would pass its stop within this time is at it
+
+
+class Rates(NamedTuple):
+    """What all but the pilots do at a state."""
+
+    p_a: Links  # Pa/s
+    p_b: Links
+    acceleration: Links  # rad/s2
+    reaction: Links  # torques in N m that hold the joints which are held
+    flows: Flows
+    q_out: Links
+    position: Position
+
+
+class Derivative(NamedTuple):
+    """Time derivative of the state, and what it was made from."""
+
+    state: State
+    rates: Rates
+
+
+class _Line(NamedTuple):
+    p_a: float
+    p_b: float
+    q_out: float
+
+
+@kernel
+def _line(spool: float, p_a: float, p_b: float, q_in: float, k_out: float, a: float, b: float, line: LineStep) -> _Line:
+    """Rates of two line pressures; `a` and `b` are the flows that the actuator draws from A and gives to B."""
+    forward = spool >= 0.0
+    q_out = k_out * sqrt(max((p_b if forward else p_a) - line.p_return, 0.0))
+    leak = line.leakage * (p_a - p_b)
+    return _Line(
+        line.gain_a * ((q_in if forward else -q_out) - a - leak),
+        line.gain_b * ((-q_out if forward else q_in) + b + leak),
+        q_out,
+    )
+
+
+@kernel
+def rates(model: Any, memory: np.ndarray, plant: Plant, held: Held, x: State) -> Rates:
+    """Rates at a state, whatever its pressures; `plant` is prepared for dt = 1 s."""
+    seen = seen_pressures(x.spool, x.p_a, x.p_b)
+    flows = flow_step(model, memory, x.spool, seen.p_in, seen.p_out, plant.dt)
+    here = position(x.angle, x.rate, plant)
+    a, b, w, q, k = here.levers.a, here.levers.b, x.rate, flows.q_in, flows.k_out
+    p, r = x.p_a, x.p_b
+    swing = _line(
+        x.spool.swing, p.swing, r.swing, q.swing, k.swing, a.swing * w.swing, b.swing * w.swing, plant.swing.line
+    )
+    boom = _line(x.spool.boom, p.boom, r.boom, q.boom, k.boom, a.boom * w.boom, b.boom * w.boom, plant.boom.line)
+    stick = _line(
+        x.spool.stick, p.stick, r.stick, q.stick, k.stick, a.stick * w.stick, b.stick * w.stick, plant.stick.line
+    )
+    torque = net_torque(here, x.p_a, x.p_b, x.rate, plant)
+    acceleration = solve_motion(here.motion.mass, held, torque)
+    needed = times(here.motion.mass, acceleration)
+    return Rates(
+        Links(swing.p_a, boom.p_a, stick.p_a),
+        Links(swing.p_b, boom.p_b, stick.p_b),
+        acceleration,
+        Links(needed.swing - torque.swing, needed.boom - torque.boom, needed.stick - torque.stick),
+        flows,
+        Links(swing.q_out, boom.q_out, stick.q_out),
+        here,
+    )
+
+
+@kernel
+def bounded_pressures(p: Links, plant: Plant) -> Links:
+    """Line pressures between make-up floor and relief."""
+    swing, boom, stick = plant.swing.line, plant.boom.line, plant.stick.line
+    return Links(
+        min(max(p.swing, swing.floor), swing.relief),
+        min(max(p.boom, boom.floor), boom.relief),
+        min(max(p.stick, stick.floor), stick.relief),
+    )
+
+
+@kernel
+def _held_back(p: float, rate: float, line: LineStep) -> float:
+    stopped = (p <= line.floor and rate < 0.0) or (p >= line.relief and rate > 0.0)
+    return 0.0 if stopped else rate
+
+
+@kernel
+def _all_held_back(p: Links, rate: Links, plant: Plant) -> Links:
+    return Links(
+        _held_back(p.swing, rate.swing, plant.swing.line),
+        _held_back(p.boom, rate.boom, plant.boom.line),
+        _held_back(p.stick, rate.stick, plant.stick.line),
+    )
+
+
+@kernel
+def derivative(
+    model: Any, memory: np.ndarray, plant: Plant, tau: Links, held: Held, voltage: Links, x: State
+) -> Derivative:
+    """Time derivative of a state whose pressures count, and move, only within their bounds.
+
+    Parameters
+    ----------
+    model : flow model
+    memory : (n_memory,) array
+        Of the flow model; changed in place.
+    plant : Plant
+        Prepared for dt = 1 s.
+    tau : Links, s
+        Time constants of the pilots.
+    held : Held
+        Joints that stand still.
+    voltage : Links, V
+    x : State
+    """
+    within = State(x.spool, bounded_pressures(x.p_a, plant), bounded_pressures(x.p_b, plant), x.angle, x.rate)
+    r = rates(model, memory, plant, held, within)
+    spool = Links(
+        (spool_target(voltage.swing, plant.swing.pilot) - x.spool.swing) / tau.swing,
+        (spool_target(voltage.boom, plant.boom.pilot) - x.spool.boom) / tau.boom,
+        (spool_target(voltage.stick, plant.stick.pilot) - x.spool.stick) / tau.stick,
+    )
+    p_a, p_b = _all_held_back(x.p_a, r.p_a, plant), _all_held_back(x.p_b, r.p_b, plant)
+    return Derivative(State(spool, p_a, p_b, x.rate, r.acceleration), r)
+
+
+@kernel
+def _strikes(angle: float, rate: float, stops: Stops) -> bool:
+    return (rate > 0.0 and angle >= stops.high) or (rate < 0.0 and angle <= stops.low)
+
+
+@kernel
+def landed(angle: Links, rate: Links, plant: Plant) -> Joints:
+    """Joints after the impulses of the stops that they have just reached or passed; the stops put them in their place."""
+    swing, boom, stick = plant.swing.stops, plant.boom.stops, plant.stick.stops
+    now = Plant(BLINK, plant.swing, plant.boom, plant.stick, plant.linkage, plant.locked)
+    there = Links(
+        min(max(angle.swing, swing.low), swing.high),
+        min(max(angle.boom, boom.low), boom.high),
+        min(max(angle.stick, stick.low), stick.high),
+    )
+    struck = (
+        _strikes(angle.swing, rate.swing, swing)
+        or _strikes(angle.boom, rate.boom, boom)
+        or _strikes(angle.stick, rate.stick, stick)
+    )
+    after = stopped(there, rate, position(there, rate, now).motion.mass, now).rate if struck else rate
+    return Joints(there, after)
+
+
+@kernel
+def _rests(angle: float, rate: float, stops: Stops) -> bool:
+    return rate == 0.0 and (angle <= stops.low or angle >= stops.high)
+
+
+@kernel
+def resting(x: State, plant: Plant) -> Held:
+    """Joints that are locked, or stand at a stop."""
+    return Held(
+        plant.locked.swing or _rests(x.angle.swing, x.rate.swing, plant.swing.stops),
+        plant.locked.boom or _rests(x.angle.boom, x.rate.boom, plant.boom.stops),
+        plant.locked.stick or _rests(x.angle.stick, x.rate.stick, plant.stick.stops),
+    )
+
+
+@kernel
+def _pushes(angle: float, reaction: float, stops: Stops) -> bool:
+    return reaction <= 0.0 if angle >= stops.high else reaction >= 0.0
+
+
+@kernel
+def pushed(held: Held, x: State, reaction: Links, plant: Plant) -> Held:
+    """Those of the held joints that are locked, or that their stop pushes and need not pull."""
+    return Held(
+        plant.locked.swing or (held.swing and _pushes(x.angle.swing, reaction.swing, plant.swing.stops)),
+        plant.locked.boom or (held.boom and _pushes(x.angle.boom, reaction.boom, plant.boom.stops)),
+        plant.locked.stick or (held.stick and _pushes(x.angle.stick, reaction.stick, plant.stick.stops)),
+    )
+
+
+@driver
+def fill_flows(model: Any, memory: np.ndarray, plant: Plant, rows: np.ndarray) -> None:
+    """Flows at recorded states, whose pressures are put within their bounds."""
+    for k in range(rows.shape[0]):
+        x = from_vector(rows[k])
+        x = State(x.spool, bounded_pressures(x.p_a, plant), bounded_pressures(x.p_b, plant), x.angle, x.rate)
+        r = rates(model, memory, plant, plant.locked, x)
+        store(x, rows[k])
+        record_flows(r.flows, r.q_out, rows[k])
