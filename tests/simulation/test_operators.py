@@ -28,7 +28,7 @@ def check(machine, run, balances):
             assert np.abs(run[f"{circuit}.q_pump"] - used).max() <= 1e-9 * run[f"{circuit}.q_pump"].max()
         for name in (f"{circuit}.p_pump", f"{circuit}.p_between"):
             if name in run.names:
-                assert run[name].min() >= machine.tank.floor
+                assert run[name].min() >= machine.tank.floor - 1e-6  # Pa, rounding
                 assert run[name].max() <= machine.pumps.relief * (1.0 + 1e-12)
 
 
