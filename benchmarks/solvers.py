@@ -72,8 +72,10 @@ def given_step(model, memory, spool, p_in, p_out, dt):
     return Flows(
         Links(to_swing, to_boom, to_stick),
         Links(swing.outlet, boom.outlet, stick.outlet),
-        Circuit(BOOM_FLOW, past_boom, 0.0, model.p_boom),
-        Circuit(SERIES_FLOW, past_stick, passed, model.p_series),  # what passes the swing valve in place of the relief
+        Circuit(BOOM_FLOW, past_boom, 0.0, model.p_boom, 0.0),
+        Circuit(
+            SERIES_FLOW, past_stick, passed, model.p_series, 0.0
+        ),  # what passes the swing valve in place of the relief
         model.p_between,
         OK,
     )

@@ -68,6 +68,15 @@ def test_animate_writes_a_page(call, tmp_path):
     assert '"iterative"' in (tmp_path / "run.html").read_text()
 
 
+def test_simulate_takes_a_method(call):
+    code, out, _ = call("simulate", "single_05", "--method", "rosenbrock", "--raster", "0.1")
+    assert code == 0
+    assert "rosenbrock with flow 'exact' to a relative tolerance of 0.0001" in out
+    code, _, error = call("simulate", "single_05", "--method", "euler")
+    assert code == 2
+    assert "unknown method 'euler'" in error
+
+
 def test_sample_fit_export(call, tmp_path):
     table, model = tmp_path / "boom.parquet", tmp_path / "q.json"
     assert call("sample", "--circuit", "boom", "--rows", 300, "--out", table)[0] == 0
