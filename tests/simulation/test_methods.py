@@ -6,11 +6,12 @@ import pytest
 from polydraulic.errors import InputError
 from polydraulic.flow import exact_flow
 from polydraulic.machine import prepare
-from polydraulic.machine.state import Links
-from polydraulic.parameters import LINKS, Constant, Piecewise, Scenario, load_scenario, scenario_names
+from polydraulic.machine.state import Links, State
+from polydraulic.parameters import LINKS, Constant, Piecewise, Scenario, load_scenario, random_operator, scenario_names
 from polydraulic.simulation import METHODS, simulate
 from polydraulic.simulation.events import edges_of, new_log
 from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.right_hand_side import held_at_stops, rates, resting
 from polydraulic.simulation.rosenbrock import DONE, run_rosenbrock
 from polydraulic.simulation.rosenbrock_step import RODAS, new_work
 from polydraulic.simulation.runge_kutta import run_runge_kutta
@@ -181,6 +182,37 @@ def test_bounds_hold_under_a_random_operator(machine, limited):
         assert found[f"{link}.angle"].max() <= parts.stops.high + 1e-9
     closer = simulate(machine, "exact", wild, method="rosenbrock", dt=0.01, rtol=1e-5)
     assert np.all(joint_errors(found, closer) < 1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limited", [False, True])
+def test_ten_minutes_of_a_random_operator(machine, limited):
+    """Boom and stick lean against their stops together, over and over: no more than three events a second, and it converges."""
+    machine = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=limited))
+    coarse, fine = (
+        simulate(machine, "exact", random_operator(5, 600.0), method="rosenbrock", rtol=rtol, dt=0.05)
+        for rtol in (1e-3, 1e-5)
+    )
+    assert fine.info["events_located"] < 1800
+    assert fine.info["events_dropped"] == 0
+    assert np.all(joint_errors(coarse, fine) < 0.1)
+
+
+def test_stops_hold_what_they_push(machine):
+    """Of boom and stick at their lower stops: for random line pressures the choice satisfies every stop."""
+    plant, model, rng = prepare(machine, 1.0), exact_flow(machine), np.random.default_rng(3)
+    low = Links(0.0, machine.boom.stops.low, machine.stick.stops.low)
+    seen = set()
+    for _ in range(100):
+        p_a, p_b = (Links(*rng.uniform(0.0, 3e7, 3)) for _ in range(2))
+        x = State(Links(0.0, 0.0, 0.0), p_a, p_b, low, Links(rng.uniform(-1.0, 1.0), 0.0, 0.0))
+        rest = resting(x, 0.0, plant)
+        held = held_at_stops(rest, x, rates(model, np.zeros(1), plant, rest, x), plant)
+        r = rates(model, np.zeros(1), plant, held, x)
+        for place in (1, 2):
+            assert (r.reaction[place] if held[place] else r.acceleration[place]) >= -1e-6
+        seen.add((held.boom, held.stick))
+    assert len(seen) == 4
 
 
 def test_the_rosenbrock_method_needs_slopes(machine):

@@ -174,33 +174,58 @@ def landed(angle: Links, rate: Links, plant: Plant) -> Joints:
 
 
 @kernel
-def _rests(angle: float, rate: float, stops: Stops) -> bool:
-    return rate == 0.0 and (angle <= stops.low or angle >= stops.high)
+def _rests(angle: float, rate: float, creep: float, stops: Stops) -> bool:
+    return abs(rate) <= creep and (angle <= stops.low or angle >= stops.high)
 
 
 @kernel
-def resting(x: State, plant: Plant) -> Held:
-    """Joints that are locked, or stand at a stop."""
+def resting(x: State, creep: float, plant: Plant) -> Held:
+    """Joints that are locked, or stand at a stop: no faster than `creep` in rad/s."""
     return Held(
-        plant.locked.swing or _rests(x.angle.swing, x.rate.swing, plant.swing.stops),
-        plant.locked.boom or _rests(x.angle.boom, x.rate.boom, plant.boom.stops),
-        plant.locked.stick or _rests(x.angle.stick, x.rate.stick, plant.stick.stops),
+        plant.locked.swing or _rests(x.angle.swing, x.rate.swing, creep, plant.swing.stops),
+        plant.locked.boom or _rests(x.angle.boom, x.rate.boom, creep, plant.boom.stops),
+        plant.locked.stick or _rests(x.angle.stick, x.rate.stick, creep, plant.stick.stops),
     )
 
 
 @kernel
-def _pushes(angle: float, reaction: float, stops: Stops) -> bool:
-    return reaction <= 0.0 if angle >= stops.high else reaction >= 0.0
+def _stands(angle: float, reaction: float, acceleration: float, held: bool, stops: Stops) -> bool:
+    """Whether a resting joint does what its stop does: push while it is held, or let it go away."""
+    side = 1.0 if angle >= stops.high else -1.0
+    return side * (reaction if held else acceleration) <= 0.0
 
 
 @kernel
-def pushed(held: Held, x: State, reaction: Links, plant: Plant) -> Held:
-    """Those of the held joints that are locked, or that their stop pushes and need not pull."""
-    return Held(
-        plant.locked.swing or (held.swing and _pushes(x.angle.swing, reaction.swing, plant.swing.stops)),
-        plant.locked.boom or (held.boom and _pushes(x.angle.boom, reaction.boom, plant.boom.stops)),
-        plant.locked.stick or (held.stick and _pushes(x.angle.stick, reaction.stick, plant.stick.stops)),
-    )
+def held_at_stops(resting: Held, x: State, r: Rates, plant: Plant) -> Held:
+    """Which of the joints that rest at a stop their stops hold: those which a stop pushes, while no other moves into its own.
+
+    Joints feel each other's stops, so that all choices are tried, the one with most joints held first; since the mass matrix is
+    positive definite, exactly one is right, but for ties. `r` are rates at the state, whatever is held in them.
+    """
+    mass, locked = r.position.motion.mass, plant.locked
+    needed = times(mass, r.acceleration)
+    torque = Links(needed.swing - r.reaction.swing, needed.boom - r.reaction.boom, needed.stick - r.reaction.stick)
+    found = resting
+    for choice in range(7, -1, -1):
+        held = Held(
+            locked.swing or (resting.swing and (choice & 1) != 0),
+            locked.boom or (resting.boom and (choice & 2) != 0),
+            locked.stick or (resting.stick and (choice & 4) != 0),
+        )
+        acceleration = solve_motion(mass, held, torque)
+        push = times(mass, acceleration)
+        swing = _stands(x.angle.swing, push.swing - torque.swing, acceleration.swing, held.swing, plant.swing.stops)
+        boom = _stands(x.angle.boom, push.boom - torque.boom, acceleration.boom, held.boom, plant.boom.stops)
+        stick = _stands(x.angle.stick, push.stick - torque.stick, acceleration.stick, held.stick, plant.stick.stops)
+        right = (
+            (swing or locked.swing or not resting.swing)
+            and (boom or locked.boom or not resting.boom)
+            and (stick or locked.stick or not resting.stick)
+        )
+        if right:
+            found = held
+            break
+    return found
 
 
 @driver

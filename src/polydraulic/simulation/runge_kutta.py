@@ -15,7 +15,14 @@ from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State, from_vector, store
 from polydraulic.simulation.loop import reasonable, record_flows
-from polydraulic.simulation.right_hand_side import Derivative, bounded_pressures, derivative, landed, pushed, resting
+from polydraulic.simulation.right_hand_side import (
+    Derivative,
+    bounded_pressures,
+    derivative,
+    held_at_stops,
+    landed,
+    resting,
+)
 
 
 @kernel
@@ -75,9 +82,9 @@ def run_runge_kutta(
     n_step = voltage.shape[0] // 2
     x = from_vector(x0)
     for k in range(n_step + 1):
-        held = resting(x, plant)
+        held = resting(x, 0.0, plant)
         first = _slope(model, memory, plant, tau, held, voltage, 2 * k, x)
-        left = pushed(held, x, first.rates.reaction, plant)
+        left = held_at_stops(held, x, first.rates, plant)
         if left.swing != held.swing or left.boom != held.boom or left.stick != held.stick:
             held = left
             first = _slope(model, memory, plant, tau, held, voltage, 2 * k, x)

@@ -13,9 +13,12 @@ from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
 from polydraulic.parameters.schema import Stops
-from polydraulic.simulation.right_hand_side import Rates, bounded_pressures, landed, pushed, resting
+from polydraulic.simulation.right_hand_side import Rates, bounded_pressures, held_at_stops, landed, resting
 from polydraulic.simulation.rosenbrock_step import evaluate_slow, slow_state, store_slow
 
+# rad/s. The impulse of one joint's stop throws another off its own, which presses it back: two joints at their stops would hand
+# ever smaller impulses to each other. A joint that leaves no faster than this, but is pressed back, stays.
+CREEP = 1e-3
 # how far beyond its condition something must be: Pa, Pa/s, rad, N m
 _PRESSURE, _FILLING, _ANGLE, _PULL = 1.0, 1e3, 1e-9, 1.0
 
@@ -81,10 +84,11 @@ def settle(
     joints = landed(x.angle, x.rate, plant)
     x = State(spool, bounded_pressures(x.p_a, plant), bounded_pressures(x.p_b, plant), joints.angle, joints.rate)
     store_slow(x, y)
-    held = resting(x, plant)
-    for _ in range(3):  # a joint that is let go may let another go
-        r = evaluate_slow(model, memory, plant, held, free, spool, y, f)
-        held = pushed(held, x, r.reaction, plant)
+    held = resting(x, CREEP, plant)
+    held = held_at_stops(held, x, evaluate_slow(model, memory, plant, held, free, spool, y, f), plant)
+    y[9] = 0.0 if held.swing else y[9]
+    y[10] = 0.0 if held.boom else y[10]
+    y[11] = 0.0 if held.stick else y[11]
     r = evaluate_slow(model, memory, plant, held, free, spool, y, f)
     free[0], free[3] = _moves(y[0], r.p_a.swing, plant.swing.line), _moves(y[3], r.p_b.swing, plant.swing.line)
     free[1], free[4] = _moves(y[1], r.p_a.boom, plant.boom.line), _moves(y[4], r.p_b.boom, plant.boom.line)
