@@ -20,6 +20,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/solvers.py
 	$(BIN)/python benchmarks/machine.py
+	$(BIN)/python benchmarks/flows.py
 	$(BIN)/python benchmarks/networks.py --quick
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.

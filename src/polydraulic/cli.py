@@ -3,7 +3,7 @@
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -76,7 +76,10 @@ def simulate(
     scenario: ScenarioArgument,
     flow: Annotated[str, typer.Option(help=FLOWS)] = "exact",
     model: Annotated[
-        list[Path] | None, typer.Option(help="Model file for polynomial or pressure; repeat for more.")
+        list[Path] | None, typer.Option(help="Model file for polynomial, neural or pressure; repeat for more.")
+    ] = None,
+    arrangement: Annotated[
+        str | None, typer.Option(help="Of the package's polynomial networks: cascade (if not given) or direct.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Trajectory to write, .parquet or .csv (SI).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
@@ -113,14 +116,17 @@ def simulate(
     from polydraulic.simulation.plot import picture_ending, save_figure
     from polydraulic.tables import table_ending, write_table
 
-    if model and flow not in ("polynomial", "pressure"):
-        raise InputError(f"--model goes with --flow polynomial or pressure, not with {flow!r}")
+    if model and flow not in ("polynomial", "neural", "pressure"):
+        raise InputError(f"--model goes with --flow polynomial, neural or pressure, not with {flow!r}")
+    if arrangement and (flow != "polynomial" or model):
+        raise InputError("--arrangement goes with --flow polynomial and the package's own networks")
     if out is not None:
         table_ending(out)
     if plot is not None:
         picture_ending(plot)
     plant, what = load_machine(machine), load_scenario(scenario)
-    options = {"models": [found for path in model for found in load_models(path)]} if model else {}
+    options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
+    options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     chosen = build_flow(flow, plant, **options)
     runs = {}
     with steps("simulate", 1 if flow == "exact" else 2) as progress:

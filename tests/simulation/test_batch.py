@@ -290,6 +290,6 @@ def test_lanes_are_vector_instructions(machine, differ):
     wide = len(re.findall(r"\tv(?:div|sqrt)pd\t[^\n]*%[yz]mm", assembly))
     scalar = len(re.findall(r"\tv?(?:div|sqrt)sd\t", assembly))
     assert wide > 100
-    # what runs before the lanes of a block, for all of them; machines of their own leave a scalar version for overlaps
-    assert differ or scalar <= 2
+    # the two solves of an end stop, and a root for all lanes at once; machines of their own leave a scalar version for overlaps
+    assert differ or scalar <= 3
     assert "NRT_" not in fresh.inspect_llvm(fresh.signatures[0])

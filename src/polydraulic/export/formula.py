@@ -8,6 +8,7 @@ import keyword
 import re
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import partial
 from math import comb, inf, prod
 from typing import TYPE_CHECKING, Any
 
@@ -98,16 +99,12 @@ def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "s
     if len(set(names)) < len(names):
         raise InputError(f"the inputs are named {names}: symbols need different names")
     symbols = [sympy.Symbol(name) for name in names]
-    cases = []
+    cases, number = [], partial(sympy.Float, dps=_DIGITS)
     with distribute(False):  # a gain multiplied into (x - mean) would cost digits
         for k, network in enumerate(model.networks):
             limits = zip(symbols, network.x_low, network.x_high, strict=True)
             x = [_clamped(sympy, *limit) for limit in limits] if clamp else symbols
-            y = (
-                _expanded(sympy, network, x)
-                if expanded
-                else _value(network, x, lambda v: sympy.Float(v, _DIGITS), sympy.exp)
-            )
+            y = _expanded(sympy, network, x) if expanded else _value(network, x, number, sympy.exp)
             if clamp and _bounded(network):
                 y = _clamped(sympy, y, network.y_low, network.y_high)
             cases.append((y, _condition(sympy, model, k, symbols)))

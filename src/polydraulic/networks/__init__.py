@@ -5,17 +5,40 @@ evaluated), `partition` (which network answers where), `regressor` and `regions`
 (what leaves training), `bounds` (what is proved of it), `plot`.
 """
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from polydraulic.networks.bounds import Bounds, check_range, model_bounds, network_bounds
-from polydraulic.networks.classifier import AbductiveClassifier
 from polydraulic.networks.compiled import compiled
-from polydraulic.networks.generator import Learnt, learn_from
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.partition import Split, grid
-from polydraulic.networks.perceptron import PerceptronRegressor, hidden_unit_sweep
-from polydraulic.networks.regions import RegionRegressor
-from polydraulic.networks.regressor import AbductiveRegressor
 from polydraulic.networks.table import Network, NetworkTable, Node
+
+if TYPE_CHECKING:
+    from polydraulic.networks.classifier import AbductiveClassifier
+    from polydraulic.networks.generator import Learnt, learn_from
+    from polydraulic.networks.perceptron import PerceptronRegressor, hidden_unit_sweep
+    from polydraulic.networks.regions import RegionRegressor
+    from polydraulic.networks.regressor import AbductiveRegressor
+
+# scikit-learn takes longer to import than a simulation takes to run: what needs it is imported when it is asked for.
+_LEARNERS = {
+    "AbductiveClassifier": "classifier",
+    "AbductiveRegressor": "regressor",
+    "Learnt": "generator",
+    "PerceptronRegressor": "perceptron",
+    "RegionRegressor": "regions",
+    "hidden_unit_sweep": "perceptron",
+    "learn_from": "generator",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LEARNERS:
+        return getattr(importlib.import_module(f"{__name__}.{_LEARNERS[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "AbductiveClassifier",
