@@ -27,8 +27,8 @@ from polydraulic.parameters import LINKS, Machine
 TOLERANCE = units.to_si(0.15, "in3/s")  # of flows that two or three inputs decide
 TOLERANCE_SERIES = units.to_si(1.0, "in3/s")  # of flows that four inputs decide
 BELOW_RELIEF = units.to_si(30.0, "psi")
-ROWS, ROWS_SERIES = 1500, 3000  # from which a region learns
-REGIONS, REGIONS_SERIES = 24, 32  # at most: where the relief valve opens, kinks are curved and would take hundreds
+ROWS, ROWS_SERIES = 1500, 4000  # from which a region learns
+REGIONS, REGIONS_SERIES = 24, 64  # at most: where the relief valve opens, kinks are curved and would take hundreds
 NEURAL_ROWS = 10_000  # as many as the thesis used
 HIDDEN_UNITS = 15  # thesis 4.3.1
 SEED = 215
