@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic.simulation.trajectory import in_field_units
+from polydraulic.studies.report.catalog import Figure as Catalogued
 from polydraulic.tables import Table
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ STYLES = {
     "iterative": ("C2", "-", 1.0),
     "polynomial": ("C1", "-", 1.2),
     "pressure": ("C3", "-", 1.2),
+    "neural": ("C4", "-", 1.2),
+    "ours": ("C0", "-", 1.0),
 }
 
 
@@ -83,3 +86,16 @@ def run_table(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
         for name, table in runs.items():
             data[f"{name} {column}"], units[f"{name} {column}"] = in_field_units(table, column)
     return Table(data, units)
+
+
+def over_time(title: str, see: str, runs: Mapping[str, Table], columns: Mapping[str, str]) -> Catalogued:
+    """Figure of quantities over time, each with its title, and below of their differences from exact."""
+
+    def draw() -> "Figure":
+        figure, axes = canvas(2, len(columns), width=4.8 * len(columns), height=2.4)
+        for place, (column, name) in enumerate(columns.items()):
+            time_panel(axes[0, place], runs, column, name)
+            difference_panel(axes[1, place], runs, column)
+        return figure
+
+    return Catalogued(title, see, {"": run_table(runs, list(columns))}, draw)
