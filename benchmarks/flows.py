@@ -1,7 +1,7 @@
 """Every flow model next to the exact one: distance of the stick's tips, error over its inputs, size, and time a step.
 
-``python benchmarks/flows.py [--operators N]``: it prints Markdown tables and asserts nothing. Networks are the ones that come
-with the package; no scenario took part in their training.
+``python benchmarks/flows.py [--operators N]``: it prints Markdown tables and asserts nothing. Networks are the ones that
+come with the package; no scenario took part in their training.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def distance(machine, flow, scenario, exact):
 
 
 def map_errors(machine, model, n=20000):
-    """Root mean square and largest error of the input flows over all spools and line pressures, % of the pump's flow."""
+    """Root mean square and largest error of the input flows over spools and line pressures, % of the pump's flow."""
     rng, travel = np.random.default_rng(0), machine.spool.knots[-1]
     highest = [min(getattr(machine, link).line.relief, machine.pumps.relief) for link in LINKS]
     spool, p_in = rng.uniform(-travel, travel, (n, 3)), rng.uniform(0.0, highest, (n, 3))

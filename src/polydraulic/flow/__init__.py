@@ -1,8 +1,8 @@
 """The swappable subsystem: pump and main valves.
 
-Read `interface` (what a model gives), `dispatch` (how one is chosen), then the models: `exact`, `iterative`, `stiff` and
-`tlm`, which give pipes and passages a volume, `polynomial` (and neural, the same with perceptrons), `lookup` (tables), and
-`pressure`, the historical attempt that fails.
+Read `interface` (what a model gives), `dispatch` (how one is chosen), then the models: `exact`, `iterative`, `stiff`
+and `tlm`, which give pipes and passages a volume, `polynomial` (and neural, the same with perceptrons), `lookup`
+(tables), and `pressure`, the historical attempt that fails.
 """
 
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowKind, build_flow, flow_name, flow_step, served_links

@@ -3,9 +3,9 @@
 The boom's input flow stands on a grid of spool travel and line pressure, those of swing and stick, which share a pump,
 on one of both travels and both pressures; the outlets' conductances on the spool. Grid lines of travel meet the
 spool's knots, at which the flow has kinks. Lines of pressure, and the interpolation between them, are even in
-sqrt(P_r - P), since that root leads the flow of an open inlet to nothing at the relief pressure P_r. Kinks that move with
-the pressures, where an inlet just opens or the relief valve does, are smeared over a cell: there the error falls with the
-distance of the lines, elsewhere with its square.
+sqrt(P_r - P), since that root leads the flow of an open inlet to nothing at the relief pressure P_r. Kinks that move
+with the pressures, where an inlet just opens or the relief valve does, are smeared over a cell: there the error falls
+with the distance of the lines, elsewhere with its square.
 """
 
 from math import sqrt
@@ -51,8 +51,8 @@ def lookup_flow(machine: Machine, *, points: int = 24) -> LookupFlow:
     machine : Machine
         A torque limit of its pumps is in the tables.
     points : int
-        Grid lines on each axis of the table of swing and stick, which grows with their fourth power; the boom's has four
-        times as many.
+        Grid lines on each axis of the table of swing and stick, which grows with their fourth power; the boom's has
+        four times as many.
 
     Raises
     ------
