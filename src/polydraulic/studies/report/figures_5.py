@@ -24,7 +24,7 @@ _N = 101  # grid lines of a map
 Panel = tuple[str, Table]  # title, and a map in its last column
 
 
-def _field(columns: dict[str, tuple[np.ndarray, str]]) -> Table:
+def in_field(columns: dict[str, tuple[np.ndarray, str]]) -> Table:
     """Columns in the field's units."""
     return Table(
         {name: units.from_si(values, unit) for name, (values, unit) in columns.items()},
@@ -32,7 +32,9 @@ def _field(columns: dict[str, tuple[np.ndarray, str]]) -> Table:
     )
 
 
-def _maps(title: str, see: str, panels: list[Panel], *, error: bool) -> Figure:
+def map_figure(title: str, see: str, panels: list[Panel], *, error: bool) -> Figure:
+    """Figure of maps side by side, each the last column of its table over the first two."""
+
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, len(panels), width=4.2 * len(panels), height=3.2)
         for axis, (name, table) in zip(axes[0], panels, strict=True):
@@ -59,7 +61,9 @@ def _series_panel(
     if error:
         values = section_maps(three_link_study(lab), X)[link] - values
     name = f"{link}.q_in{' error' if error else ''}"
-    return title, _field({f"{link}.travel": (travel, "in"), f"{link}.p_in": (pressure, "psi"), name: (values, "in3/s")})
+    return title, in_field(
+        {f"{link}.travel": (travel, "in"), f"{link}.p_in": (pressure, "psi"), name: (values, "in3/s")}
+    )
 
 
 def _inch(value: float) -> float:
@@ -69,7 +73,7 @@ def _inch(value: float) -> float:
 def schematic(lab: Lab) -> Figure:
     """Fig 5-1: pump, the two valves in series, and the actuators."""
     pumps = lab.machine.pumps
-    table = _field({"series pump flow": (np.array([pumps.series_flow]), "in3/s")})
+    table = in_field({"series pump flow": (np.array([pumps.series_flow]), "in3/s")})
     see = "Q_e1, what the swing's valve leaves, is all that reaches the stick's valve: the swing has priority."
     return Figure("Swing and stick: two open-centre valves in series", see, {"": table}, draw_schematic)
 
@@ -78,13 +82,15 @@ def swing_map(lab: Lab) -> Figure:
     """Fig 5-2: swing input flow with the stick idle."""
     panel = _series_panel(lab, "x_st = 0", "swing", (0.0, lab.machine.spool.knots[-1]), 0.0, alike=False, error=False)
     see = "Sections A and B below 0.188 in, C and D to 0.376 in, where pressure counts, E beyond: the whole pump flow."
-    return _maps("Swing input flow", see, [panel], error=False)
+    return map_figure("Swing input flow", see, [panel], error=False)
 
 
 def stick_map(lab: Lab) -> Figure:
     """Fig 5-3: stick input flow with the swing idle."""
     panel = _series_panel(lab, "x_sw = 0", "stick", (0.0, lab.machine.spool.knots[-1]), 0.0, alike=False, error=False)
-    return _maps("Stick input flow", "With the swing idle the stick's map is the boom's again.", [panel], error=False)
+    return map_figure(
+        "Stick input flow", "With the swing idle the stick's map is the boom's again.", [panel], error=False
+    )
 
 
 def passed_maps(lab: Lab) -> Figure:
@@ -99,9 +105,9 @@ def passed_maps(lab: Lab) -> Figure:
         fed = np.full(len(travel), units.to_si(passed, "in3/s"))
         q = sample_fed(exact.valves.stick, exact.series_pump, np.column_stack([fed, travel, pressure]))
         columns = {"stick.travel": (travel, "in"), "stick.p_in": (pressure, "psi"), "stick.q_in": (q, "in3/s")}
-        panels.append((f"({letter}) Q_12 = {passed:g} in3/s", _field(columns)))
+        panels.append((f"({letter}) Q_12 = {passed:g} in3/s", in_field(columns)))
     see = "Less flow reaches the stick and needs a wider opening to enter: a family of maps, which one network must learn."
-    return _maps("Stick input flow in section D, by the flow that the swing leaves", see, panels, error=False)
+    return map_figure("Stick input flow in section D, by the flow that the swing leaves", see, panels, error=False)
 
 
 def _outlet_panel(lab: Lab, title: str, link: str, *, error: bool) -> Panel:
@@ -116,13 +122,13 @@ def _outlet_panel(lab: Lab, title: str, link: str, *, error: bool) -> Panel:
         conductance = models[f"{link}.k_out"].predict(spool[:, None]) - conductance
     q = conductance * np.sqrt(np.maximum(pressure - back, 0.0))
     name = f"{link}.q_out{' error' if error else ''}"
-    return title, _field({f"{link}.spool": (spool, "in"), f"{link}.p_out": (pressure, "psi"), name: (q, "in3/s")})
+    return title, in_field({f"{link}.spool": (spool, "in"), f"{link}.p_out": (pressure, "psi"), name: (q, "in3/s")})
 
 
 def _outlets(title: str, see: str, *, error: bool) -> Callable[[Lab], Figure]:
     def make(lab: Lab) -> Figure:
         panels = [_outlet_panel(lab, "(a) swing", "swing", error=error), _outlet_panel(lab, "(b) stick", "stick", error=error)]  # fmt: skip
-        return _maps(title, see, panels, error=error)
+        return map_figure(title, see, panels, error=error)
 
     return make
 
@@ -145,7 +151,7 @@ def _errors(
                     lab, f"{letter}{name} = {other:g} in", link, across, _inch(other), alike=alike, error=True
                 )
             )
-        return _maps(title, see, panels, error=True)
+        return map_figure(title, see, panels, error=True)
 
     return make
 
