@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from polydraulic import cli_measure
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.terminal import counted, print_differences, stages, steps
 
@@ -398,6 +399,8 @@ def _box(texts: list[str], model: "Model") -> "np.ndarray":
         found[names.index(name.strip())] = _numbers(ends, f"--box {name}", 2)
     return found
 
+
+cli_measure.register(app)
 
 if __name__ == "__main__":
     main()
