@@ -60,7 +60,7 @@ def import_(
     for finding in imported.findings:
         print(f"{finding.level}: {finding}")
     for found in told.deadbands:
-        print(found.statement(imported.excerpt.unit(found.input)))
+        print(found.statement(imported.shown.get(found.input)))
     if imported.n_row == 0:
         raise InputError(f"{log}: no row of a table came of it; {page} says why")
     print(

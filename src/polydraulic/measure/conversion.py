@@ -5,7 +5,7 @@ pint takes long to start and is slow on single numbers, so that it is asked once
 
 import re
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -26,21 +26,26 @@ _DEFINITIONS = (
 )
 _PLAIN = {"": "dimensionless", "-": "dimensionless", "1": "dimensionless", "U/min": "rev/min", "rpm": "rev/min"}
 _NAMED = ("N", "W")  # SI units with a name of their own that the package itself does not convert
+_LETTERS = re.compile(r"[\w/*^.()·%° \-²³Ω]*")
 _POWER = re.compile(r"(?<=[A-Za-zµ])\^?(-?\d(?:\.\d+)?)(?![A-Za-z\d])")
 
 
+Value = TypeVar("Value", float, np.ndarray)
+
+
 class Conversion(NamedTuple):
-    """SI = factor value + offset, in the package's name of the SI unit."""
+    """SI = factor value + offset; `si` is the package's name of the SI unit, `unit` the log's."""
 
     factor: float
     offset: float
     si: str
+    unit: str
 
-    def to_si(self, values: np.ndarray) -> np.ndarray:
+    def to_si(self, values: Value) -> Value:
         """Convert from the log's unit."""
         return values * self.factor + self.offset
 
-    def from_si(self, values: np.ndarray) -> np.ndarray:
+    def from_si(self, values: Value) -> Value:
         """Convert to the log's unit."""
         return (values - self.offset) / self.factor
 
@@ -91,7 +96,9 @@ def conversion(unit: str) -> Conversion:
         name = format(base, "~C").replace("**", "").replace("*", " ")
     factor = float(one.magnitude - zero.magnitude)
     si = FACTORS.get(name, {})
-    return Conversion(si.get(unit, factor), float(zero.magnitude), name)  # the package's own factors, where it has one
+    return Conversion(
+        si.get(unit, factor), float(zero.magnitude), name, unit
+    )  # the package's own factors, where it has one
 
 
 def same_kind(unit: str) -> list[str]:
@@ -131,6 +138,8 @@ def _registry() -> Any:
 
 @cache
 def _parse(unit: str) -> Any:
+    if not _LETTERS.fullmatch(unit):
+        raise InputError(f"unknown unit {unit!r}: it holds characters that no unit has")
     text = _PLAIN.get(unit.strip(), unit.strip())
     text = re.sub(r"(?<=[\w²³)])[ ·](?=[A-Za-z(])", "*", text.replace("²", "2").replace("³", "3"))
     try:

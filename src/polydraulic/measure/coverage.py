@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.measure.conversion import Conversion
 from polydraulic.tables import Table
 
 CELLS = 10  # along each side of a map
@@ -56,13 +57,12 @@ class Coverage(NamedTuple):
     visited: int
     cells: int
 
-    def statements(self, units: Mapping[str, str]) -> list[str]:
-        """Holes in words, the largest first."""
+    def statements(self, units: Mapping[str, Conversion]) -> list[str]:
+        """Holes in words, the largest first; numbers in the units of `units`, or as they are."""
         found = []
         for pair in self.pairs:
             for hole in pair.holes:
-                a = f"{pair.x} {hole.x[0]:.4g} to {hole.x[1]:.4g} {units.get(pair.x, '')}".rstrip()
-                b = f"{pair.y} {hole.y[0]:.4g} to {hole.y[1]:.4g} {units.get(pair.y, '')}".rstrip()
+                a, b = _range(pair.x, hole.x, units), _range(pair.y, hole.y, units)
                 found.append((hole.share, f"no rows with {a} and {b} ({hole.share:.0%} of their map)"))
         return [text for _, text in sorted(found, key=lambda item: -item[0])]
 
@@ -101,6 +101,11 @@ def coverage(table: Table, names: Sequence[str], box: Mapping[str, tuple[float, 
         inside &= (table[name] >= low) & (table[name] <= high)
         place = LEVELS * place + np.clip(cell, 0, LEVELS - 1)
     return Coverage(list(names), ranges, pairs, len(np.unique(place[inside])), LEVELS ** len(counted))
+
+
+def _range(name: str, ends: tuple[float, float], units: Mapping[str, Conversion]) -> str:
+    low, high = (units[name].from_si(end) if name in units else end for end in ends)
+    return f"{name} {low:.4g} to {high:.4g} {units[name].unit if name in units else ''}".rstrip()
 
 
 def _pair(table: Table, a: str, b: str, ranges: Mapping[str, tuple[float, float]]) -> PairMap:

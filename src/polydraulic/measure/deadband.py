@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.measure.conversion import Conversion
 from polydraulic.measure.smoothing import differentiate
 from polydraulic.tables import Table
 
@@ -57,14 +58,15 @@ class Deadband(NamedTuple):
     explained: float
     found: bool
 
-    def statement(self, unit: str = "") -> str:
-        """In words."""
+    def statement(self, unit: Conversion | None = None) -> str:
+        """In words, in a unit of the log if given."""
         if not self.found:
             return f"{self.output} over {self.input}: no deadband that can be told from none"
-        low, high = self.low_interval, self.high_interval
+        edges = [self.low, *self.low_interval, self.high, *self.high_interval]
+        low, a, b, high, c, d = edges if unit is None else [unit.from_si(edge) for edge in edges]
         return (
-            f"{self.output} answers {self.input} below {self.low:.4g} ({low[0]:.4g} to {low[1]:.4g}) and above {self.high:.4g} "
-            f"({high[0]:.4g} to {high[1]:.4g}) {unit}, {CONFIDENCE:.0%} intervals; delay {self.delay:.2g} s, lag {self.lag:.2g} s; "
+            f"{self.output} answers {self.input} below {low:.4g} ({a:.4g} to {b:.4g}) and above {high:.4g} ({c:.4g} to {d:.4g})"
+            f"{'' if unit is None else f' {unit.unit}'}, {CONFIDENCE:.0%} intervals; delay {self.delay:.2g} s, lag {self.lag:.2g} s; "
             f"explains {self.explained:.0%} of the variance"
         )
 

@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.clock import Clock, Rows
-from polydraulic.measure.conversion import conversion
+from polydraulic.measure.conversion import Conversion, conversion
 from polydraulic.measure.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
@@ -57,6 +57,12 @@ class Imported:
     n_segment: int
     too_short: int
     excerpt: Table
+
+    @property
+    def shown(self) -> dict[str, Conversion]:
+        """Units in which people read the columns: those of the log."""
+        found = {c.name: conversion(c.unit) for c in self.channels.used}
+        return found | {flow.name: conversion("l/min") for flow in self.channels.flows}
 
 
 def import_log(
@@ -143,7 +149,7 @@ class _Merged:
         time = channels.time
         factor = 1.0 if log.own_clock or time is None else conversion(time.unit).factor
         source = None if log.own_clock or time is None else time.source
-        declared = None if time is None else time.raster
+        declared = None if log.own_clock or time is None else time.raster
         self.resampler = resampler
         self.place = {c.source: n for n, c in enumerate(channels.used)}
         self.checks: list[ChannelCheck] = []

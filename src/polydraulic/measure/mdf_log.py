@@ -1,6 +1,8 @@
 """MDF4 logs: groups of channels, each group with a clock of its own."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -39,12 +41,13 @@ def open_mdf(path: Path) -> Log:
         total = int(file.groups[group].channel_group.cycles_nr)
         for begun in range(0, total, BLOCK):
             count = min(BLOCK, total - begun)
-            parts = file.select(
-                [(name, *place[name]) for name in wanted],
-                record_offset=begun,
-                record_count=count,
-                ignore_value2text_conversions=True,
-            )
+            with redirect_stdout(StringIO()):  # asammdf prints its speed when a disk is slow
+                parts = file.select(
+                    [(name, *place[name]) for name in wanted],
+                    record_offset=begun,
+                    record_count=count,
+                    ignore_value2text_conversions=True,
+                )
             values, text = {}, {}
             for name, part in zip(wanted, parts, strict=True):
                 values[name], text[name] = _numbers(part)

@@ -28,7 +28,9 @@ def open_parquet(path: Path) -> Log:
 
     def read(group: int, wanted: Sequence[str], time: str | None, findings: Findings) -> Iterator[Block]:
         begun = 0
-        with pq.ParquetFile(path) as file:
+        with pq.ParquetFile(
+            path, pre_buffer=False, buffer_size=1 << 20
+        ) as file:  # buffered ahead, the file is in memory
             columns = list(dict.fromkeys([*([time] if time else []), *wanted]))
             try:
                 for batch in file.iter_batches(BLOCK, columns=columns):

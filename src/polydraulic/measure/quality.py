@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from polydraulic.files import write_text
+from polydraulic.measure.conversion import Conversion
 from polydraulic.measure.coverage import Coverage, coverage
 from polydraulic.measure.deadband import Deadband, find_deadbands
 from polydraulic.measure.findings import Finding
@@ -67,9 +68,9 @@ def write_quality(imported: Imported, path: str | Path) -> Told:
 
 
 def quality_data(imported: Imported, told: Told) -> dict[str, Any]:
-    """All that the report says as plain data."""
+    """All that the report says as plain data; in SI, but statistics of channels in the unit of the log, which is given, and texts."""
     channels = imported.channels
-    units = imported.excerpt.units
+    shown = imported.shown
     return {
         "format": "polydraulic log quality",
         "schema": SCHEMA,
@@ -92,8 +93,8 @@ def quality_data(imported: Imported, told: Told) -> dict[str, Any]:
         ],
         "channels": [_statistics(check) for check in imported.checks],
         "flows": [flow_statement(flow, channels.raster) for flow in channels.flows],
-        "deadbands": [d._asdict() | {"text": d.statement(units.get(d.input, ""))} for d in told.deadbands],
-        "coverage": None if told.coverage is None else _coverage_data(told.coverage, units),
+        "deadbands": [d._asdict() | {"text": d.statement(shown.get(d.input))} for d in told.deadbands],
+        "coverage": None if told.coverage is None else _coverage_data(told.coverage, shown),
     }
 
 
@@ -113,7 +114,7 @@ def _statistics(check: ChannelCheck) -> dict[str, Any]:
     }
 
 
-def _coverage_data(found: Coverage, units: dict[str, str]) -> dict[str, Any]:
+def _coverage_data(found: Coverage, units: dict[str, Conversion]) -> dict[str, Any]:
     return {
         "box": {name: list(ends) for name, ends in found.box.items()},
         "cells_visited": found.visited,
@@ -137,11 +138,11 @@ def _page(imported: Imported, told: Told) -> str:
         else f'<p class="{"error" if errors else "warning"}">{errors} error(s), {len(findings) - errors} warning(s).</p>'
     )
     first, last = imported.span
-    units, table = imported.excerpt.units, imported.excerpt
+    shown, table = imported.shown, imported.excerpt
     whole = (
         "all rows" if len(table) == imported.n_row else f"{len(table)} of {imported.n_row} rows, from all over the log"
     )
-    deadbands = _list([d.statement(units.get(d.input, "")) for d in told.deadbands])
+    deadbands = _list([d.statement(shown.get(d.input)) for d in told.deadbands])
     flows = _list([flow_statement(flow, imported.channels.raster) for flow in imported.channels.flows])
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Quality of {escape(imported.source.name)}</title>
@@ -163,8 +164,8 @@ def _page(imported: Imported, told: Told) -> str:
 <h3>Reconstructed flows</h3>
 {flows or "<p>None asked for.</p>"}
 <h3>Coverage of the inputs</h3>
-{_coverage(told.coverage, units)}
-{coverage_svg(told.coverage, units) if told.coverage is not None and told.coverage.pairs else ""}
+{_coverage(told.coverage, shown)}
+{coverage_svg(told.coverage, shown) if told.coverage is not None and told.coverage.pairs else ""}
 </body></html>
 """
 
@@ -198,7 +199,7 @@ def _channels(checks: list[ChannelCheck]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>\n{chr(10).join(rows)}\n</tbody></table>"
 
 
-def _coverage(found: Coverage | None, units: dict[str, str]) -> str:
+def _coverage(found: Coverage | None, units: dict[str, Conversion]) -> str:
     if found is None:
         return "<p>There are no inputs, or no rows.</p>"
     text = (

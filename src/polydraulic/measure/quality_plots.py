@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.measure.conversion import Conversion
 from polydraulic.measure.coverage import Coverage
 from polydraulic.measure.values import ChannelCheck
 
@@ -41,7 +42,7 @@ def signals_svg(checks: Sequence[ChannelCheck]) -> str:
     return _svg(figure, "signals")
 
 
-def coverage_svg(found: Coverage, units: Mapping[str, str]) -> str:
+def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
     """Rows by cell for pairs of inputs, those with the most empty cells first; holes are framed."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Rectangle
@@ -54,12 +55,23 @@ def coverage_svg(found: Coverage, units: Mapping[str, str]) -> str:
     for axis, pair in zip(axes, pairs, strict=False):
         counts = pair.counts.T
         shade = np.ma.masked_array(np.log10(np.maximum(counts, 1)), counts == 0)
-        axis.pcolormesh(pair.x_edges, pair.y_edges, shade, cmap="Blues", vmin=-1.0, edgecolors="white", linewidth=0.4)
+        x, y = units[pair.x], units[pair.y]
+        axis.pcolormesh(
+            x.from_si(pair.x_edges),
+            y.from_si(pair.y_edges),
+            shade,
+            cmap="Blues",
+            vmin=-1.0,
+            edgecolors="white",
+            linewidth=0.4,
+        )
         for hole in pair.holes:
-            size = (hole.x[1] - hole.x[0], hole.y[1] - hole.y[0])
-            axis.add_patch(Rectangle((hole.x[0], hole.y[0]), *size, fill=False, edgecolor="#c33", linewidth=1.2))
+            (left, right), (low, high) = map(x.from_si, hole.x), map(y.from_si, hole.y)
+            axis.add_patch(
+                Rectangle((left, low), right - left, high - low, fill=False, edgecolor="#c33", linewidth=1.2)
+            )
         for label, name in ((axis.set_xlabel, pair.x), (axis.set_ylabel, pair.y)):
-            label(f"{name} [{units.get(name, '')}]", fontsize="small")
+            label(f"{name} [{units[name].unit}]", fontsize="small")
         axis.set_title(f"{pair.share:.0%} of the cells", loc="left", fontsize="small")
         axis.tick_params(labelsize="x-small")
     for axis in axes[len(pairs) :]:
@@ -74,8 +86,10 @@ def _with_gaps(intervals: np.ndarray, raster: float) -> np.ndarray:
     ends = np.minimum(starts + step, intervals.shape[1]) - 1
     first, last = intervals[0, starts], intervals[1, ends]
     low, high = np.minimum.reduceat(intervals[2], starts), np.maximum.reduceat(intervals[3], starts)
-    if not np.isfinite(raster):
+    if not np.isfinite(raster) or len(first) == 0:
         return np.stack([first, last, low, high])
+    across = last - first > 2.0 * float(np.median(last - first)) + 10.0 * raster  # a gap lies within
+    low, high = np.where(across, np.nan, low), np.where(across, np.nan, high)
     gaps = np.flatnonzero(first[1:] - last[:-1] > 10.0 * raster) + 1
     middle = 0.5 * (first[gaps] + last[gaps - 1])
     blank = np.full(len(gaps), np.nan)

@@ -59,6 +59,10 @@ def record(
     rngs = [np.random.default_rng([bench.seed, n]) for n in range(len(bench.sensors))]
     readings = [Reading(sensor, rng) for sensor, rng in zip(bench.sensors, rngs, strict=True)]
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {sensor.name: [] for sensor in bench.sensors}
+    for scenario in scenarios:  # before any of them takes long
+        beginning = simulate(machine, "exact", scenario, dt=dt, t_end=min(dt, scenario.duration))
+        for reading in readings:
+            reading.check(beginning)
     begin = 0.0
     for scenario in scenarios:
         progress(scenario.name)

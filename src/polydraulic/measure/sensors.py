@@ -175,19 +175,17 @@ class Reading:
         self.conversion = conversion(sensor.unit)
         self._drift = 0.0
 
-    def of(self, run: Table) -> tuple[np.ndarray, np.ndarray]:
-        """Times since the start of the run and values in the sensor's unit, NaN where there is none.
-
-        Raises
-        ------
-        InputError
-            If the run has no such column, or it is not in this kind of unit.
-        """
-        s, rng = self.sensor, self.rng
+    def check(self, run: Table) -> None:
+        """Raise an InputError if the run has no such column, or it is not in this kind of unit."""
+        s = self.sensor
         if s.column not in run.names:
             raise InputError(f"sensor {s.name!r}: the run has no column {s.column!r}; it has {run.names}")
         if run.unit(s.column) != self.conversion.si:
             raise InputError(f"sensor {s.name!r} = {s.column} in {s.unit!r}: it is in {run.unit(s.column)}")
+
+    def of(self, run: Table) -> tuple[np.ndarray, np.ndarray]:
+        """Times since the start of the run and values in the sensor's unit, NaN where there is none."""
+        s, rng = self.sensor, self.rng
         time = np.arange(int(run["time"][-1] / s.raster * (1.0 + 1e-12)) + 1) * s.raster
         truth = self._lagged(run["time"], self.conversion.from_si(run[s.column]))
         value = np.interp(time - s.delay, run["time"], truth)
