@@ -109,12 +109,12 @@ def test_every_format_suggests_a_map_that_works(tmp_path, ending):
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "mf4", "v73.mat"])
 def test_blocks_follow_each_other(tmp_path, ending):
-    n = BLOCK + BLOCK // 2
+    n = 4 * BLOCK if ending == "mf4" else BLOCK + BLOCK // 2
     columns = healthy(n=n)
     with open_log(write(tmp_path / f"log.{ending}", columns)) as log:
         group = log.signal("p_head").group
         blocks = list(log.read(group, ["p_head"], None if log.own_clock else "time", Findings()))
-    assert len(blocks) > 1 or ending == "csv"
+    assert len(blocks) == (1 if ending == "csv" else 2)  # the CSV has less than 4 MB
     assert np.array_equal(np.concatenate([b.rows for b in blocks]), np.arange(1, n + 1))
     assert np.array_equal(np.concatenate([b.values["p_head"] for b in blocks]), columns["p_head"])
     assert blocks[-1].done == 1.0
@@ -147,6 +147,29 @@ def test_invalid_samples_of_an_mdf_are_missing(tmp_path):
     with open_log(tmp_path / "a.mf4") as log:
         (block,) = log.read(0, ["a"], None, Findings())
     assert np.flatnonzero(np.isnan(block.values["a"])).tolist() == [3]
+
+
+def test_raw_numbers_and_texts_of_an_mdf(tmp_path):
+    from asammdf import MDF, Signal
+
+    time = np.arange(10) * 0.1
+    linear = {"a": 2.0, "b": 5.0}
+    names = {f"val_{k}": k for k in range(2)} | {f"text_{k}": name for k, name in enumerate((b"off", b"on"))}
+    with MDF(version="4.10") as file:
+        raw = np.arange(10, dtype=np.uint8)
+        file.append([
+            Signal(raw, time, "V", "scaled", conversion=linear),
+            Signal(raw % 2, time, "", "state", conversion=names),
+            Signal(np.array([b"x"] * 10), time, "", "words", encoding="utf-8"),
+        ], common_timebase=True)  # fmt: skip
+        file.save(tmp_path / "a.mf4")
+    with open_log(tmp_path / "a.mf4") as log:
+        (block,) = log.read(0, ["scaled", "state", "words"], None, Findings())
+    assert block.time == pytest.approx(time)
+    assert block.values["scaled"] == pytest.approx(2.0 * np.arange(10) + 5.0)
+    assert block.values["state"].tolist() == [0, 1] * 5
+    assert block.text["words"].tolist() == list(range(10))
+    assert np.all(np.isnan(block.values["words"]))
 
 
 @pytest.mark.parametrize(
