@@ -55,7 +55,8 @@ def open_mdf(path: Path) -> Log:
         while begun < total:
             try:
                 with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
-                    columns = [_numbers(*next(part), c) for part, c in zip(parts, conversions, strict=True)]
+                    read_now: list[Any] = [next(part) for part in parts]
+                columns = [_numbers(v, bits, c) for (v, bits), c in zip(read_now, conversions, strict=True)]
             except Exception as error:
                 raise InputError(f"{path}: damaged after row {begun} of group {group} ({error})") from error
             rows = np.arange(begun, begun + len(columns[0])) + 1
