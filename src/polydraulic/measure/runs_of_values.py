@@ -81,20 +81,23 @@ class ValueRuns:
             if noisy and end.value != 0.0 and end.n_held >= 20 and end.n_run >= 2 and elsewhere < 0.02 * self.count:
                 found.append(("clipped", end.runs, f"{name} value {end.value:.6g}"))
                 clipped.add(end.value)
-        lost = _JUMP * (self.high.value - self.low.value)  # a value of 0 is rest, unless the signal fell to it
-        held = [run for run in held if run.value not in clipped and (run.value != 0.0 or run.jump > lost)]
+        # a value of 0 is rest, unless the signal always fell to it
+        rests = any(run.value == 0.0 and run.jump <= _JUMP * (self.high.value - self.low.value) for run in self.longest)
+        held = [run for run in held if run.value not in clipped and not (run.value == 0.0 and rests)]
         frozen = held if noisy else self._held_too_long(held[:3])
         frozen = frozen if len(frozen) <= 3 else []
         if frozen:
             found.append(("frozen", frozen, f"at {frozen[0].value:.6g}"))
-        if 1 < len(self._different) <= _FEW:
+        step = min(np.diff(sorted(self._different)), default=0.0)
+        held_each = self.count > 2.0 * self.n_run  # noise larger than the digits would not let it
+        if held_each and 1 < len(self._different) <= _FEW and step * _FEW > self.high.value - self.low.value:
             found.append(("coarse", [], f"{len(self._different)} different values"))
         return found
 
     def _held_too_long(self, held: list[Run]) -> list[Run]:
         """Of a signal without noise: held far longer than it ever is elsewhere, and not at rest or at an end."""
         others = np.median([run.length for run in self.longest]) if len(self.longest) > 10 else inf
-        return [r for r in held if r.length > 20 * others and r.value not in (self.low.value, self.high.value)]
+        return [r for r in held if r.length > 20 * others and r.value not in (0.0, self.low.value, self.high.value)]
 
 
 class Extreme:
