@@ -22,7 +22,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 
-FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, or pressure (historical)."
+FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
