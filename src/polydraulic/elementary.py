@@ -5,7 +5,7 @@ they give the same bits in numba, plain Python and C, one value at a time or man
 minimax ones of Sun's fdlibm; the largest errors are tested against `math` in ``tests/test_elementary.py``.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def _sincos_of(x: np.ndarray, sin: np.ndarray, cos: np.ndarray) -> None:
         sin[i], cos[i] = both.sin, both.cos
 
 
-def sincos_of(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def sincos_of(x: np.ndarray) -> tuple[Any, Any]:
     """Sines and cosines of an array of any shape, with the bits of `sincos`."""
     flat = np.ascontiguousarray(x, dtype=np.float64).ravel()
     sin, cos = np.empty_like(flat), np.empty_like(flat)

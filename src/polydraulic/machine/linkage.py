@@ -214,9 +214,10 @@ def end_effector(angle: np.ndarray, g: Geometry) -> np.ndarray:
     (..., 3) array, m
         X, Y, Z from the boom foot's height on the swing axis.
     """
-    swing, boom, both = angle[..., 0], angle[..., 1], angle[..., 1] + angle[..., 2]
-    whole_arrays = getattr(tip, "py_func", tip)
-    return np.stack(whole_arrays(*(SinCos(*sincos_of(part)) for part in (swing, boom, both)), g), axis=-1)
+    parts = (angle[..., 0], angle[..., 1], angle[..., 1] + angle[..., 2])
+    swing, boom, both = (SinCos(*turn) for turn in map(sincos_of, parts))
+    on_arrays = getattr(tip, "py_func", tip)
+    return np.stack(on_arrays(swing, boom, both, g), axis=-1)
 
 
 def end_effector_printed(angle: np.ndarray, g: Geometry) -> np.ndarray:

@@ -183,7 +183,7 @@ class Expressions:
     def _subscript(self, node: ast.Subscript) -> Value:
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
             array = self.value(node.value.value)
-            if isinstance(array.type, Array) and isinstance(node.slice, ast.Constant):
+            if isinstance(array.type, Array) and isinstance(node.slice, ast.Constant) and type(node.slice.value) is int:
                 length = array.type.shape[node.slice.value]
                 if length is None:
                     self.refuse(

@@ -14,7 +14,7 @@ import numpy as np
 
 import polydraulic
 from polydraulic.errors import InputError
-from polydraulic.export.translate.expressions import UNARY, Expressions, Value
+from polydraulic.export.translate.expressions import UNARY, WORD, Expressions, Value
 from polydraulic.export.translate.functions import Function, FunctionTranslator
 from polydraulic.export.translate.names import Names, field_name
 from polydraulic.export.translate.types import (
@@ -24,6 +24,7 @@ from polydraulic.export.translate.types import (
     INT,
     Array,
     Layouts,
+    Scalar,
     Struct,
     Type,
     comment,
@@ -146,13 +147,12 @@ class Program:
 
     def literal(self, value: Any) -> Value:
         """A number as C text that reads back exactly."""
-        kind = BOOL if isinstance(value, bool) else INT if isinstance(value, int) else FLOAT
         text = number(value)
-        return Value(text, kind, UNARY) if text.startswith("-") else Value(text, kind)
+        return Value(text, _kind(value), UNARY if text.startswith("-") else WORD)
 
     def constant(self, name: str, value: Any, python: Any) -> Value:
         """A constant of a module, under its name."""
-        kind = self.literal(value).type
+        kind = _kind(value)
         module = python.__module__ if name.startswith("_") else ""
         found = self._names.of((name, kind, value, module), name, python.__module__)
         self._constants[found] = f"static const {C_NUMBERS[kind]} {found} = {number(value)};"
@@ -216,7 +216,7 @@ class Program:
     def _array(self, value: np.ndarray, path: str, arrays: list[str]) -> str:
         if not value.size:
             return "NULL"
-        kind = C_NUMBERS[self.layouts.of_value(value, path).element]  # type: ignore[union-attr]
+        kind = C_NUMBERS[FLOAT if value.dtype == np.float64 else INT]
 
         def nested(part: np.ndarray) -> str:
             if part.ndim > 1:
@@ -227,6 +227,10 @@ class Program:
         lengths = "".join(f"[{n}]" for n in value.shape)
         arrays.append(f"static const {kind} {path}{lengths} = {nested(value)};")
         return path
+
+
+def _kind(value: Any) -> Scalar:
+    return BOOL if isinstance(value, bool) else INT if isinstance(value, int) else FLOAT
 
 
 def number(value: Any, where: str = "constant") -> str:

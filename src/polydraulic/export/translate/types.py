@@ -71,10 +71,8 @@ class Layouts:
         if isinstance(value, float):
             return FLOAT
         if isinstance(value, np.ndarray):
-            if value.dtype not in (np.float64, np.int64) or not value.flags.c_contiguous or value.ndim == 0:
-                raise InputError(
-                    f"{where}: an array of {value.dtype}, {value.shape}; must be contiguous, of float64 or int64"
-                )
+            if value.dtype not in (np.float64, np.int64) or value.ndim == 0:
+                raise InputError(f"{where}: an array of {value.dtype}, {value.shape}; must be of float64 or int64")
             return Array(FLOAT if value.dtype == np.float64 else INT, value.shape)
         if is_named_tuple(type(value)):
             fields = {name: self.of_value(getattr(value, name), f"{where}.{name}") for name in value._fields}
