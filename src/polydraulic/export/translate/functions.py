@@ -2,15 +2,14 @@
 
 import ast
 import inspect
-import io
 import textwrap
-import tokenize
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from polydraulic.export.translate.expressions import PRODUCT, Expressions, Value, shown
 from polydraulic.export.translate.layout import WIDTH, wrapped
 from polydraulic.export.translate.names import local_name
+from polydraulic.export.translate.scopes import Use, comments_of, find_uses, is_elif
 from polydraulic.export.translate.types import FLOAT, INT, NOTHING, Array, Struct, Type, comment, declare
 
 if TYPE_CHECKING:
@@ -55,23 +54,6 @@ class _Slot:
     indent: str
 
 
-@dataclass
-class _Use:
-    """How a variable occurs in a function."""
-
-    times_assigned: int = 0
-    paths: list[tuple[tuple[int, int], ...]] = field(default_factory=list)  # (block, statement) from outside in
-
-    def home(self) -> tuple[int, int]:
-        """Innermost block that holds all occurrences, and its first statement that does."""
-        depth, one = 0, self.paths[0]
-        while all(path[: depth + 1] == one[: depth + 1] and len(path) > depth + 1 for path in self.paths):
-            if len({path[depth + 1][0] for path in self.paths}) > 1:
-                break
-            depth += 1
-        return one[depth][0], min(path[depth][1] for path in self.paths)
-
-
 class FunctionTranslator(Expressions):
     """Statements of one function; `translate` is the way in."""
 
@@ -80,17 +62,16 @@ class FunctionTranslator(Expressions):
         self.first_line = first
         super().__init__(program, python, program.shown_file(python))
         tree = ast.parse(textwrap.dedent("".join(self.source)))
-        self.comments = _comments("".join(self.source), first)
+        self.comments = comments_of("".join(self.source), first)
         ast.increment_lineno(tree, first - 1)
         definition = tree.body[0]
         assert isinstance(definition, ast.FunctionDef)
         self.definition = definition
-        self.uses: dict[str, _Use] = {}
+        self.uses: dict[str, Use] = {}
         self.lines: list[str | _Slot] = []
         self.types: dict[str, Type] = {}
         self.result: Type | None = None
         self.loop_names: list[str] = []
-        self.told = definition.lineno
 
     def translate(self, name: str, kinds: tuple[Type, ...], *, static: bool) -> Function:
         """Translate for arguments of the types `kinds`."""
@@ -103,9 +84,7 @@ class FunctionTranslator(Expressions):
         body = self.definition.body
         doc = ast.get_docstring(self.definition)
         body = body[1:] if doc else body
-        nodes = [node for part in body for node in ast.walk(part) if isinstance(node, ast.Name)]
-        self.uses = {node.id: _Use() for node in nodes if isinstance(node.ctx, ast.Store)}
-        self._find_uses(body, ())
+        self.uses = find_uses(body)
         self.local_names = {*names, *self.uses}
         pointers = {}
         for parameter, kind in zip(names, kinds, strict=True):
@@ -114,6 +93,7 @@ class FunctionTranslator(Expressions):
             self.types[parameter] = kind
         self.assigned = set(names)
         ended = self._block(body, _INDENT)
+        read = {node.id for part in body for node in ast.walk(part) if isinstance(node, ast.Name)}
         if self.result is not None and self.result != NOTHING and not ended:
             self.refuse(self.definition, "does not return on every path")
         result = self.result or NOTHING
@@ -126,7 +106,7 @@ class FunctionTranslator(Expressions):
                 *([comment(doc.splitlines()[0])] if doc else []),
                 prototype,
                 "{",
-                *(f"{_INDENT}(void){local_name(name)};" for name in names if name not in {node.id for node in nodes}),
+                *(f"{_INDENT}(void){local_name(name)};" for name in names if name not in read),
                 *(line if isinstance(line, str) else self._declaration(line) for line in self.lines),
                 "}",
                 "",
@@ -155,18 +135,8 @@ class FunctionTranslator(Expressions):
     def _assigned(self, name: str) -> int:
         return self.uses[name].times_assigned if name in self.uses else 0
 
-    def _find_uses(self, body: list[ast.stmt], path: tuple[tuple[int, int], ...]) -> None:
-        """Note where each name that is assigned or read occurs."""
-        for number, statement in enumerate(body):
-            here = (*path, (id(body), number))
-            blocks = _blocks(statement)
-            inner = {id(node) for block in blocks for part in block for node in ast.walk(part)}
-            for node in ast.walk(statement):
-                if isinstance(node, ast.Name) and node.id in self.uses and id(node) not in inner:
-                    self.uses[node.id].times_assigned += isinstance(node.ctx, ast.Store)
-                    self.uses[node.id].paths.append(here)
-            for block in blocks:
-                self._find_uses(block, here)
+    def _parameter_names(self) -> set[str]:
+        return {arg.arg for arg in self.definition.args.args}
 
     # statements
 
@@ -183,17 +153,16 @@ class FunctionTranslator(Expressions):
                 return True
         return False
 
-    def _targets(self, statement: ast.stmt) -> list[str]:
-        if isinstance(statement, ast.Assign) and len(statement.targets) == 1:
-            target = statement.targets[0]
-            return [
-                t.id for t in (target.elts if isinstance(target, ast.Tuple) else [target]) if isinstance(t, ast.Name)
-            ]
-        return (
-            [statement.target.id]
-            if isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name)
-            else []
-        )
+    @staticmethod
+    def _targets(statement: ast.stmt) -> list[str]:
+        """Names that a statement assigns, and may declare."""
+        targets: list[ast.expr] = []
+        if isinstance(statement, ast.Assign):
+            targets = statement.targets
+        elif isinstance(statement, ast.AnnAssign):
+            targets = [statement.target]
+        parts = [part for target in targets for part in (target.elts if isinstance(target, ast.Tuple) else [target])]
+        return [part.id for part in parts if isinstance(part, ast.Name)]
 
     @staticmethod
     def _binds_loop(statement: ast.stmt, name: str) -> bool:
@@ -270,7 +239,7 @@ class FunctionTranslator(Expressions):
             )
         only = self.uses[name].times_assigned == 1
         if first and self.uses[name].home() == here:
-            if only and value.place and not value.text.startswith("(") and self.program.layouts.large(kind):
+            if only and value.place and self._stays(source) and self.program.layouts.large(kind):
                 text = declare(kind, f"*{local_name(name)}", self.program.struct_name)
                 self.variables[name] = Value(local_name(name), kind, pointer=True, place=True)
                 self._line(s, indent, f"{text} = {value.text if value.pointer else '&' + value.text};")
@@ -286,13 +255,22 @@ class FunctionTranslator(Expressions):
         self._line(s, indent, f"{text} = {initial};")
         self.assigned.add(name)
 
+    def _stays(self, source: ast.expr) -> bool:
+        """Whether `source` is part of a parameter or variable that never changes, so that a pointer does for a copy."""
+        root = source
+        while isinstance(root, ast.Attribute):
+            root = root.value
+        if not isinstance(root, ast.Name):
+            return False
+        return self._assigned(root.id) == (0 if root.id in self._parameter_names() else 1)
+
     def _dispatches(self, name: str, source: ast.expr) -> bool:
         """`step = TABLE[type(model)]`: the name stands for the function from here on."""
         match source:
             case ast.Subscript(value=table, slice=ast.Call(func=ast.Name(id="type"), args=[ast.Name(id=chosen)])):
-                entries, kind = self.known(table), self.variables[chosen].type
-                if isinstance(entries, dict) and (cls := getattr(kind, "cls", None)) in entries:
-                    self.steps[name] = entries[cls]
+                entries, kind = self.known(table), self.value(ast.Name(chosen, ast.Load(), lineno=source.lineno)).type
+                if isinstance(entries, dict) and isinstance(kind, Struct) and kind.cls in entries:
+                    self.steps[name] = entries[kind.cls]
                     return True
                 self.refuse(source, f"{ast.unparse(table)} has no entry for {shown(kind)}")
         return False
@@ -315,16 +293,12 @@ class FunctionTranslator(Expressions):
 
     def _stored(self, target: ast.Subscript) -> Value:
         """Element of an array that is a parameter, and noted as written."""
-        if not (isinstance(target.value, ast.Name) and target.value.id in self.definition_names()):
+        if not (isinstance(target.value, ast.Name) and target.value.id in self._parameter_names()):
             self.refuse(
                 target, f"{ast.unparse(target)}: only arrays that are parameters of this function may be written"
             )
         self.written.add(target.value.id)
         return self.value(ast.Subscript(target.value, target.slice, ast.Load(), lineno=target.lineno))
-
-    def definition_names(self) -> set[str]:
-        """Names of the parameters."""
-        return {arg.arg for arg in self.definition.args.args}
 
     def _augment(self, s: ast.AugAssign, indent: str) -> None:
         target = self._stored(s.target) if isinstance(s.target, ast.Subscript) else None
@@ -343,7 +317,7 @@ class FunctionTranslator(Expressions):
         before = set(self.assigned)
         ended = self._block(s.body, indent + _INDENT)
         after, self.assigned, other = self.assigned, set(before), False
-        if _is_elif(s.orelse):
+        if is_elif(s.orelse):
             other = self._if(s.orelse[0], indent, "} else ")  # type: ignore[arg-type]
         else:
             if s.orelse:
@@ -368,10 +342,8 @@ class FunctionTranslator(Expressions):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
         }
         read = {node.id for bound in bounds for node in ast.walk(bound) if isinstance(node, ast.Name)}
-        if read & (changed | self.written) or name in changed or name in self.assigned:
-            self.refuse(
-                s, "neither the loop's variable nor its bounds may change inside, nor be used for something else"
-            )
+        if name != "_" and (name in changed or name in self.assigned):
+            self.refuse(s, f"{name} counts this loop and may not be used for something else, nor change inside")
         low, high = (self.value(bound) for bound in ([ast.Constant(0)] if len(bounds) == 1 else []) + bounds)
         if (low.type, high.type) != (INT, INT):
             self.refuse(s, f"range of {shown(low.type)} to {shown(high.type)}; must be whole numbers")
@@ -385,6 +357,8 @@ class FunctionTranslator(Expressions):
         self.assigned.add(name)
         self.loop_names.append(name)
         self._block(s.body, indent + _INDENT)
+        if read & (changed | self.written):
+            self.refuse(s, f"the bounds read {', '.join(sorted(read))}, which may not change inside the loop")
         self.loop_names.pop()
         self.lines.append(f"{indent}}}")
         self.assigned = before
@@ -405,30 +379,9 @@ class FunctionTranslator(Expressions):
 
     def _comments_before(self, s: ast.stmt, indent: str, *, first: bool) -> None:
         """Comments and the empty line above a statement."""
-        notes = [line for line in sorted(self.comments) if line < s.lineno]
+        inside = not hasattr(s, "body") and s.end_lineno != s.lineno  # between the lines of one statement
+        notes = [line for line in sorted(self.comments) if line < s.lineno or (inside and line <= (s.end_lineno or 0))]
         above = self.source[min([*notes, s.lineno]) - self.first_line - 1]
         if not above.strip() and not first:
             self.lines.append("")
         self.lines += [comment(self.comments.pop(line), indent) for line in notes]
-
-
-def _blocks(s: ast.stmt) -> list[list[ast.stmt]]:
-    """Blocks inside a statement; those of an elif belong to its if."""
-    if isinstance(s, ast.If):
-        last = _blocks(s.orelse[0]) if _is_elif(s.orelse) else [s.orelse]
-        return [block for block in (s.body, *last) if block]
-    return [s.body] if isinstance(s, ast.For | ast.While) else []
-
-
-def _is_elif(orelse: list[ast.stmt]) -> bool:
-    return len(orelse) == 1 and isinstance(orelse[0], ast.If)
-
-
-def _comments(source: str, first: int) -> dict[int, str]:
-    """Comments by line; notes for tools are left out."""
-    found = {}
-    for token in tokenize.generate_tokens(io.StringIO(textwrap.dedent(source)).readline):
-        text = token.string.lstrip("# ").rstrip()
-        if token.type == tokenize.COMMENT and not text.startswith(("fmt:", "type:", "noqa")):
-            found[token.start[0] + first - 1] = text
-    return found
