@@ -20,6 +20,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/solvers.py
 	$(BIN)/python benchmarks/machine.py
+	$(BIN)/python benchmarks/machine_c.py
 	$(BIN)/python benchmarks/flows.py
 	$(BIN)/python benchmarks/networks.py --quick
 

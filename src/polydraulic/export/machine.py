@@ -171,7 +171,26 @@ def machine_c(
 
 
 def export_machine(machine: Machine, flow: Any, folder: str | Path, **options: Any) -> list[Path]:
-    """Write the files of `machine_c`, which takes the `options`, into a folder; returns their paths."""
+    """Write the files of `machine_c` into a folder.
+
+    Parameters
+    ----------
+    machine, flow
+        As for `machine_c`.
+    folder : str or Path
+    **options
+        ``name``, ``dt``, ``locked``, as for `machine_c`.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    InputError
+        As `machine_c`, or if the folder cannot be written.
+    """
     paths = []
     for file, text in machine_c(machine, flow, **options).items():
         paths.append(Path(folder) / file)
