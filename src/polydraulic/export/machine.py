@@ -152,7 +152,7 @@ def machine_c(
         "name": name,
         "NAME": name.upper(),
         "flow": kind,
-        "dt": repr(dt),
+        "dt": repr(float(dt)),
         "outputs": _enumerators(name),
         "n_memory": str(len(memory)),
         "n_waiting": str(max(1, *delays)),
