@@ -20,7 +20,7 @@ _TAKEN = frozenset(
     # functions of the standard library
     "abs acos asin atan atan2 ceil cos cosh div erf exp exp2 fabs floor fma fmax fmin fmod free gamma hypot index j0 j1 jn "
     "labs ldexp log log10 log2 malloc modf pow printf puts rand rint round signal sin sinh sqrt tan tanh time trunc y0 y1 yn "
-    "clamp sigmoid differs".split()
+    "clamp sigmoid differs not_a_number".split()
 )
 _OWN = re.compile(r"(value|region|low|high|share|place|outside|near|test)_\w+")  # what `c` calls its own parts
 

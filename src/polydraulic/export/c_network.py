@@ -6,6 +6,8 @@ compiler that keeps to C99 (no fused multiply-adds) gives the same bits as the p
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from polydraulic.export.c_text import DOUBLE, FLOAT, Real, literal
 from polydraulic.networks import Model, Network, Node
 from polydraulic.networks.nodes import DOUBLE as TWO
@@ -180,8 +182,11 @@ def _nodes(network: Network, place: Sequence[int], real: Real) -> tuple[list[str
     inputs, nodes = used_slots(network)
     for i in inputs:
         limits = f"{literal(network.x_low[i], real)}, {literal(network.x_high[i], real)}"
-        mean, gain = literal(network.x_mean[i], real), literal(1.0 / network.x_scale[i], real)
-        lines.append(f"    const {real.name} n{i} = (clamp(x[{place[i]}], {limits}) - {mean}) * {gain};")
+        mean, gain = network.x_mean[i], literal(1.0 / network.x_scale[i], real)
+        shifted = f"clamp(x[{place[i]}], {limits}) - {literal(mean, real)}"
+        if real is FLOAT and (rest := mean - float(np.float32(mean))):  # else inputs far from zero would lose digits
+            shifted = f"({shifted}) - {literal(rest, real)}"
+        lines.append(f"    const {real.name} n{i} = ({shifted}) * {gain};")
     for k in nodes:
         node = network.nodes[k]
         lines.append(f"    const {real.name} z{k} = {polynomial(node, names, real)}; /* {KIND_NAMES[node.kind]} */")
