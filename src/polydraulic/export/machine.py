@@ -15,7 +15,7 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
-from polydraulic.export.c import c_name
+from polydraulic.export.bundle import c_name
 from polydraulic.export.translate import Program
 from polydraulic.files import write_text
 from polydraulic.flow import FLOW_KINDS, build_flow, flow_name, served_links

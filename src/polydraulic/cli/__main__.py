@@ -1,0 +1,5 @@
+"""``python -m polydraulic.cli``."""
+
+from polydraulic.cli import main
+
+main()
