@@ -147,7 +147,7 @@ def machine_c(
     program = Program()
     start = program.entry(f"{name}_kernel_start", machine_start, [parts, memory, row])
     advance = program.entry(f"{name}_kernel_advance", machine_advance, [parts, memory, row, 0.0, 0.0, 0.0])
-    delays = [ceil(getattr(machine, link).pilot.dead_time / dt - 1e-9) for link in LINKS]
+    delays = _delays(machine, dt)
     fill = {
         "name": name,
         "NAME": name.upper(),
@@ -168,6 +168,19 @@ def machine_c(
         for file in (".h", ".c", "_kernels.h", "_kernels.c", "_parameters.c")
     }
     return {f"{name}{file}": text for file, text in files.items()}
+
+
+def machine_size(machine: Machine, flow: Any, *, dt: float = 5e-3) -> int:
+    """Numbers of 8 bytes in the struct of a machine.
+
+    Parameters
+    ----------
+    machine, flow, dt
+        As for `machine_c`.
+    """
+    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    n_memory = FLOW_KINDS[flow_name(model)].n_memory(model)
+    return len(outputs()) + n_memory + len(LINKS) * max(1, *_delays(machine, dt)) + 2
 
 
 def export_machine(machine: Machine, flow: Any, folder: str | Path, **options: Any) -> list[Path]:
@@ -196,6 +209,11 @@ def export_machine(machine: Machine, flow: Any, folder: str | Path, **options: A
         paths.append(Path(folder) / file)
         write_text(paths[-1], text)
     return paths
+
+
+def _delays(machine: Machine, dt: float) -> list[int]:
+    """Steps of the pilots' dead times, rounded up."""
+    return [ceil(getattr(machine, link).pilot.dead_time / dt - 1e-9) for link in LINKS]
 
 
 def _enumerators(name: str) -> str:
