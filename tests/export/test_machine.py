@@ -237,6 +237,12 @@ def test_bad_input_is_named(machine, flow, options, match):
         machine_c(machine, flow, **options)
 
 
+def test_the_name_of_a_machine_may_be_part_of_those_of_kernels(machine, tmp_path):
+    files = machine_c(machine, "exact", name="machine")
+    assert "static inline Step step_machine_step(" in files["machine_kernels.c"]
+    c_machine.compiled(files, tmp_path, "-shared", "-fPIC")
+
+
 def test_tables_that_are_too_large_for_a_c_file_are_refused(machine, monkeypatch):
     monkeypatch.setattr(exported, "MOST_NUMBERS", 100)
     with pytest.raises(InputError, match=r"flow 'exact' holds \d+ numbers; a C file takes up to 100: make it smaller"):

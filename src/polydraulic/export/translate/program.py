@@ -35,34 +35,34 @@ from polydraulic.export.translate.types import (
 _ROOT = Path(polydraulic.__file__).parent.parent
 _WIDTH = 110  # of tables
 _HELPERS = {
-    "minimum": """static double minimum(double a, double b)
+    "minimum": """static inline double minimum(double a, double b)
 {
     return (b < a) ? b : a;
 }
 """,
-    "maximum": """static double maximum(double a, double b)
+    "maximum": """static inline double maximum(double a, double b)
 {
     return (b > a) ? b : a;
 }
 """,
-    "minimum_int": """static int64_t minimum_int(int64_t a, int64_t b)
+    "minimum_int": """static inline int64_t minimum_int(int64_t a, int64_t b)
 {
     return (b < a) ? b : a;
 }
 """,
-    "maximum_int": """static int64_t maximum_int(int64_t a, int64_t b)
+    "maximum_int": """static inline int64_t maximum_int(int64_t a, int64_t b)
 {
     return (b > a) ? b : a;
 }
 """,
-    "bits_of": """static int64_t bits_of(double x)
+    "bits_of": """static inline int64_t bits_of(double x)
 {
     int64_t bits;
     memcpy(&bits, &x, sizeof bits);
     return bits;
 }
 """,
-    "from_bits": """static double from_bits(int64_t bits)
+    "from_bits": """static inline double from_bits(int64_t bits)
 {
     double x;
     memcpy(&x, &bits, sizeof x);
@@ -75,6 +75,11 @@ _HELPERS = {
 class Program:
     """Kernels that go into one C file.
 
+    Parameters
+    ----------
+    taken : sequence of str
+        Names that the file uses for something else.
+
     Attributes
     ----------
     layouts : Layouts
@@ -82,10 +87,12 @@ class Program:
         By kernel and argument types, in the order in which C must define them.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, taken: Sequence[str] = ()) -> None:
         self.layouts = Layouts()
         self.functions: dict[tuple[Any, tuple[Type, ...]], Function] = {}
         self._names = Names()
+        for name in taken:
+            self._names.reserve(name, name)
         self._constants: dict[str, str] = {}
         self._helpers: set[str] = set()
         self._pending: list[Any] = []
