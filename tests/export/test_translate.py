@@ -243,6 +243,12 @@ def writes_inside(v: np.ndarray) -> float:
     return 1.0 + _write(v, 2.0)
 
 
+def writes_through_another_name(v: np.ndarray) -> float:
+    w = v
+    y = _write(w, 2.0)
+    return y
+
+
 def sliced(v: np.ndarray) -> float:
     return v[1:][0]
 
@@ -311,6 +317,7 @@ REFUSED = [
     (no_end, 0, "does not return on every path"),
     (library_function, 1, "use polydraulic.elementary"),
     (writes_inside, 1, "give its result a name first"),
+    (writes_through_another_name, 2, "must be a parameter"),
     (sliced, 1, "must be a whole number"),
     (backwards, 1, "at least 0"),
     (calls_itself, 1, "calls itself"),

@@ -80,6 +80,8 @@ class Expressions:
     file : str
     variables : dict
         Parameters and locals by Python name.
+    parameters, local_names, assigned : set of str
+        Names of the parameters, of all variables, and of those that have a value by now.
     steps : dict
         Functions that a name stands for, chosen by the type of an argument.
     written : set of str
@@ -89,6 +91,7 @@ class Expressions:
     def __init__(self, program: "Program", python: Any, file: str) -> None:
         self.program, self.python, self.file = program, python, file
         self.variables: dict[str, Value] = {}
+        self.parameters: set[str] = set()
         self.local_names: set[str] = set()
         self.assigned: set[str] = set()
         self.steps: dict[str, Any] = {}
@@ -339,7 +342,7 @@ class Expressions:
         texts = []
         for arg, value, parameter in zip(node.args, values, callee.parameters, strict=True):
             if parameter.written:
-                if not (isinstance(arg, ast.Name) and arg.id in self.variables):
+                if not (isinstance(arg, ast.Name) and arg.id in self.parameters):
                     self.refuse(
                         arg, f"{python.__name__} writes into {ast.unparse(arg)}, which must be a parameter here"
                     )

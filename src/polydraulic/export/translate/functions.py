@@ -91,7 +91,7 @@ class FunctionTranslator(Expressions):
             pointers[parameter] = self.program.layouts.large(kind) and not self._assigned(parameter)
             self.variables[parameter] = Value(local_name(parameter), kind, pointer=pointers[parameter], place=True)
             self.types[parameter] = kind
-        self.assigned = set(names)
+        self.parameters, self.assigned = set(names), set(names)
         ended = self._block(body, _INDENT)
         read = {node.id for part in body for node in ast.walk(part) if isinstance(node, ast.Name)}
         if self.result is not None and self.result != NOTHING and not ended:
@@ -135,9 +135,6 @@ class FunctionTranslator(Expressions):
 
     def _assigned(self, name: str) -> int:
         return self.uses[name].times_assigned if name in self.uses else 0
-
-    def _parameter_names(self) -> set[str]:
-        return {arg.arg for arg in self.definition.args.args}
 
     # statements
 
@@ -263,7 +260,7 @@ class FunctionTranslator(Expressions):
             root = root.value
         if not isinstance(root, ast.Name):
             return False
-        return self._assigned(root.id) == (0 if root.id in self._parameter_names() else 1)
+        return self._assigned(root.id) == (0 if root.id in self.parameters else 1)
 
     def _dispatches(self, name: str, source: ast.expr) -> bool:
         """`step = TABLE[type(model)]`: the name stands for the function from here on."""
@@ -294,7 +291,7 @@ class FunctionTranslator(Expressions):
 
     def _stored(self, target: ast.Subscript) -> Value:
         """Element of an array that is a parameter, and noted as written."""
-        if not (isinstance(target.value, ast.Name) and target.value.id in self._parameter_names()):
+        if not (isinstance(target.value, ast.Name) and target.value.id in self.parameters):
             self.refuse(
                 target, f"{ast.unparse(target)}: only arrays that are parameters of this function may be written"
             )
