@@ -1,7 +1,7 @@
-"""Every flow model next to the exact one: distance of the stick's tips, and time a step, in one run.
+"""Every flow model next to the exact one: distance of the stick's tips, error over its inputs, size, and time a step.
 
-``python benchmarks/flows.py [--operators N]``: it prints Markdown tables and asserts nothing. Networks are the ones that come
-with the package; no scenario took part in their training.
+``python benchmarks/flows.py [--operators N]``: it prints Markdown tables and asserts nothing. Networks are the ones that
+come with the package; no scenario took part in their training.
 """
 
 import argparse
@@ -9,7 +9,9 @@ import argparse
 import numpy as np
 
 from polydraulic import build_flow, compare, load_machine, load_scenario, simulate
-from polydraulic.parameters import random_operator
+from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
+from polydraulic.flow.sample import sample_flow
+from polydraulic.parameters import LINKS, random_operator
 from polydraulic.studies.timing import time_runs
 
 SCENARIOS = ("sine", "step", "pulse", "task")
@@ -21,6 +23,9 @@ FLOWS = {
     "polynomial, cascade": ("polynomial", {}),
     "polynomial, direct": ("polynomial", {"arrangement": "direct"}),
     "neural": ("neural", {}),
+    "lookup, 12 points": ("lookup", {"points": 12}),
+    "lookup, 24 points": ("lookup", {}),
+    "lookup, 48 points": ("lookup", {"points": 48}),
 }
 
 
@@ -33,6 +38,16 @@ def table(title, header, rows):
 def distance(machine, flow, scenario, exact):
     """Largest distance of the tips in mm."""
     return 1e3 * compare(exact, simulate(machine, flow, scenario))["effector.distance"].largest
+
+
+def map_errors(machine, model, n=20000):
+    """Root mean square and largest error of the input flows over spools and line pressures, % of the pump's flow."""
+    rng, travel = np.random.default_rng(0), machine.spool.knots[-1]
+    highest = [min(getattr(machine, link).line.relief, machine.pumps.relief) for link in LINKS]
+    spool, p_in = rng.uniform(-travel, travel, (n, 3)), rng.uniform(0.0, highest, (n, 3))
+    ours, true = (sample_flow(one, spool, p_in, p_in).q_in for one in (model, build_flow("exact", machine)))
+    error = 100.0 * (ours - true) / machine.pumps.series_flow
+    return np.sqrt(np.mean(error**2, axis=0)), np.abs(error).max(axis=0)
 
 
 def main():
@@ -51,6 +66,14 @@ def main():
         rows.append([name, *(f"{value:.1f}" for value in (*found, np.median(by_chance), np.quantile(by_chance, 0.95)))])
     header = ["flow model", *SCENARIOS, f"{len(operators)} operators, median", "95 %"]
     table("Largest distance of the tip from the exact run, mm", header, rows)
+    rows = []
+    for name, model in models.items():
+        if not FLOW_KINDS[flow_name(model)].has_state:
+            rms, largest = map_errors(machine, model)
+            errors = [f"{a:.3g} / {b:.3g}" for a, b in zip(rms, largest, strict=True)]
+            rows.append([name, *errors, f"{table_bytes(model) / 1e6:.3g}"])
+    header = ["flow model", *LINKS, "arrays, MB"]
+    table("Error of the input flow over random spools and pressures, rms / largest, % of the pump's flow", header, rows)
     seconds = {name: time_runs(machine, models, load_scenario(name)) for name in ("sine", "task")}
     rows = [[name, *(f"{values[name] / values['exact']:.2f}" for values in seconds.values())] for name in models]
     table("Time a step, ratio to exact", ["flow model", *seconds], rows)

@@ -9,7 +9,7 @@ from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import counted, print_differences, steps
 
-FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, or pressure (historical)."
+FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
 ScenarioArgument = Annotated[
     str,
     typer.Argument(

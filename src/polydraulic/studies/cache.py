@@ -95,6 +95,14 @@ def open_lab(machine: Machine, folder: Path | None = None, say: Callable[[str], 
     """Return the lab of a machine, with what earlier runs of the same code left in `folder`.
 
     Results of other code or parameters are removed: they would never be read again.
+
+    Parameters
+    ----------
+    machine : Machine
+    folder : Path, optional
+        Without one, results stay in memory.
+    say : function of str
+        Told what is being computed.
     """
 
     def cache(kind: str, *, all_code: bool) -> Cache:

@@ -21,6 +21,8 @@ STYLES = {
     "pressure": ("C3", "-", 1.2),
     "neural": ("C4", "-", 1.2),
     "ours": ("C0", "-", 1.0),
+    "polynomial with limit": ("C5", "-", 1.2),
+    "ours with limit": ("C9", "-", 1.2),
 }
 
 
@@ -52,8 +54,8 @@ def time_panel(axis: "Axes", runs: Mapping[str, Table], column: str, title: str)
     unit = ""
     for name, table in runs.items():
         values, unit = in_field_units(table, column)
-        _line(axis, name, table["time"], values)
-    _finish(axis, f"[{unit}]", title)
+        line(axis, name, table["time"], values)
+    finish(axis, f"[{unit}]", title)
 
 
 def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> None:
@@ -61,17 +63,19 @@ def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> No
     exact, unit = in_field_units(runs["exact"], column)
     for name, table in runs.items():
         if name != "exact":
-            _line(axis, name, table["time"], in_field_units(table, column)[0] - exact)
-    _finish(axis, f"less exact [{unit}]", "")
+            line(axis, name, table["time"], in_field_units(table, column)[0] - exact)
+    finish(axis, f"less exact [{unit}]", "")
     axis.set_xlabel("time [s]")
 
 
-def _line(axis: "Axes", name: str, time: np.ndarray, values: np.ndarray) -> None:
+def line(axis: "Axes", name: str, time: np.ndarray, values: np.ndarray) -> None:
+    """A run over time in the style of its flow model."""
     color, style, width = STYLES[name]
     axis.plot(time, values, style, color=color, linewidth=width, label=name)
 
 
-def _finish(axis: "Axes", label: str, title: str) -> None:
+def finish(axis: "Axes", label: str, title: str) -> None:
+    """Label a panel that is complete."""
     axis.set_ylabel(label)
     axis.set_title(title, fontsize="medium")
     axis.grid(alpha=0.3)

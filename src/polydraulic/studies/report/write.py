@@ -9,12 +9,14 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing, write_text
 from polydraulic.parameters import Machine
 from polydraulic.studies.cache import Lab, open_lab
-from polydraulic.studies.report import chapter_3, chapter_4
+from polydraulic.studies.report import chapter_3, chapter_4, chapter_5, chapter_6, chapter_7
 from polydraulic.studies.report.catalog import Chapter, Content, Figure, Grid, Ours, results
 from polydraulic.studies.report.page import Shown, chapter_page, front_page
 from polydraulic.tables import write_table
 
-CHAPTERS: dict[int, Chapter] = {chapter.number: chapter for chapter in (chapter_3.CHAPTER, chapter_4.CHAPTER)}
+CHAPTERS: dict[int, Chapter] = {
+    module.CHAPTER.number: module.CHAPTER for module in (chapter_3, chapter_4, chapter_5, chapter_6, chapter_7)
+}
 
 Progress = Callable[[str, int, int], None]
 
@@ -88,6 +90,14 @@ def write_figure(
     machine: Machine, folder: Path, number: str, *, progress: Progress = lambda what, done, total: None
 ) -> Path:
     """Make one figure alone, computing no more than it shows; return the path of its picture.
+
+    Parameters
+    ----------
+    machine : Machine
+    folder : Path
+    number : str
+        As in `CHAPTERS`, such as ``"5-19"``.
+    progress : function (what, done, total)
 
     Raises
     ------
