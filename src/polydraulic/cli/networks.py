@@ -1,6 +1,5 @@
-"""Commands of networks: fit, check, export."""
+"""Commands of networks: fit, check, export, verify."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,18 +7,12 @@ import typer
 
 from polydraulic.cli.app import app
 from polydraulic.errors import InputError
-from polydraulic.terminal import steps
+from polydraulic.terminal import stages, steps
 
 if TYPE_CHECKING:
     import numpy as np
 
     from polydraulic.networks import Model
-
-
-class Target(StrEnum):
-    """What a model can be exported to."""
-
-    C = "c"
 
 
 @app.command()
@@ -122,18 +115,58 @@ def check(
 @app.command()
 def export(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
-    out: Annotated[Path, typer.Option(help="Folder to write to.")],
-    to: Annotated[Target, typer.Option(help="Target: c.")] = Target.C,
+    out: Annotated[Path, typer.Option(help="Folder to write to, or a file with the ending of the target.")],
+    to: Annotated[str, typer.Option(help="c, fmi2, fmi3, onnx, python, sympy or latex.")] = "c",
+    name: Annotated[
+        str | None, typer.Option(help="What it is called; the file, the one output, or the model file if not given.")
+    ] = None,
+    real: Annotated[str, typer.Option(help="Precision of c and onnx: double or float.")] = "double",
 ) -> None:
-    """Write a model as C99: a header and a source for each output.
+    """Write a model, with all its outputs, for use without this package: C, FMU, ONNX, Python, SymPy, LaTeX.
 
-    Example: `polydraulic export q_in.json --to c --out c`
+    Example: `polydraulic export q_in.json --to fmi3 --out q_in.fmu`
+
+    - C99, outputs with exact slopes: `polydraulic export q_in.json --to c --out c`
+
+    - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`
+
+    `polydraulic verify` compares all of these with the package.
     """
-    from polydraulic.export import export_c
+    from polydraulic.export import export_models
+    from polydraulic.export.targets import is_file
     from polydraulic.networks import load_models
 
-    for path in export_c(load_models(model), out):
+    models = load_models(model)
+    if name is None and len(models) > 1 and not is_file(to, out):
+        name = model.stem
+    written = export_models(models, to, out, name=name, real=real)
+    for path in written.paths:
         print(path)
+    for note in written.notes:
+        print(f"note: {note}")
+
+
+@app.command()
+def verify(
+    model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
+    points: Annotated[int, typer.Option(help="Points, inside the domain, on borders and outside.", min=6)] = 3000,
+    seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
+) -> None:
+    """Export a model to everything that can be built here, and compare with the package at thousands of points.
+
+    Prints the largest difference of every output in its unit, of slopes and of the domain, and what was not tried. The exit
+    code is 1 if a target of double precision does not agree to rounding.
+
+    Example: `polydraulic verify q_in.json`
+    """
+    from polydraulic.export import agreement_table, verify_models
+    from polydraulic.networks import load_models
+
+    with stages("verify") as progress:
+        found, not_tried = verify_models(load_models(model), points, seed=seed, progress=progress)
+    print(agreement_table(found, not_tried))
+    if not all(agreement.holds for agreement in found):
+        raise typer.Exit(1)
 
 
 def _names(text: str, option: str) -> list[str]:

@@ -156,7 +156,7 @@ def _source(whole: Bundle, real: Real) -> str:
         calls = [_call(whole, k, function, more.format(first=n * k)) for k in range(m)]
         return f"""    {f"{chr(10)}    ".join(regions)}
     const int outside = {outside};
-    if (outside && not_a_number(x)) {{
+    if ((outside != 0) && (not_a_number(x) != 0)) {{
         int k;
         for (k = 0; k < {m}; ++k) {{
             y[k] = {" + ".join(f"x[{i}]" for i in range(n))};
@@ -164,7 +164,7 @@ def _source(whole: Bundle, real: Real) -> str:
 {blank}        return {macro}_NOT_A_NUMBER;
     }}
 {chr(10).join(calls)}
-    return outside ? {macro}_OUTSIDE : {macro}_INSIDE;"""
+    return (outside != 0) ? {macro}_OUTSIDE : {macro}_INSIDE;"""
 
     no_slopes = f"""        for (k = 0; k < {n * m}; ++k) {{
             dy_dx[k] = y[0];
@@ -180,7 +180,7 @@ def _source(whole: Bundle, real: Real) -> str:
 
 static int not_a_number(const {t} x[{n}])
 {{
-    return {" | ".join(f"(x[{i}] != x[{i}])" for i in range(n))};
+    return ({" || ".join(f"(x[{i}] != x[{i}])" for i in range(n))}) ? 1 : 0;
 }}
 
 {helpers(whole.models, real)}{functions}
@@ -231,11 +231,11 @@ def _output(whole: Bundle, k: int, real: Real) -> str:
     ]
     tables.append(f"static const int place_{k}[{len(place)}] = {{{', '.join(map(str, place))}}};")
     parts.append("\n".join(tables) + "\n")
-    tests = [f"!(x[{p}] >= low_{k}[r][{i}]) | !(x[{p}] <= high_{k}[r][{i}])" for i, p in enumerate(place)]
+    tests = [f"!(x[{p}] >= low_{k}[r][{i}]) || !(x[{p}] <= high_{k}[r][{i}])" for i, p in enumerate(place)]
     parts.append(f"""/* Also if an input is not a number. */
 static int outside_{k}(const {t} x[{n}], int r)
 {{
-    return {f"{chr(10)}        | ".join(tests)};
+    return ({f"{chr(10)}        || ".join(tests)}) ? 1 : 0;
 }}
 """)
     return "\n".join(parts)
@@ -267,7 +267,7 @@ def _outside(whole: Bundle, real: Real) -> str:
     for (i = 0; i < {n}; ++i) {{
         slopes[i] = {zero};
     }}
-    if (not_a_number(x)) {{
+    if (not_a_number(x) != 0) {{
         return {real.largest};
     }}
 {chr(10).join(parts)}
@@ -307,7 +307,7 @@ static const {t} near_slopes[{n * m}] = {_row(near_slopes, real)};
 
 static int differs({t} a, {t} b, {t} near)
 {{
-    return !((a - b <= near) && (b - a <= near));
+    return ((a - b <= near) && (b - a <= near)) ? 0 : 1;
 }}
 
 int main(void)
@@ -320,16 +320,16 @@ int main(void)
     int v;
     int k;
     for (v = 0; v < {len(X)}; ++v) {{
-        int bad = {name}(test_x[v], y) != test_status[v];
-        bad |= {name}_slopes(test_x[v], z, slopes) != test_status[v];
-        bad |= ({name}_outside(test_x[v], x) > {literal(0.0, real)}) != test_status[v];
+        int bad = ({name}(test_x[v], y) == test_status[v]) ? 0 : 1;
+        bad |= ({name}_slopes(test_x[v], z, slopes) == test_status[v]) ? 0 : 1;
+        bad |= ((({name}_outside(test_x[v], x) > {literal(0.0, real)}) ? 1 : 0) == test_status[v]) ? 0 : 1;
         for (k = 0; k < {m}; ++k) {{
             bad |= differs(y[k], test_y[v][k], near_y[k]) | differs(z[k], y[k], {literal(0.0, real)});
         }}
         for (k = 0; k < {n * m}; ++k) {{
             bad |= differs(slopes[k], test_slopes[v][k], near_slopes[k]);
         }}
-        if (bad) {{
+        if (bad != 0) {{
             return v + 1;
         }}
     }}

@@ -34,8 +34,8 @@ def helpers(models: Sequence[Model], real: Real) -> str:
     if any(used_slots(network)[0] or bounded(network) for network in networks):
         found += f"""static {t} clamp({t} v, {t} low, {t} high)
 {{
-    v = (v < low) ? low : v;
-    return (v > high) ? high : v;
+    const {t} raised = (v < low) ? low : v;
+    return (raised > high) ? high : raised;
 }}
 
 """

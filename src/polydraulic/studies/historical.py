@@ -1,6 +1,5 @@
 """Networks of the series circuit in the thesis' setting: one for each section of Table 3, from random points (5.1, 5.2)."""
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,10 +49,22 @@ def flows_at(model: Any, X: np.ndarray) -> np.ndarray:
     return sample_flow(model, spool, pressure, np.zeros((len(X), 3))).q_in[:, places]
 
 
-def grow_series(machine: Machine, *, n: int = N_ROWS, pressure_high: float = PRESSURE_HIGH) -> list[Model]:
+def grow_series(
+    machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS, pressure_high: float = PRESSURE_HIGH
+) -> list[Model]:
     """Networks of the input flows of swing and stick, one a section, from `n` random points in each.
 
     The circuit is that of Eqs (8)-(13): without relief valve, with the torque limit that the machine has.
+
+    Parameters
+    ----------
+    machine : Machine
+    settings : dict
+        Of `AbductiveRegressor`.
+    n : int
+        Points a section.
+    pressure_high : float, Pa
+        Upper end of the line pressures.
     """
     by_section = []
     for place, section in enumerate(sections(machine).values()):
@@ -63,7 +74,7 @@ def grow_series(machine: Machine, *, n: int = N_ROWS, pressure_high: float = PRE
         X = rng.uniform(low, high, size=(n, len(box)))
         flows = series_flows(machine, X)
         grown = [
-            AbductiveRegressor(domain=box, output_bounds=(0.0, machine.pumps.series_flow), **HISTORICAL).fit(X, q)
+            AbductiveRegressor(domain=box, output_bounds=(0.0, machine.pumps.series_flow), **settings).fit(X, q)
             if active
             else None
             for q, active in zip(flows.T, section.active, strict=True)
@@ -72,23 +83,23 @@ def grow_series(machine: Machine, *, n: int = N_ROWS, pressure_high: float = PRE
         by_section.append([idle if found is None else found.network_ for found in grown])
     opens, shut = machine.spool.deadband, machine.spool.bypass_closed
     table_3 = Split(0, shut, Split(0, opens, Split(1, opens, 0, 1), Split(1, opens, 2, 3)), 4)
-    training: dict[str, object] = {"rows": n, "sections": list(SECTIONS), "cpm": 1.0}
+    training: dict[str, object] = {"rows": n, "sections": list(SECTIONS), **settings}
     return [
         Model(BOTH, q_in(link), tuple(networks[place] for networks in by_section), table_3, training)
         for place, link in enumerate(SERIES)
     ]
 
 
-def grow_outlets(machine: Machine, links: Sequence[str] = SERIES, *, n: int = N_ROWS) -> list[Model]:
+def grow_outlets(machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS) -> list[Model]:
     """Networks of Q_pop(x), Eq. (7), by the parts of its curve."""
     travel = machine.spool.knots[-1]
     opens, shut = machine.spool.deadband, machine.spool.bypass_closed
     models = []
-    for link in links:
+    for link in SERIES:
         rng = np.random.default_rng([SEED, len(SECTIONS), LINKS.index(link)])
         X = rng.uniform(-travel, travel, size=(n, 1))
         y = outlet_conductances(machine, link, X[:, 0])
-        learner = AbductiveRegressor(domain=[(-travel, travel)], output_bounds=(0.0, float(y.max())), **HISTORICAL)
+        learner = AbductiveRegressor(domain=[(-travel, travel)], output_bounds=(0.0, float(y.max())), **settings)
         fitted = RegionRegressor(learner, edges={0: [-shut, -opens, opens, shut]}).fit(X, y)
         models.append(fitted.to_model([Variable(f"{link}.spool", "m")], k_out(link)))
     return models

@@ -57,6 +57,8 @@ class ThreeLinkStudy:
             return build_flow("polynomial", machine, models=self.historical(kind.endswith("with limit")))
         if kind == "ours":
             return build_flow("polynomial", machine, models=shipped_models())
+        if kind == "direct":
+            return build_flow("polynomial", machine, models=shipped_models("direct"))
         if kind == "ours with limit":
             return build_flow("polynomial", machine)
         return build_flow(kind, machine, **options)
@@ -128,24 +130,25 @@ def section_maps(study: ThreeLinkStudy, X: np.ndarray) -> dict[str, np.ndarray]:
     return {"swing": swing.predict(X), "stick": stick.predict(X)}
 
 
-def section_errors(study: ThreeLinkStudy, section: str, kind: str = "polynomial") -> SectionErrors:
-    """Errors of networks at random points of a section, as many again on its faces, and its corners.
+def section_errors(study: ThreeLinkStudy, section: str, flow: Any, *, relief: bool) -> SectionErrors:
+    """Errors of a flow model at random points of a section, as many again on its faces, and its corners.
 
-    The thesis' networks are judged by the circuit they were grown from, without relief valve; others by the whole circuit, to
-    the setting of the swing's line relief.
+    Parameters
+    ----------
+    study : ThreeLinkStudy
+    section : {"A", "B", "C", "D", "E"}
+    flow : flow model
+    relief : bool
+        Whether the judge is the whole circuit, to the setting of the swing's line relief, or that of Eqs (8)-(13), from
+        which the networks in the thesis' setting are grown.
     """
-    ideal = kind == "polynomial"
     machine = study.machine()
     box = sections(machine)[section]
-    swing_high = PRESSURE_HIGH if ideal else min(PRESSURE_HIGH, machine.swing.line.relief)
+    swing_high = min(PRESSURE_HIGH, machine.swing.line.relief) if relief else PRESSURE_HIGH
     edges = np.array([box.swing, box.stick, (0.0, swing_high), (0.0, PRESSURE_HIGH)])
     edges[:2, 0] *= 1.0 + 1e-9  # a border belongs to the section below it
     X = points_with_faces(edges, N_JUDGE, np.random.default_rng(JUDGE_SEED))
-    exact = series_flows(machine, X, relief=not ideal)
-    if ideal:
-        found = section_maps(study, X)
-        return SectionErrors(X, found["swing"] - exact[:, 0], found["stick"] - exact[:, 1])
-    errors = flows_at(study.flow(kind), X) - exact
+    errors = flows_at(flow, X) - series_flows(machine, X, relief=relief)
     return SectionErrors(X, errors[:, 0], errors[:, 1])
 
 

@@ -254,7 +254,7 @@ def test_bad_input(exported_models, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         export_fmu(models, tmp_path / "file" / "x.fmu", compiler="")
-    monkeypatch.setattr(package, "FLAGS", ("-no-such-flag",))
+    monkeypatch.setattr(package, "_FLAGS", ("-no-such-flag",))
     with pytest.raises(InputError, match="cannot compile"):
         export_fmu(models, tmp_path / "x.fmu")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]

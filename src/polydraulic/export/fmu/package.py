@@ -1,20 +1,16 @@
 """An FMU as a file: sources, binary, description, documentation, in a zip that is the same whenever it is made."""
 
 import hashlib
-import platform
-import shutil
-import subprocess
-import sys
 import uuid
 import zipfile
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from polydraulic import __version__
 from polydraulic.errors import InputError
+from polydraulic.export.build import compile_library, find_compiler, library_ending, platform_tuple
 from polydraulic.export.c_text import literal, string
 from polydraulic.export.fmu.description import FmuDescription
 from polydraulic.export.fmu.xml import build_description, model_description, terminals_and_icons
@@ -24,13 +20,9 @@ _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-_SYSTEM = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
-_MACHINE = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 _FMI2_FOLDER = {"x86_64-linux": "linux64", "x86_64-darwin": "darwin64", "x86_64-windows": "win64"}
-_ENDING = {"linux": ".so", "darwin": ".dylib", "windows": ".dll"}
-# No fused multiply-adds: the bits of the package. Only what FMI names is visible.
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-fPIC")
-COMPILERS = ("cc", "gcc", "clang")
+# Only what FMI names is visible, and without prefix.
+_FLAGS = ("-fvisibility=hidden", "-DFMI2_OVERRIDE_FUNCTION_PREFIX", "-DFMI3_OVERRIDE_FUNCTION_PREFIX")
 
 
 class WrittenFmu(NamedTuple):
@@ -119,18 +111,15 @@ def write_fmu(
     )
     for name, content in (extra or {}).items():
         add(name, content)
-    binaries = []
-    command = _compiler(compiler)
+    command = find_compiler(compiler)
     if command:
-        place, library = _binary_path(what.name, version)
-        contents[place] = _compile(command, text, compiled, library)
-        binaries.append(_platform())
+        contents[_binary_path(what.name, version)] = compile_library(command, text, compiled, _FLAGS)
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in sorted(contents.items(), key=lambda item: (item[0] != "modelDescription.xml", item[0])):
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))  # no time of its own
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, data)
-    return WrittenFmu(path, tuple(binaries))
+    return WrittenFmu(path, (platform_tuple(),) if command else ())
 
 
 def _config(what: FmuDescription, token: str) -> str:
@@ -164,41 +153,10 @@ def _config(what: FmuDescription, token: str) -> str:
 """
 
 
-def _platform() -> str:
-    """Name of the machine in FMI 3.0."""
-    machine = platform.machine().lower()
-    return f"{_MACHINE.get(machine, machine)}-{_SYSTEM.get(sys.platform, sys.platform)}"
-
-
-def _binary_path(name: str, version: int) -> tuple[str, str]:
-    """Where the binary stands in the FMU, and its file name."""
-    tuple_ = _platform()
-    folder = tuple_ if version == 3 else _FMI2_FOLDER.get(tuple_, tuple_)
-    library = name + _ENDING.get(tuple_.rpartition("-")[2], ".so")
-    return f"binaries/{folder}/{library}", library
-
-
-def _compiler(asked: str | None) -> str | None:
-    if asked == "":
-        return None
-    if asked is not None:
-        if shutil.which(asked) is None:
-            raise InputError(f"compiler {asked!r} is not installed; leave it out to use one of {list(COMPILERS)}")
-        return asked
-    return next((name for name in COMPILERS if shutil.which(name)), None)
-
-
-def _compile(command: str, text: Mapping[str, str], compiled: Sequence[str], library: str) -> bytes:
-    with TemporaryDirectory() as folder:
-        for name, content in text.items():
-            (Path(folder) / name).write_text(content, encoding="utf-8")
-        definitions = ["-DFMI2_OVERRIDE_FUNCTION_PREFIX", "-DFMI3_OVERRIDE_FUNCTION_PREFIX"]
-        done = subprocess.run(
-            [command, *FLAGS, *definitions, *compiled, "-o", library], cwd=folder, capture_output=True, text=True
-        )
-        if done.returncode:
-            raise InputError(f"{command} cannot compile the FMU: {done.stderr.strip()[:2000]}")
-        return (Path(folder) / library).read_bytes()
+def _binary_path(name: str, version: int) -> str:
+    """Where the binary stands in the FMU."""
+    machine = platform_tuple()
+    return f"binaries/{machine if version == 3 else _FMI2_FOLDER.get(machine, machine)}/{name}{library_ending()}"
 
 
 def _icon(name: str) -> str:

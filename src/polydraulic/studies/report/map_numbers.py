@@ -16,7 +16,8 @@ def map_numbers(study: ThreeLinkStudy) -> dict[str, Ours]:
     machine = study.machine()
     most = units.from_si(machine.pumps.series_flow, "in3/s")
     opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
-    a, b, c = (_in_field(section_errors(study, name)) for name in "ABC")
+    flow = study.flow("polynomial")
+    a, b, c = (_in_field(section_errors(study, name, flow, relief=False)) for name in "ABC")
     near_shut = np.abs(b.X[:, 1] - shut) < 0.05 * (end - opens)
     away = ~near_shut & (b.X[:, 1] > opens + 0.1 * (end - opens))
     typical = float(np.quantile(np.abs(b.stick[away]), 0.95))

@@ -10,12 +10,24 @@ from polydraulic.studies.report.catalog import Chapter, Content, Number, results
 # What the front page shows: numbers in this order, and the pictures that tell the story.
 HEADLINES = (
     "database.Qi_mean_in3_s",
-    "database.Qi_spread",
     "single.aim_maps.Qi_error_max_in3_s",
     "single.aim_v08.joint_displacement_error_max_deg",
+    "sim.sine.end_effector_error_max_m",
+    "ours.sim.sine.end_effector_error_max_m",
+    "sim.step.end_effector_error_max_m",
+    "ours.sim.step.end_effector_error_max_m",
+    "sim.pulse.end_effector_error_max_m",
+    "ours.sim.pulse.end_effector_error_max_m",
+    "sim.task.end_effector_error_max_m",
+    "ours.sim.task.end_effector_error_max_m",
+    "torque.task.end_effector_error_max_m",
+    "ours.torque.task.end_effector_error_max_m",
+    "ours.operators.p95_m",
     "table_1.reduction_percent",
+    "table_4.rows.1.reduction_percent",
+    "ours.time_of_a_step",
 )
-PICTURES = ("3-1", "4-11", "4-12", "4-21")
+PICTURES = ("3-1", "5-9", "7-1", "7-3")
 
 
 class Shown(NamedTuple):
