@@ -11,7 +11,7 @@ _RESERVED = _KEYWORDS | frozenset(
     # math.h, string.h, stddef.h
     "acos asin atan atan2 cbrt ceil copysign cos cosh div erf exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp "
     "gamma hypot index isfinite isinf isnan j0 j1 jn ldexp lgamma log log10 log1p log2 modf nan pow remainder rint round "
-    "signbit sin sinh sqrt tan tanh tgamma time trunc y0 y1 yn memcpy NULL INFINITY NAN main "
+    "signbit sin sinh sqrt tan tanh tgamma time trunc y0 y1 yn memcpy NULL HUGE_VAL INFINITY NAN main "
     # ours
     "minimum maximum minimum_int maximum_int bits_of from_bits".split()
 )

@@ -255,5 +255,5 @@ def number(value: Any, where: str = "constant") -> str:
     if math.isnan(value):
         raise InputError(f"{where} is not a number, and cannot be exported")
     if math.isinf(value):
-        return "INFINITY" if value > 0.0 else "-INFINITY"
+        return "HUGE_VAL" if value > 0.0 else "-HUGE_VAL"
     return repr(float(value))
