@@ -7,7 +7,7 @@ import pytest
 
 from exports import NAMES
 from polydraulic.errors import InputError
-from polydraulic.export import TARGETS, bundle, export_models
+from polydraulic.export import TARGETS, build, bundle, export_models
 
 
 @pytest.mark.parametrize("to", [to for to in TARGETS if to not in ("c", "onnx")])
@@ -51,6 +51,7 @@ def test_sympy_module_builds_the_expressions(exported_models, tmp_path):
 
 def test_without_a_compiler_the_fmu_holds_sources_and_that_is_told(exported_models, tmp_path, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(build, "find_spec", lambda name: None)
     made = export_models(exported_models["constant"], "fmi3", tmp_path / "x.fmu")
     assert "no C compiler (cc, gcc, clang) is installed: the FMU holds sources only" in made.notes[0]
 
@@ -60,6 +61,8 @@ def test_bad_input(exported_models, tmp_path):
         export_models(exported_models["single"], "mex", tmp_path)
     with pytest.raises(InputError, match="goes with the targets c and onnx"):
         export_models(exported_models["single"], "fmi2", tmp_path, real="float")
+    with pytest.raises(InputError, match="other platforms go with the targets fmi2 and fmi3"):
+        export_models(exported_models["single"], "c", tmp_path, cross=True)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         export_models(exported_models["single"], "python", tmp_path / "file" / "f.py")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.export import agreement_table, verify, verify_models
+from polydraulic.export import agreement_table, build, verify, verify_models
 from polydraulic.networks import Model
 
 
@@ -41,7 +41,8 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
 
     monkeypatch.setattr(verify, "to_python", wrong)
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    monkeypatch.setattr(verify, "find_spec", lambda name: None)
+    for module in (verify, build):
+        monkeypatch.setattr(module, "find_spec", lambda name: None)
     found, not_tried = verify_models(exported_models["single"], 60)
     assert [a.target for a in found] == ["python"]
     assert not found[0].holds

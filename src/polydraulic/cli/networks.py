@@ -121,6 +121,9 @@ def export(
         str | None, typer.Option(help="What it is called; the file, the one output, or the model file if not given.")
     ] = None,
     real: Annotated[str, typer.Option(help="Precision of c and onnx: double or float.")] = "double",
+    cross: Annotated[
+        bool, typer.Option("--cross", help="FMUs also for Windows, macOS and arm64, by the package ziglang.")
+    ] = False,
 ) -> None:
     """Write a model, with all its outputs, for use without this package: C, FMU, ONNX, Python, SymPy, LaTeX.
 
@@ -139,7 +142,7 @@ def export(
     models = load_models(model)
     if name is None and len(models) > 1 and not is_file(to, out):
         name = model.stem
-    written = export_models(models, to, out, name=name, real=real)
+    written = export_models(models, to, out, name=name, real=real, cross=cross)
     for path in written.paths:
         print(path)
     for note in written.notes:

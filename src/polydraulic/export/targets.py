@@ -37,7 +37,13 @@ class Exported(NamedTuple):
 
 
 def export_models(
-    models: Sequence[Model], to: str, out: str | Path, *, name: str | None = None, real: str = "double"
+    models: Sequence[Model],
+    to: str,
+    out: str | Path,
+    *,
+    name: str | None = None,
+    real: str = "double",
+    cross: bool = False,
 ) -> Exported:
     """Write models for a target.
 
@@ -53,6 +59,8 @@ def export_models(
         What it is called, made a C identifier; else the name of the file, of the one output, or "model".
     real : str
         "double" or "float": precision of C and ONNX.
+    cross : bool
+        Whether FMUs get binaries for other platforms too; needs the package ziglang.
 
     Returns
     -------
@@ -67,6 +75,8 @@ def export_models(
         raise InputError(f"unknown target {to!r}; choose one of {list(TARGETS)}")
     if real != "double" and to not in ("c", "onnx"):
         raise InputError(f"real = {real!r} goes with the targets c and onnx, not with {to}")
+    if cross and to not in ("fmi2", "fmi3"):
+        raise InputError(f"binaries for other platforms go with the targets fmi2 and fmi3, not with {to}")
     out = Path(out)
     as_file = is_file(to, out)
     whole = bundle(models, out.stem if as_file and name is None else name)
@@ -75,7 +85,7 @@ def export_models(
     if to == "c":
         paths = export_c(models, out, name=whole.name, real=real)
     elif to in ("fmi2", "fmi3"):
-        written = export_fmu(models, path, version=int(to[-1]), name=whole.name)
+        written = export_fmu(models, path, version=int(to[-1]), name=whole.name, cross=cross)
         paths = [written.path]
         if not written.binaries:
             notes.append(

@@ -201,7 +201,7 @@ def _python(whole: Bundle, X: np.ndarray) -> _Answers:
     return _Answers(np.array(columns).T)
 
 
-def _compiler() -> str:
+def _compiler() -> list[str]:
     command = find_compiler()
     if command is None:
         raise _NotHereError("no C compiler is installed")

@@ -10,7 +10,7 @@ import pytest
 
 from exports import NAMES
 from polydraulic.errors import InputError
-from polydraulic.export import bundle
+from polydraulic.export import build, bundle
 from polydraulic.export.fmu import export_fmu, package
 from polydraulic.networks import Model, Variable
 
@@ -258,3 +258,27 @@ def test_bad_input(exported_models, tmp_path, monkeypatch):
     with pytest.raises(InputError, match="cannot compile"):
         export_fmu(models, tmp_path / "x.fmu")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_binaries_for_other_platforms(version, exported_models, tmp_path):
+    pytest.importorskip("ziglang")
+    made = export_fmu(exported_models["constant"], tmp_path / "x.fmu", version=version, cross=True)
+    assert len(made.binaries) == 5
+    starts = {"linux": b"\x7fELF", "windows": b"MZ", "darwin": b"\xcf\xfa\xed\xfe"}
+    with zipfile.ZipFile(made.path) as archive:
+        found = {name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")}
+    assert len(found) == 5
+    ending = {".so": "linux", ".dll": "windows", ".dylib": "darwin"}
+    for name, data in found.items():
+        assert data.startswith(starts[ending[name[name.rindex(".") :]]])
+    folders = {name.split("/")[1] for name in found}
+    assert folders >= ({"linux64", "win64", "darwin64"} if version == 2 else {"x86_64-windows", "aarch64-darwin"})
+
+
+def test_other_platforms_need_ziglang(exported_models, tmp_path, monkeypatch):
+    monkeypatch.setattr(build, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match="pip install ziglang"):
+        export_fmu(exported_models["constant"], tmp_path / "x.fmu", cross=True)
+    assert list(tmp_path.iterdir()) == []

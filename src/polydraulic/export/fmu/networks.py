@@ -25,6 +25,7 @@ def export_fmu(
     version: int = 3,
     name: str | None = None,
     compiler: str | None = None,
+    cross: bool = False,
 ) -> WrittenFmu:
     """Write models as an FMU for model exchange and co-simulation, with sources and a binary for this machine.
 
@@ -40,6 +41,8 @@ def export_fmu(
         Model name, made a C identifier; the output's if there is one model, else "model".
     compiler : str, optional
         Command; one that is installed if not given, and none if it is empty.
+    cross : bool
+        Whether to add binaries for Windows, macOS and Linux on both processors; needs the package ziglang.
 
     Returns
     -------
@@ -49,7 +52,7 @@ def export_fmu(
     Raises
     ------
     InputError
-        If the models do not go together, or the file cannot be written.
+        If the models do not go together, a compiler is missing, or the file cannot be written.
     """
     whole = bundle(models, name)
     header, source = to_c(whole)
@@ -58,7 +61,9 @@ def export_fmu(
     inputs, results = _reference(whole, what)
     folder = f"extra/org.polydraulic/{whole.name}" if version == 3 else "documentation/reference"
     extra = {f"{folder}_in.csv": inputs, f"{folder}_ref.csv": results}
-    return write_fmu(what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler)
+    return write_fmu(
+        what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross
+    )
 
 
 def describe_networks(whole: Bundle) -> FmuDescription:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from polydraulic import __version__
 from polydraulic.errors import InputError
-from polydraulic.export.build import compile_library, find_compiler, library_ending, platform_tuple
+from polydraulic.export.build import compile_library, cross_compilers, find_compiler, library_ending, platform_tuple
 from polydraulic.export.c_text import literal, string
 from polydraulic.export.fmu.description import FmuDescription
 from polydraulic.export.fmu.xml import build_description, model_description, terminals_and_icons
@@ -49,6 +49,7 @@ def write_fmu(
     icon: str | None = None,
     extra: Mapping[str, str] | None = None,
     compiler: str | None = None,
+    cross: bool = False,
 ) -> WrittenFmu:
     """Write an FMU.
 
@@ -68,7 +69,9 @@ def write_fmu(
     extra : mapping from path in the FMU to text, optional
         Further files.
     compiler : str, optional
-        Command; the first of `COMPILERS` that is installed if not given, and none if it is empty: then the FMU holds sources only.
+        Command, as for `find_compiler`. Without any the FMU holds sources only.
+    cross : bool
+        Whether to add binaries for other platforms: Windows, macOS, Linux on both processors; needs the package ziglang.
 
     Returns
     -------
@@ -77,7 +80,8 @@ def write_fmu(
     Raises
     ------
     InputError
-        A path that does not end in .fmu or cannot be written, another version, or sources that do not compile.
+        A path that does not end in .fmu or cannot be written, another version, a compiler that is missing, or sources
+        that do not compile.
     """
     path = Path(path)
     if path.suffix != ".fmu":
@@ -111,15 +115,17 @@ def write_fmu(
     )
     for name, content in (extra or {}).items():
         add(name, content)
-    command = find_compiler(compiler)
-    if command:
-        contents[_binary_path(what.name, version)] = compile_library(command, text, compiled, _FLAGS)
+    own_compiler = find_compiler(compiler)
+    commands = {platform_tuple(): own_compiler} if own_compiler else {}
+    commands |= cross_compilers() if cross else {}
+    for machine, command in commands.items():
+        contents[_binary_path(what.name, version, machine)] = compile_library(command, text, compiled, _FLAGS)
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in sorted(contents.items(), key=lambda item: (item[0] != "modelDescription.xml", item[0])):
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))  # no time of its own
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, data)
-    return WrittenFmu(path, (platform_tuple(),) if command else ())
+    return WrittenFmu(path, tuple(commands))
 
 
 def _config(what: FmuDescription, token: str) -> str:
@@ -153,10 +159,10 @@ def _config(what: FmuDescription, token: str) -> str:
 """
 
 
-def _binary_path(name: str, version: int) -> str:
-    """Where the binary stands in the FMU."""
-    machine = platform_tuple()
-    return f"binaries/{machine if version == 3 else _FMI2_FOLDER.get(machine, machine)}/{name}{library_ending()}"
+def _binary_path(name: str, version: int, machine: str) -> str:
+    """Where the binary for a platform stands in the FMU."""
+    folder = machine if version == 3 else _FMI2_FOLDER.get(machine, machine)
+    return f"binaries/{folder}/{name}{library_ending(machine)}"
 
 
 def _icon(name: str) -> str:
