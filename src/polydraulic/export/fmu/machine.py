@@ -50,6 +50,7 @@ def export_machine_fmu(
     dt: float = 5e-3,
     locked: Collection[str] = (),
     compiler: str | None = None,
+    cross: bool = False,
 ) -> WrittenFmu:
     """Write a machine as an FMU for co-simulation, with sources and a binary for this machine.
 
@@ -70,10 +71,13 @@ def export_machine_fmu(
         Links whose joints are held.
     compiler : str, optional
         Command; one that is installed if not given, and none if it is empty.
+    cross : bool
+        Whether to add binaries for Windows, macOS and Linux on both processors; needs the package ziglang.
 
     Returns
     -------
     WrittenFmu
+        Its `binaries` are empty without a compiler: the FMU then holds sources, which the importer has to compile.
 
     Raises
     ------
@@ -85,7 +89,7 @@ def export_machine_fmu(
     size = machine_size(machine, flow, dt=dt)
     what = describe_machine(name, flow, parameters, dt=dt, memory=size + 3)
     sources |= {"equations.h": _equations(name, parameters, size)}
-    return write_fmu(what, sources, path, version=version, page=_page(what), compiler=compiler)
+    return write_fmu(what, sources, path, version=version, page=_page(what), compiler=compiler, cross=cross)
 
 
 def describe_machine(
