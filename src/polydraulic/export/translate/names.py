@@ -8,10 +8,13 @@ _KEYWORDS = frozenset(
     "bool true false".split()
 )
 _RESERVED = _KEYWORDS | frozenset(
-    # math.h, string.h, stddef.h
-    "acos asin atan atan2 cbrt ceil copysign cos cosh div erf exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp "
-    "gamma hypot index isfinite isinf isnan j0 j1 jn ldexp lgamma log log10 log1p log2 modf nan pow remainder rint round "
-    "signbit sin sinh sqrt tan tanh tgamma time trunc y0 y1 yn memcpy NULL HUGE_VAL INFINITY NAN main "
+    # math.h, with what systems add to it
+    "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh drem erf erfc exp exp10 exp2 expm1 fabs fdim "
+    "finite floor fma fmax fmin fmod fpclassify frexp gamma hypot ilogb isfinite isinf isnan isnormal j0 j1 jn ldexp lgamma "
+    "llrint llround log log10 log1p log2 logb lrint lround modf nan nearbyint nextafter nexttoward pow pow10 remainder "
+    "remquo rint round scalb scalbln scalbn signbit signgam significand sin sincos sinh sqrt tan tanh tgamma trunc y0 y1 yn "
+    # the rest of the C library that a file may see, macros of Windows
+    "abs div index labs main memcpy memset remove rename signal time NULL HUGE_VAL INFINITY NAN near far min max small "
     # ours
     "minimum maximum minimum_int maximum_int bits_of from_bits".split()
 )
