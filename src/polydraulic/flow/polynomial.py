@@ -250,10 +250,9 @@ def _inlet(flow: NetworkFlow, regions: Regions, memory: np.ndarray, a: float, b:
 
 
 @kernel
-def _entering(constant: float, limited: float, k: float, p: float, pump: Pump) -> float:
-    """Flow into a line at pressure p: the least of constant flow, torque limit and open relief valve."""
-    at_relief = k * sqrt(max(pump.relief - p, 0.0))
-    return min(max(min(constant, limited), 0.0), min(at_relief, pump.flow))
+def _entering(q: float, k: float, p: float, pump: Pump) -> float:
+    """Flow into a line at pressure p: the least of q, of the flow with the relief valve open, and of the pump's."""
+    return min(max(q, 0.0), min(k * sqrt(max(pump.relief - p, 0.0)), pump.flow))
 
 
 @kernel
@@ -262,20 +261,19 @@ def network_step(flow: NetworkFlow, memory: np.ndarray, spool: Links, p_in: Link
     inlets, others, outlets = flow.inlets, flow.others, flow.outlets
     swing, boom, stick = abs(spool.swing), abs(spool.boom), abs(spool.stick)
     Q = flow.series_pump.flow
-    q_boom = _entering(
-        _inlet(flow, inlets.boom, memory, boom, p_in.boom, 0.0, 0.0),
-        _inlet(flow, others.boom_limited, memory, boom, p_in.boom, 0.0, 0.0),
-        _inlet(flow, others.boom_k_in, memory, boom, 0.0, 0.0, 0.0),
-        p_in.boom,
-        flow.boom_pump,
+    # where nothing flows at constant flow, no other mode can be less
+    q_boom = _inlet(flow, inlets.boom, memory, boom, p_in.boom, 0.0, 0.0)
+    q_boom = min(q_boom, _inlet(flow, others.boom_limited, memory, boom, p_in.boom, 0.0, 0.0)) if q_boom > 0.0 else 0.0
+    k = _inlet(flow, others.boom_k_in, memory, boom, 0.0, 0.0, 0.0) if q_boom > 0.0 else 0.0
+    q_boom = _entering(q_boom, k, p_in.boom, flow.boom_pump)
+    q_swing = _inlet(flow, inlets.swing, memory, swing, stick, p_in.swing, p_in.stick)
+    q_swing = (
+        min(q_swing, _inlet(flow, others.swing_limited, memory, swing, stick, p_in.swing, p_in.stick))
+        if q_swing > 0.0
+        else 0.0
     )
-    q_swing = _entering(
-        _inlet(flow, inlets.swing, memory, swing, stick, p_in.swing, p_in.stick),
-        _inlet(flow, others.swing_limited, memory, swing, stick, p_in.swing, p_in.stick),
-        _inlet(flow, others.swing_k_in, memory, swing, 0.0, 0.0, 0.0),
-        p_in.swing,
-        flow.series_pump,
-    )
+    k = _inlet(flow, others.swing_k_in, memory, swing, 0.0, 0.0, 0.0) if q_swing > 0.0 else 0.0
+    q_swing = _entering(q_swing, k, p_in.swing, flow.series_pump)
     passed = Q - q_swing if swing <= flow.swing_closes else 0.0
     q_stick = (
         _inlet(flow, inlets.stick, memory, passed, stick, p_in.stick, 0.0)
@@ -283,8 +281,14 @@ def network_step(flow: NetworkFlow, memory: np.ndarray, spool: Links, p_in: Link
         else _inlet(flow, inlets.stick, memory, swing, stick, p_in.swing, p_in.stick)
     )
     below = sqrt(max(flow.series_pump.relief - p_in.stick, 0.0))
-    q_stick = min(q_stick, _inlet(flow, others.stick_relief, memory, swing, stick, below, 0.0))
-    q_stick = min(q_stick, _inlet(flow, others.stick_limited, memory, swing, stick, p_in.swing, p_in.stick))
+    q_stick = (
+        min(q_stick, _inlet(flow, others.stick_relief, memory, swing, stick, below, 0.0)) if q_stick > 0.0 else 0.0
+    )
+    q_stick = (
+        min(q_stick, _inlet(flow, others.stick_limited, memory, swing, stick, p_in.swing, p_in.stick))
+        if q_stick > 0.0
+        else 0.0
+    )
     q_stick = min(max(q_stick, 0.0), passed) if p_in.stick < flow.series_pump.relief else 0.0
 
     root = sqrt(max(p_out.boom - flow.boom_pump.p_return, 0.0))
