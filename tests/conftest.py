@@ -1,6 +1,7 @@
 import pytest
 from hypothesis import settings
 
+from polydraulic.flow import build_flow
 from polydraulic.parameters import load_machine, load_scenario
 
 settings.register_profile("quick", max_examples=60, deadline=None, derandomize=True)
@@ -10,6 +11,12 @@ settings.load_profile("quick")
 @pytest.fixture(scope="session")
 def machine():
     return load_machine("cat215b")
+
+
+@pytest.fixture(scope="session")
+def build():
+    """Build a flow model by name: tables are coarse, since plain Python fills them slowly."""
+    return lambda name, machine: build_flow(name, machine, **({"points": 8} if name == "lookup" else {}))
 
 
 @pytest.fixture(scope="session", params=["single_08", "single_05"])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.terminal import counted, print_differences, steps
+from polydraulic.terminal import counted, print_differences, stages, steps
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,7 +22,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 
-FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, or pressure (historical)."
+FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
@@ -55,20 +55,31 @@ def main() -> None:
 def report(
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("report"),
     chapter: Annotated[list[int] | None, typer.Option(help="Only this chapter; repeat for more.")] = None,
+    figure: Annotated[str | None, typer.Option(help="Only this figure, as an SVG with its data.")] = None,
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Reproduce the thesis: every table, figure and printed number next to ours.
+    """Reproduce the thesis: every table, figure and printed number next to ours, and what is possible today.
 
-    Writes index.html (one file, readable offline), results.json and the figures' data as CSV.
+    Writes index.html and a page for each chapter (readable offline), figures, their data as CSV, and results.json. What has been
+    computed stays in the folder's cache: a second run takes seconds, and one that was killed goes on.
 
     Example: `polydraulic report --chapter 4 --out report`
+
+    - One figure alone: `polydraulic report --figure 5-19`
     """
     from polydraulic.parameters import load_machine
-    from polydraulic.studies import STEPS, write_report
+    from polydraulic.studies import write_figure, write_report
 
-    with steps("report", len(STEPS)) as progress:
-        rows = write_report(load_machine(machine), out, chapters=chapter, progress=progress)
-    print(f"{out / 'index.html'}: {sum(row['thesis'] is not None for row in rows)} printed numbers next to ours")
+    if chapter and figure:
+        raise InputError("--chapter and --figure exclude each other: a figure belongs to one chapter")
+    plant = load_machine(machine)
+    with stages("report") as progress:
+        if figure:
+            path = write_figure(plant, out, figure, progress=progress)
+        else:
+            rows = write_report(plant, out, chapters=chapter, progress=progress)
+            path = out / "index.html"
+    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers next to ours")
 
 
 @app.command()

@@ -26,6 +26,13 @@ def steps(title: str, total: int) -> Iterator[Callable[[str], None]]:
 
 
 @contextmanager
+def stages(title: str) -> Iterator[Callable[[str, int, int], None]]:
+    """A progress bar; the function it gives is called with what begins, the number done and the number in all."""
+    with _bar(title, 1) as update:
+        yield lambda what, done, total: update(done, total, what)
+
+
+@contextmanager
 def counted(title: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar; the function it gives is called with the number done and the number in all."""
     with _bar(title, 1) as update:
@@ -41,7 +48,7 @@ def _bar(title: str, total: int) -> Iterator[Callable[[int, int, str], None]]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (
-        TextColumn("{task.fields[step]:24s}"),
+        TextColumn("{task.fields[step]:40s}"),
         BarColumn(),
         TextColumn("{task.completed}/{task.total}"),
     )

@@ -127,9 +127,10 @@ def _columns_of(machine):
     return _columns(cases, "exact")
 
 
-@pytest.mark.parametrize("flow", ["iterative", "polynomial"])
-def test_models_without_lanes_run_one_by_one(machine, flow):
-    assert FLOW_KINDS[flow].lanes is None
+@pytest.mark.parametrize("name", ["iterative", "polynomial", "lookup"])
+def test_models_without_lanes_run_one_by_one(machine, build, name):
+    assert FLOW_KINDS[name].lanes is None
+    flow = build(name, machine)
     scenarios = [load_scenario("single_08"), load_scenario("single_05")]
     batch = simulate_batch(machine, flow, scenarios, t_end=0.1, keep=["rows"])
     for place, scenario in enumerate(scenarios):

@@ -33,8 +33,8 @@ def check(machine, run, balances):
 
 
 @pytest.mark.parametrize("name", WHOLE)
-def test_a_short_run(machine, name):
-    run = simulate(machine, name, random_operator(3, 2.0))
+def test_a_short_run(machine, build, name):
+    run = simulate(machine, build(name, machine), random_operator(3, 2.0))
     check(machine, run, FLOW_KINDS[name].balances)
     assert all(np.ptp(run[f"{link}.angle"]) > 0.0 for link in LINKS)
 
@@ -43,9 +43,9 @@ def test_a_short_run(machine, name):
 @pytest.mark.parametrize("limited", [False, True], ids=["constant", "limited"])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("name", WHOLE)
-def test_ten_minutes(machine, name, seed, limited):
+def test_ten_minutes(machine, build, name, seed, limited):
     machine = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=limited))
-    run = simulate(machine, name, random_operator(seed, 600.0), every=2)
+    run = simulate(machine, build(name, machine), random_operator(seed, 600.0), every=2)
     check(machine, run, FLOW_KINDS[name].balances)
     stops = machine.boom.stops
     assert np.ptp(run["boom.angle"]) > 0.5 * (stops.high - stops.low)

@@ -16,13 +16,13 @@ from polydraulic.parameters.schema import Stops
 from polydraulic.simulation import compare, reference, simulate
 from polydraulic.tables import read_table, write_table
 
-MODELS = ["exact", "iterative", "polynomial", "neural"]
+MODELS = ["exact", "iterative", "polynomial", "neural", "lookup"]
 UP = Scenario("up", 4.0, {"boom": Constant(0.62)}, ("swing", "stick"))
 
 
 @pytest.fixture(scope="module", params=MODELS)
-def run(request, machine, scenario):
-    return simulate(machine, request.param, scenario)
+def run(request, machine, build, scenario):
+    return simulate(machine, build(request.param, machine), scenario)
 
 
 def test_pump_flow_is_shared_out_at_every_step(run):
@@ -91,7 +91,7 @@ def test_networks_move_the_joint_as_the_thesis_says(machine):
 
 CODE = """
 import hashlib, numpy as np
-from polydraulic import load_machine, load_scenario, simulate
+from polydraulic import build_flow, load_machine, load_scenario, simulate
 for name in ("exact", "iterative", "polynomial"):
     run = simulate(load_machine("cat215b"), name, load_scenario("single_08"), t_end=3.0)
     print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
@@ -100,7 +100,7 @@ limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=Tru
 for name, t_end in (("task", 13.0), ("step", 6.0), ("pulse", 4.0)):
     run = simulate(limited, "exact", load_scenario(name), t_end=t_end)
     print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
-for flow in ("stiff", "tlm"):
+for flow in ("stiff", "tlm", build_flow("lookup", limited, points=8)):
     run = simulate(limited, flow, load_scenario("pulse"), t_end=2.0)
     print(hashlib.sha256(b"".join(v.tobytes() for v in run.columns.values())).hexdigest())
 """

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from polydraulic.parameters import load_scenario
-from polydraulic.studies.flow_convergence import convergence_figure, flow_convergence
+from polydraulic.studies.flow_convergence import flow_convergence
+from polydraulic.studies.report.volumes import convergence_figure
 
 
 @pytest.mark.slow

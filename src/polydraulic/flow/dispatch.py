@@ -16,6 +16,7 @@ from polydraulic.flow.exact import ExactFlow, exact_flow, exact_slopes, exact_st
 from polydraulic.flow.exact_lanes import exact_lanes
 from polydraulic.flow.interface import Flows, FlowSlopes
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
+from polydraulic.flow.lookup import LookupFlow, lookup_flow, lookup_step
 from polydraulic.flow.polynomial import (
     NeuralFlow,
     PolynomialFlow,
@@ -73,6 +74,7 @@ FLOW_KINDS: dict[str, FlowKind] = {
     "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
     "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
     "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
+    "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS),
     "polynomial": FlowKind(
         PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, served=networks_serve
     ),

@@ -1,11 +1,21 @@
-"""Studies: the thesis' chapters computed, drawn and reported.
+"""Studies: what the thesis computes and what goes beyond it; `report` shows it.
 
-`database` (random databases), `boom_models` (what is learnt), `single_link` (chapters 3 and 4: computation),
-`single_link_figures` and `single_link_chapters` (what is shown), `flow_convergence` (flow models with volumes), `timing`,
-`catalog` and `report` (how it is put together).
+`cache` (a lab that keeps what it has computed), `database` (random databases), `boom_models` and `boom_perceptrons` (what is
+learnt of the boom), `circuit_models` (of all circuits), `single_link` (chapters 3 and 4), `flow_convergence` (flow models with
+volumes), `timing`.
 """
 
+from polydraulic.studies.cache import Lab, open_lab
 from polydraulic.studies.database import CIRCUITS, boom_table, sample_boom
-from polydraulic.studies.report import CHAPTERS, STEPS, write_report
+from polydraulic.studies.report import CHAPTERS, write_figure, write_report
 
-__all__ = ["CHAPTERS", "CIRCUITS", "STEPS", "boom_table", "sample_boom", "write_report"]
+__all__ = [
+    "CHAPTERS",
+    "CIRCUITS",
+    "Lab",
+    "boom_table",
+    "open_lab",
+    "sample_boom",
+    "write_figure",
+    "write_report",
+]

@@ -5,8 +5,9 @@ its default setting; both are judged on a dense grid that includes faces and cor
 nothing was trained or chosen.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from polydraulic.networks import AbductiveRegressor, Variable
 from polydraulic.parameters import Machine, Scenario, Signal, Sine, load_scenario
 from polydraulic.simulation import reference, simulate
 from polydraulic.studies.boom_models import HISTORICAL, SEED, BoomModels, fit_boom
+from polydraulic.studies.boom_perceptrons import PerceptronModels, fit_perceptrons, sweep_hidden_units
+from polydraulic.studies.cache import Lab
 from polydraulic.studies.database import PRESSURE_HIGH, boom_flow, boom_table, sample_boom
 from polydraulic.studies.timing import time_runs
 from polydraulic.tables import Table
@@ -27,7 +30,8 @@ N_GRID = 401
 FULL_TRAVEL_VOLTAGE = 1.3
 STEP_SIZES = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 
-Progress = Callable[[str], None]
+# "polynomial" and "pressure" are networks in the thesis' setting, "ours" in this package's.
+KINDS = ("exact", "iterative", "polynomial", "ours", "neural", "pressure")
 
 
 @dataclass(frozen=True)
@@ -39,73 +43,117 @@ class FullBoxNetwork:
     inputs: tuple[Variable, ...]
 
 
-@dataclass(frozen=True)
 class BoomStudy:
-    """Everything the chapters show.
+    """Everything that chapters 3 and 4 show, each computed when first asked for."""
 
-    Attributes
-    ----------
-    machine : Machine
-    full_box : FullBoxNetwork
-    historical, ours : BoomModels
-    grid : Table
-        The exact circuit without relief valve on a dense grid: both signs of the spool, p_in = p_out.
-    runs : dict from scenario to dict from flow model to trajectory
-        Flow models "exact", "iterative", "polynomial", "pressure" (historical networks), "ours".
-    full_travel : the same for one scenario that opens the valve fully
-    convergence : Table
-        Largest joint error of the loop against the tight solution, by step size.
-    seconds : dict from flow model to median seconds for single_08
-    """
+    def __init__(self, lab: Lab) -> None:
+        self.lab, self.machine = lab, lab.machine
 
-    machine: Machine
-    full_box: FullBoxNetwork
-    historical: BoomModels
-    ours: BoomModels
-    grid: Table
-    runs: dict[str, dict[str, Table]]
-    full_travel: dict[str, Table]
-    convergence: Table
-    seconds: dict[str, float]
+    @cached_property
+    def full_box(self) -> FullBoxNetwork:
+        """Network and database of Fig 3-1."""
+        self.lab.say("network over the whole box")
+        return fit_full_box(self.machine)
+
+    @cached_property
+    def historical(self) -> BoomModels:
+        """Networks in the thesis' setting."""
+        return self._boom_models("boom historical", **HISTORICAL)
+
+    @cached_property
+    def ours(self) -> BoomModels:
+        """Networks in this package's setting."""
+        return self._boom_models("boom ours")
+
+    def _boom_models(self, name: str, **settings: Any) -> BoomModels:
+        def grow() -> BoomModels:
+            self.lab.say(f"grow networks: {name}")
+            return fit_boom(self.machine, np.random.default_rng(SEED), **settings)
+
+        return BoomModels(*self.lab.computed.models(name, grow))
+
+    @cached_property
+    def perceptrons(self) -> PerceptronModels:
+        """Perceptrons of section 4.3."""
+
+        def train() -> PerceptronModels:
+            self.lab.say("train perceptrons")
+            return fit_perceptrons(self.machine, np.random.default_rng(SEED))
+
+        return PerceptronModels(*self.lab.computed.models("boom perceptrons", train))
+
+    @cached_property
+    def sweep(self) -> Table:
+        """Training error over the number of hidden units."""
+
+        def train() -> Table:
+            self.lab.say("hidden-unit sweep")
+            return sweep_hidden_units(self.machine, np.random.default_rng(SEED))
+
+        return self.lab.computed.table("hidden units", train)
+
+    @cached_property
+    def grid(self) -> Table:
+        """The exact circuit on a dense grid."""
+        return boom_grid(self.machine, N_GRID, N_GRID)
+
+    def run(self, scenario: str, kind: str) -> Table:
+        """Trajectory of a printed voltage with a flow model: one of `KINDS`."""
+        return self.lab.computed.table(
+            f"run {scenario} {kind}", lambda: simulate(self.machine, self._flow(kind), load_scenario(scenario))
+        )
+
+    def runs(self, scenario: str, *kinds: str) -> dict[str, Table]:
+        """Trajectories by flow model."""
+        return {kind: self.run(scenario, kind) for kind in kinds}
+
+    @cached_property
+    def full_travel(self) -> dict[str, Table]:
+        """Trajectories that open the valve fully, by flow model."""
+        scenario = full_travel(load_scenario("single_08"))
+        return {
+            kind: simulate(self.machine, self._flow(kind), scenario) for kind in ("exact", "pressure", "polynomial")
+        }
+
+    @cached_property
+    def convergence(self) -> Table:
+        """Largest joint errors by step size."""
+
+        def made() -> Table:
+            self.lab.say("convergence of the loop")
+            return converge(self.machine, {name: load_scenario(name) for name in SCENARIOS})
+
+        return self.lab.computed.table("convergence", made)
+
+    @cached_property
+    def seconds(self) -> dict[str, float]:
+        """Median run times of single_08, by flow model."""
+
+        def measured() -> dict[str, float]:
+            self.lab.say("run times")
+            timed = {kind: self._flow(kind) for kind in KINDS if kind != "pressure"}
+            timed["iterative 0.001"] = build_flow("iterative", self.machine, eps=0.001)
+            return time_runs(self.machine, timed, load_scenario("single_08"))
+
+        found: dict[str, float] = self.lab.computed.data("seconds boom", measured)
+        return found
+
+    def _flow(self, kind: str) -> Any:
+        if kind == "polynomial":
+            return build_flow("polynomial", self.machine, models=list(self.historical))
+        if kind == "ours":
+            return build_flow("polynomial", self.machine, models=list(self.ours))
+        if kind == "pressure":
+            return build_flow("pressure", self.machine, models=list(self.historical))
+        if kind == "neural":
+            return build_flow("neural", self.machine, models=list(self.perceptrons))
+        return build_flow(kind, self.machine)
 
 
-STAGES = ("grow networks", "evaluate maps", "simulate", "converge", "measure run times")
-
-
-def boom_study(machine: Machine, progress: Progress = lambda stage: None) -> BoomStudy:
-    """Compute the study; `progress` is called with each of `STAGES` as it begins."""
-    progress(STAGES[0])
-    full_box = fit_full_box(machine)
-    historical = fit_boom(machine, np.random.default_rng(SEED), **HISTORICAL)
-    ours = fit_boom(machine, np.random.default_rng(SEED))
-
-    progress(STAGES[1])
-    grid = boom_grid(machine, N_GRID, N_GRID)
-
-    progress(STAGES[2])
-    models = {
-        "exact": build_flow("exact", machine),
-        "iterative": build_flow("iterative", machine),
-        "polynomial": build_flow("polynomial", machine, models=list(historical)),
-        "ours": build_flow("polynomial", machine, models=list(ours)),
-        "pressure": build_flow("pressure", machine, models=list(historical)),
-    }
-    scenarios = {name: load_scenario(name) for name in SCENARIOS}
-    runs = {
-        name: {kind: simulate(machine, model, scenario) for kind, model in models.items()}
-        for name, scenario in scenarios.items()
-    }
-    fully = full_travel(scenarios["single_08"])
-    full = {kind: simulate(machine, models[kind], fully) for kind in ("exact", "pressure", "polynomial")}
-
-    progress(STAGES[3])
-    convergence = converge(machine, scenarios)
-
-    progress(STAGES[4])
-    timed = {kind: models[kind] for kind in ("iterative", "exact", "polynomial", "ours")}
-    timed["iterative 0.001"] = build_flow("iterative", machine, eps=0.001)
-    seconds = time_runs(machine, timed, scenarios["single_08"])
-    return BoomStudy(machine, full_box, historical, ours, grid, runs, full, convergence, seconds)
+def boom_study(lab: Lab) -> BoomStudy:
+    """Return the one study of a lab."""
+    found: BoomStudy = lab.computed.memory.setdefault("boom study", BoomStudy(lab))
+    return found
 
 
 def fit_full_box(machine: Machine) -> FullBoxNetwork:
@@ -144,10 +192,24 @@ def full_travel(scenario: Scenario) -> Scenario:
     return replace(scenario, name="full travel", voltage=voltage, duration=5.0)
 
 
-def map_error(models: BoomModels, grid: Table, output: str) -> np.ndarray:
+def map_error(models: BoomModels | PerceptronModels, grid: Table, output: str) -> np.ndarray:
     """Network minus exact at every grid point, in SI."""
     model = getattr(models, output.removeprefix("boom."))
     return model.predict(grid.matrix([variable.name for variable in model.inputs])) - grid[output]
+
+
+def output_map_error(models: BoomModels | PerceptronModels, study: BoomStudy) -> np.ndarray:
+    """Output flow minus exact at every grid point, in SI, of networks that give it or the conductance it follows from."""
+    if isinstance(models, BoomModels):
+        return map_error(models, study.grid, "boom.q_out")
+    conductance = models.k_out.predict(study.grid.matrix(["boom.spool"]))
+    return np.maximum(conductance, 0.0) * study.grid["boom.root_p_out"] - study.grid["boom.q_out"]
+
+
+def outlet_conductance(machine: Machine, spool: np.ndarray) -> np.ndarray:
+    """Q_pop(x) = Q_o / sqrt(P_o - P_e) of the boom's valve, in m3/s/Pa^0.5 (Eq. 7)."""
+    table = boom_table(machine, spool, np.zeros(len(spool)), np.full(len(spool), PRESSURE_HIGH), relief=False)
+    return np.asarray(table["boom.q_out"] / table["boom.root_p_out"])
 
 
 def pressure_flow_error(study: BoomStudy) -> np.ndarray:

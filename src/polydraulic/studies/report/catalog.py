@@ -1,11 +1,13 @@
-"""What a report is made of: figures, results next to printed numbers, and the chapters that hold them."""
+"""What a report is made of: chapters with their figures, and results next to printed numbers."""
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from polydraulic.studies.cache import Lab
 from polydraulic.tables import Table
 
 if TYPE_CHECKING:
@@ -19,8 +21,6 @@ class Figure(NamedTuple):
 
     Attributes
     ----------
-    number : str
-        As in the thesis (``"4-11"``); figures of our own begin with the chapter and a letter (``"4-C1"``).
     title, see : str
         What it is, and in one line what to see in it.
     data : dict from panel name to Table
@@ -28,7 +28,6 @@ class Figure(NamedTuple):
     draw : function () -> matplotlib Figure
     """
 
-    number: str
     title: str
     see: str
     data: dict[str, Table]
@@ -52,35 +51,57 @@ class Ours(NamedTuple):
     note: str = ""
 
 
+class Grid(NamedTuple):
+    """A table of the report."""
+
+    title: str
+    header: list[str]
+    rows: list[list[str]]
+
+
 @dataclass(frozen=True)
-class Chapter:
-    """A finished chapter of the report.
+class Content:
+    """What a chapter says.
 
     Attributes
     ----------
-    number : int
-    title, text : str
-        `text` is HTML: a few paragraphs that say what was done.
-    figures : list of Figure
+    text : str
+        HTML: a few paragraphs that say what was done.
     ours : dict from id to Ours
         For every printed number of the chapter.
     extra : list of dict
         Numbers of our own, in the form of a result.
-    tables : list of (title, header, rows)
+    tables : list of Grid
+    """
+
+    text: str
+    ours: dict[str, Ours] = field(default_factory=dict)
+    extra: list[dict[str, Any]] = field(default_factory=list)
+    tables: list[Grid] = field(default_factory=list)
+
+
+class Chapter(NamedTuple):
+    """A chapter of the report; nothing is computed before it is asked for.
+
+    Attributes
+    ----------
+    number : int
+    title : str
+    content : function of Lab -> Content
+    figures : mapping from number to function of Lab -> Figure
+        Numbers are those of the thesis (``"4-11"``); figures of our own begin with the chapter and a letter (``"4-C1"``).
     """
 
     number: int
     title: str
-    text: str
-    figures: list[Figure]
-    ours: dict[str, Ours]
-    extra: list[dict[str, Any]] = field(default_factory=list)
-    tables: list[tuple[str, list[str], list[list[str]]]] = field(default_factory=list)
+    content: Callable[[Lab], Content]
+    figures: Mapping[str, Callable[[Lab], Figure]]
 
 
+@cache
 def printed_numbers() -> dict[str, Printed]:
-    """Every number printed in the chapters that the report covers, by id."""
-    text = (files("polydraulic.studies") / "thesis.toml").read_text(encoding="utf-8")
+    """Every number printed in the thesis, by id."""
+    text = (files("polydraulic.studies.report") / "thesis.toml").read_text(encoding="utf-8")
     found: dict[str, Printed] = {}
 
     def walk(tree: dict[str, Any], where: str) -> None:
@@ -106,25 +127,33 @@ def result(identity: str, section: str, what: str, unit: str, ours: Number, note
         "thesis": None,
         "ours": ours,
         "note": note,
+        "source": source_of(identity),
     }
 
 
-def results(chapter: Chapter) -> list[dict[str, Any]]:
+def results(content: Content) -> list[dict[str, Any]]:
     """Printed numbers next to ours, then our own; the rows of ``results.json``."""
     printed = printed_numbers()
     rows = []
-    for identity, ours in chapter.ours.items():
+    for identity, ours in content.ours.items():
         p = printed[identity]
         note = "; ".join(text for text in (ours.note, p.quirk and f"thesis: {p.quirk}") if text)
-        rows.append(
-            {
-                "id": identity,
-                "section": p.section,
-                "quantity": p.what,
-                "unit": p.unit,
-                "thesis": p.value,
-                "ours": ours.value,
-                "note": note,
-            }
-        )
-    return rows + chapter.extra
+        row = result(identity, p.section, p.what, p.unit, ours.value, note)
+        rows.append(row | {"thesis": p.value})
+    return rows + content.extra
+
+
+def source_of(identity: str) -> str:
+    """File and line, from the package's folder on, where a number's id stands: there it is made."""
+    for name, lines in _chapter_sources():
+        for number, line in enumerate(lines, start=1):
+            if f'"{identity}"' in line:
+                return f"studies/report/{name}:{number}"
+    return ""
+
+
+@cache
+def _chapter_sources() -> list[tuple[str, list[str]]]:
+    folder = files("polydraulic.studies.report")
+    chapters = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".py"))
+    return [(name, (folder / name).read_text(encoding="utf-8").splitlines()) for name in chapters]

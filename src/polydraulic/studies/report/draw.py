@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic.simulation.trajectory import in_field_units
+from polydraulic.studies.report.catalog import Figure as Catalogued
 from polydraulic.tables import Table
 
 if TYPE_CHECKING:
@@ -18,6 +19,10 @@ STYLES = {
     "iterative": ("C2", "-", 1.0),
     "polynomial": ("C1", "-", 1.2),
     "pressure": ("C3", "-", 1.2),
+    "neural": ("C4", "-", 1.2),
+    "ours": ("C0", "-", 1.0),
+    "polynomial with limit": ("C5", "-", 1.2),
+    "ours with limit": ("C9", "-", 1.2),
 }
 
 
@@ -49,8 +54,8 @@ def time_panel(axis: "Axes", runs: Mapping[str, Table], column: str, title: str)
     unit = ""
     for name, table in runs.items():
         values, unit = in_field_units(table, column)
-        _line(axis, name, table["time"], values)
-    _finish(axis, f"[{unit}]", title)
+        line(axis, name, table["time"], values)
+    finish(axis, f"[{unit}]", title)
 
 
 def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> None:
@@ -58,17 +63,19 @@ def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> No
     exact, unit = in_field_units(runs["exact"], column)
     for name, table in runs.items():
         if name != "exact":
-            _line(axis, name, table["time"], in_field_units(table, column)[0] - exact)
-    _finish(axis, f"less exact [{unit}]", "")
+            line(axis, name, table["time"], in_field_units(table, column)[0] - exact)
+    finish(axis, f"less exact [{unit}]", "")
     axis.set_xlabel("time [s]")
 
 
-def _line(axis: "Axes", name: str, time: np.ndarray, values: np.ndarray) -> None:
+def line(axis: "Axes", name: str, time: np.ndarray, values: np.ndarray) -> None:
+    """A run over time in the style of its flow model."""
     color, style, width = STYLES[name]
     axis.plot(time, values, style, color=color, linewidth=width, label=name)
 
 
-def _finish(axis: "Axes", label: str, title: str) -> None:
+def finish(axis: "Axes", label: str, title: str) -> None:
+    """Label a panel that is complete."""
     axis.set_ylabel(label)
     axis.set_title(title, fontsize="medium")
     axis.grid(alpha=0.3)
@@ -83,3 +90,16 @@ def run_table(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
         for name, table in runs.items():
             data[f"{name} {column}"], units[f"{name} {column}"] = in_field_units(table, column)
     return Table(data, units)
+
+
+def over_time(title: str, see: str, runs: Mapping[str, Table], columns: Mapping[str, str]) -> Catalogued:
+    """Figure of quantities over time, each with its title, and below of their differences from exact."""
+
+    def draw() -> "Figure":
+        figure, axes = canvas(2, len(columns), width=4.8 * len(columns), height=2.4)
+        for place, (column, name) in enumerate(columns.items()):
+            time_panel(axes[0, place], runs, column, name)
+            difference_panel(axes[1, place], runs, column)
+        return figure
+
+    return Catalogued(title, see, {"": run_table(runs, list(columns))}, draw)
