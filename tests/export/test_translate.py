@@ -95,7 +95,7 @@ def many_things(x: float, n: int, v: np.ndarray) -> float:
             half = -(-1.0 * x)
         total = total + (half if half > 0.0 else abs(half - 2)) * sign
     pair = _helper(Pair(total, sign), n)
-    written = _write(v, pair.a)
+    written = 1.0 - max(_write(v, pair.a), x) * 2.0  # alone among what reads no arrays
     return written - (pair.a - (pair.static - math.sqrt(abs(x))) - 1.0) - float(n) / (2 + n)
 
 
@@ -240,7 +240,11 @@ def library_function(x: float) -> float:
 
 
 def writes_inside(v: np.ndarray) -> float:
-    return 1.0 + _write(v, 2.0)
+    return v[0] + _write(v, 2.0)
+
+
+def writes_twice(v: np.ndarray) -> float:
+    return min(_write(v, 2.0), _write(v, 3.0))
 
 
 def writes_through_another_name(v: np.ndarray) -> float:
@@ -317,6 +321,7 @@ REFUSED = [
     (no_end, 0, "does not return on every path"),
     (library_function, 1, "use polydraulic.elementary"),
     (writes_inside, 1, "give its result a name first"),
+    (writes_twice, 1, "give its result a name first"),
     (writes_through_another_name, 2, "must be a parameter"),
     (sliced, 1, "must be a whole number"),
     (backwards, 1, "at least 0"),

@@ -101,9 +101,9 @@ class Expressions:
         """Say where, what, and what to do."""
         raise InputError(f"{self.file}:{getattr(node, 'lineno', 0)}: {self.python.__name__}: {what}")
 
-    def number(self, node: ast.expr) -> Value:
+    def number(self, node: ast.expr, *, whole: bool = False) -> Value:
         """Value that must be a float or an int."""
-        value = self.value(node)
+        value = self.value(node, whole=whole)
         if value.type not in (FLOAT, INT):
             self.refuse(node, f"{ast.unparse(node)} is no number but {value.type}")
         return value
@@ -118,7 +118,7 @@ class Expressions:
         self.refuse(node, f"{ast.unparse(node)} is no condition; compare it with something")
 
     def value(self, node: ast.expr, *, whole: bool = False) -> Value:
-        """Translate; `whole` says that nothing else is evaluated in the same expression, so that calls may write."""
+        """Translate; `whole` says that nothing else in the same expression reads arrays, so that a call may write."""
         match node:
             case ast.Constant(value=bool() | int() | float()):
                 return self.program.literal(node.value)
@@ -129,9 +129,9 @@ class Expressions:
             case ast.Subscript():
                 return self._subscript(node)
             case ast.BinOp():
-                return self._operation(node)
+                return self._operation(node, whole)
             case ast.UnaryOp():
-                return self._unary(node)
+                return self._unary(node, whole)
             case ast.Compare():
                 return self._comparison(node)
             case ast.BoolOp(op=op, values=parts):
@@ -208,11 +208,23 @@ class Expressions:
         rest = array.type.shape[len(places) :]
         return Value(text, Array(array.type.element, rest) if rest else array.type.element, POSTFIX)
 
-    def _operation(self, node: ast.BinOp) -> Value:
+    def _quiet(self, node: ast.expr) -> bool:
+        """Whether an expression neither reads arrays nor calls kernels."""
+        calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
+        plain_calls = all(self.known(call.func) in (min, max, abs, float, int, math.sqrt) for call in calls)
+        return plain_calls and not any(isinstance(part, ast.Subscript) for part in ast.walk(node))
+
+    def _whole(self, nodes: list[ast.expr], whole: bool) -> list[bool]:
+        """Which of several parts may write: one may if all others are quiet, since C evaluates them in any order."""
+        quiet = [self._quiet(node) for node in nodes]
+        return [whole and all(quiet[:i] + quiet[i + 1 :]) for i in range(len(nodes))]
+
+    def _operation(self, node: ast.BinOp, whole: bool) -> Value:
         if type(node.op) not in _OPERATORS:
             self.refuse(node, f"{ast.unparse(node)}: {_WHY.get(type(node.op), 'no C is known for this operator')}")
         sign, binds = _OPERATORS[type(node.op)]
-        left, right = self.number(node.left), self.number(node.right)
+        parts = [node.left, node.right]
+        left, right = (self.number(part, whole=may) for part, may in zip(parts, self._whole(parts, whole), strict=True))
         if binds in (BITS, SHIFT):
             if (left.type, right.type) != (INT, INT):
                 self.refuse(node, f"{ast.unparse(node)}: bits of what is no whole number")
@@ -221,10 +233,10 @@ class Expressions:
             left, right = as_float(left), as_float(right)
         return Value(f"{left.inside(binds)} {sign} {right.inside(binds + 1)}", left.type, binds)
 
-    def _unary(self, node: ast.UnaryOp) -> Value:
+    def _unary(self, node: ast.UnaryOp, whole: bool) -> Value:
         if isinstance(node.op, ast.Not):
             return Value(f"!{self.condition(node.operand).inside(UNARY)}", BOOL, UNARY)
-        value = self.number(node.operand)
+        value = self.number(node.operand, whole=whole)
         if not isinstance(node.op, ast.USub):
             self.refuse(node, f"no C is known for {ast.unparse(node)!r}")
         inner = value.inside(UNARY)
@@ -264,11 +276,11 @@ class Expressions:
         target = self.steps.get(node.func.id) if isinstance(node.func, ast.Name) else None
         target = target if target is not None else self.known(node.func)
         if is_named_tuple(target):
-            return self._construct(node, target)
+            return self._construct(node, target, whole)
         if target in (min, max):
-            return self._extreme(node, "minimum" if target is min else "maximum")
+            return self._extreme(node, "minimum" if target is min else "maximum", whole)
         if target in (abs, math.sqrt):
-            value = self.number(node.args[0])
+            value = self.number(node.args[0], whole=whole)
             if target is abs and value.type == INT:
                 self.refuse(node, "abs of a whole number; write a comparison")
             return Value(f"{'fabs' if target is abs else 'sqrt'}({as_float(value).text})", FLOAT, POSTFIX)
@@ -297,8 +309,9 @@ class Expressions:
             return Value(f"{self.program.helper('bits_of')}({value.text})", INT, POSTFIX)
         self.refuse(node, f"{ast.unparse(node)}: bits of a float as int64, or the other way round")
 
-    def _extreme(self, node: ast.Call, name: str) -> Value:
-        values = [self.number(arg) for arg in node.args]
+    def _extreme(self, node: ast.Call, name: str, whole: bool) -> Value:
+        may = self._whole(node.args, whole)
+        values = [self.number(arg, whole=one) for arg, one in zip(node.args, may, strict=True)]
         if len(values) < 2:
             self.refuse(node, f"{ast.unparse(node)}: needs two numbers")
         kind = FLOAT if any(value.type == FLOAT for value in values) else INT
@@ -309,15 +322,15 @@ class Expressions:
             found = Value(f"{name}({found.text}, {value.text})", kind, POSTFIX)
         return found
 
-    def _construct(self, node: ast.Call, cls: type) -> Value:
+    def _construct(self, node: ast.Call, cls: type, whole: bool) -> Value:
         layouts = self.program.layouts
         layouts.of_annotation(cls, cls.__name__)
         fields = layouts.fields[cls]
         if len(node.args) != len(fields):
             self.refuse(node, f"{cls.__name__} has {len(fields)} fields, {len(node.args)} are given")
         texts = [
-            self.converted(arg, self.value(arg), kind, f"{cls.__name__}.{name}").text
-            for arg, (name, kind) in zip(node.args, fields.items(), strict=True)
+            self.converted(arg, self.value(arg, whole=may), kind, f"{cls.__name__}.{name}").text
+            for arg, may, (name, kind) in zip(node.args, self._whole(node.args, whole), fields.items(), strict=True)
         ]
         return Value(f"({self.program.struct_name(cls)}){{{', '.join(texts)}}}", Struct(cls), POSTFIX, place=True)
 
@@ -333,7 +346,8 @@ class Expressions:
         self.refuse(node, f"{where} is {shown(kind)}, but gets {shown(value.type)}")
 
     def _kernel_call(self, node: ast.Call, python: Any, whole: bool) -> Value:
-        values = [self.value(arg) for arg in node.args]
+        may = self._whole(node.args, whole)
+        values = [self.value(arg, whole=one) for arg, one in zip(node.args, may, strict=True)]
         callee = self.program.function(python, tuple(value.type for value in values), self, node)
         if callee.writes and not whole:
             self.refuse(

@@ -217,7 +217,8 @@ class FunctionTranslator(Expressions):
     def _assign(self, s: ast.stmt, target: ast.expr, source: ast.expr, here: tuple[int, int], indent: str) -> None:
         if isinstance(target, ast.Subscript):
             place = self._stored(target)
-            value = self.converted(s, self.value(source, whole=True), place.type, ast.unparse(target))
+            given = self.value(source, whole=self._quiet(target.slice))
+            value = self.converted(s, given, place.type, ast.unparse(target))
             self._line(s, indent, f"{place.text} = {value.text};")
             return
         assert isinstance(target, ast.Name)
