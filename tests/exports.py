@@ -1,9 +1,19 @@
 """Models that every target must carry over."""
 
 import numpy as np
+from hypothesis import strategies as st
 
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.networks import AbductiveRegressor, Model, PerceptronRegressor, RegionRegressor, Variable
+from polydraulic.networks import (
+    AbductiveRegressor,
+    Model,
+    Network,
+    Node,
+    PerceptronRegressor,
+    RegionRegressor,
+    Variable,
+)
+from polydraulic.networks.nodes import LINEAR, terms
 
 RNG = np.random.default_rng(9)
 X = RNG.uniform(-1.0, 1.0, size=(400, 3))
@@ -33,3 +43,20 @@ def made() -> dict[str, list[Model]]:
 
 
 NAMES = ("single", "linear", "regions", "constant", "perceptron", "raw units", "several", "shipped")
+
+
+@st.composite
+def networks(draw) -> Network:
+    n_input = draw(st.integers(1, 3))
+    number = st.floats(-2.0, 2.0)
+    nodes = []
+    for slot in range(n_input, n_input + draw(st.integers(1, 4))):
+        kind = draw(st.integers(0, 4))
+        size = draw(st.integers(1, slot)) if kind >= LINEAR else kind + 1
+        slots = tuple(draw(st.lists(st.integers(0, slot - 1), min_size=size, max_size=size)))
+        n_term = len(terms(kind, size))
+        nodes.append(Node(kind, slots, tuple(draw(st.lists(number, min_size=n_term, max_size=n_term)))))
+    mean = tuple(draw(st.lists(number, min_size=n_input, max_size=n_input)))
+    scale = tuple(draw(st.lists(st.floats(0.5, 3.0), min_size=n_input, max_size=n_input)))
+    low, high = (-1.0,) * n_input, (1.0,) * n_input
+    return Network(tuple(nodes), mean, scale, low, high, draw(number), draw(number), -50.0, 50.0)

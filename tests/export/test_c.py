@@ -7,8 +7,9 @@ import subprocess
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
-from exports import NAMES
+from exports import NAMES, networks
 from polydraulic.errors import InputError
 from polydraulic.export import bundle, c_name, export_c, to_c
 from polydraulic.networks import Model, Network, Node, Variable
@@ -90,6 +91,21 @@ def test_the_source_tests_itself_under_sanitizers_and_is_cpp_too(which, real, ex
     text = source.read_text()
     for word in ("malloc", "stdio", "printf"):
         assert word not in text
+
+
+@pytest.mark.slow
+@settings(max_examples=40)
+@given(networks())
+def test_any_network_compiles_strictly_and_gives_the_bits_of_the_package(tmp_path_factory, network):
+    model = Model(tuple(Variable(f"x{i}") for i in range(network.n_inputs)), Variable("y"), (network,))
+    function = Compiled([model], tmp_path_factory.mktemp("c"))
+    X = function.whole.points(60)
+    _, y, again, dy, far, _ = function(X)
+    assert np.array_equal(y[:, 0], model.predict(X))
+    assert np.array_equal(again, y)
+    expected = function.whole.slopes(X)
+    assert np.allclose(dy, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max() + 1e-12)
+    assert np.array_equal(far, function.whole.outside(X))
 
 
 def test_the_self_test_finds_a_wrong_number(exported_models, tmp_path):

@@ -63,6 +63,9 @@ def test_bad_input(exported_models, tmp_path):
         export_models(exported_models["single"], "fmi2", tmp_path, real="float")
     with pytest.raises(InputError, match="other platforms go with the targets fmi2 and fmi3"):
         export_models(exported_models["single"], "c", tmp_path, cross=True)
+    for to, out, message in (("c", "q.c", "c writes two files; give a folder$"), ("fmi3", "q.zip", "ends in .fmu")):
+        with pytest.raises(InputError, match=message):
+            export_models(exported_models["single"], to, tmp_path / out)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         export_models(exported_models["single"], "python", tmp_path / "file" / "f.py")

@@ -19,6 +19,7 @@ ENDINGS = {
     "c": "", "fmi2": ".fmu", "fmi3": ".fmu", "onnx": ".onnx", "python": ".py", "sympy": ".py", "latex": ".tex",
 }  # fmt: skip
 TARGETS = tuple(ENDINGS)
+_FILES = {*ENDINGS.values(), ".c", ".h", ".zip", ".json"} - {""}  # endings that are not those of folders
 
 
 class Exported(NamedTuple):
@@ -79,6 +80,8 @@ def export_models(
         raise InputError(f"binaries for other platforms go with the targets fmi2 and fmi3, not with {to}")
     out = Path(out)
     as_file = is_file(to, out)
+    if not as_file and out.suffix in _FILES:
+        raise InputError(f"{out}: {to} writes {ENDINGS[to] or 'two files'}; give {_place(to)}")
     whole = bundle(models, out.stem if as_file and name is None else name)
     path = out if as_file else out / f"{whole.name}{ENDINGS[to]}"
     notes = []
@@ -101,6 +104,10 @@ def export_models(
     if to in ("c", "python") and (renamed := whole.renamed()):
         notes.append("names: " + ", ".join(f"{old} is {new}" for old, new in renamed.items()))
     return Exported(paths, notes)
+
+
+def _place(to: str) -> str:
+    return f"a folder or a name that ends in {ENDINGS[to]}" if ENDINGS[to] else "a folder"
 
 
 def is_file(to: str, out: str | Path) -> bool:

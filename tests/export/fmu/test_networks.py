@@ -5,8 +5,12 @@ import shutil
 import subprocess
 import zipfile
 
+import casadi
+import fmpy
 import numpy as np
 import pytest
+from fmpy import validation
+from fmpy.build import build_platform_binary
 
 from exports import NAMES
 from polydraulic.errors import InputError
@@ -14,8 +18,6 @@ from polydraulic.export import build, bundle
 from polydraulic.export.fmu import export_fmu, package
 from polydraulic.networks import Model, Variable
 
-fmpy = pytest.importorskip("fmpy")
-validation = pytest.importorskip("fmpy.validation")
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 TYPES = ("ModelExchange", "CoSimulation")
 
@@ -130,7 +132,6 @@ def test_directional_and_adjoint_derivatives_are_those_of_the_package(which, ver
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_casadi_differentiates(version, made):
-    casadi = pytest.importorskip("casadi")
     _, whole, folder = made("several", version)
     builder = casadi.DaeBuilder("model", str(folder))
     assert builder.u() == [variable.name for variable in whole.inputs]
@@ -206,8 +207,6 @@ def test_sources_are_strict_c_and_link_statically_with_the_prefix(version, made)
 def test_an_fmu_without_compiler_holds_sources_that_the_importer_compiles(version, exported_models, tmp_path):
     if shutil.which("cmake") is None:
         pytest.skip("needs cmake")
-    from fmpy.build import build_platform_binary
-
     made = export_fmu(exported_models["regions"], tmp_path / "s.fmu", version=version, compiler="")
     assert made.binaries == ()
     folder = fmpy.extract(str(made.path), unzipdir=str(tmp_path / "in"))

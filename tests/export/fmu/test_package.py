@@ -2,8 +2,10 @@
 
 import shutil
 
+import fmpy
 import numpy as np
 import pytest
+from fmpy import validation
 
 from polydraulic.errors import InputError
 from polydraulic.export.fmu import FmuDescription, FmuVariable, write_fmu
@@ -40,8 +42,6 @@ WHAT = FmuDescription(
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_memory_goes_on_through_steps_and_failure_is_told(version, tmp_path):
-    fmpy = pytest.importorskip("fmpy")
-    validation = pytest.importorskip("fmpy.validation")
     if shutil.which("gcc") is None:
         pytest.skip("needs gcc")
     path = str(write_fmu(WHAT, {"equations.h": EQUATIONS}, tmp_path / "i.fmu", version=version, page="").path)
