@@ -7,7 +7,7 @@ Read in this order: `bundle` (models that go together), `c` with `c_network` and
 
 from polydraulic.export.bundle import Bundle, bundle, c_name
 from polydraulic.export.c import export_c, to_c
-from polydraulic.export.fmu import export_fmu
+from polydraulic.export.fmu import export_fmu, export_machine_fmu
 from polydraulic.export.formula import to_latex, to_python, to_sympy, to_text
 from polydraulic.export.machine import export_machine, machine_c
 from polydraulic.export.onnx import export_onnx, to_onnx
@@ -25,6 +25,7 @@ __all__ = [
     "export_c",
     "export_fmu",
     "export_machine",
+    "export_machine_fmu",
     "export_models",
     "export_onnx",
     "machine_c",
