@@ -9,7 +9,7 @@ import pytest
 from polydraulic import cli
 from polydraulic.networks import Model, Network, Variable, load_models, save_models
 from polydraulic.parameters import scenario_names
-from polydraulic.tables import read_table
+from polydraulic.tables import Table, read_table, write_table
 
 
 @pytest.fixture
@@ -147,6 +147,25 @@ def files(tmp_path):
 
 
 FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
+
+
+def test_a_log_becomes_a_model_with_a_card_and_is_judged_by_the_next_one(call, tmp_path):
+    for seed, scale in ((1, 1.0), (2, 1.0), (3, 0.8)):
+        rng = np.random.default_rng(seed)
+        t = 0.01 * np.arange(1000)
+        a, b = np.sin(t), np.cos(0.37 * t)
+        y = scale * a * b + 0.01 * rng.normal(size=len(t))
+        write_table(Table({"time": t, "a": a, "b": b, "y": y}, {"time": "s", "y": "Pa"}), tmp_path / f"{seed}.parquet")
+    model, card = tmp_path / "m.json", tmp_path / "m.html"
+    code, _, _ = call(
+        "fit", tmp_path / "1.parquet", "--inputs", "a,b", "--outputs", "y", "--out", model, "--card", card
+    )
+    assert code == 0
+    assert "blocks of time" in card.read_text()
+    code, out, _ = call("check", model, "--data", tmp_path / "2.parquet")
+    assert (code, out.splitlines()[0]) == (0, "y [Pa]: holds")
+    code, out, _ = call("check", model, "--data", tmp_path / "3.parquet")
+    assert (code, out.splitlines()[0]) == (1, "y [Pa]: does not hold any more")
 
 
 def test_the_machine_leaves_python(call, tmp_path):

@@ -37,19 +37,30 @@ def fit(
         str | None,
         typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given."),
     ] = None,
+    card: Annotated[
+        Path | None, typer.Option(help="Model card to write, .html: data, errors, intervals, proofs, equations.")
+    ] = None,
 ) -> None:
     """Learn polynomial networks from a table.
 
-    A fifth of the rows, every fifth one, is held out to state the error; the model is then fitted on all rows.
+    A fifth of the rows is held out to state the error: blocks of time where the table has a column `time`, every fifth row
+    elsewhere. The model is then fitted on all rows.
 
     Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
+
+    - From a log, with all that an engineer asks before trusting it: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
+    --outputs boom.q_in --regions 12 --out q_in.json --card q_in.html`; `polydraulic check q_in.json --data new.parquet` later
+    says whether it still holds.
     """
     from polydraulic.networks import AbductiveRegressor, save_models
     from polydraulic.studies.fit import fit_table
+    from polydraulic.studies.model_card import write_card
     from polydraulic.tables import read_table
 
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
-    data = read_table(table, [*names, *targets])
+    if card is not None and card.suffix.lower() != ".html":
+        raise InputError(f"{card}: a model card ends in .html")
+    data = read_table(table, [*names, *targets], optional=["time", "segment"])
     limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
     estimator = AbductiveRegressor(
         max_layers=layers,
@@ -60,6 +71,8 @@ def fit(
     with steps("fit", 2 * len(targets)) as progress:
         fits = fit_table(data, names, targets, estimator, _edges(edges or []), regions, progress)
     save_models([found.model for found in fits], out)
+    if card is not None:
+        write_card(fits, data, table.name, card)
     for found in fits:
         print(
             f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
@@ -81,16 +94,29 @@ def check(
         ),
     ] = None,
     boxes: Annotated[int, typer.Option(help="Sub-boxes a region that the proof may take.", min=1)] = 20000,
+    data: Annotated[
+        Path | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
+    ] = None,
 ) -> None:
     """Prove where the outputs of a model can go, anywhere in its domain or a box: a proof, not a sample.
 
     Prints the proved range and the ranges of the slopes by region. With `--range`, says whether the model stays in it, or
     where it leaves; the exit code is 1 unless it is proved to stay.
 
+    With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
+    no longer holds.
+
     Example: `polydraulic check q_in.json --range 0,0.0028`
+
+    - A year later: `polydraulic check q_in.json --data this_year.parquet`
     """
     from polydraulic.networks import check_range, load_models, model_bounds
 
+    if data is not None:
+        if within is not None or box:
+            raise InputError("--data judges a model by measurements; --range and --box go with a proof")
+        _judge(load_models(model), data)
+        return
     limits = None if within is None else _numbers(within, "--range", 2)
     proved = True
     for found in load_models(model):
@@ -109,6 +135,26 @@ def check(
             for variable, (low, high) in zip(found.inputs, region.slopes, strict=True):
                 print(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
     if not proved:
+        raise typer.Exit(1)
+
+
+def _judge(models: "list[Model]", data: Path) -> None:
+    """Say whether models hold on a table."""
+    from polydraulic.studies.validity import validity
+    from polydraulic.tables import read_table
+
+    table, holds = read_table(data), True
+    for model in models:
+        found = validity(model, table)
+        holds &= found.holds
+        print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")
+        for statement in found.statements:
+            print(f"  {statement}")
+        for region in found.regions:
+            if region["rows"]:
+                sizes = f"rms {region['rms']:.4g}, largest {region['largest']:.4g}"
+                print(f"    {region['region']}: {region['rows']} rows, {sizes}")
+    if not holds:
         raise typer.Exit(1)
 
 
