@@ -10,13 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from polydraulic.networks.bounds import Bounds, check_range, model_bounds, network_bounds
 from polydraulic.networks.compiled import compiled
+from polydraulic.networks.free_run import free_run
+from polydraulic.networks.lags import Dynamics, Lag
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.partition import Split, grid
 from polydraulic.networks.table import Network, NetworkTable, Node
 
 if TYPE_CHECKING:
+    from polydraulic.networks.adaptation import Adapter
     from polydraulic.networks.classifier import AbductiveClassifier
+    from polydraulic.networks.dynamic import DynamicRegressor
     from polydraulic.networks.generator import Learnt, learn_from
     from polydraulic.networks.perceptron import PerceptronRegressor, hidden_unit_sweep
     from polydraulic.networks.regions import RegionRegressor
@@ -26,6 +30,8 @@ if TYPE_CHECKING:
 _LEARNERS = {
     "AbductiveClassifier": "classifier",
     "AbductiveRegressor": "regressor",
+    "Adapter": "adaptation",
+    "DynamicRegressor": "dynamic",
     "Learnt": "generator",
     "PerceptronRegressor": "perceptron",
     "RegionRegressor": "regions",
@@ -43,7 +49,11 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "AbductiveClassifier",
     "AbductiveRegressor",
+    "Adapter",
     "Bounds",
+    "DynamicRegressor",
+    "Dynamics",
+    "Lag",
     "Learnt",
     "Model",
     "Network",
@@ -57,6 +67,7 @@ __all__ = [
     "compiled",
     "describe",
     "dump_models",
+    "free_run",
     "grid",
     "hidden_unit_sweep",
     "learn_from",
