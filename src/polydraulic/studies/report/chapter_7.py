@@ -166,7 +166,7 @@ def _text(study: ThreeLinkStudy) -> str:
     <p><strong>Where polynomial networks do not pay.</strong> In speed: in compiled code the closed form of the circuit is as fast
     as a network (a step with networks takes {cost["ours"].time:.2f} of a step with it), exact, and needs no training; the
     iteration that the thesis replaced is faster still where it converges. In accuracy: a lookup table of {cost["lookup"].memory / 1e6:.1f}
-    MB, filled from the exact flow, is of the same class. Without its clamps a polynomial leaves the physical range at corners
+    MB, filled from the exact flow, is faster still and closer where no relief valve opens. Without its clamps a polynomial leaves the physical range at corners
     of its domain (last table), so that nobody should use one without them.</p>
     <p><strong>Where they do.</strong> No orifice areas: a network is learnt from flows, pressures and spool positions that can be
     measured, from scattered points, which no lookup table of four inputs can be. Proved bounds over the whole domain. A fixed
