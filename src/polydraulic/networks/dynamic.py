@@ -118,6 +118,8 @@ class DynamicRegressor(BaseEstimator):
         ValueError
             Infinite values, settings out of range, too few rows that follow each other.
         """
+        if self.raster is not None and not 0.0 < self.raster < np.inf:
+            raise InputError(f"raster = {self.raster!r}: must be a time above 0 in s")
         X, y = self._checked(X, y, reset=True)
         self._single_output = y.ndim == 1
         signals = np.column_stack([X, y])

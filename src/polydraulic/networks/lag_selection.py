@@ -1,6 +1,7 @@
 """Lags, and how complex a dynamic model may be: a walk over choices, each judged by how it runs on rows held out."""
 
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import NamedTuple
 
 from polydraulic.errors import InputError
@@ -23,7 +24,8 @@ class Choice(NamedTuple):
     horizon : int or None
         Rows over which coefficients were refined.
     error : float
-        Free-run error on held-out blocks as a part of the standard deviation; rms over blocks and outputs.
+        Free-run error on held-out blocks as a part of the standard deviation, rms over blocks and outputs; infinite if nothing
+        was left open, since then it is not computed.
     """
 
     input_lags: tuple[int, ...]
@@ -31,7 +33,7 @@ class Choice(NamedTuple):
     increments: bool
     layers: tuple[int, ...]
     horizon: int | None
-    error: float = float("nan")
+    error: float = inf
 
     @property
     def longest(self) -> int:
@@ -99,7 +101,9 @@ def select(options: Options, judge: Callable[[Choice], float], say: Callable[[Ch
     best, here, waited = judged(options.at(1, 1)), (1, 1), 0
     rungs = [(a, b) for a, b in ((0, 1), (1, 0), (1, 1))]
     rungs = [
-        (a, b) for a, b in rungs if not ((a and options.input_lags is not None) or (b and options.output_lags is not None))
+        (a, b)
+        for a, b in rungs
+        if not ((a and options.input_lags is not None) or (b and options.output_lags is not None))
     ]
     while waited < _PATIENCE:
         steps = [(here[0] + a, here[1] + b) for a, b in rungs if max(here[0] + a, here[1] + b) <= len(options.ladder)]
@@ -109,12 +113,11 @@ def select(options: Options, judge: Callable[[Choice], float], say: Callable[[Ch
         nearest, here = min(found, key=lambda one: one[0].error)
         waited = 0 if _better(nearest, best) else waited + 1
         best = nearest if waited == 0 else best
-    others = [best._replace(increments=option) for option in options.increments]
-    best = _best(best, [judged(other) for other in others])
+    best = _simplest([judged(best._replace(increments=option)) for option in options.increments])
     for k in range(options.n_output):
-        layers = [(*best.layers[:k], depth, *best.layers[k + 1 :]) for depth in options.layers]
+        layers = [(*best.layers[:k], depth, *best.layers[k + 1 :]) for depth in sorted(options.layers)]
         others = [best._replace(layers=own, horizon=rows) for own in layers for rows in options.horizons]
-        best = _best(best, [judged(other) for other in others])
+        best = _simplest([judged(other) for other in others])
     return [*tried.values(), best]
 
 
@@ -130,11 +133,10 @@ def checked_lags(name: str, lags: str | Sequence[int], least: int) -> tuple[int,
     return tuple(sorted(lags))
 
 
-def _best(first: Choice, others: Sequence[Choice]) -> Choice:
-    best = first
-    for other in others:
-        best = other if _better(other, best) else best
-    return best
+def _simplest(choices: Sequence[Choice]) -> Choice:
+    """Return the first that no other betters; simple ones stand first."""
+    least = min(choice.error for choice in choices)
+    return next(choice for choice in choices if choice.error <= least / (1.0 - _GAIN))
 
 
 def _better(one: Choice, other: Choice) -> bool:
