@@ -20,7 +20,9 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/solvers.py
 	$(BIN)/python benchmarks/machine.py
+	$(BIN)/python benchmarks/machine_c.py
 	$(BIN)/python benchmarks/flows.py
+	$(BIN)/python benchmarks/exports.py
 	$(BIN)/python benchmarks/networks.py --quick
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.

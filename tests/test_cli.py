@@ -89,10 +89,15 @@ def test_sample_fit_export(call, tmp_path):
     assert [str(m.output) for m in load_models(model)] == ["boom.q_in [m3/s]", "boom.p_pump [Pa]"]
     code, out, _ = call("export", model, "--to", "c", "--out", tmp_path / "c")
     assert code == 0
-    assert sorted(p.name for p in (tmp_path / "c").iterdir()) == [
-        "boom_p_pump.c", "boom_p_pump.h", "boom_q_in.c", "boom_q_in.h",
-    ]  # fmt: skip
-    assert "boom_q_in.c" in out
+    assert sorted(p.name for p in (tmp_path / "c").iterdir()) == ["q.c", "q.h"]
+    assert "q.c" in out
+    assert "note: names: boom.travel is boom_travel" in out
+    code, out, _ = call("export", model, "--to", "fmi2", "--out", tmp_path / "boom.fmu")
+    assert code == 0
+    assert (tmp_path / "boom.fmu").stat().st_size > 10_000
+    code, out, _ = call("verify", model, "--points", 60)
+    assert code == 0
+    assert re.search(r"^python: boom.p_pump \[Pa\] +0 +0 +0 ", out, re.MULTILINE)
 
 
 def test_fit_needs_no_hydraulics(call, tmp_path):
@@ -189,6 +194,14 @@ FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
         (("check", "{0}/c.json", "--box", "a=1"), "--box a"),
         (("check", "{0}/c.json", "--range", "2,1"), "range [2.0, 1.0]"),
         (("export", "{0}/bad.json", "--out", "{0}/c"), "bad.json: not a model file"),
+        (("export", "{0}/c.json", "--to", "simulink", "--out", "{0}/c"), "unknown target 'simulink'; choose one of"),
+        (("export", "{0}/c.json", "--to", "fmi3", "--out", "{0}/good.csv/c.fmu"), "cannot write"),
+        (
+            ("export", "{0}/c.json", "--to", "latex", "--real", "float", "--out", "{0}/c"),
+            "goes with the targets c and onnx",
+        ),
+        (("export", "{0}/c.json", "--real", "half", "--out", "{0}/c"), "real = 'half'"),
+        (("verify", "{0}/bad.json"), "bad.json: not a model file"),
         (("report", "--chapter", "9", "--out", "{0}/r"), "no chapter 9"),
         (("report", "--out", "{0}/good.csv/r"), "cannot write"),
     ],
@@ -203,7 +216,9 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
     assert sorted(files.iterdir()) == before
 
 
-@pytest.mark.parametrize("command", ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export"])
+@pytest.mark.parametrize(
+    "command", ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export", "verify"]
+)
 def test_help_shows_an_example(call, command):
     code, out, _ = call(command, "--help")
     assert code == 0

@@ -15,6 +15,7 @@ from polydraulic.networks.lags import Dynamics, Lag
 from polydraulic.networks.model import Model, Variable, describe
 from polydraulic.networks.model_file import dump_models, load_models, parse_models, save_models
 from polydraulic.networks.partition import Split, grid
+from polydraulic.networks.slopes import distance_outside, model_slopes
 from polydraulic.networks.table import Network, NetworkTable, Node
 
 if TYPE_CHECKING:
@@ -66,6 +67,7 @@ __all__ = [
     "check_range",
     "compiled",
     "describe",
+    "distance_outside",
     "dump_models",
     "free_run",
     "grid",
@@ -73,6 +75,7 @@ __all__ = [
     "learn_from",
     "load_models",
     "model_bounds",
+    "model_slopes",
     "network_bounds",
     "parse_models",
     "save_models",
