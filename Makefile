@@ -1,6 +1,7 @@
 # Every target sets up .venv first if it is missing or out of date; nothing else needs to be installed.
 PYTHON ?= python3
 BIN := .venv/bin
+PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
 .PHONY: report test test-all bench bench-peers lint clean
 
@@ -9,12 +10,12 @@ report: .venv/ready
 
 # Compiled first, then the quick tests once more in plain Python: the kernels must not depend on the compiler.
 test: .venv/ready
-	$(BIN)/pytest -m "not slow"
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -m "not slow"
+	$(PYTEST) -m "not slow"
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow"
 
 test-all: .venv/ready
-	$(BIN)/pytest
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -m "not slow"
+	$(PYTEST)
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow"
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py

@@ -149,6 +149,20 @@ def files(tmp_path):
 FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
 
 
+def test_the_machine_leaves_python(call, tmp_path):
+    code, out, _ = call("export-machine", "--to", "c", "--name", "digger", "--out", tmp_path)
+    assert code == 0
+    assert sorted(path.name for path in tmp_path.glob("digger*.c")) == [
+        "digger.c",
+        "digger_kernels.c",
+        "digger_parameters.c",
+    ]
+    assert all(str(path) in out for path in tmp_path.iterdir())
+    code, out, _ = call("export-machine", "--to", "fmi2", "--out", tmp_path / "m.fmu")
+    assert code == 0
+    assert out.startswith(f"{tmp_path / 'm.fmu'}: ")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -201,6 +215,10 @@ FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
             "goes with the targets c and onnx",
         ),
         (("export", "{0}/c.json", "--real", "half", "--out", "{0}/c"), "real = 'half'"),
+        (
+            ("export-machine", "--to", "onnx", "--out", "{0}/m"),
+            "--to 'onnx': the machine can be written as c, fmi2 or fmi3",
+        ),
         (("verify", "{0}/bad.json"), "bad.json: not a model file"),
         (("report", "--chapter", "9", "--out", "{0}/r"), "no chapter 9"),
         (("report", "--out", "{0}/good.csv/r"), "cannot write"),
@@ -217,7 +235,8 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
 
 
 @pytest.mark.parametrize(
-    "command", ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export", "verify"]
+    "command",
+    ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export", "verify", "export-machine"],
 )
 def test_help_shows_an_example(call, command):
     code, out, _ = call(command, "--help")

@@ -1,4 +1,4 @@
-"""Commands of the machine: simulate, animate, scenarios, sample."""
+"""Commands of the machine: simulate, animate, scenarios, sample, export-machine."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -182,3 +182,39 @@ def sample(
     table = sample_boom(load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
     write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
+
+
+@app.command()
+def export_machine(
+    out: Annotated[Path, typer.Option(help="Folder to write C to, or an .fmu file.")],
+    to: Annotated[str, typer.Option(help="c, fmi2 or fmi3.")] = "fmi3",
+    flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
+    name: Annotated[str, typer.Option(help="What it is called, a C identifier.")] = "machine",
+    dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
+    cross: Annotated[
+        bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, by the package ziglang.")
+    ] = False,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Write the whole machine, joysticks to end-effector, as C99 or as an FMU for co-simulation; no Python in it.
+
+    The kernels themselves are translated: its results have the bits of `simulate`.
+
+    Example: `polydraulic export-machine --to fmi3 --flow polynomial --out excavator.fmu`
+
+    - C99 for a controller or a test bench: `polydraulic export-machine --to c --out excavator`
+    """
+    from polydraulic.export import export_machine as write_c
+    from polydraulic.export import export_machine_fmu
+    from polydraulic.flow import build_flow
+    from polydraulic.parameters import load_machine
+
+    if to not in ("c", "fmi2", "fmi3"):
+        raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
+    plant = load_machine(machine)
+    if to == "c":
+        for path in write_c(plant, build_flow(flow, plant), out, name=name, dt=dt):
+            print(path)
+        return
+    written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
+    print(f"{written.path}: {', '.join(written.binaries) or 'no compiler found, sources only: importers compile them'}")
