@@ -72,7 +72,7 @@ class Effort(NamedTuple):
 FINE = units.to_si(0.07, "in3/s")
 OF_TWO = Effort(FINE, 64, 1500)
 OF_THREE = Effort(FINE, 48, 1500, AbductiveRegressor(max_layers=4, carve=False), 2000)
-OF_FOUR = Effort(FINE, 116, 1500, AbductiveRegressor(max_layers=5, carve=False), 2500)
+OF_FOUR = Effort(FINE, 150, 1500, AbductiveRegressor(max_layers=5, carve=False), 2500)
 OF_FOUR_LIMITED = Effort(FINE, 56, 1500, AbductiveRegressor(max_layers=4, carve=False), 2500)
 Progress = Callable[[str, int, float], None]
 
