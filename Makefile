@@ -1,6 +1,7 @@
 # Every target sets up .venv first if it is missing or out of date; nothing else needs to be installed.
 PYTHON ?= python3
 BIN := .venv/bin
+PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
 .PHONY: report test test-all bench bench-peers lint clean
 
@@ -9,18 +10,20 @@ report: .venv/ready
 
 # Compiled first, then the quick tests once more in plain Python: the kernels must not depend on the compiler.
 test: .venv/ready
-	$(BIN)/pytest -m "not slow"
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -m "not slow"
+	$(PYTEST) -m "not slow"
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow"
 
 test-all: .venv/ready
-	$(BIN)/pytest
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -m "not slow"
+	$(PYTEST)
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow"
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/solvers.py
 	$(BIN)/python benchmarks/machine.py
+	$(BIN)/python benchmarks/machine_c.py
 	$(BIN)/python benchmarks/flows.py
+	$(BIN)/python benchmarks/exports.py
 	$(BIN)/python benchmarks/networks.py --quick
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.

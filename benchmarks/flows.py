@@ -10,6 +10,7 @@ import numpy as np
 
 from polydraulic import build_flow, compare, load_machine, load_scenario, simulate
 from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
+from polydraulic.flow.polynomial import shipped_models
 from polydraulic.flow.sample import sample_flow
 from polydraulic.parameters import LINKS, random_operator
 from polydraulic.studies.timing import time_runs
@@ -50,6 +51,19 @@ def map_errors(machine, model, n=20000):
     return np.sqrt(np.mean(error**2, axis=0)), np.abs(error).max(axis=0)
 
 
+def torque_limit(machine):
+    """Networks with and without those of the limit, on pumps that have one."""
+    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    models = {
+        "with those of the limit": build_flow("polynomial", limited),
+        "without": build_flow("polynomial", limited, models=shipped_models()),
+    }
+    scenarios = [load_scenario(name) for name in SCENARIOS]
+    pairs = [(scenario, simulate(limited, "exact", scenario)) for scenario in scenarios]
+    rows = [[name, *(f"{distance(limited, model, s, e):.1f}" for s, e in pairs)] for name, model in models.items()]
+    table("The same with a torque limit, from exact with it, mm", ["networks", *SCENARIOS], rows)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--operators", type=int, default=20, help="random operators of 60 s")
@@ -80,6 +94,7 @@ def main():
     for name, values in seconds.items():
         steps = round(load_scenario(name).duration / 5e-3)
         print(f"\nexact, {name}: {values['exact'] / steps * 1e9:.0f} ns a step")
+    torque_limit(machine)
 
 
 if __name__ == "__main__":

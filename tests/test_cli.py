@@ -9,7 +9,7 @@ import pytest
 from polydraulic import cli
 from polydraulic.networks import Model, Network, Variable, load_models, save_models
 from polydraulic.parameters import scenario_names
-from polydraulic.tables import read_table
+from polydraulic.tables import Table, read_table, write_table
 
 
 @pytest.fixture
@@ -89,10 +89,15 @@ def test_sample_fit_export(call, tmp_path):
     assert [str(m.output) for m in load_models(model)] == ["boom.q_in [m3/s]", "boom.p_pump [Pa]"]
     code, out, _ = call("export", model, "--to", "c", "--out", tmp_path / "c")
     assert code == 0
-    assert sorted(p.name for p in (tmp_path / "c").iterdir()) == [
-        "boom_p_pump.c", "boom_p_pump.h", "boom_q_in.c", "boom_q_in.h",
-    ]  # fmt: skip
-    assert "boom_q_in.c" in out
+    assert sorted(p.name for p in (tmp_path / "c").iterdir()) == ["q.c", "q.h"]
+    assert "q.c" in out
+    assert "note: names: boom.travel is boom_travel" in out
+    code, out, _ = call("export", model, "--to", "fmi2", "--out", tmp_path / "boom.fmu")
+    assert code == 0
+    assert (tmp_path / "boom.fmu").stat().st_size > 10_000
+    code, out, _ = call("verify", model, "--points", 60)
+    assert code == 0
+    assert re.search(r"^python: boom.p_pump \[Pa\] +0 +0 +0 ", out, re.MULTILINE)
 
 
 def test_fit_needs_no_hydraulics(call, tmp_path):
@@ -144,6 +149,39 @@ def files(tmp_path):
 FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
 
 
+def test_a_log_becomes_a_model_with_a_card_and_is_judged_by_the_next_one(call, tmp_path):
+    for seed, scale in ((1, 1.0), (2, 1.0), (3, 0.8)):
+        rng = np.random.default_rng(seed)
+        t = 0.01 * np.arange(1000)
+        a, b = np.sin(t), np.cos(0.37 * t)
+        y = scale * a * b + 0.01 * rng.normal(size=len(t))
+        write_table(Table({"time": t, "a": a, "b": b, "y": y}, {"time": "s", "y": "Pa"}), tmp_path / f"{seed}.parquet")
+    model, card = tmp_path / "m.json", tmp_path / "m.html"
+    code, _, _ = call(
+        "fit", tmp_path / "1.parquet", "--inputs", "a,b", "--outputs", "y", "--out", model, "--card", card
+    )
+    assert code == 0
+    assert "blocks of time" in card.read_text()
+    code, out, _ = call("check", model, "--data", tmp_path / "2.parquet")
+    assert (code, out.splitlines()[0]) == (0, "y [Pa]: holds")
+    code, out, _ = call("check", model, "--data", tmp_path / "3.parquet")
+    assert (code, out.splitlines()[0]) == (1, "y [Pa]: does not hold any more")
+
+
+def test_the_machine_leaves_python(call, tmp_path):
+    code, out, _ = call("export-machine", "--to", "c", "--name", "digger", "--out", tmp_path)
+    assert code == 0
+    assert sorted(path.name for path in tmp_path.glob("digger*.c")) == [
+        "digger.c",
+        "digger_kernels.c",
+        "digger_parameters.c",
+    ]
+    assert all(str(path) in out for path in tmp_path.iterdir())
+    code, out, _ = call("export-machine", "--to", "fmi2", "--out", tmp_path / "m.fmu")
+    assert code == 0
+    assert out.startswith(f"{tmp_path / 'm.fmu'}: ")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -189,6 +227,18 @@ FIT = ("--inputs", "a,b", "--outputs", "c", "--out", "{0}/m.json")
         (("check", "{0}/c.json", "--box", "a=1"), "--box a"),
         (("check", "{0}/c.json", "--range", "2,1"), "range [2.0, 1.0]"),
         (("export", "{0}/bad.json", "--out", "{0}/c"), "bad.json: not a model file"),
+        (("export", "{0}/c.json", "--to", "simulink", "--out", "{0}/c"), "unknown target 'simulink'; choose one of"),
+        (("export", "{0}/c.json", "--to", "fmi3", "--out", "{0}/good.csv/c.fmu"), "cannot write"),
+        (
+            ("export", "{0}/c.json", "--to", "latex", "--real", "float", "--out", "{0}/c"),
+            "goes with the targets c and onnx",
+        ),
+        (("export", "{0}/c.json", "--real", "half", "--out", "{0}/c"), "real = 'half'"),
+        (
+            ("export-machine", "--to", "onnx", "--out", "{0}/m"),
+            "--to 'onnx': the machine can be written as c, fmi2 or fmi3",
+        ),
+        (("verify", "{0}/bad.json"), "bad.json: not a model file"),
         (("report", "--chapter", "9", "--out", "{0}/r"), "no chapter 9"),
         (("report", "--out", "{0}/good.csv/r"), "cannot write"),
     ],
@@ -203,7 +253,10 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
     assert sorted(files.iterdir()) == before
 
 
-@pytest.mark.parametrize("command", ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export"])
+@pytest.mark.parametrize(
+    "command",
+    ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export", "verify", "export-machine"],
+)
 def test_help_shows_an_example(call, command):
     code, out, _ = call(command, "--help")
     assert code == 0

@@ -34,7 +34,10 @@ def test_every_parameter_is_described(package):
             assert not missing, f"{package}.{name}: {missing}"
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/guide.md", "docs/simulation.md"])
+PAGES = ["README.md", *(f"docs/{name}.md" for name in "guide simulation dynamic_models export export_machine".split())]
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_python_in_the_pages_runs(page, tmp_path, monkeypatch):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
     assert blocks

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from polydraulic.elementary import exp, log, sincos, tanh
+from polydraulic.elementary import exp, log, sincos, sincos_of, tanh
 
 
 @given(st.floats(-1e6, 1e6))
@@ -46,3 +46,11 @@ def test_sincos_in_every_quadrant(quarter):
         both = sincos(x)
         assert abs(both.sin - math.sin(x)) < 2.3e-16
         assert abs(both.cos - math.cos(x)) < 2.3e-16
+
+
+def test_sincos_of_arrays_has_the_bits_of_sincos():
+    x = np.linspace(-9.0, 9.0, 36).reshape(3, 4, 3)[:, ::2]
+    sin, cos = sincos_of(x)
+    assert sin.shape == cos.shape == x.shape
+    for place in np.ndindex(x.shape):
+        assert (sin[place], cos[place]) == sincos(x[place])

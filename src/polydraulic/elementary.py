@@ -5,11 +5,11 @@ they give the same bits in numba, plain Python and C, one value at a time or man
 minimax ones of Sun's fdlibm; the largest errors are tested against `math` in ``tests/test_elementary.py``.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import kernel
+from polydraulic._kernel import driver, kernel
 
 _ROUND = 6755399441055744.0  # 1.5 * 2^52: adding and subtracting it rounds to the nearest integer
 _TWO_OVER_PI = 0.6366197723675814
@@ -64,6 +64,21 @@ def sincos(x: float) -> SinCos:
     sin = -sin if (quadrant == -1.0 or abs(quadrant) == 2.0) else sin
     cos = -cos if (quadrant == 1.0 or abs(quadrant) == 2.0) else cos
     return SinCos(sin, cos)
+
+
+@driver
+def _sincos_of(x: np.ndarray, sin: np.ndarray, cos: np.ndarray) -> None:
+    for i in range(x.shape[0]):
+        both = sincos(x[i])
+        sin[i], cos[i] = both.sin, both.cos
+
+
+def sincos_of(x: np.ndarray) -> tuple[Any, Any]:
+    """Sines and cosines of an array of any shape, with the bits of `sincos`."""
+    flat = np.ascontiguousarray(x, dtype=np.float64).ravel()
+    sin, cos = np.empty_like(flat), np.empty_like(flat)
+    _sincos_of(flat, sin, cos)
+    return sin.reshape(np.shape(x)), cos.reshape(np.shape(x))
 
 
 @kernel

@@ -103,8 +103,8 @@ def table_writer(
                 yield lambda columns: file.write_table(pa.table(list(columns), schema=schema))
 
 
-def read_table(path: str | Path, columns: Sequence[str] | None = None) -> Table:
-    """Read a CSV or Parquet table; only `columns` if given.
+def read_table(path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = ()) -> Table:
+    """Read a CSV or Parquet table; only `columns` if given, and those of `optional` that it has.
 
     Raises
     ------
@@ -140,7 +140,11 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None) -> Table:
             raise InputError(f"{path}: column {name!r} appears twice; give each column its own name")
         names.append(name)
         units[name] = unit
-    wanted = list(columns) if columns is not None else names
+    wanted = (
+        [*columns, *(name for name in optional if name in units and name not in columns)]
+        if columns is not None
+        else names
+    )
     missing = [name for name in wanted if name not in units]
     if missing:
         raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}")

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exports import networks
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_latex, to_python, to_sympy, to_text
 from polydraulic.flow.polynomial import shipped_models
@@ -21,7 +22,7 @@ from polydraulic.networks import (
     RegionRegressor,
     Variable,
 )
-from polydraulic.networks.nodes import KIND_NAMES, LINEAR, terms
+from polydraulic.networks.nodes import KIND_NAMES
 
 RNG = np.random.default_rng(9)
 X = RNG.uniform(-1.0, 1.0, size=(300, 3))
@@ -110,23 +111,6 @@ def test_python_source_takes_whole_numbers_and_refuses_a_wrong_count():
     assert function(1, 0, 0) == function(1.0, 0.0, 0.0)
     with pytest.raises(ValueError, match="unpack"):
         function(1.0, 2.0)
-
-
-@st.composite
-def networks(draw) -> Network:
-    n_input = draw(st.integers(1, 3))
-    number = st.floats(-2.0, 2.0)
-    nodes = []
-    for slot in range(n_input, n_input + draw(st.integers(1, 4))):
-        kind = draw(st.integers(0, 4))
-        size = draw(st.integers(1, slot)) if kind >= LINEAR else kind + 1
-        slots = tuple(draw(st.lists(st.integers(0, slot - 1), min_size=size, max_size=size)))
-        n_term = len(terms(kind, size))
-        nodes.append(Node(kind, slots, tuple(draw(st.lists(number, min_size=n_term, max_size=n_term)))))
-    mean = tuple(draw(st.lists(number, min_size=n_input, max_size=n_input)))
-    scale = tuple(draw(st.lists(st.floats(0.5, 3.0), min_size=n_input, max_size=n_input)))
-    low, high = (-1.0,) * n_input, (1.0,) * n_input
-    return Network(tuple(nodes), mean, scale, low, high, draw(number), draw(number), -50.0, 50.0)
 
 
 @given(networks(), st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3))

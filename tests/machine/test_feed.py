@@ -25,7 +25,8 @@ def through(p, k_in, p_in, bypass):
     q_bypass = 0.0
     if b > 0.0 and drop > 0.0:
         half = 0.5 * r * b
-        q_bypass = b * drop / (half + math.sqrt(half * half + b * drop))
+        root = half + math.sqrt(half * half + b * drop)  # 0 where a tiny drop underflows
+        q_bypass = b * drop / root if root > 0.0 else 0.0
     return k_in * math.sqrt(max(p - p_in, 0.0)), q_bypass
 
 

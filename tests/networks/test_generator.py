@@ -113,3 +113,17 @@ def test_the_search_starts_from_known_borders():
     assert [name for name in found.model.region_names()] == ["travel in (-inf, 0.3]", "travel in (0.3, inf)"]
     with pytest.raises(InputError, match="has no part in the box"):
         learn_from(kink, box, tolerance=0.01, edges={0: [1.5]}, rows=200, estimator=quick)
+
+
+def test_larger_networks_take_over_when_the_search_is_over():
+    def wavy(X):
+        return np.sin(3.0 * X[:, 0]) * np.cos(4.0 * X[:, 1])
+
+    box = [(-1.0, 1.0), (-1.0, 1.0)]
+    small = AbductiveRegressor(max_layers=1, n_survivors=4)
+    options = {"tolerance": 1e-6, "rows": 300, "estimator": small, "max_regions": 5}
+    plain, finer = learn_from(wavy, box, **options), learn_from(wavy, box, **options, finer=quick, finer_rows=500)
+    assert finer.largest < 0.7 * plain.largest
+    assert len(finer.model.networks) == 5
+    seen = np.abs(finer.model.predict(grid(box, 41)) - wavy(grid(box, 41)))
+    assert seen.max() <= 1.1 * finer.largest

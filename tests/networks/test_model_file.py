@@ -44,6 +44,8 @@ def test_files_follow_the_published_schema():
     assert not list(validator.iter_errors(json.loads(dump_models(shipped_models()))))
     assert list(validator.iter_errors(json.loads(change((*N, "nodes", 0, "kind"), "quadruple"))))
     assert list(validator.iter_errors(json.loads(change((*M, "partition"), "left"))))
+    assert not list(validator.iter_errors(json.loads(dynamic())))
+    assert list(validator.iter_errors(json.loads(dynamic(raster=0.0))))
 
 
 def change(where, value):
@@ -53,6 +55,13 @@ def change(where, value):
         item = item[key]
     item[where[-1]] = value
     return json.dumps(data)
+
+
+LAGS = [{"signal": "p", "steps": 1}, {"signal": "q", "steps": 2}]
+
+
+def dynamic(**other):
+    return change((*M, "dynamics"), {"lags": LAGS, "step": [-1.0, 1.0], "raster": None} | other)
 
 
 M, N = ("models", 0), ("models", 0, "networks", 0)
@@ -84,6 +93,11 @@ M, N = ("models", 0), ("models", 0, "networks", 0)
         (change((*N, "nodes", 0, "inputs"), [-1, 0]), "it may read slots"),
         (change((*N, "nodes", 0, "coef"), [1.0]), "with 1 coefficients"),
         (change((*M, "inputs"), 3), "damaged model file"),
+        (dynamic(lags=LAGS[:1]), "1 lags for 2 inputs"),
+        (dynamic(lags=[*LAGS[:1], {"signal": "q", "steps": 0}]), "q is read 0 steps ago"),
+        (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 1.5}]), "p is read 1.5 steps ago"),
+        (dynamic(step=[1.0, -1.0]), "the smallest step 1.0 exceeds"),
+        (dynamic(raster=0.0), "raster is 0.0"),
         (json.dumps({k: v for k, v in DATA.items() if k != "models"}), "missing 'models'"),
     ],
 )

@@ -3,7 +3,7 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.networks import AbductiveRegressor
-from polydraulic.studies.fit import fit_table
+from polydraulic.studies.fit import fit_table, held_out
 from polydraulic.tables import Table
 
 RNG = np.random.default_rng(4)
@@ -54,3 +54,31 @@ def test_too_few_rows_are_named():
     few = Table({name: values[:3] for name, values in COLUMNS.items()}, {})
     with pytest.raises(ValueError, match="the table has 3 rows; fitting and holding out takes more than 5"):
         fit(["a"], ["y"], table=few)
+
+
+def log(n=2000, noise=0.01, seed=0):
+    rng = np.random.default_rng(seed)
+    t = 0.01 * np.arange(n)
+    a, b = np.sin(t), np.cos(0.37 * t)
+    y = np.abs(a) * b + noise * rng.normal(size=n)
+    return Table({"time": t, "a": a, "b": b, "y": y}, {"time": "s", "a": "m", "y": "Pa"})
+
+
+def test_of_a_log_blocks_of_time_are_held_out():
+    held = held_out(2000, by_time=True)
+    edges = np.flatnonzero(np.diff(held.astype(int)))
+    assert len(edges) == 7  # four blocks, the last one ends with the log
+    assert held.sum() == 400
+    assert held_out(2000, by_time=False).sum() == 400
+    assert np.flatnonzero(held_out(10, by_time=True)).tolist() == [4, 9]
+
+
+def test_intervals_hold_on_rows_they_were_not_set_by():
+    found = fit(["a", "b"], ["y"], {"a": [0.0]}, table=log())[0]
+    assert found.held.by_time
+    assert 0.8 < found.covered <= 1.0
+    assert all(0.01 < width < 0.03 for width in found.half_widths)  # 1.64 sigma
+    training = found.model.training
+    assert training["interval_covered"] == found.covered
+    assert [r["region"] for r in training["held_out_by_region"]] == found.model.region_names()
+    assert sum(r["rows"] for r in training["held_out_by_region"]) == 400

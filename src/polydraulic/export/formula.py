@@ -13,7 +13,8 @@ from math import comb, inf, prod
 from typing import TYPE_CHECKING, Any
 
 from polydraulic.errors import InputError
-from polydraulic.export.c import _bounded, _number, _polynomial
+from polydraulic.export.c_network import bounded, polynomial
+from polydraulic.export.c_text import literal, one_line
 from polydraulic.networks import Model, Network, Node, Variable, describe
 from polydraulic.networks.nodes import KIND_NAMES, SIGMOID, terms
 
@@ -62,9 +63,9 @@ def to_text(model: Model) -> str:
         lines += ["", f"{_where(model, k)}:"] if len(model.networks) > 1 else [""]
         lines += [f"domain of {v.name}: {low:.6g} to {high:.6g} {v.unit}".rstrip() for v, low, high in limits]
         lines += describe(network, model.inputs)
-        if _bounded(network):
+        if bounded(network):
             lines.append(f"y is clamped to {network.y_low:.6g} to {network.y_high:.6g} {model.output.unit}".rstrip())
-    return "\n".join(map(_one_line, lines)) + "\n"
+    return "\n".join(map(one_line, lines)) + "\n"
 
 
 def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "sympy.Expr":
@@ -105,7 +106,7 @@ def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "s
             limits = zip(symbols, network.x_low, network.x_high, strict=True)
             x = [_clamped(sympy, *limit) for limit in limits] if clamp else symbols
             y = _expanded(sympy, network, x) if expanded else _value(network, x, number, sympy.exp)
-            if clamp and _bounded(network):
+            if clamp and bounded(network):
                 y = _clamped(sympy, y, network.y_low, network.y_high)
             cases.append((y, _condition(sympy, model, k, symbols)))
         return sympy.Piecewise(*cases[:-1], (cases[-1][0], True))
@@ -172,7 +173,7 @@ def to_python(model: Model, name: str) -> str:
     doc = [f"{model.output} from", ""]
     doc += [f"x{i}: {v}, domain {low[i]:g} to {high[i]:g}" for i, v in enumerate(model.inputs)]
     doc += ["", "Inputs outside the domain are moved to its border."]
-    text = "\n    ".join(_one_line(line).replace("\\", "\\\\").replace('"', '\\"') for line in doc)
+    text = "\n    ".join(one_line(line).replace("\\", "\\\\").replace('"', '\\"') for line in doc)
     unpacked = ", ".join(f"x{i}" for i in range(len(model.inputs)))
     unpacked += "," if len(model.inputs) == 1 else ""
     lines = [
@@ -187,7 +188,7 @@ def to_python(model: Model, name: str) -> str:
     for k, network in enumerate(model.networks):
         last = k == len(model.networks) - 1
         if len(model.networks) > 1:
-            lines.append(f"    # {_one_line(_where(model, k))}")
+            lines.append(f"    # {one_line(_where(model, k))}")
         lines += [] if last else [f"    if {_python_condition(model, k)}:"]
         lines += [("    " if last else "        ") + line for line in _python_body(network)]
     return re.sub(r"[ ]+\n", "\n", "\n".join(lines)) + "\n"
@@ -286,8 +287,8 @@ def _python_condition(model: Model, k: int) -> str:
     parts = []
     for i, (low, high) in enumerate(model.region_boxes()[k].tolist()):
         if low > -inf or high < inf:
-            left = f"{_number(low)} < " if low > -inf else ""
-            right = f" <= {_number(high)}" if high < inf else ""
+            left = f"{literal(low)} < " if low > -inf else ""
+            right = f" <= {literal(high)}" if high < inf else ""
             parts.append(f"{left}x{i}{right}")
     return " and ".join(parts)
 
@@ -297,21 +298,21 @@ def _python_body(network: Network) -> list[str]:
 
     def clamped(value: str, low: float, high: float) -> str:
         return (
-            f"{_number(low)} if {value} < {_number(low)} else {_number(high)} if {value} > {_number(high)} else {value}"
+            f"{literal(low)} if {value} < {literal(low)} else {literal(high)} if {value} > {literal(high)} else {value}"
         )
 
     names = [f"n{i}" for i in range(network.n_inputs)]
     lines = []
     for i in sorted({slot for node in network.nodes for slot in node.inputs if slot < network.n_inputs}):
         inside = clamped(f"x{i}", network.x_low[i], network.x_high[i])
-        lines.append(f"n{i} = (({inside}) - {_number(network.x_mean[i])}) * {_number(1.0 / network.x_scale[i])}")
+        lines.append(f"n{i} = (({inside}) - {literal(network.x_mean[i])}) * {literal(1.0 / network.x_scale[i])}")
     for number, node in enumerate(network.nodes):
-        lines.append(f"z{number} = {_polynomial(node, names)}  # {KIND_NAMES[node.kind]}")
+        lines.append(f"z{number} = {polynomial(node, names)}  # {KIND_NAMES[node.kind]}")
         names.append(f"z{number}")
-    y = _number(network.y_mean)
+    y = literal(network.y_mean)
     if network.nodes:
-        y = f"{y} + {_number(network.y_scale)} * {names[-1]}"
-    if not _bounded(network):
+        y = f"{y} + {literal(network.y_scale)} * {names[-1]}"
+    if not bounded(network):
         return [*lines, f"return {y}"]
     return [*lines, f"y = {y}", f"return {clamped('y', network.y_low, network.y_high)}"]
 
@@ -339,7 +340,7 @@ def _aligned(model: Model, network: Network, names: Sequence[str], digits: int) 
     parts = [_latex_number(network.y_mean, digits)]
     parts += [f"{_latex_number(network.y_scale, digits)}\\,{slots[-1]}"] if network.nodes else []
     y = _latex_sum(parts)
-    if _bounded(network):
+    if bounded(network):
         low, high = (_latex_number(v, digits) for v in (network.y_low, network.y_high))
         y = f"\\min(\\max({y},\\, {low}),\\, {high})"
     lines.append(f"{names[-1]} &= {y} &&{_latex_unit(model.output)}")
@@ -364,10 +365,10 @@ def _latex_number(value: float, digits: int) -> str:
 
 def _latex_names(variables: Sequence[Variable]) -> list[str]:
     """Names as symbols with subscripts; whole words if two of them would look the same."""
-    names = [_latex_name(_one_line(variable.name)) for variable in variables]
+    names = [_latex_name(one_line(variable.name)) for variable in variables]
     if len(set(names)) == len(names):
         return names
-    return [f"\\text{{{_escaped(_one_line(variable.name))}}}" for variable in variables]
+    return [f"\\text{{{_escaped(one_line(variable.name))}}}" for variable in variables]
 
 
 def _latex_name(name: str) -> str:
@@ -387,13 +388,9 @@ def _hat(name: str) -> str:
 
 
 def _latex_unit(variable: Variable) -> str:
-    return f"\\ \\text{{{_escaped(_one_line(variable.unit))}}}" if variable.unit else ""
+    return f"\\ \\text{{{_escaped(one_line(variable.unit))}}}" if variable.unit else ""
 
 
 def _escaped(text: str) -> str:
     special = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     return "".join(special.get(c, f"\\{c}" if c in "&%$#_{}" else c) for c in text)
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split()) if "\n" in text or "\r" in text else text

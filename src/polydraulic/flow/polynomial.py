@@ -5,6 +5,10 @@ series, in one of two arrangements. In "direct" both read both travels and both 
 the stick's network reads the flow that the swing leaves, as its valve does. Outlets: the conductance Q_pop(x) of Eq. (7) from
 the spool alone, or the thesis' output flow of the boom from spool and sqrt(P_o - P_e). Neither orifice areas nor the
 pump pressure appear; flow and relief setting of the pumps must be known: nothing enters a line at relief pressure.
+
+A flow is the least of the pump's modes (`places`). Where modes have networks of their own, those of the inlets know constant
+flow alone; with the relief valve open the inlets of boom and swing are conductances k_in(x), and the stick's flow depends on
+both travels and sqrt(P_relief - P_i).
 """
 
 from collections.abc import Sequence
@@ -17,6 +21,21 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
+from polydraulic.flow.places import (
+    BOOM_IN,
+    BOOM_LIMITED,
+    BOOM_OUT,
+    BOTH,
+    PASSED,
+    STICK_LIMITED,
+    STICK_RELIEF,
+    SWING_LIMITED,
+    Place,
+    choose_model,
+    k_in,
+    k_out,
+    q_in,
+)
 from polydraulic.machine.pump import Circuit, Pump, prepare_pump
 from polydraulic.machine.state import Links
 from polydraulic.networks import Model, Network, NetworkTable, Variable, parse_models
@@ -29,33 +48,6 @@ ARRANGEMENTS = ("cascade", "direct")
 _SMALLEST_ROOT = 1.0  # Pa^0.5; below it the outlet conductance no longer follows from flow / root
 
 
-def travel(link: str) -> Variable:
-    """Distance of a link's spool from its centre."""
-    return Variable(f"{link}.travel", "m")
-
-
-def p_in(link: str) -> Variable:
-    """Pressure at a link's pressurised port."""
-    return Variable(f"{link}.p_in", "Pa")
-
-
-def q_in(link: str) -> Variable:
-    """Flow into a link's pressurised port."""
-    return Variable(f"{link}.q_in", "m3/s")
-
-
-def k_out(link: str) -> Variable:
-    """Conductance of a link's outlet."""
-    return Variable(f"{link}.k_out", "m3/s/Pa^0.5")
-
-
-# What a model must be called, and read, to take its place in the circuits (SI units).
-BOTH = (travel("swing"), travel("stick"), p_in("swing"), p_in("stick"))
-PASSED = (Variable("series.q_passed", "m3/s"), travel("stick"), p_in("stick"))
-BOOM_IN = (q_in("boom"), (travel("boom"), p_in("boom")))
-BOOM_OUT = (Variable("boom.q_out", "m3/s"), (Variable("boom.spool", "m"), Variable("boom.root_p_out", "Pa^0.5")))
-
-
 class Serves(NamedTuple):
     """Links for which there are networks."""
 
@@ -65,12 +57,23 @@ class Serves(NamedTuple):
 
 
 class Inlets(NamedTuple):
-    """Which networks give the input flows."""
+    """Which networks give the input flows, at constant flow alone or in all modes."""
 
     boom: Regions
     swing: Regions
     stick: Regions
     cascade: bool  # whether the stick's reads the flow that the swing leaves
+
+
+class Others(NamedTuple):
+    """Which networks give the flows of the other modes; in place of a missing one there is a constant, never the least."""
+
+    boom_k_in: Regions
+    swing_k_in: Regions
+    stick_relief: Regions
+    boom_limited: Regions
+    swing_limited: Regions
+    stick_limited: Regions
 
 
 class Outlets(NamedTuple):
@@ -87,6 +90,7 @@ class NetworkFlow(NamedTuple):
 
     table: NetworkTable
     inlets: Inlets
+    others: Others
     outlets: Outlets
     p_high: Links
     root_high: float
@@ -116,11 +120,13 @@ def polynomial_flow(
     Parameters
     ----------
     machine : Machine
-        Its pump flows are used; a torque limit is known only to networks that were trained with one.
+        Its pump flows and relief setting are used; a torque limit is known only to networks that were trained with one.
     models : sequence of Model, optional
         In SI: ``boom.q_in``, ``swing.q_in``, ``stick.q_in`` and ``boom.k_out`` (or ``boom.q_out``), ``swing.k_out``,
-        ``stick.k_out``. Those of the boom alone, or of swing and stick alone, serve runs that move nothing else. If not
-        given, the networks that come with the package.
+        ``stick.k_out``. Those of the boom alone, or of swing and stick alone, serve runs that move nothing else. For
+        modes of their own also ``boom.k_in``, ``swing.k_in``, ``stick.q_in_relief``, and for the torque limit
+        ``boom.q_in_limited``, ``swing.q_in_limited``, ``stick.q_in_limited``; each may be missing. If no models are
+        given, the networks that come with the package; those in cascade know the torque limit where the machine has one.
     arrangement : {"cascade", "direct"}
         Which of the package's networks; given models say it by what ``stick.q_in`` reads.
 
@@ -131,7 +137,10 @@ def polynomial_flow(
     """
     if arrangement not in ARRANGEMENTS:
         raise InputError(f"arrangement = {arrangement!r}: choose one of {ARRANGEMENTS}")
-    return PolynomialFlow(network_flow(machine, shipped_models(arrangement) if models is None else models))
+    if models is None:
+        limited = machine.pumps.torque_limit_enabled and arrangement == "cascade"
+        models = shipped_models(arrangement, limited=limited)
+    return PolynomialFlow(network_flow(machine, models))
 
 
 def neural_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> NeuralFlow:
@@ -155,8 +164,8 @@ def network_flow(machine: Machine, models: Sequence[Model]) -> NetworkFlow:
         )
     chosen: list[Model] = []
 
-    def place(needed: bool, *alternatives: tuple[Variable, tuple[Variable, ...]]) -> Model:
-        chosen.append(choose_model(models, *alternatives) if needed else _NOTHING)
+    def place(needed: bool, *alternatives: Place, otherwise: Model = _NOTHING) -> Model:
+        chosen.append(choose_model(models, *alternatives) if needed else otherwise)
         return chosen[-1]
 
     by_link = dict(zip(LINKS, serves, strict=True))
@@ -167,6 +176,8 @@ def network_flow(machine: Machine, models: Sequence[Model]) -> NetworkFlow:
         place(by_link[link], (k_out(link), (Variable(f"{link}.spool", "m"),)), *([BOOM_OUT] if link == "boom" else []))
         for link in LINKS
     ]
+    for other in (k_in("boom"), k_in("swing"), STICK_RELIEF, BOOM_LIMITED, SWING_LIMITED, STICK_LIMITED):
+        place(other[0].name in given, other, otherwise=_NEVER_LEAST)
     regions, table = pack_models(chosen)
     p_high = Links(
         *(_highest(model, link) for model, link in ((swing_in, "swing"), (boom_in, "boom"), (stick_in, "stick")))
@@ -174,6 +185,7 @@ def network_flow(machine: Machine, models: Sequence[Model]) -> NetworkFlow:
     return NetworkFlow(
         table=table,
         inlets=Inlets(regions[0], regions[1], regions[2], len(stick_in.inputs) == len(PASSED)),
+        others=Others(*regions[6:]),
         outlets=Outlets(regions[3], regions[4], regions[5], len(outs[1].inputs) == 2),
         p_high=p_high,
         root_high=float(outs[1].domain()[1, 1]) if len(outs[1].inputs) == 2 else np.inf,
@@ -184,49 +196,21 @@ def network_flow(machine: Machine, models: Sequence[Model]) -> NetworkFlow:
     )
 
 
-def shipped_models(name: str = "cascade") -> list[Model]:
-    """Networks that come with the package, trained on the circuits of ``cat215b``: ``cascade``, ``direct`` or ``neural``."""
-    found = []
-    for file in ("outlets.json", f"{name}.json"):
-        source = files("polydraulic.flow") / "trained" / file
-        found += parse_models(source.read_text(encoding="utf-8"), f"trained/{file}")
-    return found
-
-
-def choose_model(models: Sequence[Model], *alternatives: tuple[Variable, tuple[Variable, ...]]) -> Model:
-    """Return the model of an output, if it reads what the circuit offers in the units of the circuit.
+def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Model]:
+    """Networks that come with the package, trained on the circuits of ``cat215b``.
 
     Parameters
     ----------
-    models : sequence of Model
-    *alternatives : (output, inputs)
-        What it may be.
+    name : {"cascade", "direct", "neural"}
+    limited : bool
+        Also those of the torque limit; they go with the cascade.
     """
-    outputs = sorted({output.name for output, _ in alternatives})
-    found = [model for model in models if model.output.name in outputs]
-    if len(found) != 1:
-        given = [model.output.name for model in models]
-        raise InputError(
-            f"the flow model needs one model of {' or '.join(outputs)}; given are {given}: fit it or add its file"
-        )
-    names = tuple(variable.name for variable in found[0].inputs)
-    fitting = [
-        (output, inputs)
-        for output, inputs in alternatives
-        if output.name == found[0].output.name and names == tuple(variable.name for variable in inputs)
-    ]
-    if not fitting:
-        needed = " or ".join(str(tuple(v.name for v in i)) for o, i in alternatives if o.name == found[0].output.name)
-        raise InputError(
-            f"the model of {found[0].output.name!r} reads {names}; the circuit needs one of {needed}, in this order"
-        )
-    output, inputs = fitting[0]
-    for variable, need in zip((found[0].output, *found[0].inputs), (output, *inputs), strict=True):
-        if variable.unit not in ("", need.unit):
-            raise InputError(
-                f"the model of {output.name!r} has {variable}; the circuit computes in SI: fit it on {need}"
-            )
-    return found[0]
+    parts = ["outlets", *(["inlets"] if name in ARRANGEMENTS else []), name, *(["limited"] if limited else [])]
+    found = []
+    for file in (f"{part}.json" for part in parts):
+        source = files("polydraulic.flow") / "trained" / file
+        found += parse_models(source.read_text(encoding="utf-8"), f"trained/{file}")
+    return found
 
 
 def networks_serve(model: PolynomialFlow | NeuralFlow) -> tuple[str, ...]:
@@ -239,7 +223,14 @@ def scratch(model: PolynomialFlow | NeuralFlow) -> int:
     return max(len(BOTH), work_size(model.networks.table))
 
 
-_NOTHING = Model((Variable("none"),), Variable("none"), (Network((), (0.0,), (1.0,), (0.0,), (0.0,), 0.0, 1.0),))
+def _constant(y: float) -> Model:
+    return Model((Variable("none"),), Variable("none"), (Network((), (0.0,), (1.0,), (0.0,), (0.0,), y, 1.0),))
+
+
+_NOTHING, _NEVER_LEAST = (
+    _constant(0.0),
+    _constant(1e6),
+)  # the latter also as a conductance, a hair below relief pressure
 
 
 def _highest(model: Model, link: str) -> float:
@@ -259,20 +250,44 @@ def _inlet(flow: NetworkFlow, regions: Regions, memory: np.ndarray, a: float, b:
 
 
 @kernel
+def _entering(q: float, k: float, p: float, pump: Pump) -> float:
+    """Flow into a line at pressure p: the least of q, of the flow with the relief valve open, and of the pump's."""
+    return min(max(q, 0.0), min(k * sqrt(max(pump.relief - p, 0.0)), pump.flow))
+
+
+@kernel
 def network_step(flow: NetworkFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links) -> Flows:
-    """Evaluate one input-flow and one outlet network for each link; `memory` is their scratch."""
-    inlets, outlets = flow.inlets, flow.outlets
+    """Evaluate the networks of all inlets and outlets; `memory` is their scratch."""
+    inlets, others, outlets = flow.inlets, flow.others, flow.outlets
     swing, boom, stick = abs(spool.swing), abs(spool.boom), abs(spool.stick)
     Q = flow.series_pump.flow
+    # where nothing flows at constant flow, no other mode can be less
     q_boom = _inlet(flow, inlets.boom, memory, boom, p_in.boom, 0.0, 0.0)
-    q_boom = min(max(q_boom, 0.0), flow.boom_pump.flow) if p_in.boom < flow.boom_pump.relief else 0.0
+    q_boom = min(q_boom, _inlet(flow, others.boom_limited, memory, boom, p_in.boom, 0.0, 0.0)) if q_boom > 0.0 else 0.0
+    k = _inlet(flow, others.boom_k_in, memory, boom, 0.0, 0.0, 0.0) if q_boom > 0.0 else 0.0
+    q_boom = _entering(q_boom, k, p_in.boom, flow.boom_pump)
     q_swing = _inlet(flow, inlets.swing, memory, swing, stick, p_in.swing, p_in.stick)
-    q_swing = min(max(q_swing, 0.0), Q) if p_in.swing < flow.series_pump.relief else 0.0
+    q_swing = (
+        min(q_swing, _inlet(flow, others.swing_limited, memory, swing, stick, p_in.swing, p_in.stick))
+        if q_swing > 0.0
+        else 0.0
+    )
+    k = _inlet(flow, others.swing_k_in, memory, swing, 0.0, 0.0, 0.0) if q_swing > 0.0 else 0.0
+    q_swing = _entering(q_swing, k, p_in.swing, flow.series_pump)
     passed = Q - q_swing if swing <= flow.swing_closes else 0.0
     q_stick = (
         _inlet(flow, inlets.stick, memory, passed, stick, p_in.stick, 0.0)
         if inlets.cascade
         else _inlet(flow, inlets.stick, memory, swing, stick, p_in.swing, p_in.stick)
+    )
+    below = sqrt(max(flow.series_pump.relief - p_in.stick, 0.0))
+    q_stick = (
+        min(q_stick, _inlet(flow, others.stick_relief, memory, swing, stick, below, 0.0)) if q_stick > 0.0 else 0.0
+    )
+    q_stick = (
+        min(q_stick, _inlet(flow, others.stick_limited, memory, swing, stick, p_in.swing, p_in.stick))
+        if q_stick > 0.0
+        else 0.0
     )
     q_stick = min(max(q_stick, 0.0), passed) if p_in.stick < flow.series_pump.relief else 0.0
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic._kernel import kernel
-from polydraulic.elementary import SinCos
+from polydraulic.elementary import SinCos, sincos_of
 from polydraulic.machine.state import Links
 from polydraulic.parameters import Machine
 from polydraulic.parameters.schema import Geometry
@@ -181,6 +181,25 @@ def times(m: Symmetric, v: Links) -> Links:
     )
 
 
+class Tip(NamedTuple):
+    """Position of the stick's tip in m, from the boom foot's height on the swing axis."""
+
+    x: float
+    y: float
+    z: float
+
+
+@kernel
+def tip(swing: SinCos, boom: SinCos, both: SinCos, g: Geometry) -> Tip:
+    """Turn the arm's reach about the swing axis; `both` is of the stick's angle in space."""
+    reach = g.a1 + g.boom_length * boom.cos + g.stick_length * both.cos
+    return Tip(
+        reach * swing.cos - g.d * swing.sin,
+        reach * swing.sin + g.d * swing.cos,
+        g.boom_length * boom.sin + g.stick_length * both.sin,
+    )
+
+
 def end_effector(angle: np.ndarray, g: Geometry) -> np.ndarray:
     """Position of the stick's tip by a proper rotation about the swing axis.
 
@@ -195,12 +214,10 @@ def end_effector(angle: np.ndarray, g: Geometry) -> np.ndarray:
     (..., 3) array, m
         X, Y, Z from the boom foot's height on the swing axis.
     """
-    swing, boom, both = angle[..., 0], angle[..., 1], angle[..., 1] + angle[..., 2]
-    reach = g.a1 + g.boom_length * np.cos(boom) + g.stick_length * np.cos(both)
-    x = reach * np.cos(swing) - g.d * np.sin(swing)
-    y = reach * np.sin(swing) + g.d * np.cos(swing)
-    z = g.boom_length * np.sin(boom) + g.stick_length * np.sin(both)
-    return np.stack([x, y, z], axis=-1)
+    parts = (angle[..., 0], angle[..., 1], angle[..., 1] + angle[..., 2])
+    swing, boom, both = (SinCos(*turn) for turn in map(sincos_of, parts))
+    on_arrays = getattr(tip, "py_func", tip)
+    return np.stack(on_arrays(swing, boom, both, g), axis=-1)
 
 
 def end_effector_printed(angle: np.ndarray, g: Geometry) -> np.ndarray:

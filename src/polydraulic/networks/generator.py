@@ -25,6 +25,7 @@ _MARGIN = 0.8  # a region is good enough at this share of the tolerance: a finer
 _GRID = 4000  # points on which errors are sought
 _WORST, _AROUND, _ROUNDS = 8, 64, 3  # points around which they are sought further, how many there, how often
 _HUNTED = 0.25  # of a region's rows: so many of the worst points join them for a second fit
+_SEARCHED = 0.8  # of the regions, before larger networks take over
 _NEAR_BORDER = 0.02  # of a region's points that a cut leaves on each side
 
 
@@ -73,6 +74,8 @@ def learn_from(
     max_regions: int = 64,
     rows: int = 1500,
     estimator: AbductiveRegressor | None = None,
+    finer: AbductiveRegressor | None = None,
+    finer_rows: int | None = None,
     inputs: Sequence[Variable] | None = None,
     output: Variable | None = None,
     random_state: Any = 0,
@@ -97,6 +100,12 @@ def learn_from(
         Points from which a region learns.
     estimator : AbductiveRegressor, optional
         Settings of the networks; three layers if not given. Its `domain` is replaced by that of each region.
+    finer : AbductiveRegressor, optional
+        Settings of larger networks, which a search for places to cut does not need: it ends at four fifths of the
+        regions, all that are not good enough are fitted with these, and the worst of them cut further. The fits are not
+        in the budget, further cuts are.
+    finer_rows : int, optional
+        Points from which a region learns then; `rows` if not given.
     inputs, output : Variable, optional
         Names and units for the model.
     random_state : int, RandomState or None
@@ -129,17 +138,17 @@ def learn_from(
         asked += len(X)
         return _asked(function, X)
 
-    def leaf(cell: np.ndarray) -> Leaf:
+    def leaf(cell: np.ndarray, settings: AbductiveRegressor = base, rows: int = rows) -> Leaf:
         seed = int(random.randint(2**31 - 1))
         X = _points(cell, rows, seed)
-        estimator = clone(base).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0)
+        estimator = clone(settings).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0)
         region = _fitted(ask, estimator, cell, X, ask(X), seed)
         if region.error > _MARGIN * tolerance:
             X, y = np.vstack([region.X, region.X_hunted]), np.append(region.y, region.y_hunted)
             region = min(region, _fitted(ask, clone(estimator), cell, X, y, seed), key=lambda r: r.error)
         return Leaf(cell, region, region.error, region.error <= _MARGIN * tolerance)
 
-    def cut(parent: Leaf) -> Halves | None:
+    def cut(parent: Leaf, settings: AbductiveRegressor = base, rows: int = rows) -> Halves | None:
         region = parent.fitted
         progress(asked, region.error)
         if asked + 2 * price > budget:
@@ -150,7 +159,7 @@ def learn_from(
             return None
         below, above = box_halves(parent.box, found.axis, found.at)
         above[found.axis, 0] = np.nextafter(found.at, np.inf)  # the border itself belongs below
-        return Halves(found.axis, found.at, leaf(below), leaf(above))
+        return Halves(found.axis, found.at, leaf(below, settings, rows), leaf(above, settings, rows))
 
     names = [variable.name for variable in inputs] if inputs else [f"x{i}" for i in range(len(limits))]
     known = grid(checked_edges(edges or {}, names))
@@ -159,7 +168,13 @@ def learn_from(
         before = asked
         start.append(leaf(_cell(region, limits)))
         price = max(price, asked - before)
-    partition, leaves = grow_tree(known, start, cut, max_regions)
+    searched = max_regions if finer is None else max(1, round(_SEARCHED * max_regions))
+    partition, leaves = grow_tree(known, start, cut, searched)
+    if finer is not None:
+        settings, n = finer, finer_rows or rows
+        better = [found if found.settled else leaf(found.box, settings, n) for found in leaves]
+        leaves = [min(pair, key=lambda found: found.cost) for pair in zip(leaves, better, strict=True)]
+        partition, leaves = grow_tree(partition, leaves, lambda parent: cut(parent, settings, n), max_regions)
     regions = [found.fitted for found in leaves]
     worst = max(regions, key=lambda region: region.error)
     models = [region.estimator.to_model(inputs, output) for region in regions]

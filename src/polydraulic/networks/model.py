@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.networks.lags import Dynamics
 from polydraulic.networks.nodes import KIND_NAMES, SIGMOID, terms
 from polydraulic.networks.partition import EVERYWHERE, Partition, Regions, box_name, flatten, region_boxes, region_of
 from polydraulic.networks.rows_table import evaluate_rows
@@ -41,6 +42,8 @@ class Model:
         Which network answers where; 0 for a single one.
     training : dict
         Summary of the fit: numbers and strings.
+    dynamics : Dynamics or None
+        Which signals the inputs are and how many steps ago, of a model that predicts the next row of a log.
     """
 
     inputs: tuple[Variable, ...]
@@ -48,6 +51,7 @@ class Model:
     networks: tuple[Network, ...]
     partition: Partition = EVERYWHERE
     training: dict[str, object] = field(default_factory=dict)
+    dynamics: Dynamics | None = None
 
     def predict(self, X: np.ndarray) -> np.ndarray:
         """Outputs for inputs of shape (n_row, n_input); shape (n_row,).

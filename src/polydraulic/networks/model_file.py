@@ -12,6 +12,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
+from polydraulic.networks.lags import Dynamics, Lag
 from polydraulic.networks.model import Model, Variable
 from polydraulic.networks.nodes import KIND_NAMES, N_INPUTS, terms
 from polydraulic.networks.partition import Partition, Split, networks_of, region_boxes
@@ -88,6 +89,7 @@ def _model_data(model: Model) -> dict[str, Any]:
         "inputs": [vars(variable) for variable in model.inputs],
         "partition": _partition_data(model.partition),
         "training": model.training,
+        **({} if model.dynamics is None else {"dynamics": _dynamics_data(model.dynamics)}),
         "networks": [
             {
                 **{name: list(getattr(network, name)) for name in _VECTORS},
@@ -111,7 +113,29 @@ def _read_model(data: Any) -> Model:
     _require(sorted(found) == list(range(len(networks))), f"the partition leads to networks {found} of {len(networks)}")
     boxes = region_boxes(partition, len(inputs)).values()
     _require(all((box[:, 0] < box[:, 1]).all() for box in boxes), "the partition has a region that is empty")
-    return Model(inputs, output, networks, partition, dict(data["training"]))
+    dynamics = _read_dynamics(data["dynamics"], output.name, len(inputs)) if "dynamics" in data else None
+    return Model(inputs, output, networks, partition, dict(data["training"]), dynamics)
+
+
+def _dynamics_data(dynamics: Dynamics) -> dict[str, Any]:
+    return {
+        "lags": [{"signal": lag.signal, "steps": lag.steps} for lag in dynamics.lags],
+        "step": list(dynamics.step),
+        "raster": dynamics.raster,
+    }
+
+
+def _read_dynamics(data: Any, output: str, n_input: int) -> Dynamics:
+    lags = tuple(Lag(str(item["signal"]), item["steps"]) for item in data["lags"])
+    _require(len(lags) == n_input, f"{len(lags)} lags for {n_input} inputs")
+    for lag in lags:
+        least = 1 if lag.signal == output else 0
+        _require(type(lag.steps) is int and lag.steps >= least, f"{lag.signal} is read {lag.steps!r} steps ago")
+    low, high = _floats(data["step"], "step")
+    _require(low <= high, f"the smallest step {low} exceeds the largest one {high}")
+    raster = None if data["raster"] is None else _floats([data["raster"]], "raster")[0]
+    _require(raster is None or raster > 0.0, f"raster is {raster!r}")
+    return Dynamics(lags, (low, high), raster)
 
 
 def _partition_data(partition: Partition) -> Any:

@@ -18,7 +18,8 @@ FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
 
 
 @kernel
-def _record(step: Step, row: np.ndarray) -> None:
+def record(step: Step, row: np.ndarray) -> None:
+    """Write a step into the places of a row."""
     store(step.state, row)
     record_flows(step.flows, step.q_out, row)
 
@@ -98,14 +99,14 @@ def run(
         Steps made; fewer than asked for if a rate became too large or not a number: then the first row holds that step.
     """
     step = at_rest(model, memory, plant, from_vector(x0))
-    _record(step, rows[0])
+    record(step, rows[0])
     for k in range(voltage.shape[0]):
         step = machine_step(model, memory, plant, step.state, Links(voltage[k, 0], voltage[k, 1], voltage[k, 2]))
         counts[0] += 1 if step.flows.status == NOT_CONVERGED else 0
         counts[1] += 1 if step.flows.status == OUT_OF_DOMAIN else 0
         if not reasonable(step.state.rate):
-            _record(step, rows[0])
+            record(step, rows[0])
             return k
         if (k + 1) % every == 0:
-            _record(step, rows[(k + 1) // every])
+            record(step, rows[(k + 1) // every])
     return voltage.shape[0]

@@ -56,7 +56,7 @@ def ablation(study: ThreeLinkStudy) -> dict[str, Rung]:
         for idea, settings in IDEAS.items():
             study.lab.say(f"ablation: {idea}")
             found[idea] = _climb(study, _by_section(study, settings), relief=False)
-        for idea, arrangement in (("+ regions found", "direct"), ("+ cascade, pump modes", "cascade")):
+        for idea, arrangement in (("+ regions found, pump modes", "direct"), ("+ cascade", "cascade")):
             found[idea] = _climb(study, shipped_models(arrangement), relief=True)
         return found
 

@@ -1,7 +1,8 @@
-"""Networks of all circuits, learnt from the exact flow model: those that come with the package.
+"""Networks of all circuits, learnt from the exact flow model: outlets, and inlets that know all modes of the pump at once.
 
-Input flows include the pumps' relief valves, up to just below their setting, where a wide open inlet loses its flow within a
-few psi. Borders that a user knows, deadband and closing of the bypass, are given; all others are found.
+These input flows include the pumps' relief valves, up to just below their setting, where a wide open inlet loses its flow
+within a few psi; `mode_models` has the networks of single modes. Borders that a user knows, deadband and closing of the
+bypass, are given; all others are found.
 """
 
 from collections.abc import Callable
@@ -12,7 +13,7 @@ import numpy as np
 from polydraulic import units
 from polydraulic.flow import exact_flow
 from polydraulic.flow.exact import ExactFlow
-from polydraulic.flow.polynomial import BOOM_IN, BOTH, PASSED, k_out, q_in
+from polydraulic.flow.places import BOOM_IN, BOTH, PASSED, k_out, q_in
 from polydraulic.flow.sample import sample_fed, sample_flow
 from polydraulic.networks import (
     AbductiveRegressor,
@@ -24,14 +25,18 @@ from polydraulic.networks import (
 )
 from polydraulic.parameters import LINKS, Machine
 
-TOLERANCE = units.to_si(0.15, "in3/s")  # of flows that two or three inputs decide
-TOLERANCE_SERIES = units.to_si(1.0, "in3/s")  # of flows that four inputs decide
+TOLERANCE = units.to_si(1.0, "in3/s")
 BELOW_RELIEF = units.to_si(30.0, "psi")
-ROWS, ROWS_SERIES = 1500, 4000  # from which a region learns
-REGIONS, REGIONS_SERIES = 24, 64  # at most: where the relief valve opens, kinks are curved and would take hundreds
+ROWS = 4000  # from which a region learns
+REGIONS = 64  # at most: where the relief valve opens, kinks are curved and would take hundreds
 NEURAL_ROWS = 10_000  # as many as the thesis used
 HIDDEN_UNITS = 15  # thesis 4.3.1
 SEED = 215
+
+
+def pressure_boxes(machine: Machine, highest: float) -> dict[str, tuple[float, float]]:
+    """Pressures of each line, up to its own relief setting or the `highest`."""
+    return {link: (0.0, min(getattr(machine, link).line.relief, highest)) for link in LINKS}
 
 
 class Target(NamedTuple):
@@ -49,59 +54,45 @@ def circuit_targets(machine: Machine) -> dict[str, Target]:
     """Input flows of a machine: ``boom``, ``swing``, ``stick`` (of what the swing leaves), ``stick direct``."""
     exact = exact_flow(machine)
     travel, cuts = machine.spool.knots[-1], [machine.spool.deadband, machine.spool.bypass_closed]
-    highest = machine.pumps.relief - BELOW_RELIEF
-    pressure = {link: (0.0, min(getattr(machine, link).line.relief, highest)) for link in LINKS}
+    pressure = pressure_boxes(machine, machine.pumps.relief - BELOW_RELIEF)
     boom, series = machine.pumps.boom_flow, machine.pumps.series_flow
     both = [(0.0, travel), (0.0, travel), pressure["swing"], pressure["stick"]]
     edges = {"swing.travel": cuts, "stick.travel": cuts}
     stick_valve, pump = exact.valves.stick, exact.series_pump
     return {
         "boom": Target(
-            *BOOM_IN, lambda X: _flow(exact, X, ("boom",), "boom"), [(0.0, travel), pressure["boom"]],
+            *BOOM_IN, lambda X: input_flow(exact, X, ("boom",), "boom"), [(0.0, travel), pressure["boom"]],
             {"boom.travel": cuts}, boom,
         ),
         "swing": Target(
-            q_in("swing"), BOTH, lambda X: _flow(exact, X, ("swing", "stick"), "swing"), both, edges, series
+            q_in("swing"), BOTH, lambda X: input_flow(exact, X, ("swing", "stick"), "swing"), both, edges, series
         ),
         "stick": Target(
             q_in("stick"), PASSED, lambda X: sample_fed(stick_valve, pump, X),
             [(0.0, series), (0.0, travel), pressure["stick"]], {"stick.travel": cuts}, series,
         ),
         "stick direct": Target(
-            q_in("stick"), BOTH, lambda X: _flow(exact, X, ("swing", "stick"), "stick"), both, edges, series
+            q_in("stick"), BOTH, lambda X: input_flow(exact, X, ("swing", "stick"), "stick"), both, edges, series
         ),
     }  # fmt: skip
 
 
-def learn_inlets(
-    machine: Machine, arrangement: str, progress: Callable[[str, int, float], None] = lambda *_: None
-) -> list[Model]:
-    """Polynomial networks of the input flows.
+def learn_direct(machine: Machine, progress: Callable[[str, int, float], None] = lambda *_: None) -> list[Model]:
+    """Network of the stick's input flow in the direct arrangement: all modes of the pump at once.
 
     Parameters
     ----------
     machine : Machine
-    arrangement : {"cascade", "direct"}
     progress : function of (output, points asked, largest error in m3/s)
     """
-    targets = circuit_targets(machine)
-    chosen = ("boom", "swing", "stick" if arrangement == "cascade" else "stick direct")
-    models = []
-    for target in (targets[name] for name in chosen):
-
-        def say(asked: int, error: float, name: str = target.output.name) -> None:
-            progress(name, asked, error)
-
-        four = len(target.inputs) == len(BOTH)
-        found = learn_from(
-            target.function, target.box, tolerance=TOLERANCE_SERIES if four else TOLERANCE, edges=target.edges,
-            budget=10_000_000, max_regions=REGIONS_SERIES if four else REGIONS, rows=ROWS_SERIES if four else ROWS,
-            estimator=AbductiveRegressor(max_layers=3, output_bounds=(0.0, target.high)),
-            inputs=target.inputs, output=target.output, random_state=SEED,
-            progress=say,
-        )  # fmt: skip
-        models.append(found.model)
-    return models
+    target = circuit_targets(machine)["stick direct"]
+    found = learn_from(
+        target.function, target.box, tolerance=TOLERANCE, edges=target.edges, budget=10_000_000,
+        max_regions=REGIONS, rows=ROWS, estimator=AbductiveRegressor(max_layers=3, output_bounds=(0.0, target.high)),
+        inputs=target.inputs, output=target.output, random_state=SEED,
+        progress=lambda asked, error: progress(target.output.name, asked, error),
+    )  # fmt: skip
+    return [found.model]
 
 
 def learn_outlets(machine: Machine) -> list[Model]:
@@ -144,7 +135,7 @@ def train_perceptrons(machine: Machine) -> list[Model]:
     return models
 
 
-def _flow(exact: ExactFlow, X: np.ndarray, links: tuple[str, ...], which: str) -> np.ndarray:
+def input_flow(exact: ExactFlow, X: np.ndarray, links: tuple[str, ...], which: str) -> np.ndarray:
     """Input flow of one link where `X` has the travels of `links` and then their pressures, and the rest stands still."""
     places = [LINKS.index(link) for link in links]
     spool, pressure = np.zeros((len(X), 3)), np.zeros((len(X), 3))

@@ -1,25 +1,54 @@
-"""Fit a table: one model an output, with its error on rows that were held out."""
+"""Fit a table: one model an output, with its error and the coverage of its intervals on rows that were held out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from math import ceil, inf
+from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import clone
 
 from polydraulic.errors import InputError
 from polydraulic.networks import AbductiveRegressor, Model, RegionRegressor, Variable
+from polydraulic.networks.partition import region_of
 from polydraulic.tables import Table
 
-_FOLD = 5
+_FOLD = 5  # one of so many rows, or blocks of time, is held out
+_BLOCKS = 20  # of a log
+LEVEL = 0.9  # of the intervals
+
+
+class Held(NamedTuple):
+    """Rows that were held out: inputs, output, and what a model fitted without them says."""
+
+    X: np.ndarray
+    y: np.ndarray
+    predicted: np.ndarray
+    by_time: bool  # whether they are blocks of time, or every fifth row
 
 
 class Fit(NamedTuple):
-    """A model of all rows, and the errors on every fifth row of one fitted without them, in the output's unit."""
+    """A model of all rows, and how one without the rows held out does on these; in the output's unit.
+
+    Attributes
+    ----------
+    model : Model
+        Its `training` states all of the following.
+    r2, rms, largest : float
+        Of the errors on the rows held out.
+    half_widths : list of float
+        Of the intervals at `LEVEL`, by region; from half of the rows held out.
+    covered : float
+        Share of the other half that lies in its interval.
+    held : Held
+    """
 
     model: Model
     r2: float
     rms: float
     largest: float
+    half_widths: list[float]
+    covered: float
+    held: Held
 
 
 def fit_table(
@@ -36,6 +65,7 @@ def fit_table(
     Parameters
     ----------
     table : Table
+        With a column ``time`` it is a log: blocks of time are held out, since neighbours in time are no independent witnesses.
     inputs, outputs : sequence of str
     estimator : AbductiveRegressor
         Cloned for every fit.
@@ -65,19 +95,70 @@ def fit_table(
         raise InputError(f"the table has {len(table)} rows; fitting and holding out takes more than {_FOLD}")
     by_index = {list(inputs).index(name): cuts for name, cuts in edges.items()}
     X = table.matrix(inputs)
-    held = np.arange(len(table)) % _FOLD == _FOLD - 1
+    by_time = "time" in table.names
+    held = held_out(len(table), by_time=by_time)
     fits = []
     for output in outputs:
         y = table[output]
         regressor = RegionRegressor(estimator, edges=by_index or None, max_regions=max_regions)
         progress(f"{output}: hold out")
-        error = clone(regressor).fit(X[~held], y[~held]).predict(X[held]) - y[held]
-        spread = float(np.var(y[held]))
+        predicted = clone(regressor).fit(X[~held], y[~held]).predict(X[held])
         progress(f"{output}: all rows")
         fitted = clone(regressor).fit(X, y)
         model = fitted.to_model([Variable(n, table.unit(n)) for n in inputs], Variable(output, table.unit(output)))
-        mean_square = float(np.mean(error * error))
-        r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
-        model.training.update({"held_out_r2": r2, "held_out_rms": mean_square**0.5, "rows": len(y)})
-        fits.append(Fit(model, r2, mean_square**0.5, float(np.max(np.abs(error)))))
+        fits.append(_judged(model, Held(X[held], y[held], predicted, by_time), len(y)))
     return fits
+
+
+def held_out(n: int, *, by_time: bool) -> np.ndarray:
+    """Which of `n` rows are held out, (n,) array of bool: every fifth row, or of a log every fifth block of time."""
+    place = np.arange(n) * _BLOCKS // n if by_time and n >= 10 * _BLOCKS else np.arange(n)
+    return np.asarray(place % _FOLD == _FOLD - 1)
+
+
+def errors_by_region(model: Model, X: np.ndarray, error: np.ndarray) -> list[dict[str, Any]]:
+    """Rows, rms and largest error in each region of a model."""
+    region = region_of(model.partition, X)
+    found = []
+    for k, name in enumerate(model.region_names()):
+        e = error[region == k]
+        sizes = (float(np.sqrt(np.mean(e * e))), float(np.abs(e).max())) if len(e) else (0.0, 0.0)
+        found.append({"region": name, "rows": len(e), "rms": sizes[0], "largest": sizes[1]})
+    return found
+
+
+def _judged(model: Model, held: Held, rows: int) -> Fit:
+    """Errors and intervals, written into the model's training, too."""
+    error = held.predicted - held.y
+    region = region_of(model.partition, held.X)
+    # blocks of time, or rows, in turn: one half sets the widths, the other one says whether they hold
+    sets = np.arange(len(error)) * 4 // len(error) % 2 == 0 if held.by_time else np.arange(len(error)) % 2 == 0
+    sizes = np.abs(error)
+    everywhere = _half_width(sizes[sets])
+    widths = []
+    for k in range(len(model.networks)):
+        own = _half_width(sizes[sets & (region == k)])
+        widths.append(own if np.isfinite(own) else everywhere)  # too few rows of its own
+    covered = float(np.mean(sizes[~sets] <= np.array(widths)[region[~sets]]))
+    mean_square, spread = float(np.mean(error * error)), float(np.var(held.y))
+    r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
+    model.training.update(
+        {
+            "rows": rows,
+            "held_out": "blocks of time" if held.by_time else "every fifth row",
+            "held_out_r2": r2,
+            "held_out_rms": mean_square**0.5,
+            "held_out_largest": float(sizes.max()),
+            "held_out_by_region": errors_by_region(model, held.X, error),
+            "interval_level": LEVEL,
+            "interval_half_widths": widths if np.all(np.isfinite(widths)) else [],
+            "interval_covered": covered,
+        }
+    )
+    return Fit(model, r2, mean_square**0.5, float(sizes.max()), widths, covered, held)
+
+
+def _half_width(sizes: np.ndarray) -> float:
+    """Half width of an interval at `LEVEL`, split-conformal; infinite where the rows are too few to state it."""
+    rank = ceil((len(sizes) + 1) * LEVEL)
+    return float(np.sort(sizes)[rank - 1]) if rank <= len(sizes) else inf

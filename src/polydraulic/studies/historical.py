@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.flow import exact_flow
-from polydraulic.flow.polynomial import BOTH, k_out, q_in
+from polydraulic.flow.places import BOTH, k_out, q_in
 from polydraulic.flow.sample import sample_flow
 from polydraulic.networks import AbductiveRegressor, Model, Network, RegionRegressor, Split, Variable
 from polydraulic.parameters import LINKS, Machine

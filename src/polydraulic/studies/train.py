@@ -1,15 +1,16 @@
 """Train the networks that come with the package: ``python -m polydraulic.studies.train FOLDER``.
 
-Writes ``outlets.json``, ``cascade.json``, ``direct.json`` and ``neural.json``; the same seed and versions give the same files.
+Writes ``outlets.json``, ``inlets.json``, ``cascade.json``, ``limited.json``, ``direct.json`` and ``neural.json``; the same
+seed and versions give the same files.
 """
 
 import sys
 from pathlib import Path
 
-from polydraulic.flow.polynomial import ARRANGEMENTS
 from polydraulic.networks import save_models
 from polydraulic.parameters import load_machine
-from polydraulic.studies.circuit_models import learn_inlets, learn_outlets, train_perceptrons
+from polydraulic.studies.circuit_models import learn_direct, learn_outlets, train_perceptrons
+from polydraulic.studies.mode_models import learn_cascade, learn_inlets, learn_limited
 
 
 def say(output: str, asked: int, error: float) -> None:
@@ -21,5 +22,10 @@ if __name__ == "__main__":
     machine, folder = load_machine("cat215b"), Path(sys.argv[1])
     save_models(learn_outlets(machine), folder / "outlets.json")
     save_models(train_perceptrons(machine), folder / "neural.json")
-    for arrangement in ARRANGEMENTS:
-        save_models(learn_inlets(machine, arrangement, say), folder / f"{arrangement}.json")
+    for file, learn in {
+        "inlets": learn_inlets,
+        "cascade": learn_cascade,
+        "limited": learn_limited,
+        "direct": learn_direct,
+    }.items():
+        save_models(learn(machine, say), folder / f"{file}.json")

@@ -105,7 +105,7 @@ def _ideas(study: ThreeLinkStudy) -> Grid:
         *(f"{name} [mm]" for name in SCENARIOS),
     ]
     return Grid(
-        "What each idea brings: five settings on the sections of Table 3 and the same points, then regions found and the cascade",
+        "What each idea brings: five settings on the sections of Table 3 and the same points; then regions found, a network for each mode of the pump, and the cascade",
         header,
         rows,
     )
@@ -160,16 +160,18 @@ def _ranges(study: ThreeLinkStudy) -> Grid:
 
 def _text(study: ThreeLinkStudy) -> str:
     cost = costs(study)
-    return f"""<p>The networks that come with the package: regions found where the map bends, coefficients refined together, the
-    stick's network fed by what the swing leaves. They were trained on random points of the circuit, by a search that asks for
-    more points where a network errs; no run below took part in training or in any choice.</p>
-    <p><strong>Where polynomial networks do not pay.</strong> In speed: in compiled code the closed form of the circuit is as fast
-    as a network (a step with networks takes {cost["ours"].time:.2f} of a step with it), exact, and needs no training; the
-    iteration that the thesis replaced is faster still where it converges. In accuracy: a lookup table of {cost["lookup"].memory / 1e6:.1f}
-    MB, filled from the exact flow, is of the same class. Without its clamps a polynomial leaves the physical range at corners
-    of its domain (last table), so that nobody should use one without them.</p>
+    return f"""<p>The networks that come with the package: regions found where the map bends; a network for each mode of the pump
+    (constant flow, open relief valve, torque limit), of which the least counts; coefficients refined together; the stick's
+    network fed by what the swing leaves. They were trained on points of the circuit, by a search that asks for more of them where a
+    network errs; no run below took part in training or in any choice.</p>
+    <p><strong>Where polynomial networks do not pay.</strong> In speed: in compiled code the closed form of the circuit is exact,
+    needs no training and costs less than networks that come close to it (a step with them takes {cost["ours"].time:.2f} of a step
+    with it; with small ones, in the thesis' setting, {cost["polynomial"].time:.2f}); the iteration that the thesis replaced costs
+    less still where it converges. A lookup table of {cost["lookup"].memory / 1e6:.1f} MB, filled from the exact flow, is faster, and
+    closer where no relief valve opens. Without its clamps a polynomial leaves the physical range at corners of its domain (last
+    table), so that nobody should use one without them.</p>
     <p><strong>Where they do.</strong> No orifice areas: a network is learnt from flows, pressures and spool positions that can be
-    measured, from scattered points, which no lookup table of four inputs can be. Proved bounds over the whole domain. A fixed
+    measured, at scattered points, which no lookup table of four inputs can be. Proved bounds over the whole domain. A bounded
     number of operations a step. {cost["ours"].memory / 1024.0:.0f} KiB of tables that leave Python as C.</p>"""
 
 

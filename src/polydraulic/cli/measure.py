@@ -1,20 +1,16 @@
-"""Commands for measured logs."""
+"""Commands of measured logs: import, record."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import counted, steps
 
 
-def register(app: typer.Typer) -> None:
-    """Add the commands for measured logs."""
-    app.command("import")(import_)
-    app.command()(record)
-
-
+@app.command("import")
 def import_(
     log: Annotated[Path, typer.Argument(help="Log: .csv, .csv.gz, .parquet, .mf4 (MDF4) or .mat (v5, v7.3).")],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,
@@ -68,6 +64,7 @@ def import_(
     )
 
 
+@app.command()
 def record(
     scenario: Annotated[
         list[str], typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS.")
@@ -75,7 +72,7 @@ def record(
     sensors: Annotated[Path, typer.Option(help="Sensors, TOML: what they read, how well and how often.")],
     out: Annotated[Path, typer.Option(help="Log to write, .csv, .mf4 or .parquet.")],
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
-    machine: Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")] = "cat215b",
+    machine: MachineOption = "cat215b",
 ) -> None:
     """Simulate, and write what sensors would have recorded: noise, digits, delay, dropouts, drift, rasters.
 

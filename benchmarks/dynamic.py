@@ -1,0 +1,143 @@
+"""Dynamic models on public logs: learn the first half, run on their own through the second half.
+
+    python benchmarks/dynamic.py --data FOLDER
+
+FOLDER holds ``hydraulic_actuator/actuator.mat`` (Sjoberg 1995: valve position u in row 0 of ``X``, oil pressure y) and
+``wheel_loader/wheel_loader.csv.gz`` (joysticks, engine, forces and speeds of a wheel loader, about 20 rows a second); one may be
+missing. Nothing is chosen on the second half. Errors are root mean squares; *of std* means divided by the standard deviation in
+the second half, so that 1 is what the mean of that half would reach.
+"""
+
+import argparse
+import gzip
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+from scipy.io import loadmat
+from sklearn.linear_model import LinearRegression
+from sklearn.neural_network import MLPRegressor
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from threadpoolctl import threadpool_limits
+
+from polydraulic.networks import AbductiveRegressor, DynamicRegressor
+from polydraulic.networks.lags import lagged
+
+SEEDS = range(5)
+SECOND = 20  # rows of the wheel loader's log in a second, from its angles and speeds
+INPUTS = ("lift_joystick", "tilt_joystick", "throttle", "engine_speed_rps")
+OUTPUTS = ("force_lift_MN", "boom_speed_deg_per_sec")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", required=True, type=Path, help="folder with the public logs")
+    options = parser.parse_args()
+    with warnings.catch_warnings(), threadpool_limits(1):
+        warnings.simplefilter("ignore")  # what others say about convergence
+        for file, show in (
+            ("hydraulic_actuator/actuator.mat", actuator),
+            ("wheel_loader/wheel_loader.csv.gz", wheel_loader),
+        ):
+            path = options.data / file
+            show(path) if path.is_file() else print(f"\n{path}: not there, left out")
+
+
+def actuator(path):
+    data = loadmat(path)
+    u, y = data["X"][0][:, None], data["y"][0][:, None]
+    print("\n### Hydraulic actuator: rms error of the oil pressure, 512 rows free run\n")
+    print("| model | free run | one step | seconds of fit |\n|---|---|---|---|")
+    for name, errors, seconds in compared(u, y, 512, (None, 1)):
+        print(f"| {name} | {errors[0][0]:.3f} | {errors[1][0]:.3f} | {seconds:.1f} |", flush=True)
+
+
+def wheel_loader(path):
+    with gzip.open(path, "rt") as text:
+        log = np.genfromtxt(text, delimiter=",", names=True)
+    X, y = (np.column_stack([log[name] for name in names]) for names in (INPUTS, OUTPUTS))
+    half = len(y) // 2
+    spread = y[half:].std(axis=0)
+    print(f"\n### Wheel loader: rms error of std, lift force / boom speed, {len(y) - half} rows\n")
+    print("| model | free run | begun anew every second | one step | seconds of fit |\n|---|---|---|---|---|")
+    for name, errors, seconds in compared(X, y, half, (None, SECOND, 1)):
+        cells = [" / ".join(f"{value:.3f}" for value in error / spread) for error in errors]
+        print(f"| {name} | {' | '.join(cells)} | {seconds:.1f} |", flush=True)
+
+
+def compared(X, y, half, horizons):
+    """Yield each model's name, rms errors by horizon and output, and seconds of fit."""
+    yield "last value held", [held(y, half, horizon) for horizon in horizons], 0.0
+    others = {
+        "linear ARX(3, 3), no constant": [LinearRegression(fit_intercept=False)],
+        "linear ARX(3, 3)": [LinearRegression()],
+        f"MLP of 20 hidden units (3, 3), median of {len(SEEDS)} seeds": [perceptron(seed) for seed in SEEDS],
+    }
+    for name, learners in others.items():
+        start = time.process_time()
+        errors = [lagged_errors(learner, X, y, half, horizons) for learner in learners]
+        yield name, np.median(errors, axis=0), (time.process_time() - start) / len(learners)
+    for name, settings in {
+        "network (3, 3) of two layers, grown one step ahead": {
+            "estimator": AbductiveRegressor(max_layers=2), "input_lags": (1, 2, 3), "output_lags": (1, 2, 3),
+            "increments": True, "horizon": None,
+        },
+        "DynamicRegressor, all chosen by held-out runs": {},
+    }.items():  # fmt: skip
+        start = time.process_time()
+        model = DynamicRegressor(**settings).fit(X[:half], y[:half])
+        seconds, first = time.process_time() - start, half - model.warm_up_
+        found = [model.simulate(X[first:], y[first:], horizon=horizon)[model.warm_up_ :] for horizon in horizons]
+        chosen = model.choice_
+        name += f": input lags {chosen.input_lags}, output lags {chosen.output_lags}, " * (not settings)
+        name += f"{'increments, ' * chosen.increments}layers {chosen.layers}, refined over {chosen.horizon} rows, " * (
+            not settings
+        )
+        name += f"K {sum(one.n_coefficients for one in model.models_)}" if not settings else ""
+        yield name, [rms(values - y[half:]) for values in found], seconds
+
+
+def perceptron(seed):
+    return make_pipeline(StandardScaler(), MLPRegressor(hidden_layer_sizes=(20,), solver="lbfgs", alpha=1e-3, max_iter=2000, random_state=seed))  # fmt: skip
+
+
+def lagged_errors(learner, X, y, half, horizons):
+    """Fit on lags 1 to 3 of everything; then run in windows of each horizon."""
+    signals, n = np.column_stack([X, y]), X.shape[1]
+    reads = [(column, step) for column in range(signals.shape[1]) for step in (1, 2, 3)]
+    rows = np.arange(3, half)
+    scale = y[:half].std(axis=0)  # several outputs count alike
+    learner.fit(lagged(signals, reads, rows), y[rows] / scale if y.shape[1] > 1 else y[rows, 0])
+    found = []
+    for horizon in horizons:
+        length = len(y) - half if horizon is None else horizon
+        starts = np.arange(half, len(y), length)
+        # windows side by side, each with the three measured rows before it; the last may be shorter
+        padded = np.pad(signals, ((0, length), (0, 0)), mode="edge")
+        windows = np.stack([padded[start - 3 : start + length] for start in starts])
+        for t in range(3, 3 + length):
+            seen = np.column_stack([windows[:, t - step, column] for column, step in reads])
+            windows[:, t, n:] = predicted(learner, seen, scale, y)
+        answers = windows[:, 3:, n:].reshape(-1, y.shape[1])[: len(y) - half]
+        found.append(rms(answers - y[half:]))
+    return found
+
+
+def predicted(learner, rows, scale, y):
+    values = learner.predict(rows).reshape(len(rows), -1)
+    return values * scale if y.shape[1] > 1 else values
+
+
+def held(y, half, horizon):
+    starts = np.full(len(y) - half, half) if horizon is None else half + np.arange(len(y) - half) // horizon * horizon
+    return rms(y[starts - 1] - y[half:])
+
+
+def rms(errors):
+    return np.sqrt(np.mean(errors * errors, axis=0))
+
+
+if __name__ == "__main__":
+    main()

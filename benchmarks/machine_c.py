@@ -1,0 +1,152 @@
+"""The exported machine in C, and as an FMU, next to the compiled loop of `simulate`: time of a step, and size.
+
+``python benchmarks/machine_c.py`` prints and asserts nothing; it needs gcc. Both make the same steps from the same voltages and
+keep every row; C adds the position of the stick's tip. Times are processor times, medians of turns within this run.
+"""
+
+import ctypes
+import re
+import subprocess
+import tempfile
+import zipfile
+from pathlib import Path
+from statistics import median
+from time import process_time
+
+import numpy as np
+
+from polydraulic import load_machine, load_scenario
+from polydraulic.export.fmu import export_machine_fmu
+from polydraulic.export.machine import export_machine, outputs
+from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.runs import arrange
+
+LOOP = """#include "m.h"
+#include <string.h>
+
+void loop(const double *voltage, int64_t n, double *rows)
+{
+    m_machine m;
+    m_init(&m);
+    memcpy(rows, m.out, sizeof m.out);
+    for (int64_t k = 0; k < n; k++) {
+        m_step(&m, voltage + 3 * k);
+        memcpy(rows + (k + 1) * M_N_OUTPUTS, m.out, sizeof m.out);
+    }
+}
+"""
+# The calls of an importer of FMI 2: set three inputs, make a step, get all outputs.
+IMPORTER = """#include <stddef.h>
+#include <stdint.h>
+
+void *fmi2Instantiate(const char *, int, const char *, const char *, const void *, int, int);
+int fmi2EnterInitializationMode(void *);
+int fmi2ExitInitializationMode(void *);
+int fmi2SetReal(void *, const unsigned *, size_t, const double *);
+int fmi2GetReal(void *, const unsigned *, size_t, double *);
+int fmi2DoStep(void *, double, double, int);
+void fmi2FreeInstance(void *);
+
+void loop(const double *voltage, int64_t n, double *rows)
+{
+    static const void *const calls[5];
+    unsigned refs[64];
+    for (unsigned i = 0; i < 64; i++) {
+        refs[i] = i;
+    }
+    void *c = fmi2Instantiate("m", 1, "TOKEN", NULL, calls, 0, 0);
+    fmi2EnterInitializationMode(c);
+    fmi2ExitInitializationMode(c);
+    fmi2GetReal(c, refs + 3, N_OUT, rows);
+    for (int64_t k = 0; k < n; k++) {
+        fmi2SetReal(c, refs, 3, voltage + 3 * k);
+        fmi2DoStep(c, (double)k * 0.005, 0.005, 1);
+        fmi2GetReal(c, refs + 3, N_OUT, rows + (k + 1) * N_OUT);
+    }
+    fmi2FreeInstance(c);
+}
+"""
+COMPILERS = {"gcc -O2": ["-O2"], "gcc -O3 -march=native": ["-O3", "-march=native"], "gcc -Os": ["-Os"]}
+
+
+def in_turn(calls, repeats=21):
+    """Median seconds of each call; the calls take turns, after one that compiles."""
+    seconds = {name: [] for name in calls}
+    for repeat in range(repeats + 1):
+        for name, call in calls.items():
+            start = process_time()
+            call()
+            if repeat:
+                seconds[name].append(process_time() - start)
+    return {name: median(values) for name, values in seconds.items()}
+
+
+def compiled(machine, flow, locked, folder, flags):
+    """The loop in C, and the bytes of code and of constant data that the machine takes."""
+    (folder / "loop.c").write_text(LOOP)
+    paths = export_machine(machine, flow, folder, name="m", locked=locked)
+    sources = [str(path) for path in paths if path.suffix == ".c"]
+    command = ["gcc", "-std=c99", "-ffp-contract=off", "-fPIC", *flags]
+    library, joined = folder / "m.so", folder / "all.o"
+    subprocess.run([*command, "-shared", "loop.c", *sources, "-lm", "-o", library], check=True, cwd=folder)
+    subprocess.run([*command, "-r", *sources, "-o", joined], check=True, cwd=folder)
+    listed = subprocess.run(["size", "-A", joined], check=True, capture_output=True, text=True).stdout
+    sizes = {row[0]: int(row[1]) for row in map(str.split, listed.splitlines()) if len(row) == 3 and row[1].isdigit()}
+    code = sum(size for name, size in sizes.items() if name.startswith(".text"))
+    data = sum(size for name, size in sizes.items() if name.startswith((".rodata", ".data")))
+    return ctypes.CDLL(str(library)).loop, code, data, sum(path.stat().st_size for path in paths)
+
+
+def imported(machine, flow, locked, folder):
+    """The loop of an importer around the binary of an FMU, and the bytes of that binary and of the whole FMU."""
+    path = export_machine_fmu(machine, flow, folder / "m.fmu", version=2, name="m", locked=locked).path
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+    token = re.search(r'guid="(.*?)"', (folder / "modelDescription.xml").read_text())[1]
+    (folder / "loop.c").write_text(IMPORTER.replace("TOKEN", token))
+    (binary,) = (folder / "binaries").rglob("m.*")
+    library = folder / "loop.so"
+    flags = ["-O2", "-fPIC", "-shared", f"-DN_OUT={len(outputs())}", f"-Wl,-rpath,{binary.parent}"]
+    subprocess.run(["gcc", *flags, "loop.c", binary, "-o", library], check=True, cwd=folder)
+    return ctypes.CDLL(str(library)).loop, binary.stat().st_size, path.stat().st_size
+
+
+def compare(machine, flow, name):
+    scenario = load_scenario(name)
+    arranged = arrange(machine, flow, scenario)
+    n = len(arranged.voltage)
+    rows = np.empty((n + 1, len(outputs())))
+    calls, sizes = {"simulate's loop": lambda: run(*arranged)}, {}
+    arguments = ctypes.c_void_p(arranged.voltage.ctypes.data), ctypes.c_int64(n), ctypes.c_void_p(rows.ctypes.data)
+    with tempfile.TemporaryDirectory() as folder:
+        for label, flags in COMPILERS.items():
+            place = Path(folder) / label.replace(" ", "")
+            place.mkdir()
+            loop, *sizes[label] = compiled(scenario.adapt(machine), flow, scenario.locked, place, flags)
+            calls[label] = lambda loop=loop: loop(*arguments)
+        place = Path(folder) / "fmu"
+        place.mkdir()
+        importer, binary, whole = imported(scenario.adapt(machine), flow, scenario.locked, place)
+        calls["FMU, a step a call"] = lambda: importer(*arguments)
+        seconds = in_turn(calls)
+    same = np.array_equal(rows[:, :N_RECORD], arranged.rows)
+    print(f"\n{name}, flow {flow}: {n} steps, bits {'equal' if same else 'DIFFER'}")
+    for label, value in seconds.items():
+        text = f"  {label:24s} {value / n * 1e9:8.1f} ns a step   ratio {value / seconds[next(iter(seconds))]:5.2f}"
+        if label in sizes:
+            code, data, source = sizes[label]
+            text += f"   {code} bytes of code, {data} of data; {source} of source"
+        if label.startswith("FMU"):
+            text += f"   binary of {binary} bytes, FMU of {whole}"
+        print(text)
+
+
+def main():
+    machine = load_machine("cat215b")
+    for flow in ("exact", "polynomial"):
+        for name in ("sine", "step", "pulse", "task"):
+            compare(machine, flow, name)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,220 @@
+"""Commands of the machine: simulate, animate, scenarios, sample, export-machine."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from polydraulic.cli.app import MachineOption, app
+from polydraulic.errors import InputError
+from polydraulic.terminal import counted, print_differences, steps
+
+FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
+ScenarioArgument = Annotated[
+    str,
+    typer.Argument(
+        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links), a TOML file, "
+        "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS."
+    ),
+]
+
+
+@app.command()
+def simulate(
+    scenario: ScenarioArgument,
+    flow: Annotated[str, typer.Option(help=FLOWS)] = "exact",
+    model: Annotated[
+        list[Path] | None, typer.Option(help="Model file for polynomial, neural or pressure; repeat for more.")
+    ] = None,
+    arrangement: Annotated[
+        str | None, typer.Option(help="Of the package's polynomial networks: cascade (if not given) or direct.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Trajectory to write, .parquet or .csv (SI).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
+    dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
+    raster: Annotated[
+        float | None,
+        typer.Option(help="Record every so many seconds, a whole number of steps; every step if not given."),
+    ] = None,
+    method: Annotated[
+        str, typer.Option(help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.")
+    ] = "semi-implicit",
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Simulate a scenario, and state how far it is from the exact flow.
+
+    Example: `polydraulic simulate task --out task.parquet --plot task.svg`
+
+    - The iteration that the closed form replaces: `polydraulic simulate step --flow iterative`
+
+    - Networks of your own: `polydraulic simulate single_08 --flow polynomial --model q_in.json --plot run.svg`
+
+    - What a real operator did, from a CSV file with the columns time [s], swing [V], boom [V], stick [V]:
+    `polydraulic simulate recording.csv --raster 0.05 --out run.csv`
+
+    - Ten minutes of a random operator: `polydraulic simulate random:42:600 --raster 0.1 --out run.parquet`
+
+    `polydraulic scenarios` lists the scenarios that come with the package; `polydraulic animate` shows the linkage move.
+    """
+    from polydraulic.flow import build_flow
+    from polydraulic.networks import load_models
+    from polydraulic.parameters import load_machine, load_scenario
+    from polydraulic.simulation import compare, plot_run
+    from polydraulic.simulation import simulate as run
+    from polydraulic.simulation.plot import picture_ending, save_figure
+    from polydraulic.tables import table_ending, write_table
+
+    if model and flow not in ("polynomial", "neural", "pressure"):
+        raise InputError(f"--model goes with --flow polynomial, neural or pressure, not with {flow!r}")
+    if arrangement and (flow != "polynomial" or model):
+        raise InputError("--arrangement goes with --flow polynomial and the package's own networks")
+    if out is not None:
+        table_ending(out)
+    if plot is not None:
+        picture_ending(plot)
+    plant, what = load_machine(machine), load_scenario(scenario)
+    options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
+    options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
+    chosen = build_flow(flow, plant, **options)
+    runs = {}
+    with steps("simulate", 1 if flow == "exact" else 2) as progress:
+        if flow != "exact":
+            progress("exact")
+            runs["exact"] = run(plant, "exact", what, dt=dt, raster=raster, method=method)
+        progress(flow)
+        runs[flow] = run(plant, chosen, what, dt=dt, raster=raster, method=method)
+    info = runs[flow].info
+    print(f"{what.name}: {what.title}")
+    if "rtol" in info:
+        print(f"{method} with flow {flow!r} to a relative tolerance of {info['rtol']:g}, every {dt:g} s")
+    else:
+        print(
+            f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
+            f"{info['steps_out_of_domain']} outside the model's domain"
+        )
+    if flow != "exact":
+        print_differences(compare(runs["exact"], runs[flow]))
+    if out is not None:
+        write_table(runs[flow], out)
+    if plot is not None:
+        save_figure(plot_run(runs), plot)
+
+
+@app.command()
+def animate(
+    scenario: ScenarioArgument,
+    out: Annotated[Path, typer.Option(help="Animation to write: .html plays in any browser, .gif anywhere.")],
+    flow: Annotated[
+        list[str] | None, typer.Option(help=f"{FLOWS} Repeat to lay runs on top of each other; exact if not given.")
+    ] = None,
+    dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
+    rate: Annotated[
+        float | None, typer.Option(help="Frames in a second; 20 for .html, which draws between them, 12.5 for .gif.")
+    ] = None,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Show the linkage move: side view, view from above, angles, flows and pressures.
+
+    Example: `polydraulic animate task --flow exact --flow iterative --out task.html`
+
+    - As a GIF: `polydraulic animate step --out step.gif`
+
+    - A random operator: `polydraulic animate random:42:30 --out operator.html`
+
+    The first flow is drawn filled, the others as outlines; distances of the tip are from the first.
+    """
+    from polydraulic.parameters import load_machine, load_scenario
+    from polydraulic.simulation import simulate as run
+    from polydraulic.simulation import write_animation
+    from polydraulic.simulation.animation import animation_ending
+
+    animation_ending(out)
+    plant, what = load_machine(machine), load_scenario(scenario)
+    flows = list(dict.fromkeys(flow or ["exact"]))
+    runs = {}
+    with steps("simulate", len(flows)) as progress:
+        for name in flows:
+            progress(name)
+            runs[name] = run(plant, name, what, dt=dt)
+    with counted("draw") as drawn:
+        write_animation(runs, plant, out, rate=rate, progress=drawn)
+    print(f"{out}: {what.name}, {', '.join(flows)}")
+
+
+@app.command()
+def scenarios() -> None:
+    """List the scenarios that come with the package.
+
+    Example: `polydraulic scenarios`
+    """
+    from polydraulic.parameters import LINKS, load_scenario, scenario_names
+
+    for name in scenario_names():
+        what = load_scenario(name)
+        moved = ", ".join(link for link in LINKS if link not in what.locked)
+        print(f"{name:12s} {what.duration:5g} s  {moved:20s} {what.title}")
+    print(
+        f"{'random:SEED':12s} {60:5g} s  {', '.join(LINKS):20s} Random operator; random:SEED:SECONDS for another duration"
+    )
+
+
+@app.command()
+def sample(
+    rows: Annotated[int, typer.Option(help="Number of rows.")],
+    out: Annotated[Path, typer.Option(help="Table to write, .parquet or .csv (SI).")],
+    circuit: Annotated[str, typer.Option(help="Circuit to sample: boom.")] = "boom",
+    seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
+    relief: Annotated[bool, typer.Option(help="With the pump's relief valve, or the ideal circuit without.")] = True,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Evaluate a circuit at random points: a training database.
+
+    Example: `polydraulic sample --circuit boom --rows 10000 --out boom.parquet`
+    """
+    import numpy as np
+
+    from polydraulic.parameters import load_machine
+    from polydraulic.studies.database import CIRCUITS, sample_boom
+    from polydraulic.tables import write_table
+
+    if circuit not in CIRCUITS:
+        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(CIRCUITS)}")
+    table = sample_boom(load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+    write_table(table, out)
+    print(f"{out}: {rows} rows of {', '.join(table.names)}")
+
+
+@app.command()
+def export_machine(
+    out: Annotated[Path, typer.Option(help="Folder to write C to, or an .fmu file.")],
+    to: Annotated[str, typer.Option(help="c, fmi2 or fmi3.")] = "fmi3",
+    flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
+    name: Annotated[str, typer.Option(help="What it is called, a C identifier.")] = "machine",
+    dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
+    cross: Annotated[
+        bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, by the package ziglang.")
+    ] = False,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Write the whole machine, joysticks to end-effector, as C99 or as an FMU for co-simulation; no Python in it.
+
+    The kernels themselves are translated: its results have the bits of `simulate`.
+
+    Example: `polydraulic export-machine --to fmi3 --flow polynomial --out excavator.fmu`
+
+    - C99 for a controller or a test bench: `polydraulic export-machine --to c --out excavator`
+    """
+    from polydraulic.export import export_machine as write_c
+    from polydraulic.export import export_machine_fmu
+    from polydraulic.flow import build_flow
+    from polydraulic.parameters import load_machine
+
+    if to not in ("c", "fmi2", "fmi3"):
+        raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
+    plant = load_machine(machine)
+    if to == "c":
+        for path in write_c(plant, build_flow(flow, plant), out, name=name, dt=dt):
+            print(path)
+        return
+    written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
+    print(f"{written.path}: {', '.join(written.binaries) or 'no compiler found, sources only: importers compile them'}")

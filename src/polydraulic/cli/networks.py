@@ -1,0 +1,256 @@
+"""Commands of networks: fit, check, export, verify."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from polydraulic.cli.app import app
+from polydraulic.errors import InputError
+from polydraulic.terminal import stages, steps
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from polydraulic.networks import Model
+
+
+@app.command()
+def fit(
+    table: Annotated[Path, typer.Argument(help="CSV or Parquet table; any numbers, no hydraulics needed.")],
+    inputs: Annotated[str, typer.Option(help="Input columns, separated by commas.")],
+    outputs: Annotated[str, typer.Option(help="Output columns, separated by commas; one model each.")],
+    out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
+    edges: Annotated[
+        list[str] | None,
+        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit; repeat for more."),
+    ] = None,
+    regions: Annotated[
+        int, typer.Option(help="Without edges: find regions in the data, this many at most; 1 for a single network.")
+    ] = 1,
+    layers: Annotated[int, typer.Option(help="Layers at most.")] = 4,
+    cpm: Annotated[float, typer.Option(help="Complexity penalty multiplier.")] = 1.0,
+    prior: Annotated[
+        str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")
+    ] = "adaptive",
+    bounds: Annotated[
+        str | None,
+        typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given."),
+    ] = None,
+    card: Annotated[
+        Path | None, typer.Option(help="Model card to write, .html: data, errors, intervals, proofs, equations.")
+    ] = None,
+) -> None:
+    """Learn polynomial networks from a table.
+
+    A fifth of the rows is held out to state the error: blocks of time where the table has a column `time`, every fifth row
+    elsewhere. The model is then fitted on all rows.
+
+    Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
+
+    - From a log, with all that an engineer asks before trusting it: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
+    --outputs boom.q_in --regions 12 --out q_in.json --card q_in.html`; `polydraulic check q_in.json --data new.parquet` later
+    says whether it still holds.
+    """
+    from polydraulic.networks import AbductiveRegressor, save_models
+    from polydraulic.studies.fit import fit_table
+    from polydraulic.studies.model_card import write_card
+    from polydraulic.tables import read_table
+
+    names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
+    if card is not None and card.suffix.lower() != ".html":
+        raise InputError(f"{card}: a model card ends in .html")
+    data = read_table(table, [*names, *targets], optional=["time", "segment"])
+    limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
+    estimator = AbductiveRegressor(
+        max_layers=layers,
+        cpm=cpm,
+        prior_variance=prior if prior in ("adaptive", "half-variance") else _numbers(prior, "--prior", 1)[0],
+        output_bounds="data" if limits is None else (limits[0], limits[1]),
+    )
+    with steps("fit", 2 * len(targets)) as progress:
+        fits = fit_table(data, names, targets, estimator, _edges(edges or []), regions, progress)
+    save_models([found.model for found in fits], out)
+    if card is not None:
+        write_card(fits, data, table.name, card)
+    for found in fits:
+        print(
+            f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
+            f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}, largest {found.largest:.4g}"
+        )
+
+
+@app.command()
+def check(
+    model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
+    within: Annotated[
+        str | None,
+        typer.Option("--range", help="LOW,HIGH: is it proved that no output leaves this range? In the output's unit."),
+    ] = None,
+    box: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="COLUMN=LOW,HIGH: only in this part of the inputs; repeat for more. The domain if not given."
+        ),
+    ] = None,
+    boxes: Annotated[int, typer.Option(help="Sub-boxes a region that the proof may take.", min=1)] = 20000,
+    data: Annotated[
+        Path | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
+    ] = None,
+) -> None:
+    """Prove where the outputs of a model can go, anywhere in its domain or a box: a proof, not a sample.
+
+    Prints the proved range and the ranges of the slopes by region. With `--range`, says whether the model stays in it, or
+    where it leaves; the exit code is 1 unless it is proved to stay.
+
+    With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
+    no longer holds.
+
+    Example: `polydraulic check q_in.json --range 0,0.0028`
+
+    - A year later: `polydraulic check q_in.json --data this_year.parquet`
+    """
+    from polydraulic.networks import check_range, load_models, model_bounds
+
+    if data is not None:
+        if within is not None or box:
+            raise InputError("--data judges a model by measurements; --range and --box go with a proof")
+        _judge(load_models(model), data)
+        return
+    limits = None if within is None else _numbers(within, "--range", 2)
+    proved = True
+    for found in load_models(model):
+        place = _box(box or [], found)
+        if limits is not None:
+            answer = check_range(found, limits[0], limits[1], place, max_boxes=boxes)
+            print(answer)
+            proved = proved and answer.holds is True
+            continue
+        bounds = model_bounds(found, place, max_boxes=boxes)
+        print(f"{found.output}: proved range {bounds.low:.6g} to {bounds.high:.6g}")
+        for name, region in zip(found.region_names(), bounds.regions, strict=True):
+            if region is None:
+                continue
+            print(f"  {name}: {region.low:.6g} to {region.high:.6g}, slopes")
+            for variable, (low, high) in zip(found.inputs, region.slopes, strict=True):
+                print(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
+    if not proved:
+        raise typer.Exit(1)
+
+
+def _judge(models: "list[Model]", data: Path) -> None:
+    """Say whether models hold on a table."""
+    from polydraulic.studies.validity import validity
+    from polydraulic.tables import read_table
+
+    table, holds = read_table(data), True
+    for model in models:
+        found = validity(model, table)
+        holds &= found.holds
+        print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")
+        for statement in found.statements:
+            print(f"  {statement}")
+        for region in found.regions:
+            if region["rows"]:
+                sizes = f"rms {region['rms']:.4g}, largest {region['largest']:.4g}"
+                print(f"    {region['region']}: {region['rows']} rows, {sizes}")
+    if not holds:
+        raise typer.Exit(1)
+
+
+@app.command()
+def export(
+    model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
+    out: Annotated[Path, typer.Option(help="Folder to write to, or a file with the ending of the target.")],
+    to: Annotated[str, typer.Option(help="c, fmi2, fmi3, onnx, python, sympy or latex.")] = "c",
+    name: Annotated[
+        str | None, typer.Option(help="What it is called; the file, the one output, or the model file if not given.")
+    ] = None,
+    real: Annotated[str, typer.Option(help="Precision of c and onnx: double or float.")] = "double",
+    cross: Annotated[
+        bool, typer.Option("--cross", help="FMUs also for Windows, macOS and arm64, by the package ziglang.")
+    ] = False,
+) -> None:
+    """Write a model, with all its outputs, for use without this package: C, FMU, ONNX, Python, SymPy, LaTeX.
+
+    Example: `polydraulic export q_in.json --to fmi3 --out q_in.fmu`
+
+    - C99, outputs with exact slopes: `polydraulic export q_in.json --to c --out c`
+
+    - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`
+
+    `polydraulic verify` compares all of these with the package.
+    """
+    from polydraulic.export import export_models
+    from polydraulic.export.targets import is_file
+    from polydraulic.networks import load_models
+
+    models = load_models(model)
+    if name is None and len(models) > 1 and not is_file(to, out):
+        name = model.stem
+    written = export_models(models, to, out, name=name, real=real, cross=cross)
+    for path in written.paths:
+        print(path)
+    for note in written.notes:
+        print(f"note: {note}")
+
+
+@app.command()
+def verify(
+    model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
+    points: Annotated[int, typer.Option(help="Points, inside the domain, on borders and outside.", min=6)] = 3000,
+    seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
+) -> None:
+    """Export a model to everything that can be built here, and compare with the package at thousands of points.
+
+    Prints the largest difference of every output in its unit, of slopes and of the domain, and what was not tried. The exit
+    code is 1 if a target of double precision does not agree to rounding.
+
+    Example: `polydraulic verify q_in.json`
+    """
+    from polydraulic.export import agreement_table, verify_models
+    from polydraulic.networks import load_models
+
+    with stages("verify") as progress:
+        found, not_tried = verify_models(load_models(model), points, seed=seed, progress=progress)
+    print(agreement_table(found, not_tried))
+    if not all(agreement.holds for agreement in found):
+        raise typer.Exit(1)
+
+
+def _names(text: str, option: str) -> list[str]:
+    names = [name.strip() for name in text.split(",")]
+    if not all(names) or len(set(names)) < len(names):
+        raise InputError(f"{option} {text!r}: must be different column names separated by commas")
+    return names
+
+
+def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if not values or (count is not None and len(values) != count):
+        raise InputError(
+            f"{option} {text!r}: must be {'some' if count is None else count} number(s) separated by commas"
+        )
+    return values
+
+
+def _edges(texts: list[str]) -> dict[str, list[float]]:
+    found: dict[str, list[float]] = {}
+    for text in texts:
+        name, _, cuts = text.partition("=")
+        found[name.strip()] = _numbers(cuts, f"--edges {name}")
+    return found
+
+
+def _box(texts: list[str], model: "Model") -> "np.ndarray":
+    """The model's domain, with the ends that are given in their place."""
+    names, found = [variable.name for variable in model.inputs], model.domain()
+    for text in texts:
+        name, _, ends = text.partition("=")
+        if name.strip() not in names:
+            raise InputError(f"--box {text!r}: the model of {model.output.name!r} reads {names}")
+        found[names.index(name.strip())] = _numbers(ends, f"--box {name}", 2)
+    return found

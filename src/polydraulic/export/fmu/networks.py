@@ -1,0 +1,186 @@
+"""Models as an FMU: inputs in, outputs and how far the inputs lie outside of the domain out, with exact derivatives."""
+
+import csv
+import io
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.export.bundle import Bundle, bundle
+from polydraulic.export.c import to_c
+from polydraulic.export.fmu.description import FmuDescription, FmuVariable, free_name
+from polydraulic.export.fmu.package import WrittenFmu, write_fmu
+from polydraulic.networks import Model
+from polydraulic.networks.table import UNBOUNDED
+
+_STOP, _ROWS = 1.0, 101
+
+
+def export_fmu(
+    models: Sequence[Model],
+    path: str | Path,
+    *,
+    version: int = 3,
+    name: str | None = None,
+    compiler: str | None = None,
+    cross: bool = False,
+) -> WrittenFmu:
+    """Write models as an FMU for model exchange and co-simulation, with sources and a binary for this machine.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        One an output.
+    path : str or Path
+        Ends in .fmu.
+    version : int
+        FMI 2 or 3.
+    name : str, optional
+        Model name, made a C identifier; the output's if there is one model, else "model".
+    compiler : str, optional
+        Command; one that is installed if not given, and none if it is empty.
+    cross : bool
+        Whether to add binaries for Windows, macOS and Linux on both processors; needs the package ziglang.
+
+    Returns
+    -------
+    WrittenFmu
+        Its `binaries` are empty without a compiler: the FMU then holds sources, which the importer has to compile.
+
+    Raises
+    ------
+    InputError
+        If the models do not go together, a compiler is missing, or the file cannot be written.
+    """
+    whole = bundle(models, name)
+    header, source = to_c(whole)
+    what = describe_networks(whole)
+    sources = {f"{whole.name}.h": header, f"{whole.name}.c": source, "equations.h": _equations(whole)}
+    inputs, results = _reference(whole, what)
+    folder = f"extra/org.polydraulic/{whole.name}" if version == 3 else "documentation/reference"
+    extra = {f"{folder}_in.csv": inputs, f"{folder}_ref.csv": results}
+    return write_fmu(
+        what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross
+    )
+
+
+def describe_networks(whole: Bundle) -> FmuDescription:
+    """Variables of the FMU of models: inputs, outputs, and the domain."""
+    domain = whole.domain()
+    X = whole.points(500)
+    size = np.abs(whole.predict(X)).max(axis=0)
+    found = []
+    for variable, (low, high) in zip(whole.inputs, domain.tolist(), strict=True):
+        nominal = max(abs(low), abs(high)) or 1.0
+        found.append(
+            FmuVariable(variable.name, "input", variable.unit, 0.5 * (low + high), low, high, nominal, "Input; its limits are the domain")
+        )  # fmt: skip
+    for k, (model, place) in enumerate(zip(whole.models, whole.places, strict=True)):
+        low = min(network.y_low for network in model.networks)
+        high = max(network.y_high for network in model.networks)
+        limits = (None if low == -UNBOUNDED else low, None if high == UNBOUNDED else high)
+        names = tuple(whole.inputs[i].name for i in place)
+        found.append(
+            FmuVariable(model.output.name, "output", model.output.unit, 0.0, *limits, float(size[k]) or 1.0, "Output", names)
+        )  # fmt: skip
+    about = (
+        "0 if the inputs are in the domain of the training data, else how far outside, as a share of its width; "
+        "outputs are then those of its border"
+    )
+    name = free_name("domain", [variable.name for variable in found])
+    found.append(FmuVariable(name, "output", "1", 0.0, 0.0, None, 1.0, about))
+    outputs = ", ".join(map(str, whole.outputs))
+    return FmuDescription(whole.name, tuple(found), f"{outputs} from {', '.join(map(str, whole.inputs))}", stop=_STOP)
+
+
+def _equations(whole: Bundle) -> str:
+    name, n, m = whole.name, len(whole.inputs), len(whole.models)
+    return f"""/* {m} output(s) and the domain of {n} input(s); there is no memory. */
+#include "{name}.h"
+
+static void fmu_start(const double *v, double *memory)
+{{
+    (void)v;
+    (void)memory;
+}}
+
+static void fmu_outputs(double *v, const double *memory)
+{{
+    double slopes[{n}];
+    (void)memory;
+    (void){name}(v, v + {n});
+    v[{n + m}] = {name}_outside(v, slopes);
+}}
+
+static int fmu_advance(double *v, double *memory, double from, double to)
+{{
+    (void)v;
+    (void)memory;
+    (void)from;
+    (void)to;
+    return 1;
+}}
+
+static void fmu_partials(const double *v, const double *memory, double *partials)
+{{
+    double y[{m}];
+    (void)memory;
+    (void){name}_slopes(v, y, partials);
+    (void){name}_outside(v, partials + {n * m});
+}}
+"""
+
+
+def _reference(whole: Bundle, what: FmuDescription) -> tuple[str, str]:
+    """Inputs through the domain and a little beyond it, at different pace, and the outputs, as CSV by time."""
+    low, high = whole.domain().T
+    time = np.linspace(0.0, _STOP, _ROWS)
+    phase = np.outer(time, 1.0 + 0.37 * np.arange(len(low))) * 2.0 * np.pi
+    X = 0.5 * (low + high) + 0.55 * (high - low) * np.sin(phase)
+    names = [variable.name for variable in what.variables]
+    n = len(whole.inputs)
+    Y = np.column_stack([whole.predict(X), whole.outside(X)])
+    return _csv(["time", *names[:n]], np.column_stack([time, X])), _csv(
+        ["time", *names[n:]], np.column_stack([time, Y])
+    )
+
+
+def _csv(names: Sequence[str], rows: np.ndarray) -> str:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([[repr(value) for value in row] for row in rows.tolist()])
+    return out.getvalue()
+
+
+def _page(whole: Bundle, what: FmuDescription) -> str:
+    """Documentation: variables with units and limits, networks by region."""
+    rows = "\n".join(
+        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in (
+            v.name, v.kind, v.unit, "" if v.low is None else f"{v.low:.6g}", "" if v.high is None else f"{v.high:.6g}",
+            v.description)) + "</tr>"
+        for v in what.variables
+    )  # fmt: skip
+    models = "\n".join(
+        f"<li>{escape(str(m.output))}: {len(m.networks)} network(s), {m.n_coefficients} coefficients</li>"
+        for m in whole.models
+    )
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{escape(what.name)}</title>
+<style>body{{font-family:sans-serif;max-width:60em;margin:2em auto}}td,th{{padding:.2em .7em;text-align:left;border-bottom:1px solid #ccc}}</style>
+</head><body>
+<h1>{escape(what.name)}</h1>
+<p>{escape(what.description)}. Outputs follow from the inputs at the same time; there are no states and no events.</p>
+<table><tr><th>variable</th><th>kind</th><th>unit</th><th>lowest</th><th>highest</th><th></th></tr>
+{rows}
+</table>
+<h2>Networks</h2>
+<ul>
+{models}
+</ul>
+<p>Derivatives are exact. They are 0 where an input lies outside of the domain or an output at its bounds. If an input is not
+a number, the outputs are not numbers either and the domain is {np.finfo(np.float64).max:.3g}.</p>
+</body></html>
+"""

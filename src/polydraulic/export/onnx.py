@@ -1,0 +1,236 @@
+"""Models as ONNX: for batches of rows in any runtime.
+
+Every node of a network becomes a few elementwise operations in the nesting of the compiled evaluation. All networks of a
+model see all rows, and `Where` keeps those of the region.
+"""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from polydraulic import __version__
+from polydraulic.errors import InputError
+from polydraulic.export.bundle import Bundle, bundle
+from polydraulic.export.c_network import bounded, polynomial
+from polydraulic.files import replacing
+from polydraulic.networks import Model, Network
+from polydraulic.networks.partition import Partition, Split
+from polydraulic.networks.slopes import domain_gain
+from polydraulic.networks.taylor import used_slots
+
+OPSET, _IR = 17, 8  # of 2022
+
+
+def export_onnx(
+    models: Sequence[Model], path: str | Path, *, name: str | None = None, real: str = "double", opset: int = OPSET
+) -> Path:
+    """Write models as one ONNX graph.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        One an output.
+    path : str or Path
+        Ends in .onnx.
+    name : str, optional
+        Name of the graph; the output's if there is one model, else "model".
+    real : str
+        "double" or "float".
+    opset : int
+        Version of the operators, at least 13.
+
+    Returns
+    -------
+    Path
+        The file: input ``x`` (rows, inputs), outputs ``y`` (rows, outputs) and ``domain`` (rows, 1), which is 0 inside and else
+        how far outside, as a share of the domain's width. Names, units and domain are in the metadata.
+
+    Raises
+    ------
+    InputError
+        If onnx is missing, the models do not go together, or the file cannot be written.
+    """
+    path = Path(path)
+    if path.suffix != ".onnx":
+        raise InputError(f"{path}: an ONNX graph ends in .onnx")
+    content = to_onnx(bundle(models, name), real=real, opset=opset).SerializeToString()
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
+    return path
+
+
+def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> Any:
+    """ONNX model of a bundle.
+
+    Parameters
+    ----------
+    whole : Bundle
+    real : str
+        "double" or "float".
+    opset : int
+
+    Returns
+    -------
+    onnx.ModelProto
+
+    Raises
+    ------
+    InputError
+        If onnx is missing, or an option makes no sense.
+    """
+    try:
+        from onnx import checker, helper
+    except ImportError as error:
+        raise InputError("ONNX needs the package onnx: pip install polydraulic[export]") from error
+    if real not in ("double", "float"):
+        raise InputError(f"real = {real!r}: must be 'double' or 'float'")
+    if opset < 13:
+        raise InputError(f"opset = {opset}: must be at least 13")
+    graph = _Graph(np.float64 if real == "double" else np.float32)
+    columns = [graph.op("Gather", "x", graph.constant(np.array([i])), axis=1) for i in range(len(whole.inputs))]
+    invalid = graph.op("Cast", graph.op("IsNaN", "x"), to=graph.type)
+    count = graph.op("ReduceSum", invalid, graph.constant(np.array([1])), keepdims=1)
+    is_nan = graph.op("Greater", count, graph.number(0.0))
+    outputs, distances = [], []
+    for model, place in zip(whole.models, whole.places, strict=True):
+        own = [columns[i] for i in place]
+        parts = [(_value(graph, network, own), _distance(graph, network, own)) for network in model.networks]
+        y, far = _chosen(graph, model.partition, own, parts)
+        outputs.append(y)
+        distances.append(far)
+    y = graph.op("Concat", *outputs, axis=1)
+    far = graph.op("Max", *distances) if len(distances) > 1 else distances[0]
+    graph.op("Where", is_nan, graph.number(np.nan), y, to_name="y")
+    graph.op("Where", is_nan, graph.number(float(np.finfo(graph.dtype).max)), far, to_name="domain")
+    n, m = len(whole.inputs), len(whole.models)
+    made = helper.make_model(
+        helper.make_graph(
+            graph.nodes,
+            whole.name,
+            [helper.make_tensor_value_info("x", graph.type, ["rows", n])],
+            [helper.make_tensor_value_info("y", graph.type, ["rows", m]),
+             helper.make_tensor_value_info("domain", graph.type, ["rows", 1])],
+            list(graph.constants.values()),
+        ),
+        opset_imports=[helper.make_opsetid("", opset)],
+        producer_name="polydraulic",
+        producer_version=__version__,
+        doc_string=f"{', '.join(map(str, whole.outputs))} from {', '.join(map(str, whole.inputs))}",
+    )  # fmt: skip
+    made.ir_version = _IR if opset <= OPSET else 10
+    low, high = whole.domain().T.tolist()
+    about = [
+        {"name": v.name, "unit": v.unit, "low": a, "high": b} for v, a, b in zip(whole.inputs, low, high, strict=True)
+    ]
+    results = [{"name": v.name, "unit": v.unit} for v in whole.outputs]
+    helper.set_model_props(made, {"inputs": json.dumps(about), "outputs": json.dumps(results)})
+    checker.check_model(made)
+    return made
+
+
+class _Graph:
+    """Nodes and constants while a graph grows; a value is known by its name."""
+
+    def __init__(self, dtype: Any) -> None:
+        from onnx import TensorProto
+
+        self.dtype = dtype
+        self.type = TensorProto.DOUBLE if dtype is np.float64 else TensorProto.FLOAT
+        self.nodes: list[Any] = []
+        self.constants: dict[str, Any] = {}
+        self._known: dict[bytes, str] = {}
+
+    def op(self, kind: str, *inputs: str, to_name: str | None = None, **attributes: Any) -> str:
+        from onnx import helper
+
+        name = to_name or f"t{len(self.nodes)}"
+        self.nodes.append(helper.make_node(kind, inputs, [name], **attributes))
+        return name
+
+    def constant(self, values: np.ndarray) -> str:
+        from onnx import numpy_helper
+
+        key = repr((values.dtype, values.shape)).encode() + values.tobytes()
+        if key not in self._known:
+            name = f"c{len(self.constants)}"
+            self._known[key] = name
+            self.constants[name] = numpy_helper.from_array(values, name)
+        return self._known[key]
+
+    def number(self, value: float) -> str:
+        return self.constant(np.array(value, dtype=self.dtype))
+
+
+class _Term:
+    """A value in the graph with the arithmetic of a number, so that formulas become operations."""
+
+    def __init__(self, graph: _Graph, name: str) -> None:
+        self.graph, self.name = graph, name
+
+    def _with(self, kind: str, other: "_Term | float", swapped: bool = False) -> "_Term":
+        name = other.name if isinstance(other, _Term) else self.graph.number(other)
+        pair = (name, self.name) if swapped else (self.name, name)
+        return _Term(self.graph, self.graph.op(kind, *pair))
+
+    def __add__(self, other: "_Term | float") -> "_Term":
+        return self._with("Add", other)
+
+    def __radd__(self, other: float) -> "_Term":
+        return self._with("Add", other, swapped=True)
+
+    def __sub__(self, other: "_Term | float") -> "_Term":
+        return self._with("Sub", other)
+
+    def __mul__(self, other: "_Term | float") -> "_Term":
+        return self._with("Mul", other)
+
+    def __rmul__(self, other: float) -> "_Term":
+        return self._with("Mul", other, swapped=True)
+
+    def clipped(self, low: float, high: float) -> "_Term":
+        return _Term(self.graph, self.graph.op("Clip", self.name, self.graph.number(low), self.graph.number(high)))
+
+    def sigmoid(self) -> "_Term":
+        graph = self.graph
+        power = graph.op("Exp", graph.op("Neg", self.clipped(-700.0, 700.0).name))
+        return _Term(graph, graph.op("Div", graph.number(1.0), graph.op("Add", graph.number(1.0), power)))
+
+
+def _value(graph: _Graph, network: Network, columns: Sequence[str]) -> str:
+    inputs, nodes = used_slots(network)
+    slots: dict[str, Any] = {"sigmoid": _Term.sigmoid}
+    for i in inputs:
+        inside = _Term(graph, columns[i]).clipped(network.x_low[i], network.x_high[i])
+        slots[f"n{i}"] = (inside - network.x_mean[i]) * (1.0 / network.x_scale[i])
+    names = [f"n{i}" for i in range(network.n_inputs)] + [f"z{k}" for k in range(len(network.nodes))]
+    for k in nodes:  # the text of a node holds numbers and the names of slots
+        slots[f"z{k}"] = eval(polynomial(network.nodes[k], names), {"__builtins__": {}}, slots)
+    if not network.nodes:
+        value = min(max(network.y_mean, network.y_low), network.y_high)
+        return (_Term(graph, columns[0]).clipped(0.0, 0.0) * 0.0 + value).name
+    y = network.y_mean + network.y_scale * slots[names[-1]]
+    return (y.clipped(network.y_low, network.y_high) if bounded(network) else y).name
+
+
+def _distance(graph: _Graph, network: Network, columns: Sequence[str]) -> str:
+    shares = domain_gain(np.array(network.x_low), np.array(network.x_high))
+    found = [graph.number(0.0)]
+    for column, low, high, share in zip(columns, network.x_low, network.x_high, shares.tolist(), strict=True):
+        x = _Term(graph, column)
+        below = _Term(graph, graph.op("Sub", graph.number(low), column))
+        found += [(below * share).name, ((x - high) * share).name]
+    return graph.op("Max", *found)
+
+
+def _chosen(
+    graph: _Graph, partition: Partition, columns: Sequence[str], parts: Sequence[tuple[str, str]]
+) -> tuple[str, str]:
+    if not isinstance(partition, Split):
+        return parts[partition]
+    is_above = graph.op("Greater", columns[partition.axis], graph.number(partition.at))
+    above, below = (_chosen(graph, part, columns, parts) for part in (partition.above, partition.below))
+    y, far = (graph.op("Where", is_above, a, b) for a, b in zip(above, below, strict=True))
+    return y, far

@@ -1,0 +1,147 @@
+"""Every target by its name, for the command line and for scripts."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from polydraulic.errors import InputError
+from polydraulic.export.build import COMPILERS
+from polydraulic.export.bundle import Bundle, bundle
+from polydraulic.export.c import export_c
+from polydraulic.export.c_text import one_line
+from polydraulic.export.fmu import export_fmu
+from polydraulic.export.formula import to_latex, to_python, to_sympy
+from polydraulic.export.onnx import export_onnx
+from polydraulic.files import write_text
+from polydraulic.networks import Model
+
+ENDINGS = {
+    "c": "", "fmi2": ".fmu", "fmi3": ".fmu", "onnx": ".onnx", "python": ".py", "sympy": ".py", "latex": ".tex",
+}  # fmt: skip
+TARGETS = tuple(ENDINGS)
+_FILES = {*ENDINGS.values(), ".c", ".h", ".zip", ".json"} - {""}  # endings that are not those of folders
+
+
+class Exported(NamedTuple):
+    """What an export wrote.
+
+    Attributes
+    ----------
+    paths : list of Path
+        Files.
+    notes : list of str
+        What the user should know: names that were changed, a compiler that was missing.
+    """
+
+    paths: list[Path]
+    notes: list[str]
+
+
+def export_models(
+    models: Sequence[Model],
+    to: str,
+    out: str | Path,
+    *,
+    name: str | None = None,
+    real: str = "double",
+    cross: bool = False,
+) -> Exported:
+    """Write models for a target.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        One an output.
+    to : str
+        "c", "fmi2", "fmi3", "onnx", "python", "sympy" or "latex".
+    out : str or Path
+        A file with the ending of the target, or a folder.
+    name : str, optional
+        What it is called, made a C identifier; else the name of the file, of the one output, or "model".
+    real : str
+        "double" or "float": precision of C and ONNX.
+    cross : bool
+        Whether FMUs get binaries for other platforms too; needs the package ziglang.
+
+    Returns
+    -------
+    Exported
+
+    Raises
+    ------
+    InputError
+        Unknown target or option, models that do not go together, or a place that cannot be written.
+    """
+    if to not in TARGETS:
+        raise InputError(f"unknown target {to!r}; choose one of {list(TARGETS)}")
+    if real != "double" and to not in ("c", "onnx"):
+        raise InputError(f"real = {real!r} goes with the targets c and onnx, not with {to}")
+    if cross and to not in ("fmi2", "fmi3"):
+        raise InputError(f"binaries for other platforms go with the targets fmi2 and fmi3, not with {to}")
+    out = Path(out)
+    as_file = is_file(to, out)
+    if not as_file and out.suffix in _FILES:
+        raise InputError(f"{out}: {to} writes {ENDINGS[to] or 'two files'}; give {_place(to)}")
+    whole = bundle(models, out.stem if as_file and name is None else name)
+    path = out if as_file else out / f"{whole.name}{ENDINGS[to]}"
+    notes = []
+    if to == "c":
+        paths = export_c(models, out, name=whole.name, real=real)
+    elif to in ("fmi2", "fmi3"):
+        written = export_fmu(models, path, version=int(to[-1]), name=whole.name, cross=cross)
+        paths = [written.path]
+        if not written.binaries:
+            notes.append(
+                f"no C compiler ({', '.join(COMPILERS)}) is installed: the FMU holds sources only, which the importer "
+                "has to compile"
+            )
+    elif to == "onnx":
+        paths = [export_onnx(models, path, name=whole.name, real=real)]
+    else:
+        text = {"python": _python, "sympy": _sympy, "latex": _latex}[to](whole)
+        write_text(path, text)
+        paths = [path]
+    if to in ("c", "python") and (renamed := whole.renamed()):
+        notes.append("names: " + ", ".join(f"{old} is {new}" for old, new in renamed.items()))
+    return Exported(paths, notes)
+
+
+def _place(to: str) -> str:
+    return f"a folder or a name that ends in {ENDINGS[to]}" if ENDINGS[to] else "a folder"
+
+
+def is_file(to: str, out: str | Path) -> bool:
+    """Whether `out` is the file to write for target `to`, not the folder to write it to."""
+    return bool(ENDINGS.get(to)) and Path(out).suffix == ENDINGS[to]
+
+
+def _python(whole: Bundle) -> str:
+    """A function an output, without dependencies."""
+    functions = zip(whole.models, whole.identifiers()[1], strict=True)
+    return "\n\n".join(to_python(model, name) for model, name in functions)
+
+
+def _sympy(whole: Bundle) -> str:
+    """A module that builds the expressions."""
+    from sympy import srepr
+
+    lines = [f'"""{whole.name} as SymPy expressions, valid inside the domain."""', ""]
+    lines += ["from sympy import *", "from sympy.core.parameters import distribute"]
+    lines += ["from sympy.functions.elementary.piecewise import ExprCondPair", ""]
+    lines += [f"# {_about(m)}" for m in whole.models]
+    lines += ["", "with distribute(False):  # else numbers would be multiplied into sums and lose digits"]
+    lines += [
+        f"    {name} = {srepr(to_sympy(model))}"
+        for model, name in zip(whole.models, whole.identifiers()[1], strict=True)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _about(model: Model) -> str:
+    return one_line(f"{model.output} from {', '.join(map(str, model.inputs))}")
+
+
+def _latex(whole: Bundle) -> str:
+    """Display mathematics, for a document with amsmath."""
+    parts = [f"% {_about(model)}; needs \\usepackage{{amsmath}}\n\\[\n{to_latex(model)}\\]\n" for model in whole.models]
+    return "\n".join(parts)

@@ -1,0 +1,9 @@
+"""Kernels as readable C99 with the same bits: the one text of the physics, printed in another language.
+
+`Program.entry` translates a kernel and all that it calls; it refuses what has no counterpart, with file and line.
+"""
+
+from polydraulic.export.translate.functions import Function
+from polydraulic.export.translate.program import Program
+
+__all__ = ["Function", "Program"]

@@ -1,0 +1,190 @@
+"""FMUs of the whole machine in FMPy: the bits of `simulate`, at any communication step."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from polydraulic.export.fmu import export_machine_fmu
+from polydraulic.export.fmu.machine import direct_parameters
+from polydraulic.export.machine import outputs
+from polydraulic.machine import end_effector
+from polydraulic.parameters import LINKS, load_scenario
+from polydraulic.parameters.operator import random_signals
+from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.runs import arrange
+
+fmpy = pytest.importorskip("fmpy")
+validation = pytest.importorskip("fmpy.validation")
+pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+N_OUT = len(outputs())
+OUT = list(range(3, 3 + N_OUT))
+STATUS = 3 + N_OUT
+
+
+class Digger:
+    """One instance."""
+
+    def __init__(self, path, folder, version=3, **start):
+        description = fmpy.read_model_description(str(path))
+        self.reference = {v.name: v.valueReference for v in description.modelVariables}
+        fmpy.extract(str(path), unzipdir=str(folder))
+        self.fmu = fmpy.instantiate_fmu(str(folder), description, fmi_type="CoSimulation")
+        self.set = self.fmu.setReal if version == 2 else self.fmu.setFloat64
+        self.get = self.fmu.getReal if version == 2 else self.fmu.getFloat64
+        if version == 2:
+            self.fmu.setupExperiment(startTime=0.0)
+        self.set([self.reference[name] for name in start], list(start.values()))
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def run(self, voltage, dt=5e-3):
+        rows = np.empty((len(voltage) + 1, N_OUT))
+        rows[0] = self.get(OUT)
+        for k, v in enumerate(voltage.tolist()):
+            self.set([0, 1, 2], v)
+            self.fmu.doStep(k * dt, dt)
+            rows[k + 1] = self.get(OUT)
+        return rows
+
+
+def expected(machine, flow, scenario, voltage=None):
+    arranged = arrange(machine, flow, scenario)
+    if voltage is not None:
+        arranged = arranged._replace(voltage=voltage, rows=np.empty((len(voltage) + 1, N_RECORD)))
+    assert run(*arranged) == len(arranged.voltage)
+    return np.hstack([arranged.rows, end_effector(arranged.rows[:, 9:12], machine.geometry)]), arranged.voltage
+
+
+def same_bits(a, b):
+    return np.array_equal(np.ascontiguousarray(a).view(np.int64), np.ascontiguousarray(b).view(np.int64))
+
+
+def voltages(n, seed):
+    signals = random_signals(seed, n * 5e-3, links=LINKS, limit=5.0)
+    return np.column_stack([signals[link](np.arange(n) * 5e-3) for link in LINKS])
+
+
+@pytest.fixture(scope="module")
+def exact(machine, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("exact")
+    return export_machine_fmu(machine, "exact", folder / "digger.fmu", name="digger").path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("flow", ["exact", "polynomial"])
+@pytest.mark.parametrize("name", ["sine", "step", "pulse", "task"])
+def test_all_scenarios_have_the_bits_of_simulate(machine, flow, name, version, tmp_path):
+    scenario = load_scenario(name)
+    adapted = scenario.adapt(machine)
+    path = export_machine_fmu(adapted, flow, tmp_path / "m.fmu", version=version, locked=scenario.locked).path
+    assert validation.validate_fmu(str(path)) == []
+    rows, voltage = expected(machine, flow, scenario)
+    assert same_bits(Digger(path, tmp_path / "in", version).run(voltage), rows)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flow", ["exact", "polynomial"])
+def test_100_000_steps_of_a_random_operator(machine, flow, tmp_path):
+    path = export_machine_fmu(machine, flow, tmp_path / "m.fmu").path
+    rows, voltage = expected(machine, flow, load_scenario("task"), voltages(100_000, 21))
+    assert same_bits(Digger(path, tmp_path / "in").run(voltage), rows)
+
+
+def test_a_random_operator_has_the_bits_of_simulate(machine, exact, tmp_path):
+    rows, voltage = expected(machine, "exact", load_scenario("task"), voltages(500, 4))
+    assert same_bits(Digger(exact, tmp_path / "in").run(voltage), rows)
+
+
+def test_any_communication_step_makes_the_steps_that_are_due(exact, tmp_path):
+    voltage = np.array([[2.0, -1.0, 3.0]])
+    rows = Digger(exact, tmp_path / "a").run(np.tile(voltage, (60, 1)))
+    for number, (step, count) in enumerate(((0.3, 1), (0.001, 300), (0.3 / 7, 7), (0.0075, 40))):
+        digger = Digger(exact, tmp_path / str(number))
+        digger.set([0, 1, 2], voltage[0].tolist())
+        for k in range(count):
+            digger.fmu.doStep(k * step, step)
+            if step == 0.0075:
+                assert same_bits(digger.get(OUT), rows[int((k + 1) * 1.5)])
+        assert same_bits(digger.get(OUT), rows[-1])
+
+
+def test_a_state_that_is_set_or_read_from_bytes_goes_on_with_the_same_bits(exact, tmp_path):
+    voltage = voltages(400, 6)
+    digger = Digger(exact, tmp_path / "a")
+    digger.run(voltage[:200])
+    state = digger.fmu.getFMUState()
+    content = digger.fmu.serializeFMUState(state)
+
+    def rest(digger):
+        rows = []
+        for k, v in enumerate(voltage[200:].tolist()):
+            digger.set([0, 1, 2], v)
+            digger.fmu.doStep((200 + k) * 5e-3, 5e-3)
+            rows.append(digger.get(OUT))
+        return np.array(rows)
+
+    first = rest(digger)
+    digger.fmu.setFMUState(state)
+    assert same_bits(rest(digger), first)
+    other = Digger(exact, tmp_path / "b")
+    other.fmu.setFMUState(other.fmu.deserializeFMUState(content))
+    assert same_bits(rest(other), first)
+    digger.fmu.freeFMUState(state)
+
+
+def test_parameters_are_those_of_a_changed_machine(machine, exact, tmp_path):
+    boom = machine.boom._replace(
+        friction=machine.boom.friction._replace(viscous=9e3, static=2.5e4),
+        line=machine.boom.line._replace(relief=2.0e7, leakage=3e-12),
+        initial=machine.boom.initial._replace(angle=0.3, p_a=4e6),
+    )
+    changed = machine._replace(boom=boom, pumps=machine.pumps._replace(relief=1.5e7, boom_flow=2e-3))
+    rows, voltage = expected(changed, "exact", load_scenario("task"), voltages(400, 9))
+    digger = Digger(
+        exact,
+        tmp_path / "a",
+        **{
+            "boom.friction.viscous": 9e3,
+            "boom.friction.static": 2.5e4,
+            "boom.line.relief": 2.0e7,
+            "boom.line.leakage": 3e-12,
+            "boom.initial.angle": 0.3,
+            "boom.initial.p_a": 4e6,
+            "pumps.relief": 1.5e7,
+            "pumps.boom_flow": 2e-3,
+        },
+    )
+    assert same_bits(digger.run(voltage), rows)
+
+
+def test_direct_parameters_leave_out_what_enters_other_numbers(machine):
+    names = {parameter.name for parameter in direct_parameters(machine, "exact")}
+    assert {"boom.line.relief", "swing.friction.viscous", "geometry.gravity", "stick.initial.angle"} <= names
+    assert not names & {"boom.body.mass", "boom.line.compliance_a", "swing.pilot.time_constant", "geometry.d"}
+    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    assert "pumps.relief" in names
+    assert "pumps.relief" not in {parameter.name for parameter in direct_parameters(limited, "exact")}
+
+
+def test_what_is_not_finite_stops_the_run_and_says_so(exact, tmp_path):
+    digger = Digger(exact, tmp_path / "a")
+    digger.set([1], [float("nan")])
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        digger.fmu.doStep(0.0, 0.01)
+    again = Digger(exact, tmp_path / "b", **{"boom.friction.viscous": float("nan")})
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        again.fmu.doStep(0.0, 0.01)
+
+
+def test_fmpy_simulates_it_with_recorded_inputs(machine, exact):
+    rows, voltage = expected(machine, "exact", load_scenario("task"), voltages(200, 4))
+    names = [("time", float), *((f"{link}.voltage", float) for link in LINKS)]
+    inputs = np.array([(k * 5e-3, *v) for k, v in enumerate(voltage)], dtype=names)
+    found = fmpy.simulate_fmu(str(exact), input=inputs, output_interval=5e-3, stop_time=0.995)
+    for place, output in enumerate(outputs()):
+        assert (
+            np.abs(found[output.name] - rows[: len(found), place]).max() <= 1e-9 * np.abs(rows[:, place]).max() + 1e-300
+        )
+    assert set(found["status"]) == {0.0}

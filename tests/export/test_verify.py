@@ -1,0 +1,66 @@
+"""The agreement report, and that it finds what is wrong."""
+
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.export import agreement_table, build, verify, verify_models
+from polydraulic.networks import Model
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_all_targets_agree(exported_models):
+    found, not_tried = verify_models(exported_models["several"], 300)
+    targets = {a.target for a in found}
+    assert targets == {
+        "python", "c double", "c float", "fmi2 me", "fmi2 cs", "fmi3 me", "fmi3 cs", "onnx double", "onnx float",
+    }  # fmt: skip
+    assert len(found) == 3 * len(targets)
+    assert all(a.holds for a in found)
+    for a in found:
+        if a.target.startswith(("c double", "fmi", "python")):
+            assert (a.inside, a.border, a.outside) == (0.0, 0.0, 0.0)
+        if not a.exact:
+            assert 0.0 < a.inside < 1e-4 * a.size
+    table = agreement_table(found, not_tried)
+    assert "fmi3 cs: out put [Pa]" in table
+    assert "not tried: sympy, latex" in table
+    assert "DIFFERS" not in table
+
+
+def test_a_wrong_number_is_told(exported_models, monkeypatch):
+    right = verify.to_python
+
+    def wrong(model: Model, name: str) -> str:
+        network = model.networks[0]
+        shifted = replace(network, y_mean=network.y_mean + 1e-6)
+        return right(replace(model, networks=(shifted, *model.networks[1:])), name)
+
+    monkeypatch.setattr(verify, "to_python", wrong)
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    for module in (verify, build):
+        monkeypatch.setattr(module, "find_spec", lambda name: None)
+    found, not_tried = verify_models(exported_models["single"], 60)
+    assert [a.target for a in found] == ["python"]
+    assert not found[0].holds
+    assert found[0].inside == pytest.approx(1e-6)
+    assert agreement_table(found, not_tried).count("DIFFERS") == 1
+    assert not_tried["c double"] == "no C compiler is installed"
+    assert not_tried["fmi2 me"] == "needs fmpy: pip install fmpy"
+    assert not_tried["onnx float"] == "needs onnx: pip install onnx"
+
+
+def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):
+    monkeypatch.setattr(verify, "_targets", lambda whole, folder: [
+        ("nan", True, lambda X: verify._Answers(np.full((len(X), 1), np.nan)))])  # fmt: skip
+    found, _ = verify_models(exported_models["single"], 60)
+    assert found[0].inside == np.inf
+    assert not found[0].holds
+
+
+def test_too_few_points(exported_models):
+    with pytest.raises(InputError, match="at least 6 points"):
+        verify_models(exported_models["single"], 3)

@@ -1,0 +1,148 @@
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.networks import (
+    AbductiveRegressor,
+    Adapter,
+    Model,
+    Network,
+    RegionRegressor,
+    Variable,
+    dump_models,
+    parse_models,
+)
+
+RNG = np.random.default_rng(3)
+X = RNG.uniform([0.0, 10.0, 5.0], [1.0, 30.0, 5.0 + 1e-300], size=(500, 3))
+Y = X[:, 0] * (X[:, 1] - 10.0)
+FITTED = RegionRegressor(AbductiveRegressor(max_layers=2), edges={0: [0.5]}).fit(X, Y).to_model()
+RANGE = max(n.y_high for n in FITTED.networks) - min(n.y_low for n in FITTED.networks)
+EVERYWHERE = RNG.uniform([-1.0, 0.0, 5.0], [2.0, 50.0, 5.0], size=(5000, 3))
+
+
+def worst(model, y):
+    return np.abs(model.predict(X) - y).max()
+
+
+def test_a_change_is_followed_and_undone():
+    adapter = Adapter(FITTED, trust=0.5, order=2, caution=0.1)
+    changed = 0.8 * Y - 0.5 + 0.002 * (X[:, 1] - 20.0) ** 2
+    adapter.update(X, changed)
+    assert adapter.count == 500
+    assert worst(FITTED, changed) > 3.0
+    assert worst(adapter.model(), changed) < 0.05
+    before = adapter.snapshot()
+    adapter.update(X, Y + 1.0)
+    assert worst(adapter.model(), changed) > 0.2
+    adapter.reset(before)
+    assert worst(adapter.model(), changed) < 0.05
+    adapter.reset()
+    assert adapter.model() is FITTED
+    assert adapter.count == 0
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_the_adapted_model_is_what_the_coefficients_say(order):
+    adapter = Adapter(FITTED, trust=0.9, order=order)
+    adapter.update(X, 0.7 * Y + 0.3 * X[:, 0])
+    coef, model = adapter.coefficients(), adapter.model()
+    inside = FITTED.predict(X)
+    region = (X[:, 0] > 0.5).astype(int)
+    box = FITTED.domain()
+    t = 2.0 * (X[:, :2] - box[:2, 0]) / np.diff(box[:2]).T - 1.0
+    powers = np.cos(np.arange(1, order + 1) * np.arccos(np.clip(t, -1, 1))[..., None]).reshape(len(X), -1)
+    low = min(n.y_low for n in FITTED.networks)
+    features = np.column_stack([np.ones(len(X)), (inside - low - RANGE / 2) / (RANGE / 2), powers])
+    expected = inside + np.sum(features * coef[region], axis=1)
+    ends = np.array([(n.y_low, n.y_high) for n in FITTED.networks])[region].T
+    assert np.abs(model.predict(X) - np.clip(expected, *ends)).max() < 1e-9 * RANGE
+    assert parse_models(dump_models([model]), "m.json") == [model]
+
+
+@pytest.mark.parametrize("trust", [0.05, 0.4, 1.0])
+def test_the_adapted_model_stays_within_its_trust_everywhere(trust):
+    adapter = Adapter(FITTED, trust=trust, order=3, caution=1e-3)
+    adapter.update(X, RNG.uniform(-1e3, 1e3, size=len(X)))
+    moved = np.abs(adapter.model().predict(EVERYWHERE) - FITTED.predict(EVERYWHERE))
+    assert moved.max() <= trust * RANGE * (1.0 + 1e-12)
+    adapter.reset()
+    adapter.update(X, np.full(len(X), 1e6))
+    moved = np.abs(adapter.model().predict(EVERYWHERE) - FITTED.predict(EVERYWHERE))
+    assert 0.5 * trust * RANGE < moved.max() <= trust * RANGE * (1.0 + 1e-12)
+
+
+def test_rows_one_by_one_are_the_same_as_together_and_as_weighted_least_squares():
+    one, all_at_once = (Adapter(FITTED, forgetting=0.98) for _ in range(2))
+    all_at_once.update(X[:60], 0.9 * Y[:60])
+    for x, y in zip(X[:60], 0.9 * Y[:60], strict=True):
+        one.update(x[None], [y])
+    assert np.allclose(one.coefficients(), all_at_once.coefficients(), rtol=1e-9, atol=1e-12)
+    rows = X[:60, 0] <= 0.5
+    weight = 0.98 ** np.arange(59, -1, -1)
+    assert one.snapshot().gram[0, 0, 0] == pytest.approx(weight[rows].sum())
+
+
+def test_old_measurements_are_forgotten():
+    adapter = Adapter(FITTED, forgetting=0.99, trust=0.5)
+    adapter.update(X, 0.8 * Y)
+    after_change = worst(adapter.model(), Y)
+    for _ in range(4):
+        adapter.update(X, Y)
+    assert worst(adapter.model(), Y) < 0.02 * after_change
+    never = Adapter(FITTED, forgetting=1.0, trust=0.5)
+    never.update(X, 0.8 * Y)
+    never.update(X, Y)
+    assert worst(never.model(), Y) > 0.3 * after_change
+
+
+def test_a_region_without_measurements_follows_the_others():
+    low = X[:, 0] <= 0.5
+    adapter = Adapter(FITTED, trust=0.5)
+    adapter.update(X[low], 0.8 * Y[low])
+    errors = [np.sqrt(np.mean((model.predict(X[~low]) - 0.8 * Y[~low]) ** 2)) for model in (FITTED, adapter.model())]
+    assert errors[1] < 0.5 * errors[0]
+
+
+def test_a_target_on_a_bound_is_met_by_an_answer_beyond_it():
+    y = np.minimum(Y, 5.0)
+    fitted = AbductiveRegressor(output_bounds=(0.0, 5.0)).fit(X, y).to_model()
+    adapter = Adapter(fitted)
+    beyond = (Y > 8.0) & (adapter._free.predict(X) > 5.0)
+    assert beyond.any()
+    adapter.update(X[beyond], y[beyond])
+    assert adapter.model() is fitted
+
+
+def test_a_constant_is_moved():
+    network = Network((), (0.0,), (1.0,), (2.0,), (2.0,), 5.0, 1.0, 0.0, 10.0)
+    adapter = Adapter(Model((Variable("x"),), Variable("y"), (network,)))
+    adapter.update(np.full((1000, 1), 2.0), np.full(1000, 6.0))
+    assert adapter.model().predict([[2.0]])[0] == pytest.approx(6.0, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"forgetting": 0.0}, "forgetting = 0.0"),
+        ({"forgetting": 1.1}, "forgetting = 1.1"),
+        ({"trust": 0.0}, "trust = 0.0"),
+        ({"trust": 1.5}, "trust = 1.5"),
+        ({"order": 4}, "order = 4"),
+        ({"caution": 0.0}, "caution = 0.0"),
+        ({"model": AbductiveRegressor(output_bounds=None).fit(X, Y).to_model()}, "needs finite ones"),
+    ],
+)
+def test_settings_out_of_range_are_one_clear_error(change, message):
+    with pytest.raises(InputError, match=message):
+        Adapter(**{"model": FITTED} | change)
+
+
+def test_measurements_must_be_finite_and_fit():
+    adapter = Adapter(FITTED)
+    for x, y in ((X, Y[:5]), (X, np.where(Y > 5.0, np.nan, Y)), (X[:, :2], Y), (np.where(X > 20.0, np.inf, X), Y)):
+        with pytest.raises(InputError, match="must be|finite"):
+            adapter.update(x, y)
+    assert adapter.count == 0
+    with pytest.raises(InputError, match="snapshot is of another model"):
+        adapter.reset(Adapter(FITTED, order=2).snapshot())
