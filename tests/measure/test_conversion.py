@@ -25,6 +25,7 @@ def test_units_of_the_package_convert_as_the_package_does(si):
         ("psia", 14.695948775513, 0.0, "Pa"),
         ("rpm", 60.0, 2 * np.pi, "rad/s"),
         ("rev/min", 60.0, 2 * np.pi, "rad/s"),
+        ("PSI", 1.0, 4.4482216152605 / 0.0254**2, "Pa"),
         ("U/min", 60.0, 2 * np.pi, "rad/s"),
         ("°", 180.0, np.pi, "rad"),
         ("degC", 20.0, 293.15, "K"),
@@ -53,6 +54,11 @@ def test_units_of_the_field(unit, value, expected, si):
 def test_an_unknown_unit_is_one_error(unit):
     with pytest.raises(InputError, match="unknown unit"):
         conversion(unit)
+
+
+def test_a_logarithmic_unit_is_refused():
+    with pytest.raises(InputError, match="unit 'dB' is not proportional"):
+        conversion("dB")
 
 
 def test_units_of_the_same_kind():

@@ -175,6 +175,16 @@ def test_every_kind_of_finding_is_seeded():
     assert {kind for _, kind, _, _ in FAULTS.values()} | elsewhere == set(KINDS)
 
 
+def test_a_held_channel_that_is_written_only_when_it_changes_is_no_fault(tmp_path):
+    columns = healthy()
+    level = np.repeat(np.arange(100.0) % 7, 40)
+    columns["lever"] = np.where(np.arange(4000) % 40 == 0, level, np.nan)
+    changed = MAP.replace('unit = "V"\nrange = [-1.2, 1.2]', 'between = "hold"\nraster = "1 s"')
+    found = imported(tmp_path, columns, changed, units={**UNITS, "lever": ""})
+    assert [str(f) for f in found.findings] == []
+    assert np.array_equal(found.excerpt["lever"], level[:3999])
+
+
 def test_an_unknown_kind_is_an_error(tmp_path):
     with pytest.raises(InputError, match="no finding is called 'odd'"):
         imported(tmp_path, healthy()).findings.of("odd")

@@ -25,6 +25,7 @@ _DEFINITIONS = (
     "Nm = newton * meter",
 )
 _PLAIN = {"": "dimensionless", "-": "dimensionless", "1": "dimensionless", "U/min": "rev/min", "rpm": "rev/min"}
+_PLAIN |= {"RPM": "rev/min", "PSI": "psi", "Bar": "bar", "BAR": "bar", "GPM": "gpm", "LPM": "lpm"}
 _NAMED = ("N", "W")  # SI units with a name of their own that the package itself does not convert
 _LETTERS = re.compile(r"[\w/*^.()·%° \-²³Ω]*")
 _POWER = re.compile(r"(?<=[A-Za-zµ])\^?(-?\d(?:\.\d+)?)(?![A-Za-z\d])")
@@ -89,16 +90,15 @@ def conversion(unit: str) -> Conversion:
     ('m3/s', 100000)
     """
     base = _base(unit)
-    zero = _registry().Quantity(0.0, _parse(unit)).to(base)
-    one = _registry().Quantity(1.0, _parse(unit)).to(base)
+    zero, one, two = (float(_registry().Quantity(v, _parse(unit)).to(base).magnitude) for v in (0.0, 1.0, 2.0))
+    if abs(two - 2.0 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
+        raise InputError(f"unit {unit!r} is not proportional to what it measures; convert the channel first")
     name = _si_names().get(str(base))
     if name is None:
         name = format(base, "~C").replace("**", "").replace("*", " ")
-    factor = float(one.magnitude - zero.magnitude)
-    si = FACTORS.get(name, {})
-    return Conversion(
-        si.get(unit, factor), float(zero.magnitude), name, unit
-    )  # the package's own factors, where it has one
+    factor = one - zero
+    own = FACTORS.get(name, {})  # the package's own factors, where it has one
+    return Conversion(own.get(unit, factor), zero, name, unit)
 
 
 def same_kind(unit: str) -> list[str]:

@@ -98,7 +98,8 @@ class ChannelCheck:
         if real.sum() > 2 and not self._compared:
             self._compared = True
             found = float(np.median(steps[real]))
-            self.clock.compare(self.channel.source, self.channel.raster, found)
+            if self.channel.between == "linear":  # a held channel may be written only when it changes
+                self.clock.compare(self.channel.source, self.channel.raster, found)
             self.raster = self.raster if np.isfinite(self.raster) else found
         gaps = np.cumsum(rows.after_gap)[there] + (self.clock.gaps - int(rows.after_gap.sum()))
         same = np.diff(np.concatenate([[self._gaps_seen], gaps])) == 0
