@@ -13,7 +13,7 @@ import polydraulic
 
 ROOT = Path(__file__).parents[1]
 MODULES = [m.name for m in pkgutil.walk_packages(polydraulic.__path__, "polydraulic.") if not m.name.endswith("train")]
-PACKAGES = ["networks", "parameters", "machine", "flow", "simulation", "export", "studies"]
+PACKAGES = ["networks", "parameters", "machine", "flow", "simulation", "export", "measure", "studies"]
 
 
 @pytest.mark.parametrize("name", MODULES)

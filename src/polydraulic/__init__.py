@@ -1,7 +1,7 @@
 """polydraulic: polynomial abductive networks and real-time simulation of mobile hydraulic machines.
 
 The names below are loaded when first used, so that importing the package, or asking the command line for help,
-costs nothing. Layers, lowest first: `parameters`, `machine` and `networks`, `flow`, `simulation`, `export`, `studies`.
+costs nothing. Layers, lowest first: `parameters`, `machine` and `networks`, `flow`, `simulation`, `export` and `measure`, `studies`.
 """
 
 from importlib import import_module

@@ -6,7 +6,8 @@ unit in brackets, ``boom.p_in [Pa]``; in a Parquet file it is in the metadata of
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -64,19 +65,42 @@ def write_table(table: Table, path: str | Path) -> None:
     InputError
         If the ending is neither, or the place cannot be written.
     """
+    with table_writer(path, {name: table.unit(name) for name in table.names}, table.info) as write:
+        write([table[name] for name in table.names])
+
+
+@contextmanager
+def table_writer(
+    path: str | Path, units: Mapping[str, str], info: Mapping[str, object] | None = None
+) -> Iterator[Callable[[Sequence[np.ndarray]], None]]:
+    """Write a table block by block; the function it gives takes the columns of a block, in order.
+
+    Parameters
+    ----------
+    path : str or Path
+        As for `write_table`.
+    units : mapping from name to unit
+        The columns.
+    info : mapping, optional
+    """
     ending = table_ending(path)
     with replacing(path) as temporary:
         if ending == ".csv":
-            header = ",".join(f"{n} [{table.unit(n)}]" if table.unit(n) else n for n in table.names)
-            rows = table.matrix(table.names) if table.names else np.empty((0, 0))
-            np.savetxt(temporary, rows, fmt="%.17g", delimiter=",", header=header, comments="", encoding="utf-8")
+            with temporary.open("w", encoding="utf-8") as file:
+                file.write(",".join(f"{name} [{unit}]" if unit else name for name, unit in units.items()) + "\n")
+
+                def write_rows(columns: Sequence[np.ndarray]) -> None:
+                    np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
+
+                yield write_rows
         else:
             import pyarrow as pa
             import pyarrow.parquet as pq
 
-            fields = [pa.field(n, pa.float64(), metadata={"unit": table.unit(n)}) for n in table.names]
-            schema = pa.schema(fields, metadata={_INFO_KEY: json.dumps(table.info)})
-            pq.write_table(pa.table([table[n] for n in table.names], schema=schema), temporary)
+            fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units.items()]
+            schema = pa.schema(fields, metadata={_INFO_KEY: json.dumps(dict(info or {}))})
+            with pq.ParquetWriter(temporary, schema) as file:
+                yield lambda columns: file.write_table(pa.table(list(columns), schema=schema))
 
 
 def read_table(path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = ()) -> Table:

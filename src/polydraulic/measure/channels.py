@@ -1,0 +1,292 @@
+"""The channel map: what each channel of a log is, as a TOML file that is checked before a log is opened."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+from polydraulic.errors import InputError
+from polydraulic.measure.conversion import conversion, quantity
+from polydraulic.parameters.load import read_toml
+
+ROLES = ("input", "output", "time", "ignore")
+BETWEEN = ("linear", "hold")
+RESERVED = ("time", "segment")  # columns that every imported table has
+SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
+_MAP = {"raster", "interval", "channel", "flow"}
+_CHANNEL = {"source", "name", "role", "unit", "raster", "between", "range", "sign"}
+_FLOW = {"name", "position", "area", "pressure", "compliance", "window", "role"}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel of a log.
+
+    Attributes
+    ----------
+    source : str
+        Its name in the log.
+    name : str
+        Its column in the table.
+    role : str
+        One of `ROLES`.
+    unit : str
+        Of the numbers in the log.
+    raster : float, s, or None
+        Interval between its samples; found in the log where it is None.
+    between : str
+        What holds between two samples: ``"linear"`` or ``"hold"``.
+    low, high : float
+        Plausible range in `unit`; a value beyond it is none.
+    sign : int
+        -1 turns the channel round.
+    """
+
+    source: str
+    name: str
+    role: str = "input"
+    unit: str = ""
+    raster: float | None = None
+    between: str = "linear"
+    low: float = -inf
+    high: float = inf
+    sign: int = 1
+
+
+@dataclass(frozen=True)
+class FlowChannel:
+    """A flow that nobody measured, from the motion of its actuator; see `polydraulic.measure.flows`.
+
+    Attributes
+    ----------
+    name : str
+    position : str
+        Column of a stroke (m) or an angle (rad).
+    area : float, m2 or m3/rad
+    pressure : str or None
+        Column of the pressure in the line; None leaves the compliance term out.
+    compliance : float, m3/Pa
+    window : float, s
+        Of the differentiation.
+    role : str
+    """
+
+    name: str
+    position: str
+    area: float
+    pressure: str | None = None
+    compliance: float = 0.0
+    window: float = 0.1
+    role: str = "output"
+
+
+@dataclass(frozen=True)
+class ChannelMap:
+    """All channels of a log.
+
+    Attributes
+    ----------
+    raster : float, s
+        Of the table that is made of the log.
+    channels : tuple of Channel
+    flows : tuple of FlowChannel
+        To reconstruct.
+    interval : float, s, or None
+        Between rows, of a log that has no channel of the time.
+    """
+
+    raster: float
+    channels: tuple[Channel, ...]
+    flows: tuple[FlowChannel, ...] = ()
+    interval: float | None = None
+
+    @property
+    def time(self) -> Channel | None:
+        """The channel of the time; None where the log has clocks of its own (MDF)."""
+        return next((c for c in self.channels if c.role == "time"), None)
+
+    @property
+    def used(self) -> list[Channel]:
+        """Inputs and outputs, in order."""
+        return [c for c in self.channels if c.role in ("input", "output")]
+
+    def of_role(self, role: str) -> list[str]:
+        """Columns that are inputs or outputs, reconstructed flows among them."""
+        found = [c.name for c in self.used if c.role == role]
+        return found + [flow.name for flow in self.flows if flow.role == role]
+
+
+def load_channels(path: str | Path) -> ChannelMap:
+    """Read a channel map.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file: ``raster = "10 ms"`` of the table; ``interval = "10 ms"`` between rows where no channel is the time; for each channel a ``[[channel]]`` with ``source``, ``role``, and
+        optional ``name``, ``unit``, ``raster``, ``between``, ``range``, ``sign``; for each flow to reconstruct a ``[[flow]]`` with
+        ``name``, ``position``, ``area``, and optional ``pressure``, ``compliance``, ``window``, ``role``.
+
+    Raises
+    ------
+    InputError
+        Unknown or missing key, unknown unit, a value that is not allowed, two channels of one name: file, key, value.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"channel map {path}: no such file; `polydraulic import --suggest LOG` writes a first one")
+    data = read_toml(path)
+    try:
+        return channel_map(data)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def channel_map(data: Mapping[str, Any]) -> ChannelMap:
+    """Check what a channel map's file holds; see `load_channels`."""
+    keys(data, _MAP, {"raster", "channel"}, "")
+    raster = duration(data["raster"], "raster")
+    channels = tuple(_channel(item, f"channel {n}") for n, item in enumerate(_tables(data, "channel"), 1))
+    flows = tuple(_flow(item, f"flow {n}") for n, item in enumerate(_tables(data, "flow"), 1))
+    interval = duration(data["interval"], "interval") if "interval" in data else None
+    found = ChannelMap(raster, channels, flows, interval)
+    clocks = [c.source for c in channels if c.role == "time"]
+    if len(clocks) > 1:
+        raise InputError(f"channels {clocks[0]!r} and {clocks[1]!r} both have the role 'time'; one log has one time")
+    if clocks and interval is not None:
+        raise InputError(f"channel {clocks[0]!r} has the role 'time', and interval is given too; leave one of them out")
+    if not found.used:
+        raise InputError("no channel has the role 'input' or 'output'; give at least one of them")
+    for what, names in (
+        ("name", [*(c.name for c in found.used), *(flow.name for flow in flows)]),
+        ("source", [c.source for c in channels if c.role != "ignore"]),
+    ):
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise InputError(f"two channels have the {what} {twice!r}; each needs its own")
+    for flow in flows:
+        _check_flow(flow, found)
+    return found
+
+
+def keys(data: Any, allowed: set[str], needed: set[str], where: str) -> None:
+    """Check that a table has the keys that it needs and no others."""
+    if not isinstance(data, Mapping):
+        raise InputError(f"{where or 'file'} must be a table, not {data!r}")
+    of = f" in {where}" if where else ""
+    unknown, missing = sorted(set(data) - allowed), sorted(needed - set(data))
+    if unknown:
+        raise InputError(f"unknown key {unknown[0]!r}{of}; allowed here: {sorted(allowed)}")
+    if missing:
+        raise InputError(f"missing key {missing[0]!r}{of}; needed here: {sorted(needed)}")
+
+
+def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGEST) -> float:
+    """Read a time such as ``"10 ms"`` and check its range, in s."""
+    seconds = quantity(value, "s", where)
+    if not low <= seconds <= high:
+        raise InputError(f"{where} = {value!r}: must lie in [{low:g}, {high:g}] s")
+    return seconds
+
+
+def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
+    """Check a text that is not empty, one of `allowed` if given."""
+    if not isinstance(value, str) or not value.strip():
+        raise InputError(f"{where} = {value!r}: must be a text")
+    if allowed is not None and value not in allowed:
+        raise InputError(f"{where} = {value!r}: must be one of {list(allowed)}")
+    return value
+
+
+def limits(value: Any, where: str) -> tuple[float, float]:
+    """Check a range ``[low, high]``."""
+    good = isinstance(value, list) and len(value) == 2
+    good = good and all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in value)
+    if not good or not value[0] < value[1]:
+        raise InputError(f"{where} = {value!r}: must be [low, high], two numbers in the channel's unit, low below high")
+    return float(value[0]), float(value[1])
+
+
+def _tables(data: Mapping[str, Any], key: str) -> list[Any]:
+    items = data.get(key, [])
+    if not isinstance(items, list):
+        raise InputError(f"{key} must be a list of tables; begin each with [[{key}]]")
+    return items
+
+
+def _channel(item: Any, where: str) -> Channel:
+    keys(item, _CHANNEL, {"source", "role"}, where)
+    source = text(item["source"], f"source in {where}")
+    where = f"channel {source!r}"
+    role = text(item["role"], f"role of {where}", ROLES)
+    if role == "ignore":
+        return Channel(source, source, role)
+    unit = item.get("unit", "s" if role == "time" else "")
+    if not isinstance(unit, str):
+        raise InputError(f"unit of {where} = {unit!r}: must be a text, empty for plain numbers")
+    try:
+        found = conversion(unit)
+    except InputError as error:
+        raise InputError(f"unit of {where}: {error}") from error
+    if role == "time":
+        if found.si != "s":
+            raise InputError(f"unit of {where} = {unit!r}: time needs a unit of time")
+        keys(item, {"source", "role", "unit", "raster"}, set(), f"the time {where}")
+        return Channel(source, "time", role, unit, _raster(item, where))
+    name = text(item.get("name", source), f"name of {where}")
+    if name in RESERVED:
+        raise InputError(f"name of {where} = {name!r}: the table has a column of this name already; choose another")
+    low, high = limits(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
+    between = text(item.get("between", "linear"), f"between of {where}", BETWEEN)
+    sign = item.get("sign", 1)
+    if isinstance(sign, bool) or sign not in (1, -1):
+        raise InputError(f"sign of {where} = {sign!r}: must be 1 or -1")
+    return Channel(source, name, role, unit, _raster(item, where), between, low, high, int(sign))
+
+
+def _raster(item: Mapping[str, Any], where: str) -> float | None:
+    return duration(item["raster"], f"raster of {where}") if "raster" in item else None
+
+
+def _flow(item: Any, where: str) -> FlowChannel:
+    keys(item, _FLOW, {"name", "position", "area"}, where)
+    name = text(item["name"], f"name in {where}")
+    where = f"flow {name!r}"
+    if name in RESERVED:
+        raise InputError(f"name of {where}: the table has a column of this name already; choose another")
+    if ("pressure" in item) != ("compliance" in item):
+        raise InputError(f"{where}: pressure and compliance go together; give both or neither")
+    area = item["area"]
+    kind = conversion(area.strip().partition(" ")[2]).si if isinstance(area, str) else "m2"
+    kind = kind if kind in ("m2", "m3/rad") else "m2"
+    return FlowChannel(
+        name,
+        text(item["position"], f"position of {where}"),
+        quantity(area, kind, f"area of {where}"),
+        text(item["pressure"], f"pressure of {where}") if "pressure" in item else None,
+        quantity(item["compliance"], "m3/Pa", f"compliance of {where}") if "compliance" in item else 0.0,
+        duration(item.get("window", "0.1 s"), f"window of {where}"),
+        text(item.get("role", "output"), f"role of {where}", ("input", "output")),
+    )
+
+
+def _check_flow(flow: FlowChannel, channels: ChannelMap) -> None:
+    columns = {c.name: conversion(c.unit).si for c in channels.used}
+    area = "m3/rad" if columns.get(flow.position) == "rad" else "m2"
+    for key, name, kinds in (
+        ("position", flow.position, ("m", "rad")),
+        ("pressure", flow.pressure, ("Pa",)),
+    ):
+        if name is None:
+            continue
+        if name not in columns:
+            raise InputError(f"{key} of flow {flow.name!r} = {name!r}: no such column; there are {list(columns)}")
+        if columns[name] not in kinds:
+            raise InputError(f"{key} of flow {flow.name!r} = {name!r} is in {columns[name]}; it must be in {kinds[0]}")
+    if flow.compliance < 0.0 or flow.area == 0.0:
+        raise InputError(f"flow {flow.name!r}: area must not be 0, compliance not negative")
+    if flow.window < 3.0 * channels.raster:
+        raise InputError(
+            f"window of flow {flow.name!r} = {flow.window:g} s: must be three rasters of the table ({channels.raster:g} s) "
+            f"at least, with an area in {area}"
+        )

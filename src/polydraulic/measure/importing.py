@@ -1,0 +1,245 @@
+"""From a log to a table: block by block, with everything that is wrong on the way noted.
+
+The table has the columns ``time``, ``segment`` and one for each input and output, in SI, on one raster. It holds rows where all of
+them are known; rows of one segment follow each other without a gap.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.measure.channels import Channel, ChannelMap
+from polydraulic.measure.clock import Clock, Rows
+from polydraulic.measure.conversion import Conversion, conversion
+from polydraulic.measure.excerpt import Excerpt
+from polydraulic.measure.findings import Findings
+from polydraulic.measure.flows import FlowStream
+from polydraulic.measure.logs import Log, open_log
+from polydraulic.measure.resample import Resampler
+from polydraulic.measure.values import ChannelCheck
+from polydraulic.tables import Table, table_ending, table_writer
+
+Progress = Callable[[int, int], None]
+STEPS = 1000  # of the progress
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What came of a log.
+
+    Attributes
+    ----------
+    source : Path
+    channels : ChannelMap
+    findings : Findings
+    checks : list of ChannelCheck
+        Statistics of each channel.
+    span : (float, float), s
+        First and last time of the log.
+    n_row, n_segment : int
+        Of the table.
+    too_short : int
+        Rows of segments in which no flow could be reconstructed.
+    excerpt : Table
+        Rows from all over the table, or all of them if they are few.
+    """
+
+    source: Path
+    channels: ChannelMap
+    findings: Findings
+    checks: list[ChannelCheck]
+    span: tuple[float, float]
+    n_row: int
+    n_segment: int
+    too_short: int
+    excerpt: Table
+
+    @property
+    def shown(self) -> dict[str, Conversion]:
+        """Units in which people read the columns: those of the log."""
+        found = {c.name: conversion(c.unit) for c in self.channels.used}
+        return found | {flow.name: conversion("l/min") for flow in self.channels.flows}
+
+
+def import_log(
+    path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = lambda done, total: None
+) -> Imported:
+    """Read a log through a channel map and write the table that comes of it.
+
+    Parameters
+    ----------
+    path : str or Path
+        A log; see `open_log`.
+    channels : ChannelMap
+        From `load_channels`.
+    out : str or Path
+        Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
+    progress : function (done, total), optional
+
+    Returns
+    -------
+    Imported
+        For `write_quality`, which says what is wrong with the log.
+
+    Raises
+    ------
+    InputError
+        A file that is no log, a channel that it does not have, a place that cannot be written.
+    """
+    table_ending(out)
+    with open_log(path) as log:
+        groups = _groups(log, channels)
+        findings = _names_and_units(log, channels)
+        resampler = Resampler(channels.raster, [c.between for c in channels.used])
+        flows = FlowStream([c.name for c in channels.used], channels.flows, channels.raster)
+        units = {"time": "s", "segment": "1", **{c.name: conversion(c.unit).si for c in channels.used}}
+        units |= {flow.name: "m3/s" for flow in channels.flows}
+        info = {
+            "source": log.path.name,
+            "raster": channels.raster,
+            "inputs": channels.of_role("input"),
+            "outputs": channels.of_role("output"),
+        }
+        excerpt = Excerpt(units)
+        merged = _Merged(log, channels, groups, findings, resampler)
+        try:
+            with table_writer(out, units, info) as write:
+                for done in merged:
+                    for rows in resampler.rows(done.until):
+                        for time, segment, columns in flows.add(*rows):
+                            write([time, segment, *columns])
+                            excerpt.add([time, segment, *columns])
+                    progress(int(STEPS * done.share), STEPS)
+                for time, segment, columns in flows.end():
+                    write([time, segment, *columns])
+                    excerpt.add([time, segment, *columns])
+                if excerpt.n_row == 0:
+                    raise _NoRowsError
+        except _NoRowsError:
+            findings.add("no rows")
+    for check in merged.checks:
+        check.end()
+    _copies(merged.checks, findings)
+    return Imported(
+        log.path, channels, findings, merged.checks, merged.span,
+        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(),
+    )  # fmt: skip
+
+
+class _NoRowsError(Exception):
+    """Nothing came of a log: the table is not written."""
+
+
+@dataclass(frozen=True)
+class _Done:
+    until: float  # s, up to which all samples are there
+    share: float
+
+
+class _Merged:
+    """Groups of a log side by side: always the one that is behind is read, so that little waits in memory."""
+
+    def __init__(
+        self, log: Log, channels: ChannelMap, groups: dict[int, list[Channel]], findings: Findings, resampler: Resampler
+    ) -> None:
+        time = channels.time
+        factor = 1.0 if log.own_clock or time is None else conversion(time.unit).factor
+        source = None if log.own_clock or time is None else time.source
+        declared = None if log.own_clock or time is None else time.raster
+        self.resampler = resampler
+        self.place = {c.source: n for n, c in enumerate(channels.used)}
+        self.checks: list[ChannelCheck] = []
+        self.clocks: list[Clock] = []
+        self.of_group: list[list[ChannelCheck]] = []
+        self.sources: list[Iterator[Rows]] = []
+        for group, members in groups.items():
+            name = source or (f"group {group}" if len(groups) > 1 else "")
+            clock = Clock(name, factor, declared, channels.interval, findings)
+            checks = [ChannelCheck(c, clock, findings) for c in members]
+            self.clocks.append(clock)
+            self.of_group.append(checks)
+            self.checks += checks
+            self.sources.append(clock.rows(log.read(group, [c.source for c in members], source, findings)))
+        self.checks.sort(key=lambda check: self.place[check.channel.source])
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time, s."""
+        begun = [clock for clock in self.clocks if np.isfinite(clock.first)]
+        return min((c.first for c in begun), default=0.0), max((c.last for c in begun), default=0.0)
+
+    def __iter__(self) -> Iterator[_Done]:
+        reading = dict(enumerate(self.sources))
+        shares = [0.0] * len(self.sources)
+        while reading:
+            behind = min(reading, key=lambda n: self.clocks[n].last)
+            rows = next(reading[behind], None)
+            if rows is None:
+                del reading[behind]
+                shares[behind] = 1.0
+            else:
+                shares[behind] = rows.done
+                for check in self.of_group[behind]:
+                    samples = check.samples(rows)
+                    self.resampler.tracks[self.place[check.channel.source]].add(samples, check.raster)
+            reach = max(track.reach for track in self.resampler.tracks)
+            until = min((self.clocks[n].last for n in reading), default=inf) - reach
+            yield _Done(until, float(np.mean(shares)))
+
+
+def _groups(log: Log, channels: ChannelMap) -> dict[int, list[Channel]]:
+    """Channels by the group of the log that they are in."""
+    groups: dict[int, list[Channel]] = {}
+    for channel in channels.used:
+        groups.setdefault(log.signal(channel.source).group, []).append(channel)
+    if log.own_clock:
+        return groups
+    if channels.time is not None:
+        of_time = log.signal(channels.time.source).group
+        other = next((c for g, members in groups.items() if g != of_time for c in members), None)
+        if other is not None:
+            raise InputError(
+                f"{log.path}: channel {other.source!r} has another length than the time {channels.time.source!r}; "
+                "import it in a call of its own"
+            )
+    elif channels.interval is None:
+        raise InputError(
+            f"{log.path}: the map has no channel with the role 'time'; name one, or give the interval between rows "
+            'as interval = "10 ms"'
+        )
+    return groups
+
+
+def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
+    findings = Findings()
+    used = [*channels.used, *([channels.time] if channels.time is not None and not log.own_clock else [])]
+    for channel in used:
+        if channel.source in log.duplicates:
+            findings.add("duplicate", channel.source)
+        given = log.signal(channel.source).unit
+        if given and given != channel.unit:
+            try:
+                same = conversion(given)[:2] == conversion(channel.unit)[:2]
+                same = same and conversion(given).si == conversion(channel.unit).si
+            except InputError:
+                same = False
+            if not same:
+                detail = f"the log says {given!r}, the map {channel.unit!r}"
+                findings.add("unit", channel.source, detail)
+    return findings
+
+
+def _copies(checks: list[ChannelCheck], findings: Findings) -> None:
+    first: dict[tuple[int, int], str] = {}
+    for check in checks:
+        key, source = (check.crc, check.given), check.channel.source
+        if check.given < 10 or check.low == check.high:
+            continue
+        if key in first:
+            findings.add("copy", source, f"of {first[key]!r}")
+        else:
+            first[key] = source

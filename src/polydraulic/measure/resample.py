@@ -1,0 +1,130 @@
+"""Channels with rasters of their own -> rows on one raster, where all of them are known; gaps stay gaps.
+
+A channel is known between two of its samples that lie no more than `JOIN` of its rasters apart: on the line between them, or at the
+value of the earlier one. A row of the table exists where every channel is known; rows without a break between them form a
+segment.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import inf
+
+import numpy as np
+
+from polydraulic.measure.clock import JOIN
+from polydraulic.measure.values import Samples
+
+_ROWS = 1 << 15  # of one block that is given
+_ROUNDING = 1e-6  # of a raster: a sample on the raster stays on it
+
+
+class Track:
+    """One channel's samples that are still needed."""
+
+    def __init__(self, between: str) -> None:
+        self.hold = between == "hold"
+        self.raster = np.nan
+        self.time, self.value = np.zeros(0), np.zeros(0)
+
+    def add(self, samples: Samples, raster: float) -> None:
+        """Add samples, which follow those before."""
+        self.raster = raster
+        self.time = np.concatenate([self.time, samples.time])
+        self.value = np.concatenate([self.value, samples.values])
+
+    @property
+    def reach(self) -> float:
+        """Time that samples may be apart; 0 s while no raster is known."""
+        return JOIN * self.raster if np.isfinite(self.raster) else 0.0
+
+    def pieces(self, raster: float, first: int, end: int) -> list[tuple[int, int]]:
+        """Spans of places on the table's raster, from `first` to before `end`, where the channel is known."""
+        if self.time.size == 0:
+            return []
+        cuts = np.flatnonzero(np.diff(self.time) > self.reach * (1.0 + _ROUNDING))
+        starts = self.time[np.concatenate([[0], cuts + 1])]
+        ends = self.time[np.concatenate([cuts, [len(self.time) - 1]])]
+        if self.hold and np.isfinite(self.raster):  # the last value before a gap holds for a raster
+            ends = ends + self.raster * (1.0 - 1e-3)
+        low = np.ceil(np.maximum(starts / raster, first) - _ROUNDING).astype(np.int64)
+        high = np.floor(np.minimum(ends / raster, end) + _ROUNDING).astype(np.int64) + 1
+        high = np.minimum(high, end)
+        return [(a, b) for a, b in zip(low.tolist(), high.tolist(), strict=True) if a < b]
+
+    def at(self, time: np.ndarray, raster: float) -> np.ndarray:
+        """Values at times at which the channel is known."""
+        if not self.hold:
+            return np.interp(time, self.time, self.value)
+        place = np.searchsorted(self.time, time + _ROUNDING * raster, side="right") - 1
+        return self.value[np.maximum(place, 0)]
+
+    def forget(self, before: float) -> None:
+        """Drop samples that no later time needs."""
+        place = max(0, int(np.searchsorted(self.time, before, side="right")) - 1)
+        self.time, self.value = self.time[place:], self.value[place:]
+
+
+class Resampler:
+    """Rows of the table from the samples of all channels.
+
+    Parameters
+    ----------
+    raster : float, s
+    between : sequence of str
+        ``"linear"`` or ``"hold"`` for each channel.
+    """
+
+    def __init__(self, raster: float, between: Sequence[str]) -> None:
+        self.raster = raster
+        self.tracks = [Track(kind) for kind in between]
+        self.segment = -1
+        self.n_row = 0
+        self._next: float = -inf
+        self._last = -inf
+
+    def rows(self, until: float) -> Iterator[tuple[np.ndarray, np.ndarray, list[np.ndarray]]]:
+        """Time, segment and values of all rows before the time up to which all samples are there.
+
+        Yields
+        ------
+        time : (n_row,) array, s
+        segment : (n_row,) array
+        values : list of (n_row,) arrays, one a channel
+        """
+        if until == -inf:
+            return
+        if any(track.time.size == 0 for track in self.tracks):
+            for track in self.tracks:  # what has no sample so far is not known before `until`
+                track.forget(until)
+            return
+        first = int(max(self._next, np.ceil(max(t.time[0] for t in self.tracks) / self.raster - _ROUNDING)))
+        latest = min(until, max(t.time[-1] for t in self.tracks) + max(t.reach for t in self.tracks))
+        end = int(np.floor(latest / self.raster)) + 1
+        if end <= first:
+            return
+        spans = [(first, end)]
+        for track in self.tracks:
+            spans = _overlap(spans, track.pieces(self.raster, first, end))
+        for begin, stop in spans:
+            self.segment += begin != self._last + 1
+            self._last = stop - 1
+            for start in range(begin, stop, _ROWS):
+                time = np.arange(start, min(start + _ROWS, stop)) * self.raster
+                self.n_row += len(time)
+                yield time, np.full(len(time), float(self.segment)), [t.at(time, self.raster) for t in self.tracks]
+        self._next = end
+        for track in self.tracks:
+            track.forget(min(end * self.raster, until))
+
+
+def _overlap(a: list[tuple[int, int]], b: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Where spans of two rising lists overlap."""
+    found, i, j = [], 0, 0
+    while i < len(a) and j < len(b):
+        low, high = max(a[i][0], b[j][0]), min(a[i][1], b[j][1])
+        if low < high:
+            found.append((low, high))
+        if a[i][1] < b[j][1]:
+            i += 1
+        else:
+            j += 1
+    return found

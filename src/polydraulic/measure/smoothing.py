@@ -1,0 +1,87 @@
+"""Derivatives of measured signals by local polynomials (Savitzky and Golay), and what these assume."""
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+
+ORDER = 3
+LEAST = 5  # samples
+
+
+class Assumption(NamedTuple):
+    """What a derivative assumes and costs.
+
+    Attributes
+    ----------
+    window : float, s
+    bandwidth : float, Hz
+        Motion up to this frequency is seen with at least 0.71 of its rate.
+    noise_gain : float, 1/s
+        Standard deviation of the derivative for each unit of white noise of the signal.
+    """
+
+    window: float
+    bandwidth: float
+    noise_gain: float
+
+    def __str__(self) -> str:
+        return (
+            f"a cubic over {self.window:g} s: assumes that the motion is smooth over this time and the noise of neighbouring "
+            f"samples independent; passes motion up to {self.bandwidth:.3g} Hz; noise s of the signal becomes {self.noise_gain:.3g} s "
+            "a second"
+        )
+
+
+def window_length(raster: float, window: float) -> int:
+    """Odd number of samples in a window, at least `LEAST`."""
+    return max(LEAST, 2 * round(0.5 * window / raster) + 1)
+
+
+def differentiate(values: np.ndarray, raster: float, window: float) -> np.ndarray:
+    """Differentiate evenly spaced samples without a gap.
+
+    Parameters
+    ----------
+    values : (n,) array
+    raster : float, s
+    window : float, s
+        Of the local cubic; shortened to the samples there are.
+
+    Returns
+    -------
+    (n,) array
+        At both ends from the cubic of the last whole window.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than `LEAST` samples.
+
+    References
+    ----------
+    Savitzky and Golay, Analytical Chemistry 36 (1964) 1627.
+    """
+    from scipy.signal import savgol_filter
+
+    n = len(values)
+    if n < LEAST:
+        raise InputError(f"{n} samples cannot be differentiated: {LEAST} at least")
+    length = min(window_length(raster, window), n - 1 + n % 2)
+    return savgol_filter(values, length, ORDER, deriv=1, delta=raster, mode="interp")
+
+
+def assumption(raster: float, window: float) -> Assumption:
+    """What `differentiate` assumes with this raster and window."""
+    from scipy.signal import savgol_coeffs
+
+    length = window_length(raster, window)
+    c = savgol_coeffs(length, ORDER, deriv=1, delta=raster, use="dot")
+    omega = np.linspace(1e-3, pi, 2000) / raster
+    place = (np.arange(length) - length // 2) * raster
+    response = np.sin(np.outer(omega, place)) @ c / omega
+    passed = np.flatnonzero(np.abs(response) < 0.5**0.5)
+    limit = omega[passed[0]] if passed.size else omega[-1]
+    return Assumption(length * raster, float(limit / (2.0 * pi)), float(np.sqrt(np.sum(c * c))))

@@ -1,0 +1,155 @@
+"""A first channel map for a log: what can be seen in the log is filled in, what only its owner knows is asked for."""
+
+from collections.abc import Callable
+from math import ceil, floor, inf, log10
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.measure.conversion import conversion
+from polydraulic.measure.findings import Findings
+from polydraulic.measure.logs import Log, Signal, open_log
+
+_TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
+_HOLD = 0.6  # share of samples like the one before, from which on a channel is a held one
+_ROUND = (1.0, 2.0, 5.0)
+
+_HEAD = """\
+# A first channel map, made from what the log shows. Go through it:
+# - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out.
+# - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; bara and psia are absolute.
+# - range: as seen in the log; widen or narrow it to what is physically possible.
+# - between: "linear" or "hold", what is true between two samples. sign = -1 turns a channel round.
+# - name: the column in the table, such as "boom.p_a"; the source if not given.
+"""
+
+
+class _Seen(NamedTuple):
+    low: float
+    high: float
+    n: int
+    raster: float
+    held: float
+
+
+def suggest_channels(path: str | Path, *, progress: Callable[[int, int], None] = lambda done, total: None) -> str:
+    """Text of a first channel map for a log, as TOML.
+
+    Parameters
+    ----------
+    path : str or Path
+        A log; see `open_log`. It is read once, for the ranges.
+    progress : function (done, total), optional
+
+    Raises
+    ------
+    InputError
+        A file that is no log.
+    """
+    with open_log(path) as log:
+        time = None if log.own_clock else _time_of(log)
+        seen = _look(log, time, progress)
+    used = [s for s in log.signals if s is not time and seen[s.name].n and seen[s.name].low < seen[s.name].high]
+    rasters = [seen[s.name].raster for s in used if np.isfinite(seen[s.name].raster)]
+    lines = [_HEAD, f"raster = {_text(_span(min(rasters, default=0.01)))}  # of the table"]
+    if time is None and not log.own_clock:
+        lines.append('interval = "10 ms"  # between rows: the log does not tell, so put it right')
+    for signal in log.signals:
+        lines += ["", "[[channel]]", f"source = {_text(signal.name)}"]
+        if signal is time:
+            unit = signal.unit if _known(signal.unit) == "s" else "s"
+            lines += ['role = "time"', f"unit = {_text(unit)}"]
+            continue
+        found = seen[signal.name]
+        if signal not in used:
+            why = "it holds no numbers" if not found.n else "it is constant"
+            lines += [f'role = "ignore"  # {why}']
+            continue
+        lines += ['role = "input"', _unit_line(signal.unit)]
+        if np.isfinite(found.raster):
+            lines.append(f"raster = {_text(_span(found.raster))}")
+        lines.append(f"between = {_text('hold' if found.held > _HOLD else 'linear')}")
+        low, high = _round_range(found.low, found.high)
+        lines.append(f"range = [{low:.10g}, {high:.10g}]")
+        if signal.name in log.duplicates:
+            lines.append("# the log has this name more than once: this is the first")
+    if not used:
+        raise InputError(f"{log.path}: no channel holds numbers that vary; there is nothing to import")
+    return "\n".join(lines) + "\n"
+
+
+def _time_of(log: Log) -> Signal | None:
+    """The first channel with a name and a unit of time."""
+    for signal in log.signals:
+        name = signal.name.strip().lower()
+        if name in _TIME_NAMES and _known(signal.unit or "s") == "s":
+            return signal
+    return None
+
+
+def _look(log: Log, time: Signal | None, progress: Callable[[int, int], None]) -> dict[str, _Seen]:
+    groups: dict[int, list[str]] = {}
+    for signal in log.signals:
+        if signal is not time and (time is None or log.own_clock or signal.group == time.group):
+            groups.setdefault(signal.group, []).append(signal.name)
+    seen = {s.name: _Seen(inf, -inf, 0, np.nan, 0.0) for s in log.signals}
+    factor = conversion(time.unit).factor if time is not None and _known(time.unit) == "s" else 1.0
+    for number, (group, names) in enumerate(groups.items()):
+        for block in log.read(group, names, None if time is None else time.name, Findings()):
+            clock = None if block.time is None else block.time * factor
+            for name in names:
+                seen[name] = _merge(seen[name], clock, block.values[name])
+            progress(int(1000 * (number + block.done) / len(groups)), 1000)
+    return seen
+
+
+def _merge(before: _Seen, clock: np.ndarray | None, value: np.ndarray) -> _Seen:
+    there = np.isfinite(value)
+    count = int(there.sum())
+    if count == 0:
+        return before
+    v = value[there]
+    raster, held = before.raster, before.held
+    if not np.isfinite(raster) and count > 2:
+        held = float(np.mean(np.diff(v) == 0.0))
+        if clock is not None:
+            steps = np.diff(clock[there])
+            steps = steps[np.isfinite(steps) & (steps > 0.0)]
+            raster = float(np.median(steps)) if steps.size else np.nan
+    low, high = min(before.low, float(v.min())), max(before.high, float(v.max()))
+    return _Seen(low, high, before.n + count, raster, held)
+
+
+def _unit_line(unit: str) -> str:
+    if not unit:
+        return 'unit = ""  # the log does not tell'
+    if not _known(unit):
+        return f'unit = ""  # the log says {_text(unit)}, which is not known'
+    return f"unit = {_text(unit)}"
+
+
+def _known(unit: str) -> str:
+    try:
+        return conversion(unit).si
+    except InputError:
+        return ""
+
+
+def _span(seconds: float) -> str:
+    return f"{seconds:.6g} s" if seconds >= 1.0 else f"{float(f'{1e3 * seconds:.3g}'):g} ms"
+
+
+def _round_range(low: float, high: float) -> tuple[float, float]:
+    """A little more than what was seen, on round numbers."""
+    step = 10.0 ** floor(log10((high - low) / 10.0))
+    step = next(s * step for s in (*_ROUND, 10.0) if s * step * 20.0 >= high - low)
+    margin = 0.05 * (high - low)
+    return step * floor((low - margin) / step), step * ceil((high + margin) / step)
+
+
+def _text(text: str) -> str:
+    """A TOML string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'

@@ -1,0 +1,83 @@
+import tomllib
+
+import pytest
+
+from measure.logs_made import MAP
+from polydraulic.errors import InputError
+from polydraulic.measure.channels import channel_map, load_channels
+
+FLOW = """
+[[channel]]
+source = "stroke"
+role = "input"
+unit = "mm"
+[[flow]]
+name = "q"
+position = "stroke"
+area = "12 cm2"
+pressure = "boom.p_a"
+compliance = "0.002 l/bar"
+"""
+
+
+def test_a_map_is_read():
+    found = channel_map(tomllib.loads(MAP + FLOW))
+    assert found.raster == pytest.approx(0.01)
+    assert found.time.source == "time"
+    assert [c.name for c in found.used] == ["lever", "boom.p_a", "speed", "stroke"]
+    assert found.of_role("output") == ["speed", "q"]
+    pressure = found.used[1]
+    assert (pressure.low, pressure.high, pressure.unit, pressure.between, pressure.sign) == (5, 250, "bar", "linear", 1)
+    assert found.used[0].raster is None
+    flow = found.flows[0]
+    assert (flow.area, flow.compliance, flow.window) == pytest.approx((12e-4, 2e-11, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('raster = "10 ms"\n\n', ""), "missing key 'raster'"),
+        (('raster = "10 ms"\n\n', 'raster = "10 bar"\n'), "raster = '10 bar': must be in s"),
+        (('raster = "10 ms"\n\n', 'raster = "0 ms"\n'), "raster = '0 ms': must lie in"),
+        (('raster = "10 ms"\n\n', 'raster = 10\n'), "must be a number with its unit"),
+        (('role = "output"', 'role = "result"'), "role of channel 'speed' = 'result': must be one of"),
+        (('role = "output"', ""), "missing key 'role' in channel 4"),
+        (('role = "output"', 'role = "output"\nunits = "bar"'), "unknown key 'units' in channel 4"),
+        (('role = "output"', 'role = "time"'), "the time channel 'speed'|time needs a unit of time"),
+        (('unit = "mm/s"', 'unit = "mm per s"'), "unit of channel 'speed': unknown unit 'mm per s'"),
+        (('unit = "mm/s"', "unit = 5"), "unit of channel 'speed' = 5"),
+        (("[5, 250]", "[250, 5]"), r"range of channel 'p_head' = \[250, 5\]: must be \[low, high\]"),
+        (("[5, 250]", "[5]"), "range of channel 'p_head'"),
+        (("[5, 250]", "[nan, 5]"), "range of channel 'p_head'"),
+        (('"boom.p_a"', '"lever"'), "two channels have the name 'lever'"),
+        (('"boom.p_a"', '"segment"'), "the table has a column of this name already"),
+        (('source = "p_head"', 'source = "lever"'), "two channels have the source 'lever'|two channels have the name"),
+        (('unit = "bar"', 'unit = "bar"\nsign = 2'), "sign of channel 'p_head' = 2: must be 1 or -1"),
+        (('unit = "bar"', 'unit = "bar"\nbetween = "spline"'), "must be one of"),
+        (('unit = "s"', 'unit = "bar"'), "time needs a unit of time"),
+        (('raster = "10 ms"\n\n[[channel]]\nsource = "time"', 'raster = "10 ms"\ninterval = "5 ms"\n[[channel]]\nsource = "time"'), "interval is given too"),
+        (('role = "input"', 'role = "ignore"'), "output"),
+        (('"12 cm2"', '"12 bar"'), "area of flow 'q' = '12 bar': must be in m2"),
+        (('position = "stroke"', 'position = "lever"'), "is in V; it must be in m"),
+        (('position = "stroke"', 'position = "strokes"'), "no such column"),
+        (('pressure = "boom.p_a"', ""), "pressure and compliance go together"),
+        (('"0.002 l/bar"', '"-0.002 l/bar"'), "compliance not negative"),
+        (('area = "12 cm2"', 'area = "12 cm2"\nwindow = "5 ms"'), "three rasters of the table"),
+        (('name = "q"', 'name = "speed"'), "two channels have the name 'speed'"),
+    ],
+)  # fmt: skip
+def test_a_bad_map_is_one_error(tmp_path, change, message):
+    text = (MAP + FLOW).replace(*change)
+    if change[1] == 'role = "ignore"':
+        text = text.replace('role = "output"', 'role = "ignore"').partition("[[flow]]")[0]
+        message = "no channel has the role 'input' or 'output'"
+    assert text != MAP + FLOW
+    (tmp_path / "map.toml").write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        load_channels(tmp_path / "map.toml")
+    assert "map.toml" in str(caught.value)
+
+
+def test_a_missing_map_says_how_to_get_one(tmp_path):
+    with pytest.raises(InputError, match="no such file; `polydraulic import --suggest LOG` writes a first one"):
+        load_channels(tmp_path / "map.toml")

@@ -1,0 +1,180 @@
+"""The quality report names each fault that is seeded in a log, with its rows, and none in a healthy one."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from measure.logs_made import MAP, RASTER, UNITS, healthy, write_csv
+from polydraulic.errors import InputError
+from polydraulic.measure import import_log, load_channels, write_quality
+from polydraulic.measure.findings import KINDS
+
+
+def imported(tmp_path, columns, channel_map=MAP, names=None, units=UNITS, change=lambda text: text):
+    log = write_csv(tmp_path / "log.csv", columns, names, units)
+    log.write_text(change(log.read_text()))
+    (tmp_path / "map.toml").write_text(channel_map)
+    return import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "table.parquet")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_healthy_log_raises_nothing(tmp_path, seed):
+    found = imported(tmp_path, healthy(seed))
+    assert [str(f) for f in found.findings] == []
+    assert (found.n_row, found.n_segment) == (3999, 1)  # the last row has no speed, nor one after it
+
+
+def lose(columns, rows):
+    return {name: np.delete(values, rows) for name, values in columns.items()}
+
+
+def put(columns, name, rows, value):
+    changed = columns[name].astype(object) if isinstance(value, str) else columns[name].copy()
+    changed[rows] = value
+    return {**columns, name: changed}
+
+
+def overlap(columns):
+    again = slice(1900, 2000)
+    return {name: np.concatenate([v[:2000], v[again], v[2000:]]) for name, v in columns.items()}
+
+
+def clock_back(columns):
+    return put(columns, "time", 2000, columns["time"][1900])
+
+
+def clock_ahead(columns):
+    return put(columns, "time", 2000, columns["time"][2000] + 500.0)
+
+
+def frozen(columns):
+    return put(columns, "p_head", slice(1000, 1300), columns["p_head"][999])
+
+
+def to_zero(columns):
+    return put(columns, "lever", slice(*busy(columns)), 0.0)
+
+
+def busy(columns):
+    """Rows at which the lever is far out, for a second at least."""
+    out = np.flatnonzero(np.abs(columns["lever"]) > 0.5)
+    return int(out[0]), int(out[0]) + 60
+
+
+def uneven(columns):
+    shift = np.random.default_rng(1).uniform(-0.45, 0.45, len(columns["time"])) * RASTER
+    return {**columns, "time": columns["time"] + shift}
+
+
+# fault -> (columns, kind, channel, rows it must be found in or None)
+FAULTS = {
+    "half a second is missing": (lambda c: lose(c, slice(1000, 1050)), "gap", "time", [(1001, 1001)]),
+    "a second is there twice": (overlap, "overlap", "time", [(2001, 2099)]),
+    "the clock steps back once": (clock_back, "clock jump", "time", [(2001, 2001)]),
+    "the clock steps ahead once": (clock_ahead, "clock jump", "time", [(2001, 2001)]),
+    "a time comes twice": (lambda c: put(c, "time", 100, c["time"][99]), "time repeats", "time", [(101, 101)]),
+    "a time is empty": (lambda c: put(c, "time", 100, np.nan), "no time", "time", [(101, 101)]),
+    "time is in ms": (lambda c: {**c, "time": 1e3 * c["time"]}, "raster", "time", None),
+    "every other row is missing": (lambda c: lose(c, slice(1, None, 2)), "raster", "time", None),
+    "intervals jitter": (uneven, "irregular", "time", None),
+    "a value is a word": (lambda c: put(c, "lever", [50, 51], "ERR"), "text", "lever", [(51, 52)]),
+    "a value is infinite": (lambda c: put(c, "p_head", 70, np.inf), "infinite", "p_head", [(71, 71)]),
+    "a channel is empty": (lambda c: put(c, "speed", slice(None), np.nan), "empty", "speed", None),
+    "a channel is dead": (lambda c: put(c, "p_head", slice(None), 81.5), "constant", "p_head", None),
+    "a channel drops out": (lambda c: put(c, "lever", slice(500, 600), np.nan), "dropout", "lever", [(601, 601)]),
+    "a few values are implausible": (
+        lambda c: put(c, "p_head", [10, 20, 21], 999.0), "implausible", "p_head", [(11, 11), (21, 22)],
+    ),
+    "pressure is in psi": (lambda c: {**c, "p_head": 14.5038 * c["p_head"]}, "unit by values", "p_head", None),
+    "pressure is turned round": (lambda c: {**c, "p_head": -c["p_head"]}, "sign", "p_head", None),
+    "single spikes": (lambda c: put(c, "p_head", [1500, 2500], 240.0), "spike", "p_head", [(1501, 1501), (2501, 2501)]),
+    "a sensor is stuck": (frozen, "frozen", "p_head", [(1000, 1300)]),
+    "a signal is lost to 0": (to_zero, "frozen", "lever", None),
+    "a sensor is at its end": (lambda c: {**c, "p_head": np.minimum(c["p_head"], 105.0)}, "clipped", "p_head", None),
+    "digits are too coarse": (lambda c: {**c, "p_head": 15.0 * np.round(c["p_head"] / 15.0)}, "coarse", "p_head", None),
+    "two channels are one": (lambda c: {**c, "lever": c["p_head"] / 1.0}, "copy", "p_head", None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_seeded_fault_is_named_with_its_rows(tmp_path, fault):
+    change, kind, channel, rows = FAULTS[fault]
+    found = imported(tmp_path, change(healthy()), MAP.replace("[-1.2, 1.2]", "[-1000, 1000]"))
+    named = found.findings.of(kind, channel)
+    assert named, [str(f) for f in found.findings]
+    if rows is not None:
+        assert named[0].rows == rows
+
+
+def test_faults_stand_in_the_report(tmp_path):
+    columns = frozen(put(healthy(), "p_head", [10, 20], 999.0))
+    found = imported(tmp_path, lose(columns, slice(2000, 2050)))
+    write_quality(found, tmp_path / "quality.html")
+    data = json.loads((tmp_path / "quality.json").read_text())
+    assert [(f["kind"], f["channel"]) for f in data["findings"]] == [
+        ("implausible", "p_head"), ("gap", "time"), ("frozen", "p_head"),
+    ]  # fmt: skip
+    page = (tmp_path / "quality.html").read_text()
+    assert "1 error(s), 2 warning(s)" in page
+    assert "1000 to 1300" in page
+    assert page.count("<svg") == 2  # signals, and the map of both inputs
+    assert "http" not in re.sub(
+        r'xmlns(:\w+)?="[^"]*"|<!DOCTYPE[^>]*>|<metadata>.*?</metadata>', "", page, flags=re.DOTALL
+    )
+
+
+# faults of the file rather than of its numbers
+def test_broken_lines_are_named(tmp_path):
+    def cut(text):
+        lines = text.splitlines()
+        lines[10], lines[30] = lines[10] + ",7", "0.3"
+        return "\n".join(lines)
+
+    found = imported(tmp_path, healthy(), change=cut)
+    assert [(f.kind, f.rows) for f in found.findings] == [("missing line", [(10, 10), (30, 30)])]
+
+
+def test_row_numbers_count_broken_lines(tmp_path):
+    found = imported(
+        tmp_path, put(healthy(), "p_head", 100, 999.0), change=lambda text: text.replace("\n0.3,", "\n0.3,,,,,", 1)
+    )
+    assert found.findings.of("implausible")[0].rows == [(101, 101)]
+
+
+def test_a_name_that_comes_twice_is_named(tmp_path):
+    columns = healthy()
+    found = imported(
+        tmp_path, {**columns, "again": columns["lever"] + 1.0}, names=["time", "lever", "p_head", "speed", "lever"]
+    )
+    assert [(f.kind, f.channel) for f in found.findings] == [("duplicate", "lever")]
+    assert np.max(np.abs(found.excerpt["lever"])) < 1.2  # the first was taken
+
+
+@pytest.mark.parametrize(
+    ("unit", "kinds"), [("psi", ["unit"]), ("l/min", ["unit"]), ("furlong??", ["unit"]), ("barg", []), ("", [])]
+)
+def test_a_unit_other_than_the_logs_is_named(tmp_path, unit, kinds):
+    found = imported(tmp_path, healthy(), units={**UNITS, "p_head": unit})
+    assert [f.kind for f in found.findings] == kinds
+    assert all("the map 'bar'" in f.detail for f in found.findings)
+
+
+def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):
+    columns = healthy()
+    columns["p_head"][::1] = np.where(np.arange(4000) < 2000, columns["p_head"], np.nan)
+    columns["speed"] = np.where(np.arange(4000) < 2000, np.nan, columns["speed"])
+    found = imported(tmp_path, columns)
+    assert found.findings.of("no rows")
+    assert not (tmp_path / "table.parquet").exists()
+
+
+def test_every_kind_of_finding_is_seeded():
+    elsewhere = {"missing line", "duplicate", "unit", "no rows"}
+    assert {kind for _, kind, _, _ in FAULTS.values()} | elsewhere == set(KINDS)
+
+
+def test_an_unknown_kind_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="no finding is called 'odd'"):
+        imported(tmp_path, healthy()).findings.of("odd")

@@ -1,0 +1,92 @@
+"""Derivatives and the flows made of them."""
+
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.measure import add_flows, assumption, differentiate, reconstruct_flow
+from polydraulic.measure.channels import FlowChannel
+from polydraulic.measure.flows import FlowStream, flow_statement
+from polydraulic.parameters import load_scenario
+from polydraulic.simulation import simulate
+from polydraulic.tables import Table
+
+FLOW = FlowChannel("q", "stroke", 0.012, "p", 2e-11, 0.1)
+
+
+def made(segments=((0, 300), (340, 700), (705, 708))):
+    place = np.concatenate([np.arange(a, b) for a, b in segments])
+    segment = np.concatenate([np.full(b - a, float(n)) for n, (a, b) in enumerate(segments)])
+    time = 0.01 * place
+    return Table(
+        {"time": time, "segment": segment, "stroke": 0.3 * np.sin(time), "p": 1e7 + 5e6 * np.cos(2.0 * time)},
+        {"time": "s", "segment": "1", "stroke": "m", "p": "Pa"},
+    )
+
+
+def test_a_cubic_is_differentiated_exactly():
+    t = np.arange(50) * 0.02
+    assert differentiate(t**3 - t, 0.02, 0.2) == pytest.approx(3.0 * t**2 - 1.0, abs=1e-9)
+    assert differentiate(t[:6] ** 3, 0.02, 0.2) == pytest.approx(3.0 * t[:6] ** 2, abs=1e-9)
+    with pytest.raises(InputError, match="4 samples cannot be differentiated"):
+        differentiate(t[:4], 0.02, 0.2)
+
+
+@pytest.mark.parametrize(("raster", "window"), [(0.01, 0.1), (0.01, 0.3), (0.001, 0.05), (0.1, 0.1)])
+def test_what_a_derivative_assumes_is_what_it_does(raster, window):
+    stated = assumption(raster, window)
+    noise = np.random.default_rng(0).normal(0.0, 2.0, 100_000)
+    assert np.std(differentiate(noise, raster, window)[100:-100]) == pytest.approx(2.0 * stated.noise_gain, rel=0.02)
+    t = np.arange(20_000) * raster
+    for factor in (0.98, 1.02):
+        w = 2.0 * np.pi * stated.bandwidth * factor
+        rate = differentiate(np.sin(w * t), raster, window)[200:-200]
+        passed = np.sqrt(2.0) * np.std(rate) / w
+        assert (passed > 0.5**0.5) == (factor < 1.0)
+    assert "smooth over this time" in str(stated)
+
+
+def test_a_flow_moves_the_actuator_and_compresses_the_oil():
+    table = made()
+    found = add_flows(table, [FLOW], 0.01)
+    t = found["time"]
+    assert found.unit("q") == "m3/s"
+    assert len(found) == 660  # three rows are too few to be differentiated
+    expected = 0.012 * 0.3 * np.cos(t) - 2e-11 * 1e7 * np.sin(2.0 * t)
+    assert found["q"] == pytest.approx(expected, abs=2e-6)
+    without = reconstruct_flow(table["stroke"][:300], 0.01, 0.012)
+    assert without == pytest.approx(0.012 * 0.3 * np.cos(t[:300]), abs=1e-6)
+    assert "friction does not enter; leakage is left out" in flow_statement(FLOW, 0.01)
+    assert "wrong by C dp/dt" in flow_statement(FlowChannel("q", "stroke", 0.012), 0.01)
+
+
+@pytest.mark.parametrize("size", [1, 7, 40, 1000])
+def test_blocks_do_not_matter_for_flows(size):
+    table = made()
+    whole = add_flows(table, [FLOW], 0.01)
+    stream, given = FlowStream(["stroke", "p"], [FLOW], 0.01), []
+    for at in range(0, len(table), size):
+        part = slice(at, at + size)
+        given += stream.add(table["time"][part], table["segment"][part], [table["stroke"][part], table["p"][part]])
+    given += stream.end()
+    assert np.array_equal(np.concatenate([t for t, _, _ in given]), whole["time"])
+    assert np.array_equal(np.concatenate([s for _, s, _ in given]), whole["segment"])
+    assert np.concatenate([c[2] for _, _, c in given]) == pytest.approx(whole["q"], abs=1e-12)
+    assert stream.too_short == 3
+
+
+def test_the_flow_of_the_boom_is_found_from_its_stroke(machine):
+    run = simulate(machine, "exact", load_scenario("random:5:20"), raster=0.01)
+    cylinder, boom = machine.boom.cylinder, machine.boom
+    psi = cylinder.angle_offset + run["boom.angle"]
+    arms = cylinder.r_base, cylinder.r_link
+    stroke = np.sqrt(arms[0] ** 2 + arms[1] ** 2 - 2.0 * arms[0] * arms[1] * np.cos(psi))
+    area = cylinder.number * np.pi / 4.0 * cylinder.bore**2
+    with_oil = {"pressure": run["boom.p_a"], "compliance": boom.line.compliance_a}
+    up = (run["boom.spool"] > machine.spool.deadband) & (run["boom.p_a"] > machine.tank.floor)
+    errors = []
+    for terms in (with_oil, {}):
+        flow = reconstruct_flow(stroke, 0.01, area, window=0.05, **terms)
+        errors.append(np.sqrt(np.mean((flow - run["boom.q_in"])[up] ** 2)) / np.max(run["boom.q_in"]))
+    assert errors[0] < 0.05
+    assert errors[0] < 0.5 * errors[1]
