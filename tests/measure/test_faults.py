@@ -90,6 +90,7 @@ FAULTS = {
     "pressure is in psi": (lambda c: {**c, "p_head": 14.5038 * c["p_head"]}, "unit by values", "p_head", None),
     "pressure is turned round": (lambda c: {**c, "p_head": -c["p_head"]}, "sign", "p_head", None),
     "single spikes": (lambda c: put(c, "p_head", [1500, 2500], 240.0), "spike", "p_head", [(1501, 1501), (2501, 2501)]),
+    "a spike within the range": (lambda c: put(c, "p_head", 1500, 165.0), "spike", "p_head", [(1501, 1501)]),
     "a sensor is stuck": (frozen, "frozen", "p_head", [(1000, 1300)]),
     "a signal is lost to 0": (to_zero, "frozen", "lever", None),
     "a sensor is at its end": (lambda c: {**c, "p_head": np.minimum(c["p_head"], 105.0)}, "clipped", "p_head", None),

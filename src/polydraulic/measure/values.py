@@ -12,7 +12,8 @@ from polydraulic.measure.envelope import Envelope
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.runs_of_values import ValueRuns
 
-_SPIKE, _SPIKE_NOISE = 0.1, 10.0  # of the range, of the usual difference
+# A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
+_SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the range, of the usual difference
 _MOST, _NEARLY_ALL = 0.5, 0.95
 _KEPT = 20_000  # values kept to try other units on
 
@@ -152,7 +153,9 @@ def _spikes(v: np.ndarray) -> np.ndarray:
     digit = float(np.min(moved, where=moved > 0.0, initial=np.inf))
     if digit == np.inf:
         return found
-    least = max(_SPIKE * (high - low), _SPIKE_NOISE * float(np.median(moved)), 3.0 * digit)
+    beyond = np.maximum(v[2:-2] - high, low - v[2:-2]) > _SPIKE * (high - low)
+    share = np.where(beyond, _SPIKE, _SPIKE_WITHIN) * (high - low)
+    least = np.maximum(share, max(_SPIKE_NOISE * float(np.median(moved)), 3.0 * digit))
     around = np.maximum(np.maximum(np.abs(d[:-3]), np.abs(d[3:])), np.abs(d[1:-2] + d[2:-1]))
     found[2:-2] = (d[1:-2] * d[2:-1] < 0.0) & (size > least) & (around < 0.25 * size)
     return found
