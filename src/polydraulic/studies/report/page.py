@@ -23,6 +23,7 @@ HEADLINES = (
     "torque.task.end_effector_error_max_m",
     "ours.torque.task.end_effector_error_max_m",
     "ours.operators.p95_m",
+    "ours.measured.median_m",
     "table_1.reduction_percent",
     "table_4.rows.1.reduction_percent",
     "ours.time_of_a_step",

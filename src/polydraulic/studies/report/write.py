@@ -9,13 +9,14 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing, write_text
 from polydraulic.parameters import Machine
 from polydraulic.studies.cache import Lab, open_lab
-from polydraulic.studies.report import chapter_3, chapter_4, chapter_5, chapter_6, chapter_7
+from polydraulic.studies.report import chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8
 from polydraulic.studies.report.catalog import Chapter, Content, Figure, Grid, Ours, results
 from polydraulic.studies.report.page import Shown, chapter_page, front_page
 from polydraulic.tables import write_table
 
 CHAPTERS: dict[int, Chapter] = {
-    module.CHAPTER.number: module.CHAPTER for module in (chapter_3, chapter_4, chapter_5, chapter_6, chapter_7)
+    module.CHAPTER.number: module.CHAPTER
+    for module in (chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8)
 }
 
 Progress = Callable[[str, int, int], None]

@@ -1,0 +1,272 @@
+"""The study that the thesis asked for: how much data of what quality buys what accuracy.
+
+A random operator works on the exact machine, friction and end stops included; sensors read it; networks are learnt from what they
+read, neither orifice areas nor pump pressures among it; the networks go into the machine and are judged by operators whom they
+never saw.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic import units
+from polydraulic.flow import build_flow, places
+from polydraulic.flow.places import BOOM_IN, BOTH, PASSED
+from polydraulic.flow.sample import sample_flow
+from polydraulic.machine.actuator import motor_displacement, prepare_cylinder
+from polydraulic.measure.sensors import Reading, Sensor
+from polydraulic.measure.smoothing import differentiate
+from polydraulic.networks import AbductiveRegressor, Model, RegionRegressor, Variable
+from polydraulic.parameters import LINKS, Machine, load_scenario, random_operator
+from polydraulic.simulation import simulate
+from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.studies.cache import Lab
+from polydraulic.studies.three_links import SCENARIOS
+from polydraulic.tables import Table
+
+RASTER = 0.02  # s, of all sensors
+RANGES = {
+    "m": units.to_si(0.564, "in"),
+    "Pa": units.to_si(5000.0, "psi"),
+    "m3/s": units.to_si(171.5, "in3/s"),
+    "rad": 1.5,
+}
+ROWS, REGIONS = 30_000, 16  # that a network learns from, and regions it may find
+JUDGES = tuple(range(4000, 4010))  # seeds of the operators who judge
+OPERATOR, JUDGE_SECONDS, STROKE = 1000, 60.0, 0.8  # V
+_ROOT_LEAST = float(np.sqrt(units.to_si(75.0, "psi")))  # below it a pressure drop says little of a conductance
+_WINDOW = 0.2  # s, of derivatives
+_SMALL = 0.03  # opening, as a share of the active travel, below which errors count alike
+_CELL = 60  # rows that a part of an outlet's curve needs
+
+
+class Conditions(NamedTuple):
+    """Under which a machine is measured.
+
+    Attributes
+    ----------
+    minutes : float
+        Of operation.
+    noise : float
+        Standard deviation of every sensor, as a share of its range.
+    stroke : float
+        Share of the full joystick travel that the operator uses.
+    dropout : float
+        Share of the time in which a sensor gives nothing.
+    flow_sensors : bool
+        Without them flows are reconstructed from joint angles.
+    limited : bool
+        Whether the pumps have a torque limit.
+    """
+
+    minutes: float = 30.0
+    noise: float = 0.003
+    stroke: float = 1.0
+    dropout: float = 0.0
+    flow_sensors: bool = True
+    limited: bool = False
+
+
+USUAL = Conditions()
+# One condition at a time; the first entry of each is what it is compared over.
+SWEEPS: dict[str, list[Conditions]] = {
+    "minutes": [USUAL._replace(minutes=minutes) for minutes in (2.0, 5.0, 10.0, 30.0)],
+    "noise": [USUAL._replace(noise=noise) for noise in (0.0, 0.001, 0.003, 0.01, 0.03)],
+    "stroke": [USUAL._replace(stroke=stroke) for stroke in (0.6, 0.8, 1.0)],
+    "dropout": [USUAL._replace(dropout=dropout) for dropout in (0.0, 0.05, 0.2)],
+    "flow sensors": [USUAL._replace(flow_sensors=has) for has in (True, False)],
+    "torque limit": [USUAL._replace(limited=limited) for limited in (False, True)],
+}
+
+
+class Outcome(NamedTuple):
+    """What networks learnt from measurements reach.
+
+    Attributes
+    ----------
+    rows : int
+        That were left to learn from.
+    flow_rms : dict from link to rms error of its input flow in in3/s, at the states that the judges pass through
+    median, worst : float
+        Of the largest end-effector errors in m of the operators who judge.
+    scenarios : dict from name to largest end-effector error in m
+    """
+
+    rows: int
+    flow_rms: dict[str, float]
+    median: float
+    worst: float
+    scenarios: dict[str, float]
+
+
+def outcome(lab: Lab, conditions: Conditions) -> Outcome:
+    """Measure, learn, judge; kept by the lab."""
+
+    def made() -> list[Any]:
+        lab.say(f"learn from measurements: {describe(conditions)}")
+        machine = _machine(lab.machine, conditions)
+        log = measured(machine, conditions)
+        models = learn(machine, log)
+        return [len(log), *_judged(machine, models)]
+
+    return Outcome(*lab.computed.data(f"measured {_name(conditions)}", made))
+
+
+def describe(conditions: Conditions) -> str:
+    """Conditions in words."""
+    c = conditions
+    words = [f"{c.minutes:g} min", f"noise {100.0 * c.noise:g} %", f"stroke {100.0 * c.stroke:g} %"]
+    words += [f"dropouts {100.0 * c.dropout:g} %"] if c.dropout else []
+    words += [] if c.flow_sensors else ["no flow sensors"]
+    words += ["torque limit"] if c.limited else []
+    return ", ".join(words)
+
+
+def _name(conditions: Conditions) -> str:
+    return " ".join(f"{value:g}" if isinstance(value, float) else str(int(value)) for value in conditions)
+
+
+def _machine(machine: Machine, conditions: Conditions) -> Machine:
+    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=conditions.limited))
+
+
+def measured(machine: Machine, conditions: Conditions) -> Table:
+    """What sensors read of a random operator's work, and what follows from it; rows in which a sensor is silent are gone."""
+    scenario = random_operator(OPERATOR, 60.0 * conditions.minutes, limit=STROKE * conditions.stroke)
+    run = simulate(machine, "exact", scenario, raster=RASTER)
+    quantities = ["spool", "p_a", "p_b", *(["q_in", "q_out"] if conditions.flow_sensors else ["angle"])]
+    read = {"time": run["time"]}
+    for place, column in enumerate(f"{link}.{name}" for link in LINKS for name in quantities):
+        unit = run.unit(column)
+        sensor = Sensor(
+            column, column, unit, RASTER, noise=conditions.noise * RANGES[unit], dropout=conditions.dropout, dropout_length=0.5
+        )  # fmt: skip
+        read[column] = Reading(sensor, np.random.default_rng([OPERATOR, place])).of(run)[1]
+    if not conditions.flow_sensors:
+        for link in LINKS:
+            read |= _flows(machine, link, read)
+    for link in LINKS:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
+        shut = np.abs(read[f"{link}.spool"]) <= machine.spool.deadband
+        for port in ("q_in", "q_out"):
+            read[f"{link}.{port}"] = np.where(shut, 0.0, read[f"{link}.{port}"])
+    heard = np.all(np.isfinite(np.column_stack(list(read.values()))), axis=1)
+    columns = {name: values[heard] for name, values in read.items()}
+    for link in LINKS:
+        columns |= _ports(machine, link, columns)
+    columns["series.q_passed"] = np.clip(
+        machine.pumps.series_flow - columns["swing.q_in"], 0.0, machine.pumps.series_flow
+    )
+    return Table(columns, {})
+
+
+def _flows(machine: Machine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Flows at a link's ports from its angle: volume for a radian times rate; the oil's compression is left out."""
+    angle = read[f"{link}.angle"]
+    known = np.isfinite(angle)
+    rate = np.full(len(angle), np.nan)
+    rate[known] = differentiate(angle[known], RASTER, _WINDOW)
+    if link == "swing":
+        a = b = motor_displacement(machine.swing.motor) * rate
+    else:
+        t = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
+        along, across = np.cos(angle), np.sin(angle)
+        length = np.sqrt(t.squares - t.product_cos * along + t.direction * t.product_sin * across)
+        arm = 0.5 * (t.product_sin * along + t.direction * t.product_cos * across) / length
+        a, b = arm * t.area_a * rate, arm * t.area_b * rate
+    forward = read[f"{link}.spool"] > 0.0
+    return {f"{link}.q_in": np.where(forward, a, -b), f"{link}.q_out": np.where(forward, b, -a)}
+
+
+def _ports(machine: Machine, link: str, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Pressures by what the spool connects, spool travel, conductance of the outlet (Eq. 7)."""
+    forward = columns[f"{link}.spool"] > 0.0
+    p_a, p_b = (np.maximum(columns[f"{link}.{port}"], 0.0) for port in ("p_a", "p_b"))
+    p_out = np.where(forward, p_b, p_a)
+    root = np.sqrt(np.maximum(p_out - machine.tank.return_pressure, 0.0))
+    return {
+        f"{link}.travel": np.abs(columns[f"{link}.spool"]),
+        f"{link}.p_in": np.where(forward, p_a, p_b),
+        f"{link}.root_p_out": root,
+        f"{link}.k_out": columns[f"{link}.q_out"] / np.maximum(root, _ROOT_LEAST),
+    }
+
+
+def learn(machine: Machine, log: Table) -> list[Model]:
+    """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband."""
+    rng = np.random.default_rng(OPERATOR)
+    models = []
+    for link, (output, inputs), high in (
+        ("boom", BOOM_IN, machine.pumps.boom_flow),
+        ("swing", (places.q_in("swing"), BOTH), machine.pumps.series_flow),
+        ("stick", (places.q_in("stick"), PASSED), machine.pumps.series_flow),
+    ):
+        active = log[f"{link}.travel"] > machine.spool.deadband
+        rows = _chosen(active, rng)
+        settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
+        models.append(_fit(settings, log, inputs, output, rows))
+    models += [_learn_outlet(machine, log, link, rng) for link in LINKS]
+    return models
+
+
+def _learn_outlet(machine: Machine, log: Table, link: str, rng: np.random.Generator) -> Model:
+    """Conductance of an outlet over the spool: a cubic in each part of its travel that was visited."""
+    rows = rng.permutation(np.flatnonzero(log[f"{link}.root_p_out"] > _ROOT_LEAST))[:ROWS]
+    spool, y = log[f"{link}.spool"][rows], log[f"{link}.k_out"][rows]
+    opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
+    borders = [opens, 0.5 * (opens + shut), shut, 0.5 * (shut + end)]
+    settings = AbductiveRegressor(
+        max_layers=1, kinds=("single",), output_bounds=(0.0, float(np.quantile(y, 0.9999)))
+    )  # beyond the travel that was seen, the last value holds
+    edges = visited([-border for border in reversed(borders)] + borders, spool)
+    # a conductance spans three decades, and near the deadband a small one decides as much as a large one does elsewhere
+    opening = np.maximum(np.abs(spool) - opens, 0.0) / (end - opens)
+    learner = RegionRegressor(settings, edges={0: edges} if edges else None, max_regions=1)
+    fitted = learner.fit(spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
+    return fitted.to_model((Variable(f"{link}.spool", "m"),), places.k_out(link))
+
+
+def visited(borders: Sequence[float], values: np.ndarray) -> list[float]:
+    """Those of rising borders that leave at least `_CELL` values on either side, up to the next one that is kept."""
+    kept: list[float] = []
+    low = -np.inf
+    for border in borders:
+        if np.sum((values > low) & (values <= border)) >= _CELL:
+            kept.append(border)
+            low = border
+    while kept and np.sum(values > kept[-1]) < _CELL:
+        kept.pop()
+    return kept
+
+
+def _chosen(active: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Rows to learn from: those with an open valve say most."""
+    on, off = np.flatnonzero(active), np.flatnonzero(~active)
+    return np.concatenate([rng.permutation(on)[:ROWS], rng.permutation(off)[: ROWS // 5]])
+
+
+def _fit(
+    settings: AbductiveRegressor, log: Table, inputs: Sequence[Variable], output: Variable, rows: np.ndarray
+) -> Model:
+    learner = RegionRegressor(settings, max_regions=REGIONS, min_rows=min(150, max(20, len(rows) // 40)))
+    X, y = log.matrix([variable.name for variable in inputs])[rows], log[output.name][rows]
+    return learner.fit(X, y).to_model(inputs, output)
+
+
+def _judged(machine: Machine, models: list[Model]) -> list[Any]:
+    """Errors of networks where operators work: of flows at the states of their exact runs, and of the end-effector."""
+    flow = build_flow("polynomial", machine, models=models)
+    away, squares = [], []
+    for seed in JUDGES:
+        scenario = random_operator(seed, JUDGE_SECONDS)
+        exact = simulate(machine, "exact", scenario)
+        away.append(float(effector_distance(exact, simulate(machine, flow, scenario)).max()))
+        spool, p_in, p_out = (exact.matrix([f"{link}.{name}" for link in LINKS]) for name in ("spool", "p_in", "p_out"))
+        error = sample_flow(flow, spool, p_in, p_out).q_in - exact.matrix([f"{link}.q_in" for link in LINKS])
+        squares.append(np.mean(error**2, axis=0))
+    rms = units.from_si(np.sqrt(np.mean(squares, axis=0)), "in3/s")
+    scenarios = {}
+    for name in SCENARIOS:
+        exact, learnt = (simulate(machine, model, load_scenario(name)) for model in ("exact", flow))
+        scenarios[name] = float(effector_distance(exact, learnt).max())
+    return [dict(zip(LINKS, rms.tolist(), strict=True)), float(np.median(away)), max(away), scenarios]
