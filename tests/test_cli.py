@@ -255,7 +255,21 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
 
 @pytest.mark.parametrize(
     "command",
-    ["report", "simulate", "animate", "scenarios", "sample", "fit", "check", "export", "verify", "export-machine"],
+    [
+        "report",
+        "simulate",
+        "animate",
+        "scenarios",
+        "sample",
+        "fit",
+        "check",
+        "export",
+        "verify",
+        "export-machine",
+        "record",
+        "import",
+        "fit-machine",
+    ],
 )
 def test_help_shows_an_example(call, command):
     code, out, _ = call(command, "--help")

@@ -1,4 +1,4 @@
-"""Commands of measured logs: import, record."""
+"""Commands of measured logs: import, record, fit-machine."""
 
 from pathlib import Path
 from typing import Annotated
@@ -89,3 +89,33 @@ def record(
     with steps("record", len(what)) as progress:
         n = write_log(plant, what, bench, out, dt=dt, progress=progress)
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
+
+
+@app.command()
+def fit_machine(
+    table: Annotated[
+        Path, typer.Argument(help="Imported table with LINK.spool, .p_a, .p_b, .q_in, .q_out of all links.")
+    ],
+    out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
+    machine: Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")] = "cat215b",
+) -> None:
+    """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
+
+    Of the parameter set only pump flows, relief setting, return pressure and the borders of spool travel are used.
+
+    Example: `polydraulic fit-machine table.parquet --out machine.json`
+
+    - Drive the machine with it: `polydraulic simulate task --flow polynomial --model machine.json --plot task.svg`
+    """
+    from polydraulic.networks import save_models
+    from polydraulic.parameters import LINKS, load_machine
+    from polydraulic.studies.measured import MEASURED, by_port, learn
+    from polydraulic.tables import read_table
+
+    plant = load_machine(machine)
+    log = read_table(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
+    with steps("fit-machine", 6) as progress:
+        models = learn(plant, by_port(plant, log), progress)
+    save_models(models, out)
+    for model in models:
+        print(f"{model.output}: {len(model.networks)} network(s), {model.n_coefficients} coefficients")

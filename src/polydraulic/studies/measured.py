@@ -5,7 +5,7 @@ read, neither orifice areas nor pump pressures among it; the networks go into th
 never saw.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ from polydraulic.studies.three_links import SCENARIOS
 from polydraulic.tables import Table
 
 RASTER = 0.02  # s, of all sensors
+MEASURED = ("spool", "p_a", "p_b", "q_in", "q_out")  # of each link
 RANGES = {
     "m": units.to_si(0.564, "in"),
     "Pa": units.to_si(5000.0, "psi"),
@@ -146,13 +147,30 @@ def measured(machine: Machine, conditions: Conditions) -> Table:
     if not conditions.flow_sensors:
         for link in LINKS:
             read |= _flows(machine, link, read)
-    for link in LINKS:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
-        shut = np.abs(read[f"{link}.spool"]) <= machine.spool.deadband
-        for port in ("q_in", "q_out"):
-            read[f"{link}.{port}"] = np.where(shut, 0.0, read[f"{link}.{port}"])
     heard = np.all(np.isfinite(np.column_stack(list(read.values()))), axis=1)
-    columns = {name: values[heard] for name, values in read.items()}
-    for link in LINKS:
+    return by_port(machine, Table({name: values[heard] for name, values in read.items()}, {}))
+
+
+def by_port(machine: Machine, log: Table) -> Table:
+    """What circuits see, from what sensors read: pressures by what the spool connects, travels, conductances, the passed flow.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its pump flow, return pressure and deadband count.
+    log : Table
+        ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b``, ``LINK.q_in`` and ``LINK.q_out`` of all three links, in SI.
+
+    Raises
+    ------
+    InputError
+        If one of them is missing.
+    """
+    columns = {name: log[name] for name in (f"{link}.{what}" for link in LINKS for what in MEASURED)}
+    for link in LINKS:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
+        shut = np.abs(columns[f"{link}.spool"]) <= machine.spool.deadband
+        for port in ("q_in", "q_out"):
+            columns[f"{link}.{port}"] = np.where(shut, 0.0, columns[f"{link}.{port}"])
         columns |= _ports(machine, link, columns)
     columns["series.q_passed"] = np.clip(
         machine.pumps.series_flow - columns["swing.q_in"], 0.0, machine.pumps.series_flow
@@ -192,8 +210,17 @@ def _ports(machine: Machine, link: str, columns: dict[str, np.ndarray]) -> dict[
     }
 
 
-def learn(machine: Machine, log: Table) -> list[Model]:
-    """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband."""
+def learn(machine: Machine, log: Table, progress: Callable[[str], None] = lambda step: None) -> list[Model]:
+    """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband.
+
+    Parameters
+    ----------
+    machine : Machine
+    log : Table
+        From `by_port`.
+    progress : function of str
+        Called with each of six outputs as it begins.
+    """
     rng = np.random.default_rng(OPERATOR)
     models = []
     for link, (output, inputs), high in (
@@ -201,11 +228,14 @@ def learn(machine: Machine, log: Table) -> list[Model]:
         ("swing", (places.q_in("swing"), BOTH), machine.pumps.series_flow),
         ("stick", (places.q_in("stick"), PASSED), machine.pumps.series_flow),
     ):
+        progress(output.name)
         active = log[f"{link}.travel"] > machine.spool.deadband
         rows = _chosen(active, rng)
         settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
         models.append(_fit(settings, log, inputs, output, rows))
-    models += [_learn_outlet(machine, log, link, rng) for link in LINKS]
+    for link in LINKS:
+        progress(f"{link}.k_out")
+        models.append(_learn_outlet(machine, log, link, rng))
     return models
 
 

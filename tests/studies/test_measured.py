@@ -1,0 +1,93 @@
+"""Networks learnt from what sensors read, and the page that goes all the way."""
+
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from polydraulic import cli
+from polydraulic.errors import InputError
+from polydraulic.parameters import LINKS
+from polydraulic.simulation import simulate
+from polydraulic.studies.cache import open_lab
+from polydraulic.studies.measured import USUAL, by_port, describe, measured, outcome, visited
+from polydraulic.tables import Table
+
+PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"
+
+
+def test_ports_follow_the_spool_and_shut_valves_pass_nothing(machine):
+    log = measured(machine, USUAL._replace(minutes=0.2, noise=0.0))
+    run = simulate(machine, "exact", _operator(0.2), raster=0.02)
+    for link in LINKS:
+        open_ = np.abs(run[f"{link}.spool"]) > machine.spool.deadband
+        assert np.allclose(log[f"{link}.p_in"][open_], np.maximum(run[f"{link}.p_in"][open_], 0.0))
+        assert np.all(log[f"{link}.q_in"][~open_] == 0.0)
+        assert np.all(log[f"{link}.k_out"][~open_] == 0.0)
+        assert log[f"{link}.q_in"][open_].max() > 0.0
+    assert np.all(log["series.q_passed"] <= machine.pumps.series_flow)
+
+
+def test_silent_sensors_and_joint_angles(machine):
+    whole = measured(machine, USUAL._replace(minutes=0.5))
+    assert len(measured(machine, USUAL._replace(minutes=0.5, dropout=0.05))) < 0.9 * len(whole)
+    rebuilt = measured(machine, USUAL._replace(minutes=0.5, noise=0.0, flow_sensors=False))
+    true = measured(machine, USUAL._replace(minutes=0.5, noise=0.0))
+    flowing = true["boom.q_in"] > 0.3 * machine.pumps.boom_flow
+    error = rebuilt["boom.q_in"] - true["boom.q_in"]  # what the oil's compression takes, and all of it at a stop
+    assert np.median(np.abs(error[flowing])) < 0.5 * np.median(true["boom.q_in"][flowing])
+
+
+def test_a_missing_channel_is_named(machine):
+    with pytest.raises(InputError, match=r"no column 'swing.spool'"):
+        by_port(machine, Table({"boom.spool": np.zeros(3)}, {}))
+
+
+def test_borders_keep_enough_values_on_either_side():
+    values = np.concatenate([np.full(100, -2.0), np.full(30, -0.5), np.full(100, 0.5), np.full(10, 3.0)])
+    assert visited([-1.0, 0.0, 1.0], values) == [-1.0]  # 30 values do not carry a part, nor do 10
+    assert visited([-1.0, 0.0, 1.0], np.repeat([-2.0, -0.5, 0.5, 3.0], 100)) == [-1.0, 0.0, 1.0]
+    assert visited([1.0], np.zeros(10)) == []
+
+
+def test_conditions_in_words():
+    assert describe(USUAL._replace(dropout=0.05, flow_sensors=False, limited=True)) == (
+        "30 min, noise 0.3 %, stroke 100 %, dropouts 5 %, no flow sensors, torque limit"
+    )
+
+
+@pytest.mark.slow
+def test_ten_minutes_of_work_teach_the_machine(machine):
+    found = outcome(open_lab(machine), USUAL._replace(minutes=10.0, noise=0.001))
+    assert found.rows == 30001
+    assert found.median < 0.4
+    assert found.scenarios["sine"] < 0.1
+    assert all(rms < 10.0 for rms in found.flow_rms.values())
+
+
+@pytest.mark.slow
+def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for kind, block in re.findall(r"```(python|sh)\n(.*?)```", PAGE.read_text(), re.DOTALL):
+        if kind == "python":
+            exec(compile(block, PAGE.name, "exec"), {})
+            continue
+        for command in block.strip().splitlines():
+            monkeypatch.setattr(sys, "argv", shlex.split(command.replace(":1800", ":600")))
+            cli.app(standalone_mode=False)
+    printed = capsys.readouterr().out
+    tips = [float(value) for value in re.findall(r"tip\s+(\S+)\s", printed)]
+    assert len(tips) == 2
+    assert max(tips) < 1000.0  # mm
+    assert (tmp_path / "task.svg").is_file()
+    assert list((tmp_path / "c").glob("*.c"))
+
+
+def _operator(minutes):
+    from polydraulic.parameters import random_operator
+    from polydraulic.studies.measured import OPERATOR, STROKE
+
+    return random_operator(OPERATOR, 60.0 * minutes, limit=STROKE)
