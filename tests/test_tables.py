@@ -81,3 +81,11 @@ def test_an_unwritable_folder_is_one_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         write_table(TABLE, tmp_path / "file" / "a.csv")
+
+
+def test_names_with_commas_and_quotes_come_back(tmp_path):
+    table = Table({"stiff, 10 l": np.arange(3.0), 'the "fast" one': np.ones(3)}, {"stiff, 10 l": "psi"})
+    write_table(table, tmp_path / "t.csv")
+    again = read_table(tmp_path / "t.csv")
+    assert again.names == table.names
+    assert again.unit("stiff, 10 l") == "psi"

@@ -87,7 +87,9 @@ def table_writer(
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
-                file.write(",".join(f"{name} [{unit}]" if unit else name for name, unit in units.items()) + "\n")
+                file.write(
+                    ",".join(_quoted(f"{name} [{unit}]" if unit else name) for name, unit in units.items()) + "\n"
+                )
 
                 def write_rows(columns: Sequence[np.ndarray]) -> None:
                     np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
@@ -101,6 +103,11 @@ def table_writer(
             schema = pa.schema(fields, metadata={_INFO_KEY: json.dumps(dict(info or {}))})
             with pq.ParquetWriter(temporary, schema) as file:
                 yield lambda columns: file.write_table(pa.table(list(columns), schema=schema))
+
+
+def _quoted(head: str) -> str:
+    """A head of a CSV column, in quotes where it holds a comma."""
+    return '"' + head.replace('"', '""') + '"' if "," in head or '"' in head else head
 
 
 def read_table(path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = ()) -> Table:
