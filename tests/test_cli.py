@@ -168,6 +168,29 @@ def test_a_log_becomes_a_model_with_a_card_and_is_judged_by_the_next_one(call, t
     assert (code, out.splitlines()[0]) == (1, "y [Pa]: does not hold any more")
 
 
+def test_regions_from_the_deadbands_that_a_log_shows(call, tmp_path):
+    rng = np.random.default_rng(5)
+    t = 0.02 * np.arange(6000)
+    u = np.sin(0.9 * t) * np.cos(0.13 * t)
+    y = np.maximum(u - 0.3, 0.0) - np.maximum(-0.2 - u, 0.0) + 0.002 * rng.normal(size=len(t))
+    units = {"time": "s", "segment": "1", "u": "m", "y": "m3/s"}
+    log = Table({"time": t, "segment": np.zeros(len(t)), "u": u, "y": y}, units)
+    write_table(log, tmp_path / "log.parquet")
+    model = tmp_path / "m.json"
+    code, out, _ = call(
+        "fit", tmp_path / "log.parquet", "--inputs", "u", "--outputs", "y", "--out", model, "--deadbands"
+    )
+    assert code == 0
+    assert "y answers u below" in out
+    boxes = load_models(model)[0].region_boxes()
+    assert [box[0, 1] for box in boxes[:2]] == pytest.approx([-0.2, 0.3], abs=0.03)
+    write_table(Table({"u": u, "y": y}, {}), tmp_path / "rows.parquet")
+    code, _, err = call(
+        "fit", tmp_path / "rows.parquet", "--inputs", "u", "--outputs", "y", "--out", model, "--deadbands"
+    )
+    assert (code, "--deadbands needs an imported log" in err) == (2, True)
+
+
 def test_the_machine_leaves_python(call, tmp_path):
     code, out, _ = call("export-machine", "--to", "c", "--name", "digger", "--out", tmp_path)
     assert code == 0

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from polydraulic.networks import Model
+    from polydraulic.tables import Table
 
 
 @app.command()
@@ -40,6 +41,9 @@ def fit(
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: data, errors, intervals, proofs, equations.")
     ] = None,
+    deadbands: Annotated[
+        bool, typer.Option("--deadbands", help="Regions from the deadbands that an imported log shows, as well.")
+    ] = False,
 ) -> None:
     """Learn polynomial networks from a table.
 
@@ -62,6 +66,9 @@ def fit(
         raise InputError(f"{card}: a model card ends in .html")
     data = read_table(table, [*names, *targets], optional=["time", "segment"])
     limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
+    borders = _edges(edges or [])
+    if deadbands:
+        borders = _with_deadbands(borders, data, names, targets)
     estimator = AbductiveRegressor(
         max_layers=layers,
         cpm=cpm,
@@ -69,7 +76,7 @@ def fit(
         output_bounds="data" if limits is None else (limits[0], limits[1]),
     )
     with steps("fit", 2 * len(targets)) as progress:
-        fits = fit_table(data, names, targets, estimator, _edges(edges or []), regions, progress)
+        fits = fit_table(data, names, targets, estimator, borders, regions, progress)
     save_models([found.model for found in fits], out)
     if card is not None:
         write_card(fits, data, table.name, card)
@@ -136,6 +143,25 @@ def check(
                 print(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
     if not proved:
         raise typer.Exit(1)
+
+
+def _with_deadbands(
+    edges: dict[str, list[float]], data: "Table", inputs: list[str], outputs: list[str]
+) -> dict[str, list[float]]:
+    """Edges, and those of the deadbands that a log shows."""
+    import numpy as np
+
+    from polydraulic.measure import find_deadbands
+
+    if not {"time", "segment"} <= set(data.names):
+        raise InputError("--deadbands needs an imported log, with the columns 'time' and 'segment'; give --edges")
+    raster = float(np.median(np.diff(data["time"])))
+    found = {name: list(cuts) for name, cuts in edges.items()}
+    for deadband in find_deadbands(data, inputs, outputs, raster):
+        print(deadband.statement())
+        if deadband.found:
+            found[deadband.input] = sorted({*found.get(deadband.input, []), deadband.low, deadband.high})
+    return found
 
 
 def _judge(models: "list[Model]", data: Path) -> None:
