@@ -55,8 +55,9 @@ def torque_limit(machine):
     """Networks with and without those of the limit, on pumps that have one."""
     limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
     models = {
-        "with those of the limit": build_flow("polynomial", limited),
-        "without": build_flow("polynomial", limited, models=shipped_models()),
+        "cascade, with those of the limit": build_flow("polynomial", limited),
+        "direct, with those of the limit": build_flow("polynomial", limited, arrangement="direct"),
+        "cascade, without": build_flow("polynomial", limited, models=shipped_models()),
     }
     scenarios = [load_scenario(name) for name in SCENARIOS]
     pairs = [(scenario, simulate(limited, "exact", scenario)) for scenario in scenarios]

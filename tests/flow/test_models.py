@@ -17,7 +17,7 @@ from polydraulic.flow import (
     iterative_flow,
     served_links,
 )
-from polydraulic.flow.polynomial import shipped_models
+from polydraulic.flow.polynomial import ARRANGEMENTS, shipped_models
 from polydraulic.flow.sample import sample_fed, sample_flow
 from polydraulic.machine import Links
 from polydraulic.networks import AbductiveRegressor, Variable
@@ -342,19 +342,40 @@ def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, limit, secti
     assert np.all(np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[limit, section]))
 
 
-def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine):
+@pytest.mark.parametrize("arrangement", ARRANGEMENTS)
+def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, arrangement):
     spool, p_in = over_the_map(machine, "D", 2000)
 
     def flows(name, machine, **options):
         return sample_flow(build_flow(name, machine, **options), spool, p_in, 0.0 * p_in).q_in
 
-    true, ours = flows("exact", with_limit(machine)), flows("polynomial", with_limit(machine))
-    asked = flows("polynomial", with_limit(machine), models=shipped_models(limited=True))
-    unaware = flows("polynomial", with_limit(machine), models=shipped_models())
+    true = flows("exact", with_limit(machine))
+    ours = flows("polynomial", with_limit(machine), arrangement=arrangement)
+    asked = flows("polynomial", with_limit(machine), models=shipped_models(arrangement, limited=True))
+    unaware = flows("polynomial", with_limit(machine), models=shipped_models(arrangement))
     assert np.array_equal(ours, asked)
-    assert np.array_equal(unaware, flows("polynomial", machine))
+    assert np.array_equal(unaware, flows("polynomial", machine, arrangement=arrangement))
     wrong = np.sqrt(np.mean((unaware - true) ** 2, axis=0))
     assert np.all(np.sqrt(np.mean((ours - true) ** 2, axis=0)) < 0.1 * wrong)
+
+
+@pytest.mark.parametrize("name", ["polynomial", "neural"])
+def test_networks_of_the_package_refuse_circuits_they_were_not_trained_on(machine, name):
+    pumps, valve = machine.pumps, machine.boom.valve
+    slower = machine._replace(pumps=pumps._replace(torque_limit_start=0.9 * pumps.torque_limit_start))
+    heavier = machine._replace(boom=machine.boom._replace(body=machine.boom.body._replace(mass=2e3)))
+    for known in (slower, heavier):  # a torque limit that is off, and what is no circuit
+        build_flow(name, known)
+    wider = valve._replace(inlet=tuple(1.1 * k for k in valve.inlet))
+    others = {
+        "pumps.boom_flow": machine._replace(pumps=pumps._replace(boom_flow=2.0 * pumps.boom_flow)),
+        "pumps.torque_limit_start": with_limit(slower),
+        "boom.valve.inlet": machine._replace(boom=machine.boom._replace(valve=wider)),
+    }
+    for parameter, other in others.items():
+        with pytest.raises(InputError, match=f"{parameter} = .* in cat215b, whose circuits"):
+            build_flow(name, other)
+        build_flow("polynomial", other, models=shipped_models())  # whoever gives models knows what they are for
 
 
 def test_modes_may_be_missing(machine):

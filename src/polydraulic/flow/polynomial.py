@@ -14,7 +14,7 @@ both travels and sqrt(P_relief - P_i).
 from collections.abc import Sequence
 from importlib.resources import files
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,9 +42,10 @@ from polydraulic.networks import Model, Network, NetworkTable, Variable, parse_m
 from polydraulic.networks.model import pack_models
 from polydraulic.networks.partition import Regions, choose
 from polydraulic.networks.table import evaluate, work_size
-from polydraulic.parameters import LINKS, Machine
+from polydraulic.parameters import LINKS, Machine, load_machine
 
 ARRANGEMENTS = ("cascade", "direct")
+TRAINED_ON = "cat215b"
 _SMALLEST_ROOT = 1.0  # Pa^0.5; below it the outlet conductance no longer follows from flow / root
 
 
@@ -126,20 +127,21 @@ def polynomial_flow(
         ``stick.k_out``. Those of the boom alone, or of swing and stick alone, serve runs that move nothing else. For
         modes of their own also ``boom.k_in``, ``swing.k_in``, ``stick.q_in_relief``, and for the torque limit
         ``boom.q_in_limited``, ``swing.q_in_limited``, ``stick.q_in_limited``; each may be missing. If no models are
-        given, the networks that come with the package; those in cascade know the torque limit where the machine has one.
+        given, the networks that come with the package; they know the torque limit where the machine has one.
     arrangement : {"cascade", "direct"}
         Which of the package's networks; given models say it by what ``stick.q_in`` reads.
 
     Raises
     ------
     InputError
-        If a model is missing or reads other inputs, or there is no such arrangement.
+        If a model is missing or reads other inputs, or there is no such arrangement; without models, if pumps, spools or
+        valves are not those that the package's networks were trained on.
     """
     if arrangement not in ARRANGEMENTS:
         raise InputError(f"arrangement = {arrangement!r}: choose one of {ARRANGEMENTS}")
     if models is None:
-        limited = machine.pumps.torque_limit_enabled and arrangement == "cascade"
-        models = shipped_models(arrangement, limited=limited)
+        _check_circuits(machine)
+        models = shipped_models(arrangement, limited=machine.pumps.torque_limit_enabled)
     return PolynomialFlow(network_flow(machine, models))
 
 
@@ -151,7 +153,10 @@ def neural_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> N
     machine, models
         As for `polynomial_flow`.
     """
-    return NeuralFlow(network_flow(machine, shipped_models("neural") if models is None else models))
+    if models is None:
+        _check_circuits(machine)
+        models = shipped_models("neural")
+    return NeuralFlow(network_flow(machine, models))
 
 
 def network_flow(machine: Machine, models: Sequence[Model]) -> NetworkFlow:
@@ -197,13 +202,13 @@ def network_flow(machine: Machine, models: Sequence[Model]) -> NetworkFlow:
 
 
 def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Model]:
-    """Networks that come with the package, trained on the circuits of ``cat215b``.
+    """Networks that come with the package, trained on the circuits of `TRAINED_ON`.
 
     Parameters
     ----------
     name : {"cascade", "direct", "neural"}
     limited : bool
-        Also those of the torque limit; they go with the cascade.
+        Also those of the torque limit; they go with the cascade and with direct networks.
     """
     parts = ["outlets", *(["inlets"] if name in ARRANGEMENTS else []), name, *(["limited"] if limited else [])]
     found = []
@@ -211,6 +216,25 @@ def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Mode
         source = files("polydraulic.flow") / "trained" / file
         found += parse_models(source.read_text(encoding="utf-8"), f"trained/{file}")
     return found
+
+
+def _check_circuits(machine: Machine) -> None:
+    """Refuse the package's networks to circuits that they were not trained on."""
+    trained, limit = load_machine(TRAINED_ON), machine.pumps.torque_limit_enabled
+    known = _circuits(trained) | {"pumps.torque_limit_enabled": limit}
+    for name, value in _circuits(machine).items():
+        if value != known[name] and (limit or not name.startswith("pumps.torque_limit")):
+            raise InputError(
+                f"{name} = {value}, and {known[name]} in {TRAINED_ON}, whose circuits the package's networks were trained on: "
+                "train networks for this machine (python -m polydraulic.studies.train FOLDER MACHINE) and give them as models"
+            )
+
+
+def _circuits(machine: Machine) -> dict[str, object]:
+    """Parameters that decide the flows, by name."""
+    parts: dict[str, Any] = {"pumps": machine.pumps, "spool": machine.spool, "tank": machine.tank}
+    parts |= {f"{link}.valve": getattr(machine, link).valve for link in LINKS}
+    return {f"{part}.{name}": value for part, values in parts.items() for name, value in values._asdict().items()}
 
 
 def networks_serve(model: PolynomialFlow | NeuralFlow) -> tuple[str, ...]:
@@ -227,10 +251,8 @@ def _constant(y: float) -> Model:
     return Model((Variable("none"),), Variable("none"), (Network((), (0.0,), (1.0,), (0.0,), (0.0,), y, 1.0),))
 
 
-_NOTHING, _NEVER_LEAST = (
-    _constant(0.0),
-    _constant(1e6),
-)  # the latter also as a conductance, a hair below relief pressure
+_NOTHING = _constant(0.0)
+_NEVER_LEAST = _constant(1e6)  # as a flow, and as a conductance, a hair below relief pressure
 
 
 def _highest(model: Model, link: str) -> float:
@@ -250,6 +272,14 @@ def _inlet(flow: NetworkFlow, regions: Regions, memory: np.ndarray, a: float, b:
 
 
 @kernel
+def _or_less(
+    q: float, flow: NetworkFlow, regions: Regions, memory: np.ndarray, a: float, b: float, c: float, d: float
+) -> float:
+    """The least of a flow and of that of another mode; where nothing flows in one, no other is less."""
+    return min(q, _inlet(flow, regions, memory, a, b, c, d)) if q > 0.0 else 0.0
+
+
+@kernel
 def _entering(q: float, k: float, p: float, pump: Pump) -> float:
     """Flow into a line at pressure p: the least of q, of the flow with the relief valve open, and of the pump's."""
     return min(max(q, 0.0), min(k * sqrt(max(pump.relief - p, 0.0)), pump.flow))
@@ -260,35 +290,26 @@ def network_step(flow: NetworkFlow, memory: np.ndarray, spool: Links, p_in: Link
     """Evaluate the networks of all inlets and outlets; `memory` is their scratch."""
     inlets, others, outlets = flow.inlets, flow.others, flow.outlets
     swing, boom, stick = abs(spool.swing), abs(spool.boom), abs(spool.stick)
-    Q = flow.series_pump.flow
-    # where nothing flows at constant flow, no other mode can be less
+    Q, below = flow.series_pump.flow, sqrt(max(flow.series_pump.relief - p_in.stick, 0.0))
+
     q_boom = _inlet(flow, inlets.boom, memory, boom, p_in.boom, 0.0, 0.0)
-    q_boom = min(q_boom, _inlet(flow, others.boom_limited, memory, boom, p_in.boom, 0.0, 0.0)) if q_boom > 0.0 else 0.0
+    q_boom = _or_less(q_boom, flow, others.boom_limited, memory, boom, p_in.boom, 0.0, 0.0)
     k = _inlet(flow, others.boom_k_in, memory, boom, 0.0, 0.0, 0.0) if q_boom > 0.0 else 0.0
     q_boom = _entering(q_boom, k, p_in.boom, flow.boom_pump)
+
     q_swing = _inlet(flow, inlets.swing, memory, swing, stick, p_in.swing, p_in.stick)
-    q_swing = (
-        min(q_swing, _inlet(flow, others.swing_limited, memory, swing, stick, p_in.swing, p_in.stick))
-        if q_swing > 0.0
-        else 0.0
-    )
+    q_swing = _or_less(q_swing, flow, others.swing_limited, memory, swing, stick, p_in.swing, p_in.stick)
     k = _inlet(flow, others.swing_k_in, memory, swing, 0.0, 0.0, 0.0) if q_swing > 0.0 else 0.0
     q_swing = _entering(q_swing, k, p_in.swing, flow.series_pump)
+
     passed = Q - q_swing if swing <= flow.swing_closes else 0.0
     q_stick = (
         _inlet(flow, inlets.stick, memory, passed, stick, p_in.stick, 0.0)
         if inlets.cascade
         else _inlet(flow, inlets.stick, memory, swing, stick, p_in.swing, p_in.stick)
     )
-    below = sqrt(max(flow.series_pump.relief - p_in.stick, 0.0))
-    q_stick = (
-        min(q_stick, _inlet(flow, others.stick_relief, memory, swing, stick, below, 0.0)) if q_stick > 0.0 else 0.0
-    )
-    q_stick = (
-        min(q_stick, _inlet(flow, others.stick_limited, memory, swing, stick, p_in.swing, p_in.stick))
-        if q_stick > 0.0
-        else 0.0
-    )
+    q_stick = _or_less(q_stick, flow, others.stick_relief, memory, swing, stick, below, 0.0)
+    q_stick = _or_less(q_stick, flow, others.stick_limited, memory, swing, stick, p_in.swing, p_in.stick)
     q_stick = min(max(q_stick, 0.0), passed) if p_in.stick < flow.series_pump.relief else 0.0
 
     root = sqrt(max(p_out.boom - flow.boom_pump.p_return, 0.0))

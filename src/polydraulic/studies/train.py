@@ -1,4 +1,4 @@
-"""Train the networks that come with the package: ``python -m polydraulic.studies.train FOLDER``.
+"""Train the networks that come with the package: ``python -m polydraulic.studies.train FOLDER [MACHINE]``.
 
 Writes ``outlets.json``, ``inlets.json``, ``cascade.json``, ``limited.json``, ``direct.json`` and ``neural.json``; the same
 seed and versions give the same files.
@@ -7,6 +7,7 @@ seed and versions give the same files.
 import sys
 from pathlib import Path
 
+from polydraulic.flow.polynomial import TRAINED_ON
 from polydraulic.networks import save_models
 from polydraulic.parameters import load_machine
 from polydraulic.studies.circuit_models import learn_direct, learn_outlets, train_perceptrons
@@ -19,7 +20,7 @@ def say(output: str, asked: int, error: float) -> None:
 
 
 if __name__ == "__main__":
-    machine, folder = load_machine("cat215b"), Path(sys.argv[1])
+    folder, machine = Path(sys.argv[1]), load_machine(sys.argv[2] if len(sys.argv) > 2 else TRAINED_ON)
     save_models(learn_outlets(machine), folder / "outlets.json")
     save_models(train_perceptrons(machine), folder / "neural.json")
     for file, learn in {
