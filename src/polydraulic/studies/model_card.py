@@ -4,7 +4,6 @@ import io
 import json
 from collections.abc import Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,8 @@ from polydraulic.files import write_text
 from polydraulic.networks import Model, model_bounds
 from polydraulic.networks.plot import draw_network
 from polydraulic.studies.fit import Fit
+from polydraulic.studies.html import document
+from polydraulic.studies.html import table as html_table
 from polydraulic.tables import Table
 
 SCHEMA = 1
@@ -56,21 +57,14 @@ def write_card(fits: Sequence[Fit], table: Table, source: str, path: str | Path)
         "data": _data(fits, table, source),
         "models": [_facts(found.model) for found in fits],
     }
-    style = (files("polydraulic.studies.report") / "report.css").read_text(encoding="utf-8")
-    body = "\n".join(_section(found, facts) for found, facts in zip(fits, card["models"], strict=True))
-    page = f"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Model card: {escape(source)}</title>
-<meta name="viewport" content="width=device-width"><style>{style}</style></head><body>
-<h1>Model card</h1>
-<h2>Data</h2>
+    sections = "\n".join(_section(found, facts) for found, facts in zip(fits, card["models"], strict=True))
+    body = f"""<h2>Data</h2>
 {_columns(card["data"])}
 {_picture(_coverage(fits[0].model, table))}
 <p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>
-{body}
-</body></html>
-"""
+{sections}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
-    write_text(path, page)
+    write_text(path, document(f"Model card: {source}", body))
     return card
 
 
@@ -138,9 +132,9 @@ def _section(found: Fit, facts: dict[str, Any]) -> str:
 <p>{facts["networks"]} network(s), {facts["coefficients"]} coefficients. On the rows held out ({escape(training["held_out"])}): R²
 {found.r2:.5f}, rms error {found.rms:.4g} {unit}, largest {found.largest:.4g} {unit}; {interval}. Proved: no output leaves
 {facts["proved_low"]:.6g} to {facts["proved_high"]:.6g} {unit}, whatever the inputs.</p>
-{_table("Errors on the rows held out", ["region", "rows", f"rms [{unit}]", f"largest [{unit}]"], regions)}
-{_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], domain)}
-{_table("Proved range by region", ["region", "low", "high"], proved)}
+{html_table("Errors on the rows held out", ["region", "rows", f"rms [{model.output.unit}]", f"largest [{model.output.unit}]"], regions)}
+{html_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], domain)}
+{html_table("Proved range by region", ["region", "low", "high"], proved)}
 {_picture(_errors(found))}
 <h3>What it is</h3>
 {more}{_picture(_networks(model, shown))}
@@ -153,7 +147,7 @@ def _columns(data: dict[str, Any]) -> str:
         f", {data[key]:.6g} {word}" for key, word in (("seconds", "s"), ("segments", "segment(s)")) if key in data
     )
     caption = f"{data['source']}: {data['rows']} rows{spans}; held out: {data['held_out']}"
-    return _table(caption, ["column", "unit", "low", "high"], rows)
+    return html_table(caption, ["column", "unit", "low", "high"], rows)
 
 
 def _coverage(model: Model, table: Table) -> Any:
@@ -219,9 +213,3 @@ def _picture(figure: Any) -> str:
     return (
         f'<figure><img src="data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}" alt=""></figure>'
     )
-
-
-def _table(title: str, header: list[str], rows: list[list[str]]) -> str:
-    head = "".join(f"<th>{cell}</th>" for cell in header)
-    body = "\n".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><caption>{escape(title)}</caption><thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from typing import Any, NamedTuple
 
+from polydraulic.studies.html import document, table
 from polydraulic.studies.report.catalog import Chapter, Content, Number, results
 
 # What the front page shows: numbers in this order, and the pictures that tell the story.
@@ -50,7 +50,7 @@ def front_page(chapters: Sequence[Chapter], figures: Mapping[str, Shown], rows: 
         for c in chapters
     )
     pictures = "\n".join(_figure(number, figures[number]) for number in PICTURES if number in figures)
-    return _html(
+    return document(
         "The thesis and this package, number by number",
         f"""<p>A thesis of the 1990s learnt the pump and main valves of a Caterpillar 215B excavator as polynomial abductive
 networks. This report repeats its study with <em>polydraulic</em>, on a machine calibrated to its printed statistics, and
@@ -68,11 +68,11 @@ The last column names the file and line that makes a number. Everything is in <a
 
 def chapter_page(chapter: Chapter, content: Content, figures: Mapping[str, Shown]) -> str:
     """One chapter: what was done, tables, every printed number, every figure."""
-    tables = "\n".join(_table(*grid) for grid in content.tables)
+    tables = "\n".join(table(*grid) for grid in content.tables)
     rows = results(content)
     numbers = f"<h2>Every printed number next to ours</h2>\n{_results_table(rows)}" if rows else ""
     drawn = "\n".join(_figure(number, figure) for number, figure in figures.items())
-    return _html(
+    return document(
         f"Chapter {chapter.number}: {chapter.title}",
         f"""<p><a href="index.html">The report</a></p>
 {content.text}
@@ -81,17 +81,6 @@ def chapter_page(chapter: Chapter, content: Content, figures: Mapping[str, Shown
 <h2>Figures</h2>
 {drawn}""",
     )
-
-
-def _html(title: str, body: str) -> str:
-    style = (files("polydraulic.studies.report") / "report.css").read_text(encoding="utf-8")
-    return f"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>
-<meta name="viewport" content="width=device-width"><style>{style}</style></head><body>
-<h1>{escape(title)}</h1>
-{body}
-</body></html>
-"""
 
 
 def _figure(number: str, figure: Shown) -> str:
@@ -116,7 +105,7 @@ def _results_table(rows: list[dict[str, Any]]) -> str:
         ]
         for row in rows
     ]
-    return _table("", ["section", "quantity", "unit", "thesis", "ours", "note", "made in"], cells)
+    return table("", ["section", "quantity", "unit", "thesis", "ours", "note", "made in"], cells)
 
 
 def _shown(value: Number) -> str:
@@ -125,10 +114,3 @@ def _shown(value: Number) -> str:
             " to ".join(f"{v:.4g}" for v in item) if isinstance(item, list) else f"{item:.4g}" for item in value
         )
     return f"{value:.4g}"
-
-
-def _table(title: str, header: list[str], rows: list[list[str]]) -> str:
-    caption = f"<caption>{escape(title)}</caption>" if title else ""
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
-    body = "\n".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
