@@ -148,15 +148,22 @@ class Range(NamedTuple):
 
 
 def output_ranges(study: ThreeLinkStudy) -> dict[str, Range]:
-    """Ranges of the package's input-flow networks and perceptrons, by kind and output."""
+    """Ranges of all input-flow networks: in the thesis' setting, of the package in both arrangements, perceptrons."""
+    sets = {
+        "polynomial": study.historical(),
+        "ours": shipped_models(limited=True),
+        "direct": [
+            model for model in shipped_models("direct") if model.output.name == "stick.q_in"
+        ],  # all else is shared
+        "neural": shipped_models("neural"),
+    }
 
     def found() -> dict[str, Any]:
         ranges = {}
-        for kind in ("cascade", "neural"):
-            for model in shipped_models(kind):
-                if model.output.name.endswith(".q_in"):
-                    study.lab.say(f"ranges: {kind} {model.output.name}")
-                    ranges[f"{kind} {model.output.name}"] = [_proved(model), _at_random(_unclamped(model))]
+        for kind, models in sets.items():
+            for model in (model for model in models if ".q_in" in model.output.name):
+                study.lab.say(f"ranges: {kind} {model.output.name}")
+                ranges[f"{kind} {model.output.name}"] = [_proved(model), _at_random(_unclamped(model))]
         return ranges
 
     return {name: Range(*values) for name, values in study.lab.computed.data("ranges", found).items()}

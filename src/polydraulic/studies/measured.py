@@ -11,10 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic import units
+from polydraulic.elementary import sincos
 from polydraulic.flow import build_flow, places
 from polydraulic.flow.places import BOOM_IN, BOTH, PASSED
 from polydraulic.flow.sample import sample_flow
-from polydraulic.machine.actuator import motor_displacement, prepare_cylinder
+from polydraulic.machine.actuator import lever_arm, motor_displacement, prepare_cylinder
 from polydraulic.measure.sensors import Reading, Sensor
 from polydraulic.measure.smoothing import differentiate
 from polydraulic.networks import AbductiveRegressor, Model, RegionRegressor, Variable
@@ -180,18 +181,16 @@ def by_port(machine: Machine, log: Table) -> Table:
 
 def _flows(machine: Machine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Flows at a link's ports from its angle: volume for a radian times rate; the oil's compression is left out."""
-    angle = read[f"{link}.angle"]
+    time, angle = read["time"], read[f"{link}.angle"]
     known = np.isfinite(angle)
-    rate = np.full(len(angle), np.nan)
-    rate[known] = differentiate(angle[known], RASTER, _WINDOW)
+    filled = np.interp(time, time[known], angle[known])
+    rate = np.where(known, differentiate(filled, RASTER, _WINDOW), np.nan)
     if link == "swing":
         a = b = motor_displacement(machine.swing.motor) * rate
     else:
-        t = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
-        along, across = np.cos(angle), np.sin(angle)
-        length = np.sqrt(t.squares - t.product_cos * along + t.direction * t.product_sin * across)
-        arm = 0.5 * (t.product_sin * along + t.direction * t.product_cos * across) / length
-        a, b = arm * t.area_a * rate, arm * t.area_b * rate
+        triangle = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
+        speed = rate * [lever_arm(sincos(x), triangle) for x in filled.tolist()]
+        a, b = triangle.area_a * speed, triangle.area_b * speed
     forward = read[f"{link}.spool"] > 0.0
     return {f"{link}.q_in": np.where(forward, a, -b), f"{link}.q_out": np.where(forward, b, -a)}
 

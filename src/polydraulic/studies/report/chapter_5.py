@@ -272,8 +272,8 @@ def _text() -> str:
     come with the package. Neither was trained or chosen on the four runs. Errors are differences from the exact flow in the
     same loop, where the thesis took them from an iteration with eps 0.05.</p>
     <p><strong>Where the method agrees with the thesis.</strong> Section D is the worst by far, its errors are of the printed
-    size, the stick's flow jumps as its valve opens, and the step, whose stick is driven against its stop, ends farthest
-    away. <strong>Where it does not:</strong> errors of the sine and the pulse are smaller than printed, because runs with
+    size, the stick's flow jumps as its valve opens, and the step, whose stick is driven against its stop, strays
+    farthest. <strong>Where it does not:</strong> errors of the sine and the pulse are smaller than printed, because runs with
     other orifice areas pass through other parts of the maps; outlets err little, because the known borders cut our curves into
     parts that a cubic fits; and the iteration, started from the step before, is bounded and costs less than the networks where it
     converges. In the step and much of the pulse a relief valve is open, and there its sweeps do not settle.</p>"""
@@ -282,44 +282,44 @@ def _text() -> str:
 _KINDS = ("exact", "iterative", "polynomial")
 _AT_RELIEF = ("exact", "polynomial")
 _SEE_SINE = {
-    "q_in": "The stick's network jumps as its valve opens at 2.5 s; at 9 s, at high pressure, it does not.",
-    "q_out": "Output flows follow the joints' speed; they hardly show how the inlets err.",
-    "p_in": "Line pressures settle within tenths of a second: a flow error does not build up in them.",
-    "p_out": "Low throughout: errors of the outlets count for little here.",
+    "q_in": "The stick's network jumps as its valve opens, at 2.5 s and, less, at 9 s; the printed one did so at 2.5 s only.",
+    "q_out": "Output flows follow the joints' speed: the stick's shows how its inlet errs.",
+    "p_in": "The swing's follow; the stick, pushed too far, holds several hundred psi more while its valve is shut.",
+    "p_out": "As at the inlets: what the shut valve traps on one side of the stick stands on the other, too.",
     "angle": "A flow error stays in the joint as an offset.",
-    "rate": "All models move together but where a valve has just opened.",
+    "rate": "The stick is too fast after its valve has opened; swing and boom move together with the exact ones.",
     "effector": "The sine returns the linkage nearly to where it was.",
     "error": "Left the thesis' setting, right the networks of this package: errors arise while section D is active.",
 }
 _SEE_STEP = {
-    "q_in": "At 5 s the stick meets its stop: its flow ends and the swing gets more; the thesis' networks miss part of it.",
+    "q_in": "The thesis' networks push the stick to its stop a second early; then the swing gets more, but less than it should.",
     "q_out": "The stick's outlet stops with the stick.",
-    "p_in": "The stick's line rises to the pump's relief pressure once it stands at its stop.",
-    "p_out": "Outlet pressures fall as the stick stops.",
-    "angle": "The swing's error grows as long as the valve is open.",
+    "p_in": "The stick's line rises towards the pump's relief pressure once it stands at its stop.",
+    "p_out": "The stick's outlet pressure collapses as it stops, the swing's rises with its speed.",
+    "angle": "The swing's error grows until the stick stands; the error of the other sign that follows takes it back.",
     "rate": "The swing speeds up when the stick stops.",
-    "effector": "The swing goes round.",
-    "error": "A steady error of the swing flow is a growing error in space; the package's networks keep it small.",
+    "effector": "The machine swings half round.",
+    "error": "Left, flow errors of both signs, before and after the stick's stop: a metre away, and back; right, the package's networks.",
 }
 _SEE_PULSE = {
-    "q_in": "Both valves open wide: the swing, which has priority, takes nearly all.",
+    "q_in": "Both valves open wide: the swing, which has priority, takes most.",
     "q_out": "The valves close at 5 s, while the swing still turns.",
     "p_in": "The swing overruns its closed valve: its line runs empty and the other one meets its relief valve.",
     "p_out": "The cross-over relief takes the swing's energy.",
     "angle": "The boom meets its stop at 2.8 s, which hides its errors.",
     "rate": "The swing rings when its valve has closed: oil as a spring, the upper structure as its mass.",
     "effector": "Away and back.",
-    "error": "Errors of the first pulse are nearly undone by the second one.",
+    "error": "Left, the swing errs in the first pulse and the stick in the second; right, the package's networks err by less than a tenth.",
 }
 _SEE_TASK = {
-    "q_in": "Section C until 3 s, B until 10 s, then D.",
+    "q_in": "Section C until 3 s, B until 10 s, then D; the iterative flow jumps about within its bound.",
     "q_out": "They mirror the input flows.",
-    "p_in": "High pressures while the stick works: there the networks err little.",
-    "p_out": "Outlets stay low except for the stick's.",
+    "p_in": "The stick works against 1800 psi from 8 s on; the networks err most as its valve opens.",
+    "p_out": "The swing's outlet peaks as its valve closes on a joint that still turns, at 3 s.",
     "angle": "Each phase leaves its own offset.",
-    "rate": "The swing rings when its valve closes at 3 s.",
+    "rate": "The swing swings back when its valve has closed, at 3 s.",
     "effector": "Swing and lift, reach, dump, and back.",
-    "error": "Half of the error comes in the last phase, with both valves open.",
+    "error": "Left, nearly all of the error comes in the last phase, with both valves open.",
 }
 _TASK = scenario_figures(37, "task", "Task", _SEE_TASK, _KINDS)
 

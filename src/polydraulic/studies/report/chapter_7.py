@@ -19,19 +19,16 @@ from polydraulic.studies.report.differences import compared
 from polydraulic.studies.report.figures_7 import FIGURES, PRINTED_TIP, name_of
 from polydraulic.studies.three_links import SCENARIOS, ThreeLinkStudy, three_link_study
 
+_PROVED = "input flows proved, see the last table"
 _BOUNDS = {
-    "exact": "by construction: 0 to the pump's flow, pump balance to rounding",
+    "exact": "in closed form: 0 to the pump's flow",
     "iterative": "by clamps; where its sweeps do not settle the balance is off",
-    "stiff": "by construction",
-    "tlm": "none proved",
-    "lookup": "by construction: between the entries of its tables",
-    "polynomial": "proved, of every network over its whole domain",
-    "ours": "proved, of every network over its whole domain",
-    "direct": "proved, of every network over its whole domain",
-    "neural": "proved, through the sigmoids",
-}
+    "stiff": "not negative; the pump's flow goes into flows and volumes",
+    "tlm": "not negative",
+    "lookup": "between the entries of its tables",
+} | dict.fromkeys(("polynomial", "ours", "direct", "neural"), _PROVED)
 _NEEDS = dict.fromkeys(FLOWS, "flows at the ports") | dict.fromkeys(("exact", "iterative"), "orifice areas")
-_NEEDS |= dict.fromkeys(("stiff", "tlm"), "orifice areas, volumes")
+_NEEDS |= dict.fromkeys(("stiff", "tlm"), "orifice areas, volumes") | {"lookup": "flows at the ports on a whole grid"}
 
 
 def content(lab: Lab) -> Content:
@@ -151,11 +148,16 @@ def _operators(study: ThreeLinkStudy) -> Grid:
 
 def _ranges(study: ThreeLinkStudy) -> Grid:
     rows = [
-        [name, *(f"{low:.1f} to {high:.1f}" for low, high in (found.proved, found.unclamped))]
+        [*_named(name), *(f"{low:.4g} to {high:.4g}" for low, high in (found.proved, found.unclamped))]
         for name, found in output_ranges(study).items()
     ]
-    header = ["network", "proved [in3/s]", "at random points, without the final clamp [in3/s]"]
+    header = ["networks", "output", "proved [in3/s]", "at random points, without the final clamp [in3/s]"]
     return Grid("Ranges of the input-flow networks over their whole domains", header, rows)
+
+
+def _named(name: str) -> tuple[str, str]:
+    kind, output = name.split(" ")
+    return name_of(kind), output
 
 
 def _text(study: ThreeLinkStudy) -> str:

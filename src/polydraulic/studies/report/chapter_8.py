@@ -112,10 +112,8 @@ def _text(usual: Outcome) -> str:
     <p><strong>What an engineer can take from it.</strong> {describe(USUAL)}: half of the operators stay within
     {1e3 * usual.median:.0f} mm and all of them within {1e3 * usual.worst:.0f} mm over a minute without any correction, the task within
     {1e3 * usual.scenarios["task"]:.0f} mm. What matters most is coverage: networks learnt from operators who hold back fail by metres
-    when others use the whole joystick, however long the log is. Then flow sensors: flows reconstructed from joint angles leave out
-    the oil's compression, which moves as much as the valve while a line fills. Noise of a third of a percent costs little, one of
-    one percent a lot. Outlets decide more than inlets: an error of a few percent of a small conductance lets a lowered boom run
-    away.</p>
+    when others use the whole joystick, in a log as long. Then flow sensors: flows reconstructed from joint angles leave out what the
+    oil's compression takes. Noise of a third of a percent of the range costs little, one of one percent a lot.</p>
     <p>The whole path, with log files, a channel map and a quality report, is in the guide to measured logs
     (docs/measured_logs.md); networks that follow a machine which changes are in docs/dynamic_models.md.</p>"""
 

@@ -205,7 +205,7 @@ def sweep(lab: Lab) -> Figure:
         axes[0, 0].legend(fontsize="small")
         return figure
 
-    see = "More units keep helping, and rows held out agree: the instability at 20 units was one of the training."
+    see = "On the whole more units help, and rows held out agree: the instability at 20 units was one of the training."
     return Figure("Perceptron: error over the number of hidden units", see, {"": table}, draw)
 
 
@@ -304,7 +304,7 @@ FIGURES: dict[str, Callable[[Lab], Figure]] = {
     "4-2": pressure_map,
     "4-3": pressure_errors,
     "4-4": _runs("single_08", _PRESSURE, f"Pump pressure in simulation, {_08}",
-                 "The networks ripple around the exact pressure by up to a hundred psi.", {"boom.p_pump": "pump pressure"}),
+                 "The networks ripple around the exact pressure by some tens of psi.", {"boom.p_pump": "pump pressure"}),
     "4-5": _runs("single_08", _PRESSURE, "Flows with pump-pressure networks",
                  "Our spool reaches 0.33 in only, where the inlet is still narrow.", _FLOWS),
     "4-6": _runs("single_08", _PRESSURE, "Line pressures with pump-pressure networks", "Input and output lines.", _LINES),
@@ -343,6 +343,6 @@ FIGURES: dict[str, Callable[[Lab], Figure]] = {
                   "The smoothed kink shows as the valve opens at 2 s and closes again.", _FLOWS),
     "4-23": _runs("single_05", _NEURAL, f"Line pressures with perceptrons, {_05}", _FOLLOW, _LINES),
     "4-24": _runs("single_05", _NEURAL, f"Joint motion with perceptrons, {_05}",
-                  "The errors of opening and closing have the same sign and stay in the joint.", _JOINT),
+                  "Errors of opening and closing add up in the joint.", _JOINT),
     "4-C1": convergence,
 }  # fmt: skip
