@@ -69,10 +69,14 @@ def test_float_c_is_close(which, exported_models, tmp_path):
     X, middle = function.whole.points(600)[:400], function.whole.domain().mean(axis=1)
     X = (middle + 0.98 * (X - middle)).astype(np.float32).astype(np.float64)  # away from borders
     _, y, _, dy, _, _ = function(X)
-    # slopes jump at borders of regions and where the output meets its bounds, which rounding moves
-    for found, expected, share in ((y, function.whole.predict(X), 0.99), (dy, function.whole.slopes(X), 0.95)):
-        near = np.abs(found - expected) <= 1e-3 * np.abs(expected).max(axis=0) + 1e-30
-        assert np.mean(near.reshape(len(X), -1).all(axis=1)) >= share
+    for found, expected in ((y, function.whole.predict(X)), (dy, function.whole.slopes(X))):
+        error = np.abs(found - expected) - 1e-30
+        size = np.abs(expected).max(axis=0)
+        near = (error <= 1e-3 * size).reshape(len(X), -1).all(axis=1)
+        if which == "shipped":  # large terms that cancel cost digits all over some regions: docs/export.md
+            assert np.all(error <= 1e-2 * size)
+        else:
+            assert np.mean(near) >= 0.99  # slopes jump where the output meets its bounds
     code = re.sub(r"/\*.*?\*/", "", function.source.read_text(), flags=re.DOTALL)
     assert "double" not in code
     assert not re.search(r"\d\.\d+(e[+-]?\d+)?(?![\df]|e[+-])", code)  # all literals are floats
