@@ -188,7 +188,7 @@ def test_regions_from_the_deadbands_that_a_log_shows(call, tmp_path):
     code, _, err = call(
         "fit", tmp_path / "rows.parquet", "--inputs", "u", "--outputs", "y", "--out", model, "--deadbands"
     )
-    assert (code, "--deadbands needs an imported log" in err) == (2, True)
+    assert (code, "deadbands are found in an imported log" in err) == (2, True)
 
 
 def test_the_machine_leaves_python(call, tmp_path):

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from polydraulic.networks import Model
-    from polydraulic.tables import Table
 
 
 @app.command()
@@ -57,7 +56,7 @@ def fit(
     says whether it still holds.
     """
     from polydraulic.networks import AbductiveRegressor, save_models
-    from polydraulic.studies.fit import fit_table
+    from polydraulic.studies.fit import fit_table, with_deadbands
     from polydraulic.studies.model_card import write_card
     from polydraulic.tables import read_table
 
@@ -68,7 +67,8 @@ def fit(
     limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
     borders = _edges(edges or [])
     if deadbands:
-        borders = _with_deadbands(borders, data, names, targets)
+        borders, statements = with_deadbands(borders, data, names, targets)
+        print("\n".join(statements))
     estimator = AbductiveRegressor(
         max_layers=layers,
         cpm=cpm,
@@ -143,25 +143,6 @@ def check(
                 print(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
     if not proved:
         raise typer.Exit(1)
-
-
-def _with_deadbands(
-    edges: dict[str, list[float]], data: "Table", inputs: list[str], outputs: list[str]
-) -> dict[str, list[float]]:
-    """Edges, and those of the deadbands that a log shows."""
-    import numpy as np
-
-    from polydraulic.measure import find_deadbands
-
-    if not {"time", "segment"} <= set(data.names):
-        raise InputError("--deadbands needs an imported log, with the columns 'time' and 'segment'; give --edges")
-    raster = float(np.median(np.diff(data["time"])))
-    found = {name: list(cuts) for name, cuts in edges.items()}
-    for deadband in find_deadbands(data, inputs, outputs, raster):
-        print(deadband.statement())
-        if deadband.found:
-            found[deadband.input] = sorted({*found.get(deadband.input, []), deadband.low, deadband.high})
-    return found
 
 
 def _judge(models: "list[Model]", data: Path) -> None:

@@ -110,6 +110,28 @@ def fit_table(
     return fits
 
 
+def with_deadbands(
+    edges: Mapping[str, Sequence[float]], table: Table, inputs: Sequence[str], outputs: Sequence[str]
+) -> tuple[dict[str, list[float]], list[str]]:
+    """Edges, and those of the deadbands that an imported log shows; also what was found, in words.
+
+    Raises
+    ------
+    InputError
+        A table without the columns ``time`` and ``segment``.
+    """
+    from polydraulic.measure import find_deadbands  # only a log needs the extra that comes with it
+
+    if not {"time", "segment"} <= set(table.names):
+        raise InputError("deadbands are found in an imported log, with the columns 'time' and 'segment'; give edges")
+    raster = float(np.median(np.diff(table["time"])))
+    found = {name: list(cuts) for name, cuts in edges.items()}
+    deadbands = find_deadbands(table, inputs, outputs, raster)
+    for deadband in (deadband for deadband in deadbands if deadband.found):
+        found[deadband.input] = sorted({*found.get(deadband.input, []), deadband.low, deadband.high})
+    return found, [deadband.statement() for deadband in deadbands]
+
+
 def held_out(n: int, *, by_time: bool) -> np.ndarray:
     """Which of `n` rows are held out, (n,) array of bool: every fifth row, or of a log every fifth block of time."""
     place = np.arange(n) * _BLOCKS // n if by_time and n >= 10 * _BLOCKS else np.arange(n)
