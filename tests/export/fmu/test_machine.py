@@ -159,6 +159,13 @@ def test_parameters_are_those_of_a_changed_machine(machine, exact, tmp_path):
     assert same_bits(digger.run(voltage), rows)
 
 
+def test_direct_parameters_leave_out_the_circuits_that_networks_were_trained_on(machine):
+    exact, polynomial = ({p.name for p in direct_parameters(machine, flow)} for flow in ("exact", "polynomial"))
+    circuits = {name for name in exact if name.split(".")[0] in ("pumps", "tank")}
+    assert {"pumps.boom_flow", "pumps.relief"} < circuits
+    assert polynomial == exact - circuits
+
+
 def test_direct_parameters_leave_out_what_enters_other_numbers(machine):
     names = {parameter.name for parameter in direct_parameters(machine, "exact")}
     assert {"boom.line.relief", "swing.friction.viscous", "geometry.gravity", "stick.initial.angle"} <= names

@@ -10,10 +10,12 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.package import WrittenFmu, write_fmu
 from polydraulic.export.machine import machine_c, machine_size, outputs, prepared
 from polydraulic.export.translate.names import field_name
+from polydraulic.flow import build_flow
 from polydraulic.parameters import LINKS, Machine
 from polydraulic.parameters.schema import Quantity
 
@@ -144,7 +146,8 @@ def direct_parameters(
 ) -> list[MachineParameter]:
     """Parameters that a step reads as they are; the others enter precomputed numbers, and stay as exported.
 
-    Found by trying: a parameter is direct if all numbers that change with it are equal to it before and after.
+    Found by trying: a parameter is direct if all numbers that change with it are equal to it before and after, and the
+    flow model takes other values of it.
 
     Parameters
     ----------
@@ -157,26 +160,32 @@ def direct_parameters(
     base = prepared(machine, flow, dt=dt, locked=locked)
     before, found = dict(_leaves(base)), []
 
-    def numbers(changed: Machine, rebuild: bool) -> dict[tuple[str, ...], Any]:
-        return dict(_leaves(prepared(changed, flow if rebuild else base.model, dt=dt, locked=locked)))
+    def after(changed: Machine, rebuild: bool) -> dict[tuple[str, ...], Any]:
+        """Numbers of a changed machine; none if the flow model refuses it, being made for the values as they are."""
+        try:
+            model = build_flow(flow, changed) if rebuild else base.model
+        except InputError:
+            return {}
+        return dict(_leaves(prepared(changed, model, dt=dt, locked=locked)))
 
-    def differing(after: dict[tuple[str, ...], Any]) -> list[tuple[str, ...]]:
-        return [place for place in before if not np.array_equal(before[place], after[place])]
+    def differing(numbers: dict[tuple[str, ...], Any]) -> list[tuple[str, ...]]:
+        return [place for place, number in numbers.items() if not np.array_equal(before[place], number)]
 
     in_model = set()  # parts of the machine that the flow model reads; it is slow to build
     for part in Machine._fields:
         changed = machine
         for path in paths:
             changed = _replaced(changed, path, _other(_at(machine, path))) if path[0] == part else changed
-        if any(place[0] == "model" for place in differing(numbers(changed, True))):
+        numbers = after(changed, True)
+        if not numbers or any(place[0] == "model" for place in differing(numbers)):
             in_model.add(part)
     for path, quantity in _quantities(Machine):
         if path[-1].startswith("torque_limit"):  # without a limit they do nothing, with one they enter `log_least` too
             continue
         value = _at(machine, path)
-        after = numbers(_replaced(machine, path, _other(value)), path[0] in in_model)
-        places = differing(after)
-        if places and all(before[place] == value and after[place] == _other(value) for place in places):
+        numbers = after(_replaced(machine, path, _other(value)), path[0] in in_model)
+        places = differing(numbers)
+        if places and all(before[place] == value and numbers[place] == _other(value) for place in places):
             found.append(MachineParameter(".".join(path), value, quantity, places))
     return found
 
