@@ -52,8 +52,9 @@ def test_the_adapted_model_is_what_the_coefficients_say(order):
     box = FITTED.domain()
     t = 2.0 * (X[:, :2] - box[:2, 0]) / np.diff(box[:2]).T - 1.0
     powers = np.cos(np.arange(1, order + 1) * np.arccos(np.clip(t, -1, 1))[..., None]).reshape(len(X), -1)
+    product = t[:, :1] * t[:, 1:] if order > 1 else np.empty((len(X), 0))
     low = min(n.y_low for n in FITTED.networks)
-    features = np.column_stack([np.ones(len(X)), (inside - low - RANGE / 2) / (RANGE / 2), powers])
+    features = np.column_stack([np.ones(len(X)), (inside - low - RANGE / 2) / (RANGE / 2), powers, product])
     expected = inside + np.sum(features * coef[region], axis=1)
     ends = np.array([(n.y_low, n.y_high) for n in FITTED.networks])[region].T
     assert np.abs(model.predict(X) - np.clip(expected, *ends)).max() < 1e-9 * RANGE
@@ -114,6 +115,45 @@ def test_a_target_on_a_bound_is_met_by_an_answer_beyond_it():
     assert adapter.model() is fitted
 
 
+def test_a_product_of_two_inputs_is_learnt_with_second_powers():
+    whole = AbductiveRegressor(max_layers=2).fit(X, X[:, 0] + 0.1 * X[:, 1]).to_model()
+    changed = X[:, 0] + 0.1 * X[:, 1] - 0.05 * X[:, 0] * (X[:, 1] - 10.0)
+    left = []
+    for order in (1, 2):
+        adapter = Adapter(whole, trust=0.9, order=order, caution=1e-3)
+        adapter.update(X, changed)
+        left.append(worst(adapter.model(), changed))
+    assert left[0] > 0.1
+    assert left[1] < 1e-3
+
+
+def test_noise_on_a_bound_is_no_news():
+    y = np.minimum(Y, 5.0)
+    fitted = AbductiveRegressor(output_bounds=(0.0, 5.0)).fit(X, y).to_model()
+    beyond = (Y > 8.0) & (Adapter(fitted)._free.predict(X) > 5.5)
+    assert beyond.sum() > 30
+    read = y[beyond] - 0.1 * np.abs(RNG.normal(size=beyond.sum()).clip(-2.9, 2.9))
+    harmed, aware = Adapter(fitted), Adapter(fitted, noise=0.1)
+    for adapter in (harmed, aware):
+        adapter.update(X[beyond], read)
+    assert aware.model() is fitted
+    assert np.abs(harmed.model().predict(X) - fitted.predict(X)).max() > 0.1
+
+
+def test_weights_count_and_rows_without_weight_only_let_time_pass():
+    weighted, repeated, aged = (Adapter(FITTED, forgetting=forgetting) for forgetting in (1.0, 1.0, 0.9))
+    weighted.update(X[:50], 0.9 * Y[:50], np.full(50, 3.0))
+    for _ in range(3):
+        repeated.update(X[:50], 0.9 * Y[:50])
+    assert np.allclose(weighted.coefficients(), repeated.coefficients(), rtol=1e-9, atol=1e-12)
+    aged.update(X[:50], 0.9 * Y[:50])
+    before = aged.snapshot()
+    aged.update(np.full((10, 3), np.nan), np.full(10, np.nan), np.zeros(10))
+    assert aged.count == 50
+    assert np.allclose(aged.snapshot().gram, 0.9**10 * before.gram, rtol=1e-12)
+    assert np.allclose(aged.snapshot().moment, 0.9**10 * before.moment, rtol=1e-12)
+
+
 def test_a_constant_is_moved():
     network = Network((), (0.0,), (1.0,), (2.0,), (2.0,), 5.0, 1.0, 0.0, 10.0)
     adapter = Adapter(Model((Variable("x"),), Variable("y"), (network,)))
@@ -130,6 +170,8 @@ def test_a_constant_is_moved():
         ({"trust": 1.5}, "trust = 1.5"),
         ({"order": 4}, "order = 4"),
         ({"caution": 0.0}, "caution = 0.0"),
+        ({"noise": -1.0}, "noise = -1.0"),
+        ({"noise": np.nan}, "noise = nan"),
         ({"model": AbductiveRegressor(output_bounds=None).fit(X, Y).to_model()}, "needs finite ones"),
     ],
 )
@@ -143,6 +185,9 @@ def test_measurements_must_be_finite_and_fit():
     for x, y in ((X, Y[:5]), (X, np.where(Y > 5.0, np.nan, Y)), (X[:, :2], Y), (np.where(X > 20.0, np.inf, X), Y)):
         with pytest.raises(InputError, match="must be|finite"):
             adapter.update(x, y)
+    for weight in (np.ones(3), np.full(len(X), -1.0), np.full(len(X), np.nan)):
+        with pytest.raises(InputError, match="weight has shape"):
+            adapter.update(X, Y, weight)
     assert adapter.count == 0
     with pytest.raises(InputError, match="snapshot is of another model"):
         adapter.reset(Adapter(FITTED, order=2).snapshot())
