@@ -1,34 +1,69 @@
 """Networks that follow a machine which has changed: a torque limit that they never saw, a pump that wears.
 
-An operator works; the exact machine gives what would be measured: spool travels, line and pump pressures and input flows at
-every step. Rows with a pump at relief are left out: they say nothing of the networks of constant flow.
+An operator works on the exact machine; sensors read spools, port and pump pressures and input flows. They are exact, or have what
+real ones have: noise, delays, silent times. Means over a short time are learnt from, of times in which the spools nearly rest: near
+the deadband flows are steep, and what a moving spool does is read by no two sensors at the same moment. Times with a pump at
+relief are left out: they say nothing of the networks of constant flow.
 After each minute the adapted networks take the place of the fitted ones in the machine's model and are judged by runs of other
 operators. The model knows the pump's flow when new, and nothing of the change.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from polydraulic.flow import exact_flow, polynomial_flow
-from polydraulic.flow.places import BOTH
+from polydraulic.flow.places import PASSED
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.flow.sample import sample_flow
+from polydraulic.measure.sensors import Reading, Sensor
 from polydraulic.networks import Model
 from polydraulic.networks.adaptation import Adapter
 from polydraulic.parameters import LINKS, Machine, random_operator
 from polydraulic.simulation import simulate
 from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.studies.measured import RANGES, RASTER
 from polydraulic.tables import Table
 
 MINUTE, STEP = 60.0, 5e-3  # s
 OPERATOR, JUDGES = 1000, tuple(range(2000, 2006))  # seeds: the operator's first minute; operators who judge
-MEMORY = 0.9999  # forgetting: 10 000 steps are 50 s
+READ = (
+    *(f"{link}.{what}" for link in LINKS for what in ("spool", "p_a", "p_b", "q_in")),
+    "boom.p_pump",
+    "series.p_pump",
+)
+WINDOW = 10  # readings, 0.2 s, that a measurement is the mean of
+STILL = 0.03  # of a spool sensor's range, by which the means of both halves of a window may differ
+MEMORY = 0.9996  # forgetting: 2500 measurements are 50 s
 TRUST = 0.8  # of the pump's flow: a torque limit takes more than half of it
 ORDER = 2
+CAUTION = 2.5  # measurements, 0.05 s
 AT_RELIEF = 0.98  # of the relief pressure, above which a pump's valve counts as open
+
+
+class Sensors(NamedTuple):
+    """What all sensors have in common.
+
+    Attributes
+    ----------
+    noise : float
+        Standard deviation, as a share of the range.
+    delay, flow_delay : float, s
+        Dead time of spool and pressure sensors, and of flow sensors.
+    dropout : float
+        Share of the time in which a sensor gives nothing.
+    """
+
+    noise: float = 0.0
+    delay: float = 0.0
+    flow_delay: float = 0.0
+    dropout: float = 0.0
+
+
+SENSORS = {"exact": Sensors(), "real": Sensors(noise=0.003, delay=0.01, flow_delay=0.04, dropout=0.05)}
 
 
 @dataclass
@@ -52,20 +87,21 @@ class AdaptiveFlow:
         """Flow model with the networks as they are now."""
         return polynomial_flow(self.machine, models=[*(a.model() for a in self.adapters.values()), *self.others])
 
-    def take_in(self, run: Table) -> None:
-        """Learn from what was measured in a run."""
+    def take_in(self, read: Table) -> None:
+        """Learn from what sensors read."""
         for output, adapter in self.adapters.items():
-            adapter.update(*measurements(self.machine, run, adapter.model(), output))
+            adapter.update(*measurements(self.machine, read, adapter.model(), output))
 
 
-def adaptive_flow(machine: Machine) -> AdaptiveFlow:
+def adaptive_flow(machine: Machine, sensors: Sensors = SENSORS["exact"]) -> AdaptiveFlow:
     """Adapters for the package's networks, of which none has seen a torque limit."""
     models = shipped_models()
     inlets = {f"{link}.q_in" for link in LINKS}
+    noise = sensors.noise * RANGES["m3/s"] / float(np.sqrt(WINDOW))
     return AdaptiveFlow(
         machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False)),
         {
-            model.output.name: Adapter(model, forgetting=MEMORY, trust=TRUST, order=ORDER)
+            model.output.name: Adapter(model, forgetting=MEMORY, trust=TRUST, order=ORDER, caution=CAUTION, noise=noise)
             for model in models
             if model.output.name in inlets
         },
@@ -73,15 +109,52 @@ def adaptive_flow(machine: Machine) -> AdaptiveFlow:
     )
 
 
-def measurements(machine: Machine, run: Table, model: Model, output: str) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs (n_row, n_input) and output (n_row,) of an input-flow network from a run, in SI, below relief."""
-    known = {f"{link}.travel": np.abs(run[f"{link}.spool"]) for link in LINKS}
-    known |= {f"{link}.p_in": run[f"{link}.p_in"] for link in LINKS}
-    closed = known[BOTH[0].name] > machine.spool.bypass_closed
-    known["series.q_passed"] = np.where(closed, 0.0, machine.pumps.series_flow - run["swing.q_in"])
-    pump = "boom" if output == "boom.q_in" else "series"
-    below = run[f"{pump}.p_pump"] < AT_RELIEF * machine.pumps.relief
-    return np.column_stack([known[variable.name] for variable in model.inputs])[below], run[output][below]
+def readings(run: Table, sensors: Sensors, seed: int) -> Table:
+    """What sensors read of a run, in SI; NaN where one is silent."""
+    read = {}
+    for place, column in enumerate(READ):
+        unit = run.unit(column)
+        sensor = Sensor(
+            column,
+            column,
+            unit,
+            RASTER,
+            noise=sensors.noise * RANGES[unit],
+            delay=sensors.flow_delay if unit == "m3/s" else sensors.delay,
+            dropout=sensors.dropout,
+            dropout_length=0.5,
+        )
+        time, read[column] = Reading(sensor, np.random.default_rng([seed, place])).of(run)
+    return Table({"time": time, **read}, {})
+
+
+def measurements(machine: Machine, read: Table, model: Model, output: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Inputs (n_row, n_input), output and weight (n_row,) for an input-flow network, in SI, from what sensors read.
+
+    Each row is a mean over `WINDOW` readings. Its weight is 0 if one of them is missing, the pump was at relief, or a spool moved.
+    """
+    passed, known = PASSED[0].name, {}
+    inputs = [variable.name for variable in model.inputs]
+    for link in LINKS:
+        spool, p_a, p_b = (read[f"{link}.{what}"] for what in ("spool", "p_a", "p_b"))
+        known[f"{link}.travel"] = np.abs(spool)
+        known[f"{link}.p_in"] = np.maximum(np.where(spool > 0.0, p_a, p_b), 0.0)
+        known[f"{link}.q_in"] = read[f"{link}.q_in"]
+    needed = [output, *(name for name in inputs if name != passed)]
+    needed += ["swing.travel", "swing.q_in"] if passed in inputs else []
+    windows = {name: sliding_window_view(known[name], WINDOW) for name in needed}
+    means = {name: window.mean(axis=1) for name, window in windows.items()}
+    pump = sliding_window_view(read["boom.p_pump" if output == "boom.q_in" else "series.p_pump"], WINDOW)
+    useful = (pump.max(axis=1) < AT_RELIEF * machine.pumps.relief) & np.all(np.isfinite([*means.values()]), axis=0)
+    half = WINDOW // 2
+    for name, window in windows.items():
+        if name.endswith(".travel"):
+            moved = np.abs(window[:, half:].mean(axis=1) - window[:, :half].mean(axis=1))
+            useful &= moved < STILL * RANGES["m"]
+    if passed in inputs:
+        closed = means["swing.travel"] > machine.spool.bypass_closed
+        means[passed] = np.where(closed, 0.0, machine.pumps.series_flow - means["swing.q_in"])
+    return np.column_stack([means[name] for name in inputs]), means[output], useful.astype(np.float64)
 
 
 def operator_run(machine: Machine, seed: int, seconds: float = MINUTE) -> Table:
@@ -107,9 +180,10 @@ def torque_limit_study(
     Returns
     -------
     Table
-        A row a minute, the first before any learning. ``LINK.fitted`` and ``LINK.adapted`` are rms errors of the input flows
-        in m3/s at the states of the exact runs; ``tip.fitted`` and ``tip.adapted`` medians over the judges of the largest distance of
-        the end-effector from the exact run, in m; ``tip.worst_fitted`` and ``tip.worst_adapted`` the largest of all.
+        A row a minute, the first before any learning. ``LINK.fitted`` and ``LINK.SENSORS``, for networks that stay as they are and
+        those that learn from each kind of `SENSORS`, are rms errors of the input flows in m3/s at the states of the exact runs;
+        ``tip.fitted`` and ``tip.SENSORS`` medians over the judges of the largest distance of the end-effector from the exact run,
+        in m; ``tip.worst_fitted`` and ``tip.worst_SENSORS`` the largest of all.
     """
     limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
     return _followed([limited] * (minutes + 1), judges, seconds)
@@ -160,12 +234,15 @@ def _followed(
     machines: Sequence[Machine], judges: Sequence[int], seconds: float, shares: Sequence[float] | None = None
 ) -> Table:
     """Errors before learning and after each minute; the machine as it is at the end of each minute."""
-    adaptive, rows = adaptive_flow(machines[0]), []
-    fitted = adaptive.model()
+    adaptive = {kind: adaptive_flow(machines[0], sensors) for kind, sensors in SENSORS.items()}
+    fitted, rows = adaptive_flow(machines[0]).model(), []
     for minute, machine in enumerate(machines):
         if minute:
-            adaptive.take_in(operator_run(machine, OPERATOR + minute))
-        rows.append(_judged(machine, {"fitted": fitted, "adapted": adaptive.model()}, judges, seconds))
+            run = operator_run(machine, OPERATOR + minute)
+            for kind, flow in adaptive.items():
+                flow.take_in(readings(run, SENSORS[kind], OPERATOR + minute))
+        flows = {"fitted": fitted, **{kind: flow.model() for kind, flow in adaptive.items()}}
+        rows.append(_judged(machine, flows, judges, seconds))
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     units = {name: "m" if name.startswith("tip") else "m3/s" for name in columns}
     extra = {} if shares is None else {"delivery": np.array(shares)}
