@@ -13,7 +13,7 @@ from polydraulic.errors import InputError
 from polydraulic.parameters import LINKS
 from polydraulic.simulation import simulate
 from polydraulic.studies.cache import open_lab
-from polydraulic.studies.measured import USUAL, by_port, describe, measured, outcome, visited
+from polydraulic.studies.measured import USUAL, _machine, by_port, describe, measured, outcome, visited
 from polydraulic.tables import Table
 
 PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"
@@ -57,6 +57,34 @@ def test_conditions_in_words():
     assert describe(USUAL._replace(dropout=0.05, flow_sensors=False, limited=True)) == (
         "30 min, noise 0.3 %, stroke 100 %, dropouts 5 %, no flow sensors, torque limit"
     )
+    assert describe(USUAL._replace(outlet_sensors=False, friction=0.0)).endswith(
+        "no sensors of outlet flows, no friction"
+    )
+    assert describe(USUAL._replace(friction=5.0)).endswith("5 times the friction")
+
+
+def test_friction_is_that_of_all_joints_and_changes_the_pressures(machine):
+    stiff = _machine(machine, USUAL._replace(friction=5.0))
+    for link in LINKS:
+        now, then = getattr(stiff, link).friction, getattr(machine, link).friction
+        assert (now.coulomb, now.static, now.viscous) == (5.0 * then.coulomb, 5.0 * then.static, 5.0 * then.viscous)
+        assert (now.smoothing, now.stribeck) == (then.smoothing, then.stribeck)
+    assert _machine(machine, USUAL) == machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False))
+    exact = USUAL._replace(minutes=0.5, noise=0.0)
+    pressures = [np.median(measured(m, exact)["swing.p_in"]) for m in (machine, stiff)]
+    assert pressures[1] > 1.2 * pressures[0]
+
+
+def test_flows_out_of_actuators_follow_from_those_in(machine):
+    exact = USUAL._replace(minutes=0.5, noise=0.0)
+    true, rebuilt = measured(machine, exact), measured(machine, exact._replace(outlet_sensors=False))
+    assert all(np.array_equal(true[f"{link}.q_in"], rebuilt[f"{link}.q_in"]) for link in LINKS)
+    for link in ("boom", "stick"):
+        flowing = true[f"{link}.q_in"] > 0.5 * machine.pumps.boom_flow
+        read, found = (log[f"{link}.q_out"][flowing] for log in (true, rebuilt))
+        assert 0.8 < np.corrcoef(read, found)[0, 1] < 1.0  # compression is what differs
+        assert abs(np.median(found - read)) < 0.05 * np.median(read)
+    assert np.array_equal(rebuilt["swing.q_out"], rebuilt["swing.q_in"])
 
 
 @pytest.mark.slow

@@ -60,6 +60,10 @@ class Conditions(NamedTuple):
         Without them flows are reconstructed from joint angles.
     limited : bool
         Whether the pumps have a torque limit.
+    friction : float
+        Of all joints, as a multiple of the machine's; the judges' machine has the same.
+    outlet_sensors : bool
+        Without those of the flows out of actuators, these follow from the flows in by the ratio of areas.
     """
 
     minutes: float = 30.0
@@ -68,6 +72,8 @@ class Conditions(NamedTuple):
     dropout: float = 0.0
     flow_sensors: bool = True
     limited: bool = False
+    friction: float = 1.0
+    outlet_sensors: bool = True
 
 
 USUAL = Conditions()
@@ -78,7 +84,12 @@ SWEEPS: dict[str, list[Conditions]] = {
     "stroke": [USUAL._replace(stroke=stroke) for stroke in (0.6, 0.8, 1.0)],
     "dropout": [USUAL._replace(dropout=dropout) for dropout in (0.0, 0.05, 0.2)],
     "flow sensors": [USUAL._replace(flow_sensors=has) for has in (True, False)],
+    "outlet sensors": [USUAL._replace(outlet_sensors=has) for has in (True, False)],
     "torque limit": [USUAL._replace(limited=limited) for limited in (False, True)],
+    "friction": [USUAL._replace(friction=friction) for friction in (0.0, 1.0, 5.0)],
+    "friction without flow sensors": [
+        USUAL._replace(friction=friction, flow_sensors=False) for friction in (0.0, 1.0, 5.0)
+    ],
 }
 
 
@@ -121,7 +132,9 @@ def describe(conditions: Conditions) -> str:
     words = [f"{c.minutes:g} min", f"noise {100.0 * c.noise:g} %", f"stroke {100.0 * c.stroke:g} %"]
     words += [f"dropouts {100.0 * c.dropout:g} %"] if c.dropout else []
     words += [] if c.flow_sensors else ["no flow sensors"]
+    words += [] if c.outlet_sensors else ["no sensors of outlet flows"]
     words += ["torque limit"] if c.limited else []
+    words += [f"{c.friction:g} times the friction" if c.friction else "no friction"] if c.friction != 1.0 else []
     return ", ".join(words)
 
 
@@ -130,14 +143,22 @@ def _name(conditions: Conditions) -> str:
 
 
 def _machine(machine: Machine, conditions: Conditions) -> Machine:
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=conditions.limited))
+    parts: dict[str, Any] = {"pumps": machine.pumps._replace(torque_limit_enabled=conditions.limited)}
+    for link in LINKS:
+        part = getattr(machine, link)
+        torques = {
+            name: conditions.friction * getattr(part.friction, name) for name in ("coulomb", "static", "viscous")
+        }
+        parts[link] = part._replace(friction=part.friction._replace(**torques))
+    return machine._replace(**parts)
 
 
 def measured(machine: Machine, conditions: Conditions) -> Table:
     """What sensors read of a random operator's work, and what follows from it; rows in which a sensor is silent are gone."""
     scenario = random_operator(OPERATOR, 60.0 * conditions.minutes, limit=STROKE * conditions.stroke)
     run = simulate(machine, "exact", scenario, raster=RASTER)
-    quantities = ["spool", "p_a", "p_b", *(["q_in", "q_out"] if conditions.flow_sensors else ["angle"])]
+    flows = ["q_in", *(["q_out"] if conditions.outlet_sensors else [])] if conditions.flow_sensors else ["angle"]
+    quantities = ["spool", "p_a", "p_b", *flows]
     read = {"time": run["time"]}
     for place, column in enumerate(f"{link}.{name}" for link in LINKS for name in quantities):
         unit = run.unit(column)
@@ -148,6 +169,9 @@ def measured(machine: Machine, conditions: Conditions) -> Table:
     if not conditions.flow_sensors:
         for link in LINKS:
             read |= _flows(machine, link, read)
+    elif not conditions.outlet_sensors:
+        for link in LINKS:
+            read[f"{link}.q_out"] = _outlet_flow(machine, link, read)
     heard = np.all(np.isfinite(np.column_stack(list(read.values()))), axis=1)
     return by_port(machine, Table({name: values[heard] for name, values in read.items()}, {}))
 
@@ -193,6 +217,15 @@ def _flows(machine: Machine, link: str, read: dict[str, np.ndarray]) -> dict[str
         a, b = triangle.area_a * speed, triangle.area_b * speed
     forward = read[f"{link}.spool"] > 0.0
     return {f"{link}.q_in": np.where(forward, a, -b), f"{link}.q_out": np.where(forward, b, -a)}
+
+
+def _outlet_flow(machine: Machine, link: str, read: dict[str, np.ndarray]) -> np.ndarray:
+    """Flow out of an actuator from the one into it, by the ratio of its areas; the oil's compression is left out."""
+    if link == "swing":
+        return read["swing.q_in"]
+    triangle = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
+    ratio = triangle.area_b / triangle.area_a
+    return read[f"{link}.q_in"] * np.where(read[f"{link}.spool"] > 0.0, ratio, 1.0 / ratio)
 
 
 def _ports(machine: Machine, link: str, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
