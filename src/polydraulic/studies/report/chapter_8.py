@@ -138,11 +138,12 @@ def _text(found: dict[Conditions, Outcome]) -> str:
     judged, have no friction, that of the parameter set, or five times as much. With flow sensors the median operator stays within
     {median(free)}, {median(usual)} and {median(stiff)}; the worst within {1e3 * free.worst:.0f}, {1e3 * usual.worst:.0f} and
     {1e3 * stiff.worst:.0f} mm. The networks know valves and pumps, which friction leaves as they are; it changes the pressures that are
-    visited. With flows from joint angles it is {median(blind_free)}, {median(blind)} and {median(blind_stiff)}: the swing's flows are off
-    by {blind.flow_rms["swing"]:.0f} in3/s rms, and {blind_stiff.flow_rms["swing"]:.0f} with five times the friction. A joint that sticks
-    needs pressure before it moves, and oil that raises pressure is not seen in an angle. Without the sensors of the flows out of the
-    actuators, which then follow from the flows in by the ratio of areas, it is {median(inlets)}, and {1e3 * inlets.worst:.0f} mm for the
-    worst.</p>
+    visited, and shows no trend here. With flows from joint angles it is {median(blind_free)}, {median(blind)} and
+    {median(blind_stiff)}: the swing's flows are off by {blind.flow_rms["swing"]:.0f} in3/s rms, and by
+    {blind_stiff.flow_rms["swing"]:.0f} with five times the friction. A joint that sticks needs pressure before it moves, and oil that
+    raises pressure is not seen in an angle. Sensors at the inlets alone, from which the flows out of the actuators follow by the ratio
+    of areas, leave the networks of the inlets as good, but not those of the outlets: {median(inlets)}, and {1e3 * inlets.worst:.0f} mm
+    for the worst.</p>
     <p>The whole path, with log files, a channel map and a quality report, is in the guide to measured logs
     (docs/measured_logs.md); networks that follow a machine which changes are in docs/dynamic_models.md.</p>"""
 
@@ -202,7 +203,7 @@ def _adaptation_text(changes: dict[str, Table]) -> str:
     {tip(limit, "real", last)} with real ones; at the end of the wear {tip(worn, "fitted", _WORN)} if nothing is learnt,
     {tip(worn, "exact", _WORN)} and {tip(worn, "real", _WORN)}; a minute after the pumps were replaced {tip(worn, "exact", _WORN + 1)} and
     {tip(worn, "real", _WORN + 1)}; {len(worn) - 1 - _WORN} minutes after it {tip(worn, "exact", -1)} and {tip(worn, "real", -1)}, where
-    the fitted networks have {tip(worn, "fitted", -1)}: noise never lets go of a correction altogether.</p>"""
+    the fitted networks have {tip(worn, "fitted", -1)}. Only a reset gives these back at once.</p>"""
 
 
 CHAPTER = Chapter(8, "From measurements", content, {"8-1": what_data_buy, "8-2": adaptation})
