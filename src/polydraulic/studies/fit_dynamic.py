@@ -1,0 +1,235 @@
+"""Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+from sklearn.base import BaseEstimator
+
+from polydraulic.errors import InputError
+from polydraulic.networks import AbductiveRegressor, DynamicRegressor, Model, Variable
+from polydraulic.networks.dynamic import linear_network
+from polydraulic.networks.lag_selection import Choice
+from polydraulic.networks.lags import Span, blocks_of, rows_of, spans_of
+from polydraulic.studies.fit import BLOCKS, FOLD, LEVEL, Errors, check_columns, errors_of, half_width
+from polydraulic.studies.log_rows import log_rows
+from polydraulic.studies.runs import Run, lags_in_words, last_value_held, run_on
+from polydraulic.tables import Table
+
+Progress = Callable[[str, int, int], None]
+LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
+_SMALLEST = 20  # rows that a block must hold beside the longest lag
+_FEW_BLOCKS = 10  # of a short log, two of them held out
+
+
+class RunErrors(NamedTuple):
+    """Errors of free runs, and of answers one step ahead."""
+
+    free_run: Errors
+    one_step: Errors
+
+
+class DynamicFit(NamedTuple):
+    """Model of one output, of all rows, and how one without the blocks held out runs through these; in the output's unit.
+
+    Attributes
+    ----------
+    model : Model
+        Its `training` states all of the following.
+    errors : RunErrors
+    others : dict from name to RunErrors
+        What simpler models reach there, for scale.
+    half_width : float
+        Of the interval around a free run at `LEVEL`, from half of the blocks; infinite if the rows are too few.
+    covered : float
+        Share of the rows of the other half that lies in it.
+    held : Run
+    """
+
+    model: Model
+    errors: RunErrors
+    others: dict[str, RunErrors]
+    half_width: float
+    covered: float
+    held: Run
+
+
+def fit_log(
+    table: Table,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    estimator: AbductiveRegressor | None = None,
+    longest_lag: int = 8,
+    progress: Progress = lambda what, done, total: None,
+) -> list[DynamicFit]:
+    """Fit all outputs together; they may read each other's past.
+
+    Every fifth block of time is held out while lags and complexity are chosen and the errors are measured. The model of all
+    rows keeps these lags, and the horizon of the refinement.
+
+    Parameters
+    ----------
+    table : Table
+        A log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`.
+    inputs, outputs : sequence of str
+    estimator : AbductiveRegressor, optional
+        Of every network; chosen by free runs if not given.
+    longest_lag : int
+        In rows.
+    progress : function (what, done, total)
+        Called with each choice that is tried.
+
+    Returns
+    -------
+    list of DynamicFit
+        One an output.
+
+    Raises
+    ------
+    InputError
+        As `fit_table` and `log_rows`; too few rows that follow each other.
+    """
+    check_columns(table, inputs, outputs)
+    rows = log_rows(table)
+    spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
+    held = _held_out(spans, longest_lag)
+    X, y = table.matrix(inputs), table.matrix(outputs)
+    without = y.copy()
+    without[rows_of(held)] = np.nan  # a gap, across which nothing is learnt
+    names = [Variable(name, table.unit(name)) for name in inputs], [Variable(o, table.unit(o)) for o in outputs]
+
+    search = _Told(estimator, longest_lag=longest_lag, raster=rows.raster)
+    search.tell = lambda what: progress(f"hold out: {what}", 0, 2)
+    choice = search.fit(X, without, rows.segments).choice_
+    lags = {"input_lags": choice.input_lags, "output_lags": choice.output_lags, "raster": rows.raster}
+    linear = DynamicRegressor(_Linear(), **lags, increments=False, horizon=None).fit(X, without, rows.segments)
+    found = run_on(search.to_models(*names), table, held)
+    plain = run_on(linear.to_models(*names), table, held)
+
+    progress("all rows", 1, 2)
+    chosen = {"increments": choice.increments, "horizon": choice.horizon}
+    final = _Told(estimator, **lags, **chosen, longest_lag=longest_lag)
+    final.tell = lambda what: progress(f"all rows: {what}", 1, 2)
+    models = final.fit(X, y, rows.segments).to_models(*names)
+    progress("all rows", 2, 2)
+    return [
+        _judged(model, run, other, table[model.output.name], final.choice_, k)
+        for k, (model, run, other) in enumerate(zip(models, found, plain, strict=True))
+    ]
+
+
+def statements(fit: DynamicFit) -> list[str]:
+    """What was found, in words."""
+    unit, scale = f" {fit.model.output.unit}".rstrip(), fit.others.items()
+    runs, *others = remarks(fit)
+    return [
+        *(
+            f"{name}: R2 {kind.r2:.4f}, rms {kind.rms:.4g}{unit}, largest {kind.largest:.4g}{unit}"
+            for name, kind in ((runs, fit.errors.free_run), ("one step ahead", fit.errors.one_step))
+        ),
+        f"rms for scale, free run / one step: {'; '.join(f'{n} {o.free_run.rms:.4g} / {o.one_step.rms:.4g}' for n, o in scale)}",
+        *others,
+    ]
+
+
+def remarks(fit: DynamicFit) -> list[str]:
+    """The same without errors, for those who show them in a table: how long the runs were, and what to think of them."""
+    model, (free, one) = fit.model, fit.errors
+    raster = model.dynamics.raster if model.dynamics else None
+    seconds = "" if raster is None else f" ({fit.held.longest * raster:.3g} s)"
+    found = [f"free run, {fit.held.n_run} of up to {fit.held.longest} rows{seconds} that were held out"]
+    if np.isfinite(fit.half_width):
+        found.append(
+            f"{LEVEL:.0%} intervals of such a run, plus or minus {fit.half_width:.4g} {model.output.unit}".rstrip()
+            + f", hold for {fit.covered:.0%} of the rows that they were not set by"
+        )
+    last = fit.others[LAST]
+    if free.r2 <= 0.0 or last.free_run.rms <= free.rms:
+        better = "mean" if last.free_run.r2 <= 0.0 else "last value held"
+        found.append(f"over such runs the {better} would err less: do not simulate with it")
+    if fit.others[LINEAR].free_run.rms < free.rms:
+        found.append("a linear model of the same lags runs better on the blocks held out")
+    if last.one_step.rms < one.rms:
+        found.append("one step ahead the last value says more: it was made to run")
+    how = (
+        f"refined over runs of {model.training['horizon']} rows"
+        if model.training["horizon"]
+        else "fitted one step ahead"
+    )
+    return [*found, f"reads {lags_in_words(model)}; {model.n_coefficients} coefficients, {how}"]
+
+
+def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
+    """Rows of every fifth block of time."""
+    n, least = sum(b - a for a, b in spans), longest_lag + _SMALLEST
+    if n < _FEW_BLOCKS * least:
+        raise InputError(
+            f"the log has {n} rows; to hold blocks of time out it takes {_FEW_BLOCKS * least} with a longest lag of "
+            f"{longest_lag} rows: shorten the lag, or record more"
+        )
+    blocks = blocks_of(spans, BLOCKS if n >= BLOCKS * least else _FEW_BLOCKS)
+    return [span for k, block in enumerate(blocks) if k % FOLD == FOLD - 1 for span in block]
+
+
+def _judged(model: Model, run: Run, plain: Run, measured: np.ndarray, choice: Choice, place: int) -> DynamicFit:
+    """Errors and intervals, written into the model's training, too."""
+    last = last_value_held(run, measured)
+    errors = RunErrors(errors_of(run.measured, run.free), errors_of(run.measured, run.one_step))
+    others = {
+        LAST: RunErrors(errors_of(run.measured, last[0]), errors_of(run.measured, last[1])),
+        LINEAR: RunErrors(errors_of(run.measured, plain.free), errors_of(run.measured, plain.one_step)),
+    }
+    sizes = np.abs(run.free - run.measured)
+    sets = run.number % 2 == 0  # whole runs set the width, the others say whether it holds
+    width = half_width(sizes[sets]) if not sets.all() else inf
+    covered = float(np.mean(sizes[~sets] <= width)) if not sets.all() else 0.0
+    model.training.update(
+        {
+            "rows": len(measured),
+            "held_out": "blocks of time",
+            "free_runs": run.n_run,
+            "free_run_rows": run.longest,
+            **_numbers(errors),
+            "for_scale": {name: _numbers(other) for name, other in others.items()},
+            "interval_level": LEVEL,
+            "interval_half_widths": [width] if np.isfinite(width) else [],
+            "interval_covered": covered,
+            "input_lags": list(choice.input_lags),
+            "output_lags": list(choice.output_lags),
+            "increments": choice.increments,
+            "layers": choice.layers[place],
+            "horizon": choice.horizon,
+        }
+    )
+    return DynamicFit(model, errors, others, width, covered, run)
+
+
+def _numbers(errors: RunErrors) -> dict[str, float]:
+    """Errors under their names in a model file: free_run_rms and so on."""
+    return {
+        f"{kind}_{name}": value for kind in errors._fields for name, value in getattr(errors, kind)._asdict().items()
+    }
+
+
+class _Told(DynamicRegressor):
+    """Tells what it tries, since a search takes minutes."""
+
+    tell: Callable[[str], None]
+
+    def _held_out_error(self, choice: Choice, *arguments: Any) -> float:
+        error = super()._held_out_error(choice, *arguments)
+        self.count = getattr(self, "count", 0) + 1
+        self.tell(f"choice {self.count}, lags to {choice.longest}, {error:.2f}")
+        return error
+
+
+class _Linear(BaseEstimator):
+    """Least squares, for scale."""
+
+    def fit(self, X: np.ndarray, y: np.ndarray) -> "_Linear":
+        self.network_ = linear_network(X, y, (2.0 * y.min() - y.max(), 2.0 * y.max() - y.min()))
+        return self
+
+    def to_model(self, inputs: Sequence[Variable], output: Variable) -> Model:
+        return Model(tuple(inputs), output, (self.network_,))
