@@ -159,6 +159,11 @@ def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:
     return Errors(r2, mean_square**0.5, float(np.abs(error).max()))
 
 
+def unit_after(variable: Variable) -> str:
+    """Unit as it stands after a number in a sentence; nothing where there is none."""
+    return "" if variable.unit in ("", "1") else f" {variable.unit}"
+
+
 def errors_by_region(model: Model, X: np.ndarray, error: np.ndarray) -> list[dict[str, Any]]:
     """Rows, rms and largest error in each region of a model."""
     region = region_of(model.partition, X)

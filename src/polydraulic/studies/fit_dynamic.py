@@ -12,7 +12,7 @@ from polydraulic.networks import AbductiveRegressor, DynamicRegressor, Model, Va
 from polydraulic.networks.dynamic import linear_network
 from polydraulic.networks.lag_selection import Choice
 from polydraulic.networks.lags import Span, blocks_of, rows_of, spans_of
-from polydraulic.studies.fit import BLOCKS, FOLD, LEVEL, Errors, check_columns, errors_of, half_width
+from polydraulic.studies.fit import BLOCKS, FOLD, LEVEL, Errors, check_columns, errors_of, half_width, unit_after
 from polydraulic.studies.log_rows import log_rows
 from polydraulic.studies.runs import Run, lags_in_words, last_value_held, run_on
 from polydraulic.tables import Table
@@ -121,7 +121,7 @@ def fit_log(
 
 def statements(fit: DynamicFit) -> list[str]:
     """What was found, in words."""
-    unit, scale = f" {fit.model.output.unit}".rstrip(), fit.others.items()
+    unit, scale = unit_after(fit.model.output), fit.others.items()
     runs, *others = remarks(fit)
     return [
         *(
@@ -141,8 +141,8 @@ def remarks(fit: DynamicFit) -> list[str]:
     found = [f"free run, {fit.held.n_run} of up to {fit.held.longest} rows{seconds} that were held out"]
     if np.isfinite(fit.half_width):
         found.append(
-            f"{LEVEL:.0%} intervals of such a run, plus or minus {fit.half_width:.4g} {model.output.unit}".rstrip()
-            + f", hold for {fit.covered:.0%} of the rows that they were not set by"
+            f"{LEVEL:.0%} intervals of such a run, plus or minus {fit.half_width:.4g}{unit_after(model.output)}, hold for "
+            f"{fit.covered:.0%} of the rows that they were not set by"
         )
     last = fit.others[LAST]
     if free.r2 <= 0.0 or last.free_run.rms <= free.rms:

@@ -12,9 +12,9 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export import to_text
 from polydraulic.files import write_text
-from polydraulic.networks import Model, model_bounds
+from polydraulic.networks import Model, Variable, model_bounds
 from polydraulic.networks.plot import draw_network
-from polydraulic.studies.fit import Fit
+from polydraulic.studies.fit import Fit, unit_after
 from polydraulic.studies.fit_dynamic import DynamicFit, remarks
 from polydraulic.studies.html import document
 from polydraulic.studies.html import table as html_table
@@ -138,10 +138,10 @@ def _facts(model: Model) -> dict[str, Any]:
 
 def _section(found: Fit, facts: dict[str, Any]) -> str:
     model, training = found.model, facts["training"]
-    unit = escape(model.output.unit)
+    unit = escape(unit_after(model.output))
     widths = training["interval_half_widths"]
     interval = (
-        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g} {unit} by region "
+        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g}{unit} by region "
         f"hold for {found.covered:.1%} of the rows they were not set by"
         if widths
         else "too few rows were held out to state intervals"
@@ -152,9 +152,9 @@ def _section(found: Fit, facts: dict[str, Any]) -> str:
     proved = [[r["region"], f"{r['proved_low']:.4g}", f"{r['proved_high']:.4g}"] for r in facts["regions"]]
     return f"""<h2>{escape(facts["output"])}</h2>
 <p>{facts["networks"]} network(s), {facts["coefficients"]} coefficients. On the rows held out ({escape(training["held_out"])}): R²
-{found.r2:.5f}, rms error {found.rms:.4g} {unit}, largest {found.largest:.4g} {unit}; {interval}. Proved: no output leaves
-{facts["proved_low"]:.6g} to {facts["proved_high"]:.6g} {unit}, whatever the inputs.</p>
-{html_table("Errors on the rows held out", ["region", "rows", f"rms [{model.output.unit}]", f"largest [{model.output.unit}]"], regions)}
+{found.r2:.5f}, rms error {found.rms:.4g}{unit}, largest {found.largest:.4g}{unit}; {interval}. Proved: no output leaves
+{facts["proved_low"]:.6g} to {facts["proved_high"]:.6g}{unit}, whatever the inputs.</p>
+{html_table("Errors on the rows held out", ["region", "rows", *_heads("rms", "largest", model=model)], regions)}
 {_domain(model, facts)}
 {html_table("Proved range by region", ["region", "low", "high"], proved)}
 {_picture(_errors(found.model, found.held.y, found.held.predicted))}
@@ -162,20 +162,22 @@ def _section(found: Fit, facts: dict[str, Any]) -> str:
 
 
 def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
-    model, unit = found.model, found.model.output.unit
+    model, unit = found.model, unit_after(found.model.output)
     rows = [
         [name, *(f"{value:.4g}" for kind in errors for value in kind)]
         for name, errors in {"this model": found.errors, **found.others}.items()
     ]
     heads = [
-        f"{kind}: {what}" for kind in ("free run", "one step") for what in ("R2", f"rms [{unit}]", f"largest [{unit}]")
+        f"{kind}: {what}"
+        for kind in ("free run", "one step")
+        for what in ("R2", *_heads("rms", "largest", model=model))
     ]
     low, high = facts["largest_steps"]
     runs, *others = remarks(found)
     told = [
         *others,
-        f"rows {facts['raster']:g} s apart; from one to the next the output changes by {low:.4g} to {high:.4g} {unit} at most",
-        f"proved: no answer leaves {facts['proved_low']:.6g} to {facts['proved_high']:.6g} {unit}, whatever the model reads; it "
+        f"rows {facts['raster']:g} s apart; from one to the next the output changes by {low:.4g} to {high:.4g}{unit} at most",
+        f"proved: no answer leaves {facts['proved_low']:.6g} to {facts['proved_high']:.6g}{unit}, whatever the model reads; it "
         "does not follow that a run stays close to the truth",
     ]
     return f"""<h2>{escape(facts["output"])}</h2>
@@ -201,6 +203,11 @@ def _what_it_is(model: Model) -> str:
     return f"""<h3>What it is</h3>
 {more}{_picture(_networks(model, shown))}
 <pre>{escape(text)}</pre>"""
+
+
+def _heads(*names: str, model: Model) -> list[str]:
+    """Names of errors with the output's unit."""
+    return [str(Variable(name, model.output.unit)) for name in names]
 
 
 def _columns(data: dict[str, Any]) -> str:
@@ -250,7 +257,7 @@ def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
     left.set_xlabel(f"measured {model.output}")
     left.set_ylabel("predicted")
     right.hist(error, bins=60)
-    right.set_xlabel(f"error [{model.output.unit}]")
+    right.set_xlabel(str(Variable("error", model.output.unit)))
     right.set_yscale("log")
     return figure
 

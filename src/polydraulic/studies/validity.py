@@ -10,7 +10,7 @@ from polydraulic.networks import Model, Variable
 from polydraulic.networks.free_run import dynamics_of
 from polydraulic.networks.lags import spans_of
 from polydraulic.networks.partition import region_of
-from polydraulic.studies.fit import errors_by_region, errors_of
+from polydraulic.studies.fit import errors_by_region, errors_of, unit_after
 from polydraulic.studies.log_rows import rows_for
 from polydraulic.studies.runs import run_on
 from polydraulic.tables import Table
@@ -106,7 +106,7 @@ def run_validity(models: Sequence[Model], table: Table) -> list[Validity]:
     runs = whole if horizon is None else run_on(models, table, spans, horizon)
     found = []
     for model, run, long in zip(models, runs, whole, strict=True):
-        unit = f" {model.output.unit}".rstrip()
+        unit = unit_after(model.output)
         lags = dynamics_of(model).lags
         X = np.column_stack([table[lag.signal][run.row - lag.steps] for lag in lags])
         what = f"{run.n_run} free run(s) of up to {run.longest} rows: rms error"
@@ -129,7 +129,7 @@ def _judged(
     outside = float(np.mean(~model.inside(X)))
     covered = _covered(model, X, error)
     statements, holds = [], True
-    unit = f" {model.output.unit}".rstrip()
+    unit = unit_after(model.output)
     expected, level = model.training.get(stated), model.training.get("interval_level")
     if isinstance(expected, float):
         worse = rms > _WORSE * expected and rms > 1e-9 * max(float(np.abs(y).max()), 1e-300)
