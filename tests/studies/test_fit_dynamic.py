@@ -1,6 +1,8 @@
 """Dynamic models of logs: errors of runs through rows held out, cards, and whether a model still holds."""
 
+import copy
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,6 +77,37 @@ def test_intervals_come_from_half_of_the_runs(fits):
     size, sets = np.abs(y.held.free - y.held.measured), y.held.number % 2 == 0
     assert np.mean(size[sets] <= y.half_width) == pytest.approx(0.9, abs=0.04)
     assert y.covered == np.mean(size[~sets] <= y.half_width)
+
+
+def test_intervals_that_held_for_few_rows_are_held_to_that(fits):
+    y = fits[0]._replace(covered=0.5)
+    assert any(
+        "hold for 50% of the rows that they were not set by: the blocks differ" in text for text in statements(y)
+    )
+    few = [replace(fit.model, training=dict(fit.model.training)) for fit in fits]
+    few[0].training.update({"interval_covered": 0.5, "interval_half_widths": [0.8 * fits[0].errors.free_run.rms]})
+    found = run_validity(few, memory_log(seed=1))[0]
+    assert 0.4 < found.covered < 0.8
+    assert found.holds
+    assert "no fewer than the 50% when it was fitted" in found.statements[1]
+    few[0].training["interval_covered"] = 0.9
+    assert not run_validity(few, memory_log(seed=1))[0].holds
+
+
+def test_another_choice_than_the_one_that_was_judged_is_said(fits):
+    y = fits[0]
+    model = replace(y.model, training=copy.deepcopy(y.model.training))
+    same = y._replace(model=model)
+    model.training["choice"] = model.training["choice_held_out"] = {
+        "input_lags": [1], "output_lags": [1, 2], "increments": True, "layers": 0, "horizon": None
+    }  # fmt: skip
+    assert not any("another choice" in text for text in statements(same))
+    assert statements(same)[-1].endswith("coefficients, linear, of increments, fitted one step ahead")
+    model.training["choice"] = model.training["choice"] | {"layers": 2, "horizon": 8}
+    assert (
+        "all rows led to another choice than the one these errors are of: lags of inputs [1], of outputs [1, 2], linear, "
+        "of increments, fitted one step ahead" in statements(same)
+    )
 
 
 def test_a_search_tells_what_it_tries(fits, told):

@@ -1,6 +1,6 @@
 """Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from polydraulic.tables import Table
 Progress = Callable[[str, int, int], None]
 LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
+_FEWER = 0.1  # by which the share of rows in their intervals may fall below the level without a word
 _FEW_BLOCKS = 10  # of a short log, two of them held out
 
 
@@ -65,8 +66,8 @@ def fit_log(
 ) -> list[DynamicFit]:
     """Fit all outputs together; they may read each other's past.
 
-    Every fifth block of time is held out while lags and complexity are chosen and the errors are measured. The model of all
-    rows keeps these lags, and the horizon of the refinement.
+    Every fifth block of time is held out while lags and complexity are chosen and the errors are measured; then the same is done
+    with all rows, which may lead to another choice.
 
     Parameters
     ----------
@@ -99,24 +100,25 @@ def fit_log(
     without[rows_of(held)] = np.nan  # a gap, across which nothing is learnt
     names = [Variable(name, table.unit(name)) for name in inputs], [Variable(o, table.unit(o)) for o in outputs]
 
-    search = _Told(estimator, longest_lag=longest_lag, raster=rows.raster)
-    search.tell = lambda what: progress(f"hold out: {what}", 0, 2)
-    choice = search.fit(X, without, rows.segments).choice_
-    lags = {"input_lags": choice.input_lags, "output_lags": choice.output_lags, "raster": rows.raster}
-    linear = DynamicRegressor(_Linear(), **lags, increments=False, horizon=None).fit(X, without, rows.segments)
-    found = run_on(search.to_models(*names), table, held)
-    plain = run_on(linear.to_models(*names), table, held)
+    def search(targets: np.ndarray, what: str, done: int) -> DynamicRegressor:
+        progress(what, done, 2)
+        regressor = _Told(estimator, longest_lag=longest_lag, raster=rows.raster)
+        regressor.tell = lambda choice: progress(f"{what}: {choice}", done, 2)
+        return regressor.fit(X, targets, rows.segments)
 
-    progress("all rows", 1, 2)
-    chosen = {"increments": choice.increments, "horizon": choice.horizon}
-    final = _Told(estimator, **lags, **chosen, longest_lag=longest_lag)
-    final.tell = lambda what: progress(f"all rows: {what}", 1, 2)
-    models = final.fit(X, y, rows.segments).to_models(*names)
+    judged = search(without, "hold out", 0)
+    lags = {"input_lags": judged.choice_.input_lags, "output_lags": judged.choice_.output_lags}
+    linear = DynamicRegressor(_Linear(), **lags, increments=False, horizon=None).fit(X, without, rows.segments)
+    found = run_on(judged.to_models(*names), table, held)
+    plain = run_on(linear.to_models(*names), table, held)
+    final = search(y, "all rows", 1)
     progress("all rows", 2, 2)
-    return [
-        _judged(model, run, other, table[model.output.name], final.choice_, k)
-        for k, (model, run, other) in enumerate(zip(models, found, plain, strict=True))
-    ]
+    fits = []
+    for k, model in enumerate(final.to_models(*names)):
+        choices = {"choice": _choice(final.choice_, k), "choice_held_out": _choice(judged.choice_, k)}
+        model.training.update({"rows": len(table), "held_out": "blocks of time", **choices})
+        fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
+    return fits
 
 
 def statements(fit: DynamicFit) -> list[str]:
@@ -140,9 +142,10 @@ def remarks(fit: DynamicFit) -> list[str]:
     seconds = "" if raster is None else f" ({fit.held.longest * raster:.3g} s)"
     found = [f"free run, {fit.held.n_run} of up to {fit.held.longest} rows{seconds} that were held out"]
     if np.isfinite(fit.half_width):
+        few = ": the blocks differ too much to rely on them" if fit.covered < LEVEL - _FEWER else ""
         found.append(
             f"{LEVEL:.0%} intervals of such a run, plus or minus {fit.half_width:.4g}{unit_after(model.output)}, hold for "
-            f"{fit.covered:.0%} of the rows that they were not set by"
+            f"{fit.covered:.0%} of the rows that they were not set by{few}"
         )
     last = fit.others[LAST]
     if free.r2 <= 0.0 or last.free_run.rms <= free.rms:
@@ -152,12 +155,12 @@ def remarks(fit: DynamicFit) -> list[str]:
         found.append("a linear model of the same lags runs better on the blocks held out")
     if last.one_step.rms < one.rms:
         found.append("one step ahead the last value says more: it was made to run")
-    how = (
-        f"refined over runs of {model.training['horizon']} rows"
-        if model.training["horizon"]
-        else "fitted one step ahead"
-    )
-    return [*found, f"reads {lags_in_words(model)}; {model.n_coefficients} coefficients, {how}"]
+    chosen: Any = model.training["choice"]
+    judged: Any = model.training["choice_held_out"]
+    if chosen != judged:
+        lags = f"lags of inputs {judged['input_lags']}, of outputs {judged['output_lags']}"
+        found.append(f"all rows led to another choice than the one these errors are of: {lags}, {_how(judged)}")
+    return [*found, f"reads {lags_in_words(model)}; {model.n_coefficients} coefficients, {_how(chosen)}"]
 
 
 def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
@@ -172,7 +175,22 @@ def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
     return [span for k, block in enumerate(blocks) if k % FOLD == FOLD - 1 for span in block]
 
 
-def _judged(model: Model, run: Run, plain: Run, measured: np.ndarray, choice: Choice, place: int) -> DynamicFit:
+def _choice(choice: Choice, place: int) -> dict[str, Any]:
+    """What was chosen for one output, as it stands in a model file."""
+    found = choice._asdict() | {"layers": choice.layers[place]}
+    del found["error"]
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
+
+
+def _how(choice: Mapping[str, Any]) -> str:
+    """How a choice learns, in words."""
+    depth, rows = choice["layers"], choice["horizon"]
+    parts = [] if depth < 0 else ["linear" if depth == 0 else f"up to {depth} layer(s)"]
+    parts += ["of increments"] if choice["increments"] else []
+    return ", ".join([*parts, f"refined over runs of {rows} rows" if rows else "fitted one step ahead"])
+
+
+def _judged(model: Model, run: Run, plain: Run, measured: np.ndarray) -> DynamicFit:
     """Errors and intervals, written into the model's training, too."""
     last = last_value_held(run, measured)
     errors = RunErrors(errors_of(run.measured, run.free), errors_of(run.measured, run.one_step))
@@ -186,8 +204,6 @@ def _judged(model: Model, run: Run, plain: Run, measured: np.ndarray, choice: Ch
     covered = float(np.mean(sizes[~sets] <= width)) if not sets.all() else 0.0
     model.training.update(
         {
-            "rows": len(measured),
-            "held_out": "blocks of time",
             "free_runs": run.n_run,
             "free_run_rows": run.longest,
             **_numbers(errors),
@@ -195,11 +211,6 @@ def _judged(model: Model, run: Run, plain: Run, measured: np.ndarray, choice: Ch
             "interval_level": LEVEL,
             "interval_half_widths": [width] if np.isfinite(width) else [],
             "interval_covered": covered,
-            "input_lags": list(choice.input_lags),
-            "output_lags": list(choice.output_lags),
-            "increments": choice.increments,
-            "layers": choice.layers[place],
-            "horizon": choice.horizon,
         }
     )
     return DynamicFit(model, errors, others, width, covered, run)

@@ -16,7 +16,7 @@ from polydraulic.studies.runs import run_on
 from polydraulic.tables import Table
 
 _WORSE = 1.5  # times the error on rows held out, above which a model no longer holds
-_FEWER = 0.1  # by which the share of rows in their intervals may fall below the level
+_FEWER = 0.1  # by which the share of rows in their intervals may fall below the level, or what it was
 _OUTSIDE = 0.05  # share of rows outside the domain that is worth a word
 
 
@@ -141,11 +141,15 @@ def _judged(
     else:
         statements.append(f"{what} {rms:.4g}{unit}; the model does not state what it was when it was fitted")
     if covered is not None and isinstance(level, float):
-        few = covered < level - _FEWER
+        before = model.training.get("interval_covered")
+        reached = before if isinstance(before, float) else level
+        few = covered < min(level, reached) - _FEWER
         holds &= not few
+        as_before = f"no fewer than the {reached:.0%} when it was fitted"
+        verdict = "the intervals hold" if covered >= level - _FEWER else as_before
         statements.append(
             f"{covered:.0%} of the rows lie in their {level:.0%} intervals: "
-            f"{'the intervals no longer hold' if few else 'the intervals hold'}"
+            f"{'the intervals no longer hold' if few else verdict}"
         )
     if outside > 0.0:
         known = "inputs were moved to the border of what it knows" if outside > _OUTSIDE else "few"
