@@ -82,7 +82,9 @@ def say_how_dynamic(models: "Sequence[Model]") -> None:
     from polydraulic.studies.runs import lags_in_words
 
     steps: dict[str, list[str]] = {}
-    for model in (model for model in models if model.dynamics is not None):
+    for model in models:
+        if model.dynamics is None:
+            continue
         low, high = model.dynamics.step
         raster = "" if model.dynamics.raster is None else f", rows {model.dynamics.raster:g} s apart"
         change = f"{model.output.name} by {low:.6g} to {high:.6g}"

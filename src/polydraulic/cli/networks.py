@@ -80,7 +80,7 @@ def fit(
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
     if card is not None and card.suffix.lower() != ".html":
         raise InputError(f"{card}: a model card ends in .html")
-    settings = {} if layers is None else {"max_layers": layers}
+    settings: dict[str, Any] = {} if layers is None else {"max_layers": layers}
     settings |= {} if cpm is None else {"cpm": cpm}
     if prior is not None:
         words = prior in ("adaptive", "half-variance")

@@ -107,8 +107,9 @@ def fit_log(
         return regressor.fit(X, targets, rows.segments)
 
     judged = search(without, "hold out", 0)
-    lags = {"input_lags": judged.choice_.input_lags, "output_lags": judged.choice_.output_lags}
-    linear = DynamicRegressor(_Linear(), **lags, increments=False, horizon=None).fit(X, without, rows.segments)
+    lags = judged.choice_.input_lags, judged.choice_.output_lags
+    linear = DynamicRegressor(_Linear(), input_lags=lags[0], output_lags=lags[1], increments=False, horizon=None)
+    linear.fit(X, without, rows.segments)
     found = run_on(judged.to_models(*names), table, held)
     plain = run_on(linear.to_models(*names), table, held)
     final = search(y, "all rows", 1)

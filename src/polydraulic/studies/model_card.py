@@ -27,9 +27,7 @@ _BINS = 20  # of the coverage map
 _EFFORT = 200  # sub-boxes a region, of the proofs
 
 
-def write_card(
-    fits: Sequence[Fit] | Sequence[DynamicFit], table: Table, source: str, path: str | Path
-) -> dict[str, Any]:
+def write_card(fits: Sequence[Fit | DynamicFit], table: Table, source: str, path: str | Path) -> dict[str, Any]:
     """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
 
     Parameters
@@ -62,7 +60,7 @@ def write_card(
         "models": [_facts(found.model) for found in fits],
     }
     sections = "\n".join(
-        _dynamic_section(found, facts) if isinstance(found, DynamicFit) else _section(found, facts)
+        _section(found, facts) if isinstance(found, Fit) else _dynamic_section(found, facts)
         for found, facts in zip(fits, card["models"], strict=True)
     )
     body = f"""<h2>Data</h2>
@@ -75,7 +73,7 @@ def write_card(
     return card
 
 
-def _inputs(fits: Sequence[Fit] | Sequence[DynamicFit]) -> list[str]:
+def _inputs(fits: Sequence[Fit | DynamicFit]) -> list[str]:
     """Columns that are inputs; of dynamic models those that none of them predicts."""
     model = fits[0].model
     if model.dynamics is None:
@@ -84,7 +82,7 @@ def _inputs(fits: Sequence[Fit] | Sequence[DynamicFit]) -> list[str]:
     return [name for name in dict.fromkeys(lag.signal for lag in model.dynamics.lags) if name not in outputs]
 
 
-def _data(fits: Sequence[Fit] | Sequence[DynamicFit], table: Table, source: str) -> dict[str, Any]:
+def _data(fits: Sequence[Fit | DynamicFit], table: Table, source: str) -> dict[str, Any]:
     """Rows, columns with their ranges, how rows were held out."""
     names = [*_inputs(fits), *(found.model.output.name for found in fits)]
     columns = [

@@ -71,8 +71,9 @@ def _draw(axis: "Axes", run: Run, shown: np.ndarray, half_width: float | None) -
 def _half_width(model: Model, run: Run) -> float | None:
     """Half width of the interval, where a model states one for runs of this length."""
     widths, longest = model.training.get("interval_half_widths"), model.training.get("free_run_rows")
-    stated = isinstance(widths, list) and len(widths) == 1 and isinstance(longest, int) and run.longest <= longest
-    return float(widths[0]) if stated else None
+    if not isinstance(widths, list) or len(widths) != 1 or not isinstance(longest, int) or run.longest > longest:
+        return None
+    return float(widths[0])
 
 
 def _legend(figure: "Figure", axis: "Axes") -> None:
