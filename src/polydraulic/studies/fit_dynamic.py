@@ -8,10 +8,10 @@ import numpy as np
 from sklearn.base import BaseEstimator
 
 from polydraulic.errors import InputError
-from polydraulic.networks import AbductiveRegressor, DynamicRegressor, Model, Variable
-from polydraulic.networks.dynamic import linear_network
+from polydraulic.networks import AbductiveRegressor, DynamicRegressor, Model, Network, Node, Variable
 from polydraulic.networks.lag_selection import Choice
 from polydraulic.networks.lags import Span, blocks_of, rows_of, spans_of
+from polydraulic.networks.nodes import LINEAR as LINEAR_NODE
 from polydraulic.studies.fit import BLOCKS, FOLD, LEVEL, Errors, check_columns, errors_of, half_width, unit_after
 from polydraulic.studies.log_rows import log_rows
 from polydraulic.studies.runs import Run, lags_in_words, last_value_held, run_on
@@ -186,7 +186,10 @@ def _choice(choice: Choice, place: int) -> dict[str, Any]:
 def _how(choice: Mapping[str, Any]) -> str:
     """How a choice learns, in words."""
     depth, rows = choice["layers"], choice["horizon"]
-    parts = [] if depth < 0 else ["linear" if depth == 0 else f"up to {depth} layer(s)"]
+    if choice.get("terms") is not None:
+        parts = [f"polynomials of {choice['terms']} terms in all"]
+    else:
+        parts = [] if depth < 0 else ["linear" if depth == 0 else f"up to {depth} layer(s)"]
     parts += ["of increments"] if choice["increments"] else []
     return ", ".join([*parts, f"refined over runs of {rows} rows" if rows else "fitted one step ahead"])
 
@@ -237,10 +240,16 @@ class _Told(DynamicRegressor):
 
 
 class _Linear(BaseEstimator):
-    """Least squares, for scale."""
+    """Least squares within the guards of other models, for scale."""
 
     def fit(self, X: np.ndarray, y: np.ndarray) -> "_Linear":
-        self.network_ = linear_network(X, y, (2.0 * y.min() - y.max(), 2.0 * y.max() - y.min()))
+        mean, scale, margin = X.mean(axis=0), X.std(axis=0), 0.1 * float(np.ptp(y))
+        scale = np.where(scale > 0.0, scale, 1.0)
+        coef = np.linalg.lstsq((X - mean) / scale, y - y.mean(), rcond=1e-10)[0]
+        node = Node(LINEAR_NODE, tuple(range(len(mean))), tuple(coef.tolist()))
+        x_mean, x_scale, x_low, x_high = (tuple(end.tolist()) for end in (mean, scale, X.min(axis=0), X.max(axis=0)))
+        bounds = float(y.min()) - margin, float(y.max()) + margin
+        self.network_ = Network((node,), x_mean, x_scale, x_low, x_high, float(y.mean()), 1.0, *bounds)
         return self
 
     def to_model(self, inputs: Sequence[Variable], output: Variable) -> Model:
