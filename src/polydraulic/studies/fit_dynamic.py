@@ -1,6 +1,7 @@
 """Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import count
 from math import inf
 from typing import Any, NamedTuple
 
@@ -102,8 +103,12 @@ def fit_log(
 
     def search(targets: np.ndarray, what: str, done: int) -> DynamicRegressor:
         progress(what, done, 2)
-        regressor = _Told(estimator, longest_lag=longest_lag, raster=rows.raster)
-        regressor.tell = lambda choice: progress(f"{what}: {choice}", done, 2)
+        tried = count(1)
+
+        def tell(choice: Choice) -> None:
+            progress(f"{what}: choice {next(tried)}, lags to {choice.longest}, {choice.error:.2f}", done, 2)
+
+        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, verbose=tell)
         return regressor.fit(X, targets, rows.segments)
 
     judged = search(without, "hold out", 0)
@@ -225,18 +230,6 @@ def _numbers(errors: RunErrors) -> dict[str, float]:
     return {
         f"{kind}_{name}": value for kind in errors._fields for name, value in getattr(errors, kind)._asdict().items()
     }
-
-
-class _Told(DynamicRegressor):
-    """Tells what it tries, since a search takes minutes."""
-
-    tell: Callable[[str], None]
-
-    def _held_out_error(self, choice: Choice, *arguments: Any) -> float:
-        error = super()._held_out_error(choice, *arguments)
-        self.count = getattr(self, "count", 0) + 1
-        self.tell(f"choice {self.count}, lags to {choice.longest}, {error:.2f}")
-        return error
 
 
 class _Linear(BaseEstimator):
