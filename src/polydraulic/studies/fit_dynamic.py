@@ -196,7 +196,7 @@ def _how(choice: Mapping[str, Any]) -> str:
     else:
         parts = [] if depth < 0 else ["linear" if depth == 0 else f"up to {depth} layer(s)"]
     parts += ["of increments"] if choice["increments"] else []
-    return ", ".join([*parts, f"refined over runs of {rows} rows" if rows else "fitted one step ahead"])
+    return ", ".join([*parts, f"fitted to runs of {rows} rows" if rows else "fitted one step ahead"])
 
 
 def _judged(model: Model, run: Run, plain: Run, measured: np.ndarray) -> DynamicFit:
