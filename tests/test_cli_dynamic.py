@@ -67,8 +67,12 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     assert read_table("run.parquet").names == ["time", "run", "y", "y.run", "y.one_step"]
     assert (files / "run.svg").read_text().startswith("<?xml")
     assert "20 free run(s) of up to 30 rows" in call("run m.json next.csv --every 0.6")[1]
-    for bad, message in (("--every 0.001", "no less than the raster of 0.02 s"), ("--plot r.gif", "a picture ends in"),
-                         ("--out r.txt", "ends in .csv or .parquet")):  # fmt: skip
+    for bad, message in {
+        "--every 0.001": "no less than the raster of 0.02 s",
+        "--every inf": "--every inf: must be a time",
+        "--plot r.gif": "a picture ends in",
+        "--out r.txt": "ends in .csv or .parquet",
+    }.items():
         code, _, err = call(f"run m.json next.csv {bad}")
         assert (code, message in err) == (2, True)
 

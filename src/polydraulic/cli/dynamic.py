@@ -1,6 +1,7 @@
 """Dynamic models on the command line: run one on a log; what fit, check and export say of them."""
 
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -72,7 +73,7 @@ def _rows(seconds: float, raster: float | None) -> int:
     """Rows in a time."""
     if raster is None:
         raise InputError("--every is a time; neither model nor log say how far apart rows are")
-    if not seconds >= raster:
+    if not raster <= seconds < inf:
         raise InputError(f"--every {seconds:g}: must be a time in s, no less than the raster of {raster:g} s")
     return round(seconds / raster)
 
