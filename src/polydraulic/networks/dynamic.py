@@ -234,7 +234,7 @@ class DynamicRegressor(BaseEstimator):
         if any(sum(b - a for a, b in block) < _SMALLEST for block in blocks):
             raise InputError(
                 f"{sum(b - a for a, b in spans)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} "
-                f"blocks needs {_SMALLEST} rows beside longest_lag = {self.longest_lag}; give lags, or more rows"
+                f"blocks needs {_SMALLEST} rows beside the longest lag, {longest}; shorten the lags, or record more rows"
             )
         return blocks
 
