@@ -91,7 +91,7 @@ def test_a_linear_system_gets_a_linear_model():
     for t in range(1, 400):
         y[t] = 0.9 * y[t - 1] + u[t - 1, 0] + rng.normal(scale=0.2)
     model = DynamicRegressor(input_lags=[1], output_lags=[1], horizon=None, max_terms=4).fit(u, y).to_model()
-    middle = np.tile([0.0, y.mean()], (3, 1)) + [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]]
+    middle = np.array([[0.0, y.mean()], [0.1, y.mean()], [0.0, y.mean() + 0.1]])
     base, by_input, by_output = model.predict(middle)
     assert np.allclose([(by_input - base) / 0.1, (by_output - base) / 0.1], [1.0, 0.9], atol=0.06)
 

@@ -6,7 +6,6 @@ after each one all coefficients are refined over the same runs. Terms are those 
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -16,13 +15,12 @@ from polydraulic.networks.free_run import pieces
 from polydraulic.networks.lagged_terms import Frame, Terms, averaged, run_terms
 from polydraulic.networks.lags import Span, blocks_of, without
 
-_RIDGE = (
-    0.01  # the sum of squared coefficients weighs so much of the mean squared error before, all in normalized units
-)
+_RIDGE = 0.01  # weight of the sum of squared coefficients, as a part of the error before, all in normalized units
 _STEPS, _LARGEST_DAMPING = 3, 1e3  # of refinement after each term
 _ENOUGH = 1e-3  # a step that lowers the loss by a smaller share is the last
 _REFINE_ROWS, _JUDGE_ROWS = 8_000, 2_000  # that are looked at, in windows spread evenly
 _ROWS_A_TERM = 5  # at least
+_ALL_PAIRS = 40  # lagged values at most, of which any two may be multiplied
 _MEMBERS = 8  # of an average
 _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
@@ -91,16 +89,20 @@ def _held(frame: Frame) -> Terms:
 
 
 def _candidates(terms: Terms, n_lag: int) -> tuple[np.ndarray, np.ndarray]:
-    """Terms that may be added: powers and products of two values; of three where the product of two of them is there."""
+    """Terms that may be added: powers, products of two values, and of three where the product of two of them is there.
+
+    With many lagged values one of two has to be in the polynomial, too, since there are too many pairs.
+    """
     factors, output = [], []
     places = range(1, n_lag + 1)
-    simple = {(a, *power) for a in places for power in ((0, 0), (a, 0), (a, a))}
-    simple |= {(b, a, 0) for a, b in combinations(places, 2)}
+    powers = {(a, *power) for a in places for power in ((0, 0), (a, 0), (a, a))}
     for k in np.unique(terms.output):
         there = {tuple(one) for one in terms.factors[terms.output == k].tolist()}
-        pairs = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
-        triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in pairs for c in places if c not in (a, b)}
-        new = sorted((simple | triples) - there)
+        partners = places if n_lag <= _ALL_PAIRS else {a for one in there for a in one if a}
+        pairs = {(max(a, b), min(a, b), 0) for a in partners for b in places if a != b}
+        grown = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
+        triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in grown for c in places if c not in (a, b)}
+        new = sorted((powers | pairs | triples) - there)
         factors += new
         output += [k] * len(new)
     return np.array(factors, dtype=np.int64).reshape(-1, 3), np.array(output, dtype=np.int64)
