@@ -147,7 +147,7 @@ def test_models_go_through_files_and_stay_in_their_bounds():
 def test_any_learner_that_gives_a_model_will_do(estimator):
     u, y = hammerstein(300)
     model = DynamicRegressor(estimator, **FIXED | {"increments": True}).fit(u, y)
-    assert model.choice_.layers == (-1,)
+    assert model.choice_.terms is None
     assert np.isfinite(model.simulate(u, y)).all()
 
 

@@ -4,7 +4,7 @@ LADDER = (1, 2, 3, 4, 6, 8)
 
 
 def options(**change):
-    return Options(None, None, LADDER, (True, False), (None, 8), (-1, -1))._replace(**change)
+    return Options(None, None, LADDER, (True, False), (None, 8))._replace(**change)
 
 
 def chosen(error, **change):
@@ -20,18 +20,18 @@ def test_the_walk_goes_on_over_a_rung_that_does_not_help():
 
 def test_a_larger_model_must_be_better_by_a_margin():
     best, _ = chosen(lambda c: 1.0 - 0.001 * len(c.input_lags))
-    assert best == Choice((1,), (1,), True, (-1, -1), None, None, 0.999)
+    assert best == Choice((1,), (1,), True, None, None, 0.999)
 
 
 def test_given_lags_stay():
     best, tried = chosen(lambda c: 1.0 + (c.horizon != 8) + c.increments, input_lags=(5,), output_lags=(1, 7))
-    assert best[:5] == ((5,), (1, 7), False, (-1, -1), 8)
+    assert best[:4] == ((5,), (1, 7), False, 8)
     assert all(choice[:2] == ((5,), (1, 7)) for choice in tried)
 
 
 def chosen_terms(error, **change):
     told = []
-    settings = options(increments=(False,), horizons=(8, 16, 32, 64, 128), layers=(1,))._replace(**change)
+    settings = options(increments=(False,), horizons=(8, 16, 32, 64, 128))._replace(**change)
 
     def judge(choice):
         sizes = [choice._replace(terms=terms) for terms in range(2, 12)]

@@ -102,13 +102,13 @@ def test_another_choice_than_the_one_that_was_judged_is_said(fits):
     model = replace(y.model, training=copy.deepcopy(y.model.training))
     same = y._replace(model=model)
     model.training["choice"] = model.training["choice_held_out"] = {
-        "input_lags": [1], "output_lags": [1, 2], "increments": True, "layers": 0, "horizon": None
+        "input_lags": [1], "output_lags": [1, 2], "increments": True, "horizon": None, "terms": None
     }  # fmt: skip
     assert not any("another choice" in text for text in statements(same))
-    assert statements(same)[-1].endswith("coefficients, linear, of increments, fitted one step ahead")
-    model.training["choice"] = model.training["choice"] | {"layers": 2, "horizon": 8}
+    assert statements(same)[-1].endswith("coefficients, of increments, fitted one step ahead")
+    model.training["choice"] = model.training["choice"] | {"horizon": 8}
     assert (
-        "all rows led to another choice than the one these errors are of: lags of inputs [1], of outputs [1, 2], linear, "
+        "all rows led to another choice than the one these errors are of: lags of inputs [1], of outputs [1, 2], "
         "of increments, fitted one step ahead" in statements(same)
     )
 

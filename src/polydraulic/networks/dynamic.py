@@ -218,7 +218,6 @@ class DynamicRegressor(BaseEstimator):
             tuple(lag for lag in LADDER if lag <= longest),
             (bool(self.increments),) if self.increments != "auto" else (True, False) if own else (False,),
             horizons,
-            (-1 if own else 1,) * self.n_outputs_,
         )
         if options.input_lags == () and options.output_lags == ():
             raise InputError("input_lags and output_lags are both empty: there is nothing to learn from")
@@ -360,15 +359,6 @@ def _targets(spans: list[Span], choice: Choice) -> list[Span]:
     if not targets:
         raise InputError(f"no {choice.longest + 1} rows follow each other: shorten the lags or fill the gaps")
     return targets
-
-
-def linear_network(X: np.ndarray, y: np.ndarray, bounds: tuple[float, float]) -> Network:
-    """Least squares as a network of one linear node, with output bounds."""
-    mean, scale = X.mean(axis=0), spread(X)
-    coef = np.linalg.lstsq((X - mean) / scale, y - y.mean(), rcond=1e-10)[0]
-    x_mean, x_scale, x_low, x_high = (tuple(end.tolist()) for end in (mean, scale, X.min(axis=0), X.max(axis=0)))
-    node = Node(LINEAR, tuple(range(len(mean))), tuple(coef.tolist()))
-    return Network((node,), x_mean, x_scale, x_low, x_high, float(y.mean()), 1.0, *bounds)
 
 
 def _widened(values: np.ndarray) -> tuple[float, float]:

@@ -21,8 +21,6 @@ class Choice(NamedTuple):
     input_lags, output_lags : tuple of int
     increments : bool
         Whether the networks learnt the change of the output rather than the output.
-    layers : tuple of int
-        Of each output's network: 0 is a linear one, 1 a polynomial of `terms`; of a given estimator -1, since its own settings hold.
     horizon : int or None
         Rows over which runs were to fit, None for one step ahead.
     terms : int or None
@@ -35,7 +33,6 @@ class Choice(NamedTuple):
     input_lags: tuple[int, ...]
     output_lags: tuple[int, ...]
     increments: bool
-    layers: tuple[int, ...]
     horizon: int | None
     terms: int | None = None
     error: float = inf
@@ -54,7 +51,6 @@ class Options(NamedTuple):
     ladder: tuple[int, ...]
     increments: tuple[bool, ...]
     horizons: tuple[int | None, ...]
-    layers: tuple[int, ...]  # of each output
 
     @property
     def open(self) -> bool:
@@ -74,7 +70,7 @@ class Options(NamedTuple):
             self.ladder[:n] if own is None else own
             for n, own in zip((n_in, n_out), (self.input_lags, self.output_lags), strict=True)
         ]
-        return Choice(lags[0], lags[1], self.increments[0], self.layers, self.horizons[0])
+        return Choice(lags[0], lags[1], self.increments[0], self.horizons[0])
 
 
 def select(options: Options, judge: Callable[[Choice], float], say: Callable[[Choice], None]) -> list[Choice]:

@@ -120,8 +120,8 @@ def fit_log(
     final = search(y, "all rows", 1)
     progress("all rows", 2, 2)
     fits = []
+    choices = {"choice": _choice(final.choice_), "choice_held_out": _choice(judged.choice_)}
     for k, model in enumerate(final.to_models(*names)):
-        choices = {"choice": _choice(final.choice_, k), "choice_held_out": _choice(judged.choice_, k)}
         model.training.update({"rows": len(table), "held_out": "blocks of time", **choices})
         fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
     return fits
@@ -181,20 +181,17 @@ def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
     return [span for k, block in enumerate(blocks) if k % FOLD == FOLD - 1 for span in block]
 
 
-def _choice(choice: Choice, place: int) -> dict[str, Any]:
-    """What was chosen for one output, as it stands in a model file."""
-    found = choice._asdict() | {"layers": choice.layers[place]}
+def _choice(choice: Choice) -> dict[str, Any]:
+    """What was chosen, as it stands in a model file."""
+    found = choice._asdict()
     del found["error"]
     return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
 
 
 def _how(choice: Mapping[str, Any]) -> str:
     """How a choice learns, in words."""
-    depth, rows = choice["layers"], choice["horizon"]
-    if choice.get("terms") is not None:
-        parts = [f"polynomials of {choice['terms']} terms in all"]
-    else:
-        parts = [] if depth < 0 else ["linear" if depth == 0 else f"up to {depth} layer(s)"]
+    rows, terms = choice["horizon"], choice["terms"]
+    parts = [] if terms is None else [f"polynomials of {terms} terms in all"]
     parts += ["of increments"] if choice["increments"] else []
     return ", ".join([*parts, f"fitted to runs of {rows} rows" if rows else "fitted one step ahead"])
 
