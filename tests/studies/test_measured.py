@@ -13,7 +13,8 @@ from polydraulic.errors import InputError
 from polydraulic.parameters import LINKS
 from polydraulic.simulation import simulate
 from polydraulic.studies.cache import open_lab
-from polydraulic.studies.measured import USUAL, by_port, describe, measured, outcome, visited
+from polydraulic.studies.machine_from_log import by_port, visited
+from polydraulic.studies.measured import USUAL, describe, measured, outcome
 from polydraulic.tables import Table
 
 PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"

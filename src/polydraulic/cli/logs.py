@@ -109,7 +109,7 @@ def fit_machine(
     """
     from polydraulic.networks import save_models
     from polydraulic.parameters import LINKS, load_machine
-    from polydraulic.studies.measured import MEASURED, by_port, learn
+    from polydraulic.studies.machine_from_log import MEASURED, by_port, learn
     from polydraulic.tables import read_table
 
     plant = load_machine(machine)
