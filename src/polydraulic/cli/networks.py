@@ -147,12 +147,13 @@ def check(
 
 def _judge(models: "list[Model]", data: Path) -> None:
     """Say whether models hold on a table."""
+    from polydraulic.studies.judged_machine import as_judged
     from polydraulic.studies.validity import validity
     from polydraulic.tables import read_table
 
     table, holds = read_table(data), True
     for model in models:
-        found = validity(model, table)
+        found = validity(model, as_judged(model, table))
         holds &= found.holds
         print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")
         for statement in found.statements:

@@ -21,7 +21,7 @@ from polydraulic.parameters import LINKS, Machine, load_scenario, random_operato
 from polydraulic.simulation import simulate
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.studies.cache import Lab
-from polydraulic.studies.machine_from_log import by_port, learn
+from polydraulic.studies.machine_from_log import Known, by_port, learn
 from polydraulic.studies.three_links import SCENARIOS
 from polydraulic.tables import Table
 
@@ -143,7 +143,7 @@ def measured(machine: Machine, conditions: Conditions) -> Table:
         for link in LINKS:
             read |= _flows(machine, link, read)
     heard = np.all(np.isfinite(np.column_stack(list(read.values()))), axis=1)
-    return by_port(machine, Table({name: values[heard] for name, values in read.items()}, {}))
+    return by_port(Known.of(machine), Table({name: values[heard] for name, values in read.items()}, {}))
 
 
 def _flows(machine: Machine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

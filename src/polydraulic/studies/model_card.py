@@ -25,7 +25,9 @@ _BINS = 20  # of the coverage map
 _EFFORT = 200  # sub-boxes a region, of the proofs
 
 
-def write_card(fits: Sequence[Fit], table: Table, source: str, path: str | Path) -> dict[str, Any]:
+def write_card(
+    fits: Sequence[Fit], table: Table, source: str, path: str | Path, seen: tuple[dict[str, Any], str] | None = None
+) -> dict[str, Any]:
     """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
 
     Parameters
@@ -38,6 +40,9 @@ def write_card(fits: Sequence[Fit], table: Table, source: str, path: str | Path)
         Where the table came from, as it shall stand in the card.
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
+    seen : (dict, str), optional
+        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the first model's inputs if not
+        given.
 
     Returns
     -------
@@ -52,16 +57,16 @@ def write_card(fits: Sequence[Fit], table: Table, source: str, path: str | Path)
     path = Path(path)
     if path.suffix.lower() != ".html":
         raise InputError(f"{path}: a model card ends in .html")
+    entries, shown = seen or ({}, _coverage_of(fits[0].model, table))
     card: dict[str, Any] = {
         "schema": SCHEMA,
-        "data": _data(fits, table, source),
+        "data": _data(fits, table, source) | entries,
         "models": [_facts(found.model) for found in fits],
     }
     sections = "\n".join(_section(found, facts) for found, facts in zip(fits, card["models"], strict=True))
     body = f"""<h2>Data</h2>
 {_columns(card["data"])}
-{_picture(_coverage(fits[0].model, table))}
-<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>
+{shown}
 {sections}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
     write_text(path, document(f"Model card: {source}", body))
@@ -70,7 +75,8 @@ def write_card(fits: Sequence[Fit], table: Table, source: str, path: str | Path)
 
 def _data(fits: Sequence[Fit], table: Table, source: str) -> dict[str, Any]:
     """Rows, columns with their ranges, how rows were held out."""
-    names = [v.name for v in (*fits[0].model.inputs, *(found.model.output for found in fits))]
+    variables = [v for found in fits for v in found.model.inputs] + [found.model.output for found in fits]
+    names = list(dict.fromkeys(v.name for v in variables))
     columns = [
         {"name": name, "unit": table.unit(name), "low": float(table[name].min()), "high": float(table[name].max())}
         for name in names
@@ -148,6 +154,11 @@ def _columns(data: dict[str, Any]) -> str:
     )
     caption = f"{data['source']}: {data['rows']} rows{spans}; held out: {data['held_out']}"
     return html_table(caption, ["column", "unit", "low", "high"], rows)
+
+
+def _coverage_of(model: Model, table: Table) -> str:
+    return f"""{_picture(_coverage(model, table))}
+<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>"""
 
 
 def _coverage(model: Model, table: Table) -> Any:
