@@ -9,7 +9,7 @@ from measure.logs_made import MAP, UNITS, healthy, write_csv
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import BLOCK
+from polydraulic.measure.log import BLOCK
 from polydraulic.tables import read_table
 
 FORMATS = ["csv", "csv.gz", "semicolon.csv", "latin.csv", "units.csv", "parquet", "mf4", "v5.mat", "v73.mat"]

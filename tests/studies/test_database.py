@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.studies import sample_boom
+from polydraulic.flow import exact_flow
+from polydraulic.flow.sample import sample_fed
+from polydraulic.studies import sample_boom, sample_series
 from polydraulic.units import CUBIC_INCH, from_si
 
 
@@ -39,3 +41,28 @@ def test_the_seed_decides(machine):
 def test_rows_must_be_positive(machine):
     with pytest.raises(InputError, match="rows = 0: must be at least 1"):
         sample_boom(machine, 0, rng=np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_series_columns_belong_together(machine, limited):
+    machine = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=limited))
+    table = sample_series(machine, 2000, rng=np.random.default_rng(1))
+    full = machine.pumps.series_flow
+    passed, swing, stick = table["series.q_passed"], table["swing.q_in"], table["stick.q_in"]
+    assert np.all(stick <= passed + 1e-9 * full)
+    assert np.all(swing + passed <= full * (1.0 + 1e-9))
+    # below relief and limit all of the pump's flow is somewhere
+    free = table["series.p_pump"] < (machine.pumps.torque_limit_start if limited else machine.pumps.relief)
+    assert (swing + passed)[free] == pytest.approx(full, rel=1e-9)
+    shut = table["swing.travel"] > machine.spool.bypass_closed
+    assert np.abs(passed[shut]).max() <= 1e-9 * full
+    assert table["stick.q_out"] == pytest.approx(table["stick.k_out"] * table["stick.root_p_out"])
+
+
+def test_stick_is_a_function_of_what_the_swing_leaves(machine):
+    table = sample_series(machine, 500, rng=np.random.default_rng(2))
+    exact = exact_flow(machine)
+    points = table.matrix(["series.q_passed", "stick.spool", "stick.p_in"])
+    below = table["series.p_pump"] < 0.999 * machine.pumps.relief  # there the pump's own pressure decides as well
+    again = sample_fed(exact.valves.stick, exact.series_pump, points)
+    assert again[below] == pytest.approx(table["stick.q_in"][below], abs=1e-9 * machine.pumps.series_flow)

@@ -162,24 +162,26 @@ def scenarios() -> None:
 def sample(
     rows: Annotated[int, typer.Option(help="Number of rows.")],
     out: Annotated[Path, typer.Option(help="Table to write, .parquet or .csv (SI).")],
-    circuit: Annotated[str, typer.Option(help="Circuit to sample: boom.")] = "boom",
+    circuit: Annotated[str, typer.Option(help="boom, or series: swing and stick, which share a pump.")] = "boom",
     seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
     relief: Annotated[bool, typer.Option(help="With the pump's relief valve, or the ideal circuit without.")] = True,
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Evaluate a circuit at random points: a training database.
+    """Evaluate a circuit at random points: a training database, from which `fit` makes networks for `simulate --model`.
 
     Example: `polydraulic sample --circuit boom --rows 10000 --out boom.parquet`
+
+    - Swing and stick in series: `polydraulic sample --circuit series --rows 50000 --out series.parquet`
     """
     import numpy as np
 
     from polydraulic.parameters import load_machine
-    from polydraulic.studies.database import CIRCUITS, sample_boom
+    from polydraulic.studies.database import CIRCUITS
     from polydraulic.tables import write_table
 
     if circuit not in CIRCUITS:
         raise InputError(f"unknown circuit {circuit!r}; choose one of {list(CIRCUITS)}")
-    table = sample_boom(load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+    table = CIRCUITS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
     write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
 

@@ -15,9 +15,9 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import exact_flow
+from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
-from polydraulic.machine.pump import Circuit, Pump, delivered
+from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links
 from polydraulic.parameters import Machine
 
@@ -65,34 +65,27 @@ def lookup_flow(machine: Machine, *, points: int = 24) -> LookupFlow:
             f"points = {points!r}: must be a whole number from {least}, the spool's knots, to {MOST_POINTS}; "
             "the table of swing and stick holds points^4 values of each flow"
         )
-    from polydraulic.flow.sample import sample_flow  # it imports the list of models, and so this file
-
     exact, relief, limited = exact_flow(machine), machine.pumps.relief, machine.pumps.torque_limit_enabled
     pressure, travel = pressure_lines(relief, points), travel_lines(machine, points)
     n = _BOOM_POINTS * points
     boom_pressure, boom_travel = pressure_lines(relief, n), travel_lines(machine, n)
 
-    def sampled(spool: Links, p_in: Links, places: list[int], pump: Pump, circuit: int) -> np.ndarray:
-        """Input flows of the links at `places` where arrays and floats of spools and pressures meet."""
-        columns = np.broadcast_arrays(*spool, *p_in)
+    def sampled(*points: Any) -> np.ndarray:
+        """Flows where spools and line pressures meet, arrays or floats in the order of `LINKS`; the last axis as `_exact_flows`."""
+        columns = np.broadcast_arrays(*points)
         rows = np.stack([column.ravel() for column in columns], axis=1)
-        found = sample_flow(exact, rows[:, :3], rows[:, 3:], np.zeros((len(rows), 3)))
-        values = [found.q_in[:, places]]
-        if limited:
-            values.append(np.empty((len(rows), 1)))
-            _deliver(pump, np.ascontiguousarray(found.p_pump[:, circuit]), values[1])
-        return np.concatenate(values, axis=1).reshape(*columns[0].shape, -1)
+        found = np.empty((len(rows), 8))
+        _exact_flows(exact, np.zeros(1), rows, found)
+        return found.reshape(*columns[0].shape, 8)
 
+    boom_flows, series_flows = ([1, 3], [0, 2, 4]) if limited else ([1], [0, 2])
     x, p = np.meshgrid(boom_travel, boom_pressure, indexing="ij")
-    boom = sampled(Links(0.0, x, 0.0), Links(0.0, p, 0.0), [1], exact.boom_pump, 0)
+    boom = sampled(0.0, x, 0.0, 0.0, p, 0.0)[..., boom_flows]
     x, p_sw, p_st = np.meshgrid(travel, pressure, pressure, indexing="ij")
-    series = np.stack(
-        [sampled(Links(x_sw, 0.0, x), Links(p_sw, 0.0, p_st), [0, 2], exact.series_pump, 1) for x_sw in travel]
-    )
+    series = np.stack([sampled(x_sw, 0.0, x, p_sw, 0.0, p_st)[..., series_flows] for x_sw in travel])
     knots = np.array(machine.spool.knots)
     spool = np.concatenate([-knots[:0:-1], knots])
-    rows = np.repeat(spool[:, None], 3, axis=1)
-    outlets = sample_flow(exact, rows, np.zeros_like(rows), np.zeros_like(rows)).k_out
+    outlets = sampled(spool, spool, spool, 0.0, 0.0, 0.0)[:, 5:]
     flows = machine.pumps.boom_flow, machine.pumps.series_flow
     return LookupFlow(boom_travel, boom, travel, series, spool, outlets, relief, *flows, limited)
 
@@ -125,9 +118,22 @@ def table_bytes(model: Any) -> int:
 
 
 @driver
-def _deliver(pump: Pump, p: np.ndarray, q: np.ndarray) -> None:
-    for i in range(p.shape[0]):
-        q[i, 0] = delivered(p[i], pump)
+def _exact_flows(exact: ExactFlow, memory: np.ndarray, points: np.ndarray, found: np.ndarray) -> None:
+    """Of spools and line pressures `points` (n, 6): input flows, flows of boom and series pump, outlets' conductances (n, 8)."""
+    for i in range(points.shape[0]):
+        spool, p_in = points[i, :3], points[i, 3:]
+        flows = exact_step(
+            exact,
+            memory,
+            Links(spool[0], spool[1], spool[2]),
+            Links(p_in[0], p_in[1], p_in[2]),
+            Links(0.0, 0.0, 0.0),
+            0.0,
+        )
+        q, k = flows.q_in, flows.k_out
+        found[i, 0], found[i, 1], found[i, 2] = q.swing, q.boom, q.stick
+        found[i, 3], found[i, 4] = flows.boom.q_pump, flows.series.q_pump
+        found[i, 5], found[i, 6], found[i, 7] = k.swing, k.boom, k.stick
 
 
 class _Place(NamedTuple):

@@ -17,6 +17,7 @@ class FlowSample(NamedTuple):
     q_in: np.ndarray  # (n_point, 3) m3/s
     k_out: np.ndarray  # (n_point, 3) m3/s/Pa^0.5
     p_pump: np.ndarray  # (n_point, 2) Pa, of the boom's pump and the series pump; 0 where the model does not give it
+    q_bypass: np.ndarray  # (n_point, 2) m3/s, what returns from each pump's last bypass to the tank
 
 
 @driver
@@ -29,6 +30,7 @@ def _evaluate(
     q: np.ndarray,
     k: np.ndarray,
     p: np.ndarray,
+    bypass: np.ndarray,
 ) -> None:
     for i in range(spool.shape[0]):
         memory[:] = 0.0
@@ -43,15 +45,16 @@ def _evaluate(
         q[i, 0], q[i, 1], q[i, 2] = flows.q_in.swing, flows.q_in.boom, flows.q_in.stick
         k[i, 0], k[i, 1], k[i, 2] = flows.k_out.swing, flows.k_out.boom, flows.k_out.stick
         p[i, 0], p[i, 1] = flows.boom.p_pump, flows.series.p_pump
+        bypass[i, 0], bypass[i, 1] = flows.boom.q_bypass, flows.series.q_bypass
 
 
 def sample_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray) -> FlowSample:
     """Flows at given spool displacements (m) and line pressures (Pa), each (n_point, 3); every point starts afresh."""
     points = [np.ascontiguousarray(v, dtype=np.float64) for v in (spool, p_in, p_out)]
     n = len(points[0])
-    sample = FlowSample(np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2)))
+    sample = FlowSample(np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2)))
     memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
-    _evaluate(model, memory, points[0], points[1], points[2], sample.q_in, sample.k_out, sample.p_pump)
+    _evaluate(model, memory, points[0], points[1], points[2], *sample)
     return sample
 
 

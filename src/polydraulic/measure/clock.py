@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import Block
+from polydraulic.measure.log import Block
 
 JOIN = 2.5  # samples at most so many rasters apart belong together; farther apart is a gap
 _IRREGULAR = 0.25  # of the raster

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.measure.arrow import numbers
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import Block, Log, Signal, numbers, once
+from polydraulic.measure.log import Block, Log, Signal, once
 
 _HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
 _DATE = re.compile(r"^\d{4}-\d\d-\d\d")

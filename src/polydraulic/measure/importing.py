@@ -18,7 +18,8 @@ from polydraulic.measure.conversion import Conversion, conversion
 from polydraulic.measure.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
-from polydraulic.measure.logs import Log, open_log
+from polydraulic.measure.log import Log
+from polydraulic.measure.logs import open_log
 from polydraulic.measure.resample import Resampler
 from polydraulic.measure.values import ChannelCheck
 from polydraulic.tables import Table, table_ending, table_writer

@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.conversion import need
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import BLOCK, Block, Log, Signal, once
+from polydraulic.measure.log import BLOCK, Block, Log, Signal, once
 
 Slices = Callable[[str, int, int], np.ndarray]  # (signal, first row, end) -> values
 

@@ -11,7 +11,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.conversion import need
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import Block, Log, Signal, once
+from polydraulic.measure.log import Block, Log, Signal, once
 
 _FRAGMENT = 4 << 20  # bytes of a block
 

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.measure.arrow import numbers
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import BLOCK, Block, Log, Signal, numbers, once
+from polydraulic.measure.log import BLOCK, Block, Log, Signal, once
 
 
 def open_parquet(path: Path) -> Log:

@@ -10,7 +10,8 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.conversion import conversion
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.logs import Log, Signal, open_log
+from polydraulic.measure.log import Log, Signal
+from polydraulic.measure.logs import open_log
 
 _TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
 _HOLD = 0.6  # share of samples like the one before, from which on a channel is a held one

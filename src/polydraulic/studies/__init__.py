@@ -6,7 +6,7 @@ volumes), `timing`.
 """
 
 from polydraulic.studies.cache import Lab, open_lab
-from polydraulic.studies.database import CIRCUITS, boom_table, sample_boom
+from polydraulic.studies.database import CIRCUITS, boom_table, sample_boom, sample_series
 from polydraulic.studies.report import CHAPTERS, write_figure, write_report
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "boom_table",
     "open_lab",
     "sample_boom",
+    "sample_series",
     "write_figure",
     "write_report",
 ]
