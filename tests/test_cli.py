@@ -307,6 +307,7 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, arguments, message):
         "record",
         "import",
         "fit-machine",
+        "replay",
     ],
 )
 def test_help_shows_an_example(call, command):

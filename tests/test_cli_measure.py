@@ -1,11 +1,16 @@
 """Commands for measured logs as a user meets them."""
 
+import json
+import re
 import sys
 
 import pytest
 
+from machine_log import machine_log
 from measure.logs_made import MAP, healthy, write_csv
 from polydraulic import cli
+from polydraulic.studies import judged_machine, machine_from_log, model_card
+from polydraulic.tables import Table, write_table
 
 
 @pytest.fixture
@@ -81,3 +86,62 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, line, message):
     assert code == 2
     assert message in error
     assert error.count("\n") == 1
+
+
+@pytest.fixture
+def machine_files(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine_from_log, "REGIONS", 2)
+    monkeypatch.setattr(machine_from_log, "ROWS", 1000)
+    monkeypatch.setattr(judged_machine, "_BLOCKS", 5)
+    monkeypatch.setattr(model_card, "_EFFORT", 2)
+    monkeypatch.setattr(model_card, "_SHOWN", 1)
+    log = machine_log(90.0)
+    write_table(log, tmp_path / "table.parquet")
+    later = machine_log(20.0, seed=3)
+    write_table(later, tmp_path / "later.parquet")
+    silent = {name: values for name, values in log.columns.items() if not name.endswith("voltage")}
+    write_table(Table(silent, log.units), tmp_path / "silent.csv")
+    write_table(Table(later.columns, {**later.units, "boom.p_a": "bar"}), tmp_path / "bar.parquet")
+    return tmp_path
+
+
+def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
+    code, out, _ = call("fit-machine table.parquet --out machine.json --card machine.html")
+    assert code == 0
+    assert "of 4501 rows held out, every fifth block of time" in out
+    shares = [float(share) for share in re.findall(r"^  \w+\.\w+ .*?(\S+)%", out, re.MULTILINE)]
+    assert len(shares) == 6
+    assert all(0.0 < share < 20.0 for share in shares)
+    assert "run against the log: 1 windows of 10 s in the blocks held out" in out
+    assert re.search(r"^  boom +\S+ deg", out, re.MULTILINE)
+    data = json.loads((machine_files / "machine.card.json").read_text())
+    assert len(data["models"]) == 6
+    assert data["data"]["drift"][3]["name"] == "tip"
+    code, out, _ = call("check machine.json --data later.parquet")  # of an import, without the columns that are derived
+    assert len(re.findall(r"^\S+ \[\S+\]: (?:holds|does not hold)", out, re.MULTILINE)) == 6
+    code, out, _ = call("replay later.parquet --model machine.json --seconds 6 --plot replay.svg")
+    assert code == 0
+    assert "3 windows of 6 s, each begun from the measured state" in out
+    assert (machine_files / "replay.svg").is_file()
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("fit-machine table.parquet --out m.json --card m.pdf", "m.pdf: a model card ends in .html"),
+        ("fit-machine silent.csv --out m.txt --machine none", "none"),
+        ("fit-machine later.parquet --out m.json", "record longer"),
+        ("fit-machine bar.parquet --out m.json", "column 'boom.p_a' is in 'bar'"),
+        ("replay silent.csv", "no column 'swing.voltage'"),
+        ("replay later.parquet --seconds 60", "no piece of 60 s without a gap; choose shorter windows by --seconds"),
+        ("replay later.parquet --plot r.txt", "a picture ends in one of"),
+        ("replay later.parquet --flow exact --model m.json", "--model goes with --flow polynomial or neural"),
+    ],
+)
+def test_bad_machine_logs_are_one_line_and_exit_code_2(call, machine_files, line, message):
+    before = sorted(machine_files.iterdir())
+    code, _, error = call(line)
+    assert code == 2
+    assert message in error
+    assert error.count("\n") == 1
+    assert sorted(machine_files.iterdir()) == before

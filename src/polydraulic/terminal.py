@@ -1,6 +1,6 @@
 """What commands show while they work, and tables of what they found."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -64,6 +64,15 @@ def _bar(title: str, total: int) -> Iterator[Callable[[int, int, str], None]]:
         timer.join()
         if bar.live.is_started:
             bar.stop()
+
+
+def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Texts in columns, the first to the left, the others to the right."""
+    widths = [max(len(row[place]) for row in (heads, *rows)) for place in range(len(heads))]
+    for first, *others in (heads, *rows):
+        print(
+            "  ".join(["  " + first.ljust(widths[0]), *(t.rjust(w) for t, w in zip(others, widths[1:], strict=True))])
+        )
 
 
 def print_differences(differences: "Mapping[str, Difference]") -> None:

@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 
 from polydraulic import cli
-from polydraulic.errors import InputError
 from polydraulic.parameters import LINKS
 from polydraulic.simulation import simulate
 from polydraulic.studies.cache import open_lab
-from polydraulic.studies.measured import USUAL, _machine, by_port, describe, measured, outcome, visited
-from polydraulic.tables import Table
+from polydraulic.studies.measured import USUAL, _machine, describe, measured, outcome
 
 PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"
 
@@ -39,18 +37,6 @@ def test_silent_sensors_and_joint_angles(machine):
     flowing = true["boom.q_in"] > 0.3 * machine.pumps.boom_flow
     error = rebuilt["boom.q_in"] - true["boom.q_in"]  # what the oil's compression takes, and all of it at a stop
     assert np.median(np.abs(error[flowing])) < 0.5 * np.median(true["boom.q_in"][flowing])
-
-
-def test_a_missing_channel_is_named(machine):
-    with pytest.raises(InputError, match=r"no column 'swing.spool'"):
-        by_port(machine, Table({"boom.spool": np.zeros(3)}, {}))
-
-
-def test_borders_keep_enough_values_on_either_side():
-    values = np.concatenate([np.full(100, -2.0), np.full(30, -0.5), np.full(100, 0.5), np.full(10, 3.0)])
-    assert visited([-1.0, 0.0, 1.0], values) == [-1.0]  # 30 values do not carry a part, nor do 10
-    assert visited([-1.0, 0.0, 1.0], np.repeat([-2.0, -0.5, 0.5, 3.0], 100)) == [-1.0, 0.0, 1.0]
-    assert visited([1.0], np.zeros(10)) == []
 
 
 def test_conditions_in_words():
@@ -108,9 +94,13 @@ def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys):
             cli.app(standalone_mode=False)
     printed = capsys.readouterr().out
     tips = [float(value) for value in re.findall(r"tip\s+(\S+)\s", printed)]
-    assert len(tips) == 2
+    assert len(tips) == 5  # of the blocks held out, of two replays, of two runs
     assert max(tips) < 1000.0  # mm
-    assert (tmp_path / "task.svg").is_file()
+    assert len(re.findall(r"^\S+ \[\S+\]: (?:holds|does not hold)", printed, re.MULTILINE)) == 6
+    pictures = re.findall(r"\(images/(\S+)\)", PAGE.read_text())
+    assert len(pictures) == 2
+    for name in ("task.svg", "machine.html", "table.quality.html", *pictures):
+        assert (tmp_path / name).is_file(), name
     assert list((tmp_path / "c").glob("*.c"))
 
 

@@ -1,13 +1,13 @@
-"""Commands of measured logs: import, record, fit-machine."""
+"""Commands of measured logs: import, record, fit-machine, replay."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import counted, steps
+from polydraulic.terminal import counted, print_table, steps
 
 
 @app.command("import")
@@ -98,24 +98,105 @@ def fit_machine(
     ],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     machine: Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")] = "cat215b",
+    card: Annotated[
+        Path | None, typer.Option(help="Model card to write, .html: coverage, errors, intervals, proofs, equations.")
+    ] = None,
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
     Of the parameter set only pump flows, relief setting, return pressure and the borders of spool travel are used.
 
-    Example: `polydraulic fit-machine table.parquet --out machine.json`
+    Every fifth block of time is held out to state the errors; the models are then learnt from all rows. With the columns
+    LINK.voltage and LINK.angle, the machine is also run against the blocks held out, as `replay` does.
+
+    Example: `polydraulic fit-machine table.parquet --out machine.json --card machine.html`
 
     - Drive the machine with it: `polydraulic simulate task --flow polynomial --model machine.json --plot task.svg`
+
+    - Does it hold on another day's log? `polydraulic check machine.json --data later.parquet`
     """
+    from polydraulic.flow import build_flow
     from polydraulic.networks import save_models
     from polydraulic.parameters import LINKS, load_machine
-    from polydraulic.studies.measured import MEASURED, by_port, learn
+    from polydraulic.studies.judged_machine import learn_and_judge, one_sided
+    from polydraulic.studies.machine_card import DRIFT_HEADS, HEADS, drift_rows, kept, summary, write_machine_card
+    from polydraulic.studies.machine_from_log import MEASURED, Known, by_port
+    from polydraulic.studies.replay import COMPARED, against_log
     from polydraulic.tables import read_table
 
+    if card is not None and card.suffix.lower() != ".html":
+        raise InputError(f"{card}: a model card ends in .html")
     plant = load_machine(machine)
-    log = read_table(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
-    with steps("fit-machine", 6) as progress:
-        models = learn(plant, by_port(plant, log), progress)
-    save_models(models, out)
-    for model in models:
-        print(f"{model.output}: {len(model.networks)} network(s), {model.n_coefficients} coefficients")
+    needed = ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
+    read = read_table(table, needed, optional=["segment", *COMPARED])
+    log = by_port(Known.of(plant), read)
+    with steps("fit-machine", 14) as progress:
+        learnt = learn_and_judge(plant, log, progress)
+        progress("run against the log")
+        flow = build_flow("polynomial", plant, models=learnt.without)
+        told, drift = against_log(plant, flow, read, learnt.held)
+        save_models(learnt.models, out)
+        if card is not None:
+            progress("card")
+            write_machine_card(plant, learnt, log, table.name, card, drift, told)
+    print(
+        f"{learnt.held.sum()} of {len(log)} rows held out, every fifth block of time; errors as flows, where a valve is open:"
+    )
+    print_table(HEADS, summary(learnt.fits))
+    if remark := kept(learnt.fits):
+        print(remark)
+    print(told + (":" if drift else ""))
+    if drift:
+        print_table(DRIFT_HEADS, drift_rows(drift))
+    for statement in one_sided(log, Known.of(plant)):
+        print(f"warning: {statement}")
+
+
+@app.command()
+def replay(
+    table: Annotated[
+        Path, typer.Argument(help="Imported table with LINK.voltage, .angle, .spool, .p_a, .p_b of all links.")
+    ],
+    flow: Annotated[str, typer.Option(help="Flow model, as for simulate.")] = "polynomial",
+    model: Annotated[
+        list[Path] | None, typer.Option(help="Model file for polynomial or neural; repeat for more.")
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="Length of a window in s.")] = 10.0,
+    plot: Annotated[
+        Path | None, typer.Option(help="Picture of the first windows to write, .svg, .png or .pdf.")
+    ] = None,
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Run a machine against a log of the real one, and say how far joints and tip drift.
+
+    The joysticks of the log drive the machine over windows, each begun anew from the measured state; of the rest of a window
+    nothing is seen. It judges flow model and parameter set (masses, friction, lines) together, and needs no exact model.
+
+    Example: `polydraulic replay later.parquet --model machine.json --plot replay.svg`
+
+    - What the sensors alone make of it, on a log of `record`: `polydraulic replay later.parquet --flow exact`
+    """
+    from polydraulic.flow import build_flow
+    from polydraulic.networks import load_models
+    from polydraulic.parameters import load_machine
+    from polydraulic.simulation.plot import picture_ending, save_figure
+    from polydraulic.studies.machine_card import DRIFT_HEADS, drift_rows
+    from polydraulic.studies.replay import DRIVEN, drifts, plot_replay
+    from polydraulic.studies.replay import replay as run
+    from polydraulic.tables import read_table
+
+    if model and flow not in ("polynomial", "neural"):
+        raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
+    if plot is not None:
+        picture_ending(plot)
+    plant = load_machine(machine)
+    log = read_table(table, ["time", *DRIVEN])
+    options: dict[str, Any] = {"models": [found for path in model for found in load_models(path)]} if model else {}
+    with counted("replay") as progress:
+        windows = run(plant, build_flow(flow, plant, **options), log, seconds=seconds, progress=progress)
+    if not windows:
+        raise InputError(f"{table}: no piece of {seconds:g} s without a gap; choose shorter windows by --seconds")
+    if plot is not None:
+        save_figure(plot_replay(windows), plot)
+    print(f"{len(windows)} windows of {seconds:g} s, each begun from the measured state; largest distance in a window:")
+    print_table(DRIFT_HEADS, drift_rows(drifts(plant, windows)))

@@ -196,12 +196,14 @@ def check(
 
 def _judge(models: "list[Model]", data: Path) -> None:
     """Say whether models hold on a table."""
+    from polydraulic.studies.judged_machine import as_judged
     from polydraulic.studies.validity import run_validity, validity
     from polydraulic.tables import read_table
 
     table, holds = read_table(data), True
     static, dynamic = ([model for model in models if (model.dynamics is None) == how] for how in (True, False))
-    judged = [validity(model, table) for model in static] + (run_validity(dynamic, table) if dynamic else [])
+    judged = [validity(model, as_judged(model, table)) for model in static]
+    judged += run_validity(dynamic, table) if dynamic else []
     for model, found in zip([*static, *dynamic], judged, strict=True):
         holds &= found.holds
         print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")

@@ -108,7 +108,7 @@ def fit_table(
         progress(f"{output}: all rows")
         fitted = clone(regressor).fit(X, y)
         model = fitted.to_model([Variable(n, table.unit(n)) for n in inputs], Variable(output, table.unit(output)))
-        fits.append(_judged(model, Held(X[held], y[held], predicted, by_time), len(y)))
+        fits.append(judged(model, Held(X[held], y[held], predicted, by_time), len(y)))
     return fits
 
 
@@ -181,8 +181,8 @@ def half_width(sizes: np.ndarray) -> float:
     return float(np.sort(sizes)[rank - 1]) if rank <= len(sizes) else inf
 
 
-def _judged(model: Model, held: Held, rows: int) -> Fit:
-    """Errors and intervals, written into the model's training, too."""
+def judged(model: Model, held: Held, rows: int) -> Fit:
+    """Errors and intervals of a model fitted to `rows` rows, by those held out; written into the model's training, too."""
     error = held.predicted - held.y
     region = region_of(model.partition, held.X)
     # blocks of time, or rows, in turn: one half sets the widths, the other one says whether they hold

@@ -5,42 +5,36 @@ read, neither orifice areas nor pump pressures among it; the networks go into th
 never saw.
 """
 
-from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic import units
 from polydraulic.elementary import sincos
-from polydraulic.flow import build_flow, places
-from polydraulic.flow.places import BOOM_IN, BOTH, PASSED
+from polydraulic.flow import build_flow
 from polydraulic.flow.sample import sample_flow
 from polydraulic.machine.actuator import lever_arm, motor_displacement, prepare_cylinder
 from polydraulic.measure.sensors import Reading, Sensor
 from polydraulic.measure.smoothing import differentiate
-from polydraulic.networks import AbductiveRegressor, Model, RegionRegressor, Variable
+from polydraulic.networks import Model
 from polydraulic.parameters import LINKS, Machine, load_scenario, random_operator
 from polydraulic.simulation import simulate
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.studies.cache import Lab
+from polydraulic.studies.machine_from_log import Known, by_port, learn
 from polydraulic.studies.three_links import SCENARIOS
 from polydraulic.tables import Table
 
 RASTER = 0.02  # s, of all sensors
-MEASURED = ("spool", "p_a", "p_b", "q_in", "q_out")  # of each link
 RANGES = {
     "m": units.to_si(0.564, "in"),
     "Pa": units.to_si(5000.0, "psi"),
     "m3/s": units.to_si(171.5, "in3/s"),
     "rad": 1.5,
 }
-ROWS, REGIONS = 30_000, 16  # that a network learns from, and regions it may find
 JUDGES = tuple(range(4000, 4010))  # seeds of the operators who judge
 OPERATOR, JUDGE_SECONDS, STROKE = 1000, 60.0, 0.8  # V
-_ROOT_LEAST = float(np.sqrt(units.to_si(75.0, "psi")))  # below it a pressure drop says little of a conductance
 _WINDOW = 0.2  # s, of derivatives
-_SMALL = 0.03  # opening, as a share of the active travel, below which errors count alike
-_CELL = 60  # rows that a part of an outlet's curve needs
 
 
 class Conditions(NamedTuple):
@@ -173,34 +167,7 @@ def measured(machine: Machine, conditions: Conditions) -> Table:
         for link in LINKS:
             read[f"{link}.q_out"] = _outlet_flow(machine, link, read)
     heard = np.all(np.isfinite(np.column_stack(list(read.values()))), axis=1)
-    return by_port(machine, Table({name: values[heard] for name, values in read.items()}, {}))
-
-
-def by_port(machine: Machine, log: Table) -> Table:
-    """What circuits see, from what sensors read: pressures by what the spool connects, travels, conductances, the passed flow.
-
-    Parameters
-    ----------
-    machine : Machine
-        Its pump flow, return pressure and deadband count.
-    log : Table
-        ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b``, ``LINK.q_in`` and ``LINK.q_out`` of all three links, in SI.
-
-    Raises
-    ------
-    InputError
-        If one of them is missing.
-    """
-    columns = {name: log[name] for name in (f"{link}.{what}" for link in LINKS for what in MEASURED)}
-    for link in LINKS:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
-        shut = np.abs(columns[f"{link}.spool"]) <= machine.spool.deadband
-        for port in ("q_in", "q_out"):
-            columns[f"{link}.{port}"] = np.where(shut, 0.0, columns[f"{link}.{port}"])
-        columns |= _ports(machine, link, columns)
-    columns["series.q_passed"] = np.clip(
-        machine.pumps.series_flow - columns["swing.q_in"], 0.0, machine.pumps.series_flow
-    )
-    return Table(columns, {})
+    return by_port(Known.of(machine), Table({name: values[heard] for name, values in read.items()}, {}))
 
 
 def _flows(machine: Machine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -226,93 +193,6 @@ def _outlet_flow(machine: Machine, link: str, read: dict[str, np.ndarray]) -> np
     triangle = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
     ratio = triangle.area_b / triangle.area_a
     return read[f"{link}.q_in"] * np.where(read[f"{link}.spool"] > 0.0, ratio, 1.0 / ratio)
-
-
-def _ports(machine: Machine, link: str, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Pressures by what the spool connects, spool travel, conductance of the outlet (Eq. 7)."""
-    forward = columns[f"{link}.spool"] > 0.0
-    p_a, p_b = (np.maximum(columns[f"{link}.{port}"], 0.0) for port in ("p_a", "p_b"))
-    p_out = np.where(forward, p_b, p_a)
-    root = np.sqrt(np.maximum(p_out - machine.tank.return_pressure, 0.0))
-    return {
-        f"{link}.travel": np.abs(columns[f"{link}.spool"]),
-        f"{link}.p_in": np.where(forward, p_a, p_b),
-        f"{link}.root_p_out": root,
-        f"{link}.k_out": columns[f"{link}.q_out"] / np.maximum(root, _ROOT_LEAST),
-    }
-
-
-def learn(machine: Machine, log: Table, progress: Callable[[str], None] = lambda step: None) -> list[Model]:
-    """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband.
-
-    Parameters
-    ----------
-    machine : Machine
-    log : Table
-        From `by_port`.
-    progress : function of str
-        Called with each of six outputs as it begins.
-    """
-    rng = np.random.default_rng(OPERATOR)
-    models = []
-    for link, (output, inputs), high in (
-        ("boom", BOOM_IN, machine.pumps.boom_flow),
-        ("swing", (places.q_in("swing"), BOTH), machine.pumps.series_flow),
-        ("stick", (places.q_in("stick"), PASSED), machine.pumps.series_flow),
-    ):
-        progress(output.name)
-        active = log[f"{link}.travel"] > machine.spool.deadband
-        rows = _chosen(active, rng)
-        settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
-        models.append(_fit(settings, log, inputs, output, rows))
-    for link in LINKS:
-        progress(f"{link}.k_out")
-        models.append(_learn_outlet(machine, log, link, rng))
-    return models
-
-
-def _learn_outlet(machine: Machine, log: Table, link: str, rng: np.random.Generator) -> Model:
-    """Conductance of an outlet over the spool: a cubic in each part of its travel that was visited."""
-    rows = rng.permutation(np.flatnonzero(log[f"{link}.root_p_out"] > _ROOT_LEAST))[:ROWS]
-    spool, y = log[f"{link}.spool"][rows], log[f"{link}.k_out"][rows]
-    opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
-    borders = [opens, 0.5 * (opens + shut), shut, 0.5 * (shut + end)]
-    settings = AbductiveRegressor(
-        max_layers=1, kinds=("single",), output_bounds=(0.0, float(np.quantile(y, 0.9999)))
-    )  # beyond the travel that was seen, the last value holds
-    edges = visited([-border for border in reversed(borders)] + borders, spool)
-    # a conductance spans three decades, and near the deadband a small one decides as much as a large one does elsewhere
-    opening = np.maximum(np.abs(spool) - opens, 0.0) / (end - opens)
-    learner = RegionRegressor(settings, edges={0: edges} if edges else None, max_regions=1)
-    fitted = learner.fit(spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
-    return fitted.to_model((Variable(f"{link}.spool", "m"),), places.k_out(link))
-
-
-def visited(borders: Sequence[float], values: np.ndarray) -> list[float]:
-    """Those of rising borders that leave at least `_CELL` values on either side, up to the next one that is kept."""
-    kept: list[float] = []
-    low = -np.inf
-    for border in borders:
-        if np.sum((values > low) & (values <= border)) >= _CELL:
-            kept.append(border)
-            low = border
-    while kept and np.sum(values > kept[-1]) < _CELL:
-        kept.pop()
-    return kept
-
-
-def _chosen(active: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Rows to learn from: those with an open valve say most."""
-    on, off = np.flatnonzero(active), np.flatnonzero(~active)
-    return np.concatenate([rng.permutation(on)[:ROWS], rng.permutation(off)[: ROWS // 5]])
-
-
-def _fit(
-    settings: AbductiveRegressor, log: Table, inputs: Sequence[Variable], output: Variable, rows: np.ndarray
-) -> Model:
-    learner = RegionRegressor(settings, max_regions=REGIONS, min_rows=min(150, max(20, len(rows) // 40)))
-    X, y = log.matrix([variable.name for variable in inputs])[rows], log[output.name][rows]
-    return learner.fit(X, y).to_model(inputs, output)
 
 
 def _judged(machine: Machine, models: list[Model]) -> list[Any]:

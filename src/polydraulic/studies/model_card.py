@@ -27,7 +27,13 @@ _BINS = 20  # of the coverage map
 _EFFORT = 200  # sub-boxes a region, of the proofs
 
 
-def write_card(fits: Sequence[Fit | DynamicFit], table: Table, source: str, path: str | Path) -> dict[str, Any]:
+def write_card(
+    fits: Sequence[Fit | DynamicFit],
+    table: Table,
+    source: str,
+    path: str | Path,
+    seen: tuple[dict[str, Any], str] | None = None,
+) -> dict[str, Any]:
     """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
 
     Parameters
@@ -40,6 +46,9 @@ def write_card(fits: Sequence[Fit | DynamicFit], table: Table, source: str, path
         Where the table came from, as it shall stand in the card.
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
+    seen : (dict, str), optional
+        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the first model's inputs if not
+        given.
 
     Returns
     -------
@@ -54,9 +63,10 @@ def write_card(fits: Sequence[Fit | DynamicFit], table: Table, source: str, path
     path = Path(path)
     if path.suffix.lower() != ".html":
         raise InputError(f"{path}: a model card ends in .html")
+    entries, shown = seen or ({}, _coverage_of(_inputs(fits), table))
     card: dict[str, Any] = {
         "schema": SCHEMA,
-        "data": _data(fits, table, source),
+        "data": _data(fits, table, source) | entries,
         "models": [_facts(found.model) for found in fits],
     }
     sections = "\n".join(
@@ -65,8 +75,7 @@ def write_card(fits: Sequence[Fit | DynamicFit], table: Table, source: str, path
     )
     body = f"""<h2>Data</h2>
 {_columns(card["data"])}
-{_picture(_coverage(_inputs(fits), table))}
-<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>
+{shown}
 {sections}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
     write_text(path, document(f"Model card: {source}", body))
@@ -74,12 +83,16 @@ def write_card(fits: Sequence[Fit | DynamicFit], table: Table, source: str, path
 
 
 def _inputs(fits: Sequence[Fit | DynamicFit]) -> list[str]:
-    """Columns that are inputs; of dynamic models those that none of them predicts."""
-    model = fits[0].model
+    """Columns that any of the models reads; of dynamic ones those that none of them predicts."""
+    outputs = {found.model.output.name for found in fits}
+    read = [name for found in fits for name in _signals(found.model)]
+    return [name for name in dict.fromkeys(read) if name not in outputs]
+
+
+def _signals(model: Model) -> list[str]:
     if model.dynamics is None:
         return [variable.name for variable in model.inputs]
-    outputs = {found.model.output.name for found in fits}
-    return [name for name in dict.fromkeys(lag.signal for lag in model.dynamics.lags) if name not in outputs]
+    return [lag.signal for lag in model.dynamics.lags]
 
 
 def _data(fits: Sequence[Fit | DynamicFit], table: Table, source: str) -> dict[str, Any]:
@@ -215,6 +228,11 @@ def _columns(data: dict[str, Any]) -> str:
     )
     caption = f"{data['source']}: {data['rows']} rows{spans}; held out: {data['held_out']}"
     return html_table(caption, ["column", "unit", "low", "high"], rows)
+
+
+def _coverage_of(inputs: Sequence[str], table: Table) -> str:
+    return f"""{_picture(_coverage(inputs, table))}
+<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>"""
 
 
 def _coverage(inputs: Sequence[str], table: Table) -> Any:
