@@ -91,11 +91,9 @@ def compared(X, y, half, horizons):
         seconds, first = time.process_time() - start, half - model.warm_up_
         found = [model.simulate(X[first:], y[first:], horizon=horizon)[model.warm_up_ :] for horizon in horizons]
         chosen = model.choice_
-        name += f": input lags {chosen.input_lags}, output lags {chosen.output_lags}, " * (not settings)
-        name += f"{'increments, ' * chosen.increments}layers {chosen.layers}, refined over {chosen.horizon} rows, " * (
-            not settings
-        )
-        name += f"K {sum(one.n_coefficients for one in model.models_)}" if not settings else ""
+        if not settings:
+            name += f": lags on offer {chosen.input_lags}, horizon {chosen.horizon}, {chosen.terms} terms, "
+            name += f"K {sum(one.n_coefficients for one in model.models_)}"
         yield name, [rms(values - y[half:]) for values in found], seconds
 
 

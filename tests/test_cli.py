@@ -1,7 +1,9 @@
 """The command line as a user meets it."""
 
 import re
+import shlex
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -98,6 +100,19 @@ def test_sample_fit_export(call, tmp_path):
     code, out, _ = call("verify", model, "--points", 60)
     assert code == 0
     assert re.search(r"^python: boom.p_pump \[Pa\] +0 +0 +0 ", out, re.MULTILINE)
+
+
+@pytest.mark.slow
+def test_networks_of_ones_own_drive_the_machine(call, tmp_path, monkeypatch):
+    page = (Path(__file__).parents[1] / "docs" / "flow_models.md").read_text()
+    block = re.search(r"```\n(polydraulic sample .*?)```", page, re.DOTALL)[1]
+    monkeypatch.chdir(tmp_path)
+    for line in block.replace("\\\n", " ").splitlines():
+        code, out, _ = call(*shlex.split(line)[1:])
+        assert code == 0, line
+    tip = re.search(r"tip +(\S+) ", out)[1]
+    assert float(tip) < 15.0  # mm; the page says what it was
+    assert f"within {float(tip):.1f} mm of the exact run in `sine`" in page
 
 
 def test_fit_needs_no_hydraulics(call, tmp_path):

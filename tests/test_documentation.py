@@ -5,11 +5,14 @@ import importlib
 import inspect
 import pkgutil
 import re
+import shlex
+import sys
 from pathlib import Path
 
 import pytest
 
 import polydraulic
+from polydraulic.cli import main
 
 ROOT = Path(__file__).parents[1]
 MODULES = [m.name for m in pkgutil.walk_packages(polydraulic.__path__, "polydraulic.") if not m.name.endswith("train")]
@@ -38,13 +41,21 @@ PAGES = ["README.md", *(f"docs/{name}.md" for name in "guide simulation dynamic_
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_python_in_the_pages_runs(page, tmp_path, monkeypatch):
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
+def test_python_and_commands_in_the_pages_run(page, tmp_path, monkeypatch):
+    blocks = re.findall(r"```(python|sh)\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
     assert blocks
     monkeypatch.chdir(tmp_path)
     names = {}
-    for block in blocks:
-        exec(compile(block, page, "exec"), names)
+    for language, block in blocks:
+        if language == "python":
+            exec(compile(block, page, "exec"), names)
+            continue
+        for line in block.splitlines():
+            monkeypatch.setattr(sys, "argv", shlex.split(line))
+            with pytest.raises(SystemExit) as stop:
+                main()
+                sys.exit(0)
+            assert not stop.value.code, line
 
 
 def test_commands_in_the_readme_exist():

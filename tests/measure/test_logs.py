@@ -1,6 +1,7 @@
 """Every format gives the same numbers, block by block."""
 
 import gzip
+import re
 
 import numpy as np
 import pytest
@@ -211,3 +212,17 @@ def test_rows_without_a_clock_take_the_interval_of_the_map(tmp_path):
     found = import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
     assert found.excerpt["time"] == pytest.approx(np.arange(399) * 0.01)
     assert len(found.findings) == 0
+
+
+def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text(
+        "time,boom_speed_deg_per_sec,force_lift_MN,engine_speed_rps,p_A,lever [V],x_mm [m]\n"
+        + "".join(f"{k},{k},{k},{k},{k},{k},{k}\n" for k in range(5))
+    )
+    text = suggest_channels(log)
+    found = dict(re.findall(r'source = "(.*?)"\nrole = "input"\nunit = "(.*?)"', text))
+    assert found == {
+        "boom_speed_deg_per_sec": "deg/s", "force_lift_MN": "MN", "engine_speed_rps": "rev/s", "p_A": "", "lever": "V", "x_mm": "m",
+    }  # fmt: skip
+    assert text.count("from its name: the log itself does not tell") == 3

@@ -1,11 +1,12 @@
 """Commands of networks: fit, check, export, verify."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from polydraulic.cli.app import app
+from polydraulic.cli.dynamic import say_how_dynamic
 from polydraulic.errors import InputError
 from polydraulic.terminal import stages, steps
 
@@ -28,11 +29,14 @@ def fit(
     regions: Annotated[
         int, typer.Option(help="Without edges: find regions in the data, this many at most; 1 for a single network.")
     ] = 1,
-    layers: Annotated[int, typer.Option(help="Layers at most.")] = 4,
-    cpm: Annotated[float, typer.Option(help="Complexity penalty multiplier.")] = 1.0,
+    layers: Annotated[
+        int | None, typer.Option(help="Layers at most; 4 if not given, of a dynamic model as chosen.")
+    ] = None,
+    cpm: Annotated[float | None, typer.Option(help="Complexity penalty multiplier; 1 if not given.")] = None,
     prior: Annotated[
-        str, typer.Option(help="Prior error variance: adaptive, half-variance, or a number.")
-    ] = "adaptive",
+        str | None,
+        typer.Option(help="Prior error variance: adaptive, half-variance, or a number; adaptive if not given."),
+    ] = None,
     bounds: Annotated[
         str | None,
         typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given."),
@@ -43,17 +47,30 @@ def fit(
     deadbands: Annotated[
         bool, typer.Option("--deadbands", help="Regions from the deadbands that an imported log shows, as well.")
     ] = False,
+    dynamic: Annotated[
+        bool,
+        typer.Option("--dynamic", help="From rows before: one model of all outputs, which can run on its own answers."),
+    ] = False,
+    longest_lag: Annotated[
+        int | None, typer.Option(help="With --dynamic: how many rows ago may be read, at most; 8 if not given.", min=1)
+    ] = None,
 ) -> None:
     """Learn polynomial networks from a table.
 
     A fifth of the rows is held out to state the error: blocks of time where the table has a column `time`, every fifth row
     elsewhere. The model is then fitted on all rows.
 
+    With `--dynamic` the table is a log (columns `time`, `segment`, as `polydraulic import` writes it). The model predicts the next row from
+    rows before it, or runs on its own answers; lags and complexity are chosen by runs, and the errors of both are stated.
+
     Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
 
     - From a log, with all that an engineer asks before trusting it: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
     --outputs boom.q_in --regions 12 --out q_in.json --card q_in.html`; `polydraulic check q_in.json --data new.parquet` later
     says whether it still holds.
+
+    - With memory: `polydraulic fit log.parquet --inputs valve --outputs pressure --dynamic --out pressure.json --card pressure.html`;
+    `polydraulic run pressure.json log.parquet --plot run.svg` shows it running.
     """
     from polydraulic.networks import AbductiveRegressor, save_models
     from polydraulic.studies.fit import fit_table, with_deadbands
@@ -63,18 +80,24 @@ def fit(
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
     if card is not None and card.suffix.lower() != ".html":
         raise InputError(f"{card}: a model card ends in .html")
-    data = read_table(table, [*names, *targets], optional=["time", "segment"])
+    settings: dict[str, Any] = {} if layers is None else {"max_layers": layers}
+    settings |= {} if cpm is None else {"cpm": cpm}
+    if prior is not None:
+        words = prior in ("adaptive", "half-variance")
+        settings["prior_variance"] = prior if words else _numbers(prior, "--prior", 1)[0]
     limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
     borders = _edges(edges or [])
+    if dynamic:
+        given = {"--edges": borders, "--regions": regions != 1, "--bounds": limits, "--deadbands": deadbands}
+        _fit_dynamic(table, names, targets, out, card, settings, longest_lag or 8, [o for o in given if given[o]])
+        return
+    if longest_lag is not None:
+        raise InputError("--longest-lag goes with --dynamic")
+    data = read_table(table, [*names, *targets], optional=["time", "segment"])
     if deadbands:
         borders, statements = with_deadbands(borders, data, names, targets)
         print("\n".join(statements))
-    estimator = AbductiveRegressor(
-        max_layers=layers,
-        cpm=cpm,
-        prior_variance=prior if prior in ("adaptive", "half-variance") else _numbers(prior, "--prior", 1)[0],
-        output_bounds="data" if limits is None else (limits[0], limits[1]),
-    )
+    estimator = AbductiveRegressor(**settings, output_bounds="data" if limits is None else (limits[0], limits[1]))
     with steps("fit", 2 * len(targets)) as progress:
         fits = fit_table(data, names, targets, estimator, borders, regions, progress)
     save_models([found.model for found in fits], out)
@@ -85,6 +108,31 @@ def fit(
             f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
             f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}, largest {found.largest:.4g}"
         )
+
+
+def _fit_dynamic(
+    table: Path, inputs: list[str], outputs: list[str], out: Path, card: Path | None, settings: dict[str, Any],
+    longest_lag: int, given: list[str],
+) -> None:  # fmt: skip
+    """Fit one dynamic model of all outputs."""
+    from polydraulic.networks import AbductiveRegressor, save_models
+    from polydraulic.studies.fit_dynamic import fit_log, statements
+    from polydraulic.studies.model_card import write_card
+    from polydraulic.tables import read_table
+
+    if given:
+        raise InputError(f"{given[0]} goes with static models; a dynamic one has a single region and the data's range")
+    data = read_table(table, [*inputs, *outputs], optional=["time", "segment"])
+    estimator = AbductiveRegressor(**settings) if settings else None
+    with stages("fit") as progress:
+        fits = fit_log(data, inputs, outputs, estimator, longest_lag, progress)
+    save_models([found.model for found in fits], out)
+    if card is not None:
+        write_card(fits, data, table.name, card)
+    for found in fits:
+        print(found.model.output)
+        for statement in statements(found):
+            print(f"  {statement}")
 
 
 @app.command()
@@ -111,7 +159,7 @@ def check(
     where it leaves; the exit code is 1 unless it is proved to stay.
 
     With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
-    no longer holds.
+    no longer holds. Dynamic models run on their own through the new log, begun anew as often as when they were fitted.
 
     Example: `polydraulic check q_in.json --range 0,0.0028`
 
@@ -125,8 +173,9 @@ def check(
         _judge(load_models(model), data)
         return
     limits = None if within is None else _numbers(within, "--range", 2)
-    proved = True
-    for found in load_models(model):
+    proved, models = True, load_models(model)
+    say_how_dynamic(models)
+    for found in models:
         place = _box(box or [], found)
         if limits is not None:
             answer = check_range(found, limits[0], limits[1], place, max_boxes=boxes)
@@ -148,12 +197,14 @@ def check(
 def _judge(models: "list[Model]", data: Path) -> None:
     """Say whether models hold on a table."""
     from polydraulic.studies.judged_machine import as_judged
-    from polydraulic.studies.validity import validity
+    from polydraulic.studies.validity import run_validity, validity
     from polydraulic.tables import read_table
 
     table, holds = read_table(data), True
-    for model in models:
-        found = validity(model, as_judged(model, table))
+    static, dynamic = ([model for model in models if (model.dynamics is None) == how] for how in (True, False))
+    judged = [validity(model, as_judged(model, table)) for model in static]
+    judged += run_validity(dynamic, table) if dynamic else []
+    for model, found in zip([*static, *dynamic], judged, strict=True):
         holds &= found.holds
         print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")
         for statement in found.statements:
@@ -201,6 +252,7 @@ def export(
         print(path)
     for note in written.notes:
         print(f"note: {note}")
+    say_how_dynamic(models)
 
 
 @app.command()
@@ -219,9 +271,11 @@ def verify(
     from polydraulic.export import agreement_table, verify_models
     from polydraulic.networks import load_models
 
+    models = load_models(model)
     with stages("verify") as progress:
-        found, not_tried = verify_models(load_models(model), points, seed=seed, progress=progress)
+        found, not_tried = verify_models(models, points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
+    say_how_dynamic(models)
     if not all(agreement.holds for agreement in found):
         raise typer.Exit(1)
 

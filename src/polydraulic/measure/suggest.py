@@ -1,5 +1,6 @@
 """A first channel map for a log: what can be seen in the log is filled in, what only its owner knows is asked for."""
 
+import re
 from collections.abc import Callable
 from math import ceil, floor, inf, log10
 from pathlib import Path
@@ -14,6 +15,17 @@ from polydraulic.measure.log import Log, Signal
 from polydraulic.measure.logs import open_log
 
 _TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
+# how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
+_ENDINGS = {
+    unit: unit
+    for unit in "bar barg bara psi Pa kPa MPa mm cm m deg rad rpm lpm gpm V mV mA N kN MN Nm kg Hz degC".split()
+}
+_ENDINGS |= {"rps": "rev/s", "l_min": "l/min", "pct": "%", "percent": "%"}
+_ENDINGS |= {
+    f"{unit}{per}": f"{unit}/s"
+    for unit in ("deg", "rad", "mm", "m")
+    for per in ("_s", "_per_s", "_per_sec", "ps", "/s")
+}
 _HOLD = 0.6  # share of samples like the one before, from which on a channel is a held one
 _ROUND = (1.0, 2.0, 5.0)
 
@@ -68,7 +80,7 @@ def suggest_channels(path: str | Path, *, progress: Callable[[int, int], None] =
             why = "it holds no numbers" if not found.n else "it is constant"
             lines += [f'role = "ignore"  # {why}']
             continue
-        lines += ['role = "input"', _unit_line(signal.unit)]
+        lines += ['role = "input"', _unit_line(signal)]
         if np.isfinite(found.raster):
             lines.append(f"raster = {_text(_span(found.raster))}")
         lines.append(f"between = {_text('hold' if found.held > _HOLD else 'linear')}")
@@ -123,12 +135,20 @@ def _merge(before: _Seen, clock: np.ndarray | None, value: np.ndarray) -> _Seen:
     return _Seen(low, high, before.n + count, raster, held)
 
 
-def _unit_line(unit: str) -> str:
-    if not unit:
-        return 'unit = ""  # the log does not tell'
-    if not _known(unit):
-        return f'unit = ""  # the log says {_text(unit)}, which is not known'
-    return f"unit = {_text(unit)}"
+def _unit_line(signal: Signal) -> str:
+    if not signal.unit:
+        guess = _unit_in(signal.name)
+        said = "from its name: the log itself does not tell" if guess else "the log does not tell"
+        return f"unit = {_text(guess)}  # {said}"
+    if not _known(signal.unit):
+        return f'unit = ""  # the log says {_text(signal.unit)}, which is not known'
+    return f"unit = {_text(signal.unit)}"
+
+
+def _unit_in(name: str) -> str:
+    """Unit in which a name ends, such as ``boom_angle_deg``; empty if in none."""
+    ends = [ending for ending in _ENDINGS if re.search(rf"[\w)][_ .([]{re.escape(ending)}[)\]]?$", name)]
+    return _ENDINGS[max(ends, key=len)] if ends else ""
 
 
 def _known(unit: str) -> str:

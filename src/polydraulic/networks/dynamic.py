@@ -1,7 +1,7 @@
 """DynamicRegressor: networks on lagged inputs and outputs (polynomial NARX), judged by how they run on their own."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,16 +11,20 @@ from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
 from polydraulic.networks.free_run import prepare_loop, run_windows, simulate_spans
-from polydraulic.networks.lag_selection import LADDER, Choice, Options, checked_lags, select
+from polydraulic.networks.lag_selection import LADDER, Choice, Options, checked_lags, select, select_terms
+from polydraulic.networks.lagged_terms import Frame, Terms, frame_of
 from polydraulic.networks.lags import Dynamics, Lag, Span, answered, blocks_of, lagged, rows_of, spans_of, without
 from polydraulic.networks.model import Model, Variable
 from polydraulic.networks.multi_step import refine_over_steps, spread
 from polydraulic.networks.nodes import LINEAR
-from polydraulic.networks.regressor import AbductiveRegressor, variables
+from polydraulic.networks.regressor import variables
 from polydraulic.networks.table import Network, Node
+from polydraulic.networks.term_growth import grow, grow_average
+from polydraulic.networks.term_network import places_read, term_networks
 
 _MARGIN = 0.1  # of their range, by which the limits of outputs and of their changes are wider than the data
-_LAYERS, _OWN_LAYERS = (2, 0, 1, 3), (-1,)  # to choose from; those of a given estimator
+_HORIZONS, _OWN_HORIZONS = (8, 16, 32, 64, 128, 256), (None, 8, 64)  # to choose from; for a given estimator
+_PATIENCE = 8  # so many more terms of each output without a gain end the growth
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
 
 
@@ -33,22 +37,25 @@ class DynamicRegressor(BaseEstimator):
     Parameters
     ----------
     estimator : AbductiveRegressor, RegionRegressor or PerceptronRegressor, optional
-        Learns the next row from the lagged ones. If not given, each output has a linear network or one of one to three layers, as
-        chosen.
+        Learns the next row from the lagged ones. If not given, each output has a polynomial, grown term by term by how it runs on
+        its own.
     input_lags, output_lags : "auto" or sequence of int
-        How many rows ago inputs (0 is now) and outputs are read. No output lags at all give a model without memory of its own.
+        How many rows ago inputs (0 is now) and outputs may be read. No output lags at all give a model without memory of its own.
     increments : "auto" or bool
-        Whether networks learn the change of an output, to which its last value is added, or the output.
+        Whether a given estimator learns the change of an output, to which its last value is added, or the output. For polynomials
+        it is the same: the last value is a term of theirs.
     horizon : "auto", int or None
-        After growth all coefficients are refined over windows of so many rows that run on their own; None leaves that out.
+        Polynomials fit runs of so many rows, given estimators are refined to do so; None is one step ahead.
+    max_terms : int, default=20
+        Of each output's polynomial, while it is being chosen.
     longest_lag : int, default=8
         Up to which lags are tried: 1, 2, 3, 4, 6, 8, 12, 16, 24, ...
     n_blocks : int, default=4
         Blocks of rows that follow each other in time, each held out once.
     raster : float, optional
         Time between rows in s; it goes into the model file.
-    verbose : bool, default=False
-        Print a line for each choice that is tried to standard error.
+    verbose : bool or function of Choice, default=False
+        Print a line for each choice of lags and horizon that is tried to standard error, or call a function with it.
 
     Attributes
     ----------
@@ -87,16 +94,18 @@ class DynamicRegressor(BaseEstimator):
         output_lags: str | Sequence[int] = "auto",
         increments: str | bool = "auto",
         horizon: str | int | None = "auto",
+        max_terms: int = 20,
         longest_lag: int = 8,
         n_blocks: int = 4,
         raster: float | None = None,
-        verbose: bool = False,
+        verbose: bool | Callable[[Choice], None] = False,
     ) -> None:
         self.estimator = estimator
         self.input_lags = input_lags
         self.output_lags = output_lags
         self.increments = increments
         self.horizon = horizon
+        self.max_terms = max_terms
         self.longest_lag = longest_lag
         self.n_blocks = n_blocks
         self.raster = raster
@@ -185,28 +194,30 @@ class DynamicRegressor(BaseEstimator):
     def _choose(self, signals: np.ndarray, spans: list[Span]) -> list[Choice]:
         """Return everything tried, and the chosen one at the end."""
         options = self._options()
-        if not options.open:
+        if self.estimator is not None and not options.open:
             return [options.at(1, 1)]
         blocks = self._blocks(spans, options.longest)
+        if self.estimator is None:
+            return select_terms(options, lambda choice: self._held_out_path(choice, signals, spans, blocks), self._say)
+        return select(options, lambda choice: self._held_out_error(choice, signals, spans, blocks), self._say)
 
-        def say(choice: Choice) -> None:
-            if self.verbose:
-                print(choice, file=sys.stderr)
-
-        return select(options, lambda choice: self._held_out_error(choice, signals, spans, blocks), say)
+    def _say(self, choice: Choice) -> None:
+        if callable(self.verbose):
+            self.verbose(choice)
+        elif self.verbose:
+            print(choice, file=sys.stderr)
 
     def _options(self) -> Options:
-        longest = self._whole("longest_lag")
+        longest, own = self._whole("longest_lag"), self.estimator is not None
+        horizons: tuple[int | None, ...] = _OWN_HORIZONS if own else _HORIZONS
+        if self.horizon != "auto":
+            horizons = (None if self.horizon is None else self._whole("horizon"),)
         options = Options(
             checked_lags("input_lags", self.input_lags, 0),
             checked_lags("output_lags", self.output_lags, 1),
             tuple(lag for lag in LADDER if lag <= longest),
-            (True, False) if self.increments == "auto" else (bool(self.increments),),
-            _LAYERS if self.estimator is None else _OWN_LAYERS,
-            (None, 8, 64)
-            if self.horizon == "auto"
-            else (self.horizon if self.horizon is None else self._whole("horizon"),),
-            self.n_outputs_,
+            (bool(self.increments),) if self.increments != "auto" else (True, False) if own else (False,),
+            horizons,
         )
         if options.input_lags == () and options.output_lags == ():
             raise InputError("input_lags and output_lags are both empty: there is nothing to learn from")
@@ -222,7 +233,7 @@ class DynamicRegressor(BaseEstimator):
         if any(sum(b - a for a, b in block) < _SMALLEST for block in blocks):
             raise InputError(
                 f"{sum(b - a for a, b in spans)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} "
-                f"blocks needs {_SMALLEST} rows beside longest_lag = {self.longest_lag}; give lags, or more rows"
+                f"blocks needs {_SMALLEST} rows beside the longest lag, {longest}; shorten the lags, or record more rows"
             )
         return blocks
 
@@ -230,45 +241,84 @@ class DynamicRegressor(BaseEstimator):
         self, choice: Choice, signals: np.ndarray, spans: list[Span], blocks: list[list[Span]]
     ) -> float:
         """Free-run error on each block of models that have not seen it."""
-        outputs = signals[:, self.n_features_in_ :]
-        scale, total, count = spread(outputs[rows_of(spans)]), 0.0, 0
-        for block in blocks:
-            # the rows before a block start its runs: they are known then, and stay out of the fit with it
-            models = self._learn(choice, signals, without(spans, [(a - choice.longest, b) for a, b in block]))
-            rows = rows_of(block)
-            errors = (run_windows(prepare_loop(models, self._names()), signals, block)[rows] - outputs[rows]) / scale
-            total += float(np.sum(errors * errors))
-            count += errors.size
-        return float(np.sqrt(total / count))
+        scale = spread(signals[rows_of(spans), self.n_features_in_ :])
+        errors = [
+            self._run_error(self._learn(choice, signals, _but(spans, block, choice.longest)), signals, block, scale)
+            for block in blocks
+        ]
+        return float(np.mean(errors))
+
+    def _held_out_path(
+        self, choice: Choice, signals: np.ndarray, spans: list[Span], blocks: list[list[Span]]
+    ) -> list[Choice]:
+        """The same for polynomials of one term more at a time, until more of them do not help any more."""
+        scale, found = spread(signals[rows_of(spans), self.n_features_in_ :]), list[Choice]()
+        most = self._whole("max_terms") * self.n_outputs_
+        paths = [self._polynomials(choice, signals, _but(spans, block, choice.longest)) for block in blocks]
+        for steps in zip(*paths, strict=False):
+            errors = [
+                self._run_error(models, signals, block, scale) for (_, models), block in zip(steps, blocks, strict=True)
+            ]
+            found.append(choice._replace(terms=steps[0][0], error=float(np.mean(errors))))
+            best = int(np.argmin([one.error for one in found]))
+            if steps[0][0] >= most or len(found) - 1 - best >= _PATIENCE * self.n_outputs_:
+                break
+        return found
+
+    def _run_error(self, models: list[Model], signals: np.ndarray, block: list[Span], scale: np.ndarray) -> float:
+        rows, outputs = rows_of(block), signals[:, self.n_features_in_ :]
+        errors = (run_windows(prepare_loop(models, self._names()), signals, block)[rows] - outputs[rows]) / scale
+        return float(np.sqrt(np.mean(errors * errors)))
 
     def _learn(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> list[Model]:
+        if choice.terms is not None:
+            frame, targets = self._frame(choice, signals, spans)
+            terms = grow_average(frame, targets, choice.horizon or 1, choice.terms)
+            return self._models(frame, terms, targets)
         n, names = self.n_features_in_, self._names()
-        reads = [(i, step) for i in range(n) for step in choice.input_lags]
-        reads += [(n + k, step) for k in range(self.n_outputs_) for step in choice.output_lags]
+        reads = self._reads(choice)
         lags = tuple(Lag(names[column], step) for column, step in reads)
-        targets = answered(spans, choice.longest)
+        targets = _targets(spans, choice)
         rows = rows_of(targets)
-        if not rows.size:
-            raise InputError(f"no {choice.longest + 1} rows follow each other: shorten the lags or fill the gaps")
         X = lagged(signals, reads, rows)
         inputs, models = [Variable(str(lag)) for lag in lags], []
         for k, output in enumerate(self._outputs()):
             y, last = signals[rows, n + k], signals[rows - 1, n + k]
-            target = y - last if choice.increments else y
-            if choice.layers[k] == 0:
-                model = Model(tuple(inputs), output, (linear_network(X, target, _widened(target)),))
-            else:
-                model = self._base(choice.layers[k]).fit(X, target).to_model(inputs, output)
-            step = _widened(y - last)
+            model = clone(self.estimator).fit(X, y - last if choice.increments else y).to_model(inputs, output)
             if choice.increments:
                 model = _added_to_last(model, reads.index((n + k, 1)), _widened(y))
-            models.append(replace(model, dynamics=Dynamics(lags, step, self.raster)))
+            models.append(replace(model, dynamics=Dynamics(lags, _widened(y - last), self.raster)))
         if choice.horizon is not None:
             models = refine_over_steps(models, names, signals, targets, choice.horizon)
         return models
 
-    def _base(self, layers: int) -> Any:
-        return AbductiveRegressor(max_layers=layers) if self.estimator is None else clone(self.estimator)
+    def _polynomials(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> Iterator[tuple[int, list[Model]]]:
+        """Numbers of terms, and models of so many."""
+        frame, targets = self._frame(choice, signals, spans)
+        for terms in grow(frame, targets, choice.horizon or 1):
+            yield len(terms.coef), self._models(frame, terms, targets)
+
+    def _frame(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> tuple[Frame, list[Span]]:
+        targets = _targets(spans, choice)
+        return frame_of(signals, self.n_outputs_, self._reads(choice), targets, _MARGIN), targets
+
+    def _models(self, frame: Frame, terms: Terms, targets: list[Span]) -> list[Model]:
+        """Polynomials as models, which read what these terms hold."""
+        names, places, rows = self._names(), places_read(terms), rows_of(targets)
+        lags = tuple(Lag(names[frame.column[place]], int(frame.steps[place])) for place in places)
+        inputs = tuple(Variable(str(lag)) for lag in lags)
+        first = self.n_features_in_
+        changes = (frame.scale * (frame.signals[rows] - frame.signals[rows - 1]))[:, first:]
+        return [
+            Model(inputs, output, (network,), dynamics=Dynamics(lags, _widened(change), self.raster))
+            for output, network, change in zip(self._outputs(), term_networks(frame, terms), changes.T, strict=True)
+        ]
+
+    def _reads(self, choice: Choice) -> list[tuple[int, int]]:
+        """Columns and steps that a choice offers."""
+        n = self.n_features_in_
+        reads = [(i, step) for i in range(n) for step in choice.input_lags]
+        return reads + [(n + k, step) for k in range(self.n_outputs_) for step in choice.output_lags]
 
     @property
     def _dynamics(self) -> Dynamics:
@@ -299,13 +349,16 @@ class DynamicRegressor(BaseEstimator):
         return int(value)
 
 
-def linear_network(X: np.ndarray, y: np.ndarray, bounds: tuple[float, float]) -> Network:
-    """Least squares as a network of one linear node, with output bounds."""
-    mean, scale = X.mean(axis=0), spread(X)
-    coef = np.linalg.lstsq((X - mean) / scale, y - y.mean(), rcond=1e-10)[0]
-    x_mean, x_scale, x_low, x_high = (tuple(end.tolist()) for end in (mean, scale, X.min(axis=0), X.max(axis=0)))
-    node = Node(LINEAR, tuple(range(len(mean))), tuple(coef.tolist()))
-    return Network((node,), x_mean, x_scale, x_low, x_high, float(y.mean()), 1.0, *bounds)
+def _but(spans: list[Span], block: list[Span], warm_up: int) -> list[Span]:
+    """Rows to learn from: those before a block start its runs, are known then, and stay out with it."""
+    return without(spans, [(a - warm_up, b) for a, b in block])
+
+
+def _targets(spans: list[Span], choice: Choice) -> list[Span]:
+    targets = answered(spans, choice.longest)
+    if not targets:
+        raise InputError(f"no {choice.longest + 1} rows follow each other: shorten the lags or fill the gaps")
+    return targets
 
 
 def _widened(values: np.ndarray) -> tuple[float, float]:

@@ -9,6 +9,8 @@ from polydraulic.errors import InputError
 LADDER = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # lags that are tried, denser where they are short
 _PATIENCE = 2  # steps of the walk without a gain
 _GAIN = 0.01  # another choice has to lower the error by this share
+_REACHES = (3, 8, 24)  # longest lags that are offered to polynomials, as far as allowed
+_TERMS_GAIN = 0.03  # what many terms have to gain over few
 
 
 class Choice(NamedTuple):
@@ -19,20 +21,20 @@ class Choice(NamedTuple):
     input_lags, output_lags : tuple of int
     increments : bool
         Whether the networks learnt the change of the output rather than the output.
-    layers : tuple of int
-        Layers of each output's network at most, 0 for a linear one; of a given estimator -1, since its own settings hold.
     horizon : int or None
-        Rows over which coefficients were refined.
+        Rows over which runs were to fit, None for one step ahead.
+    terms : int or None
+        Of the polynomials of all outputs together, constants included; None for a given estimator.
     error : float
-        Free-run error on held-out blocks as a part of the standard deviation, rms over blocks and outputs; infinite if nothing
-        was left open, since then it is not computed.
+        Free-run error on held-out blocks as a part of the standard deviation, rms over rows and outputs, mean over blocks; infinite
+        if nothing was left open, since then it is not computed.
     """
 
     input_lags: tuple[int, ...]
     output_lags: tuple[int, ...]
     increments: bool
-    layers: tuple[int, ...]
     horizon: int | None
+    terms: int | None = None
     error: float = inf
 
     @property
@@ -42,21 +44,19 @@ class Choice(NamedTuple):
 
 
 class Options(NamedTuple):
-    """What may be chosen; lags of None are found on the ladder. The first of each is where the walk begins."""
+    """What may be chosen; lags of None are found on the ladder. The first of each is where the search begins."""
 
     input_lags: tuple[int, ...] | None
     output_lags: tuple[int, ...] | None
     ladder: tuple[int, ...]
     increments: tuple[bool, ...]
-    layers: tuple[int, ...]
     horizons: tuple[int | None, ...]
-    n_output: int
 
     @property
     def open(self) -> bool:
         """Whether there is more than one choice."""
         lags = self.input_lags is None or self.output_lags is None
-        return lags or any(len(some) > 1 for some in (self.increments, self.layers, self.horizons))
+        return lags or any(len(some) > 1 for some in (self.increments, self.horizons))
 
     @property
     def longest(self) -> int:
@@ -70,11 +70,11 @@ class Options(NamedTuple):
             self.ladder[:n] if own is None else own
             for n, own in zip((n_in, n_out), (self.input_lags, self.output_lags), strict=True)
         ]
-        return Choice(lags[0], lags[1], self.increments[0], self.layers[:1] * self.n_output, self.horizons[0])
+        return Choice(lags[0], lags[1], self.increments[0], self.horizons[0])
 
 
 def select(options: Options, judge: Callable[[Choice], float], say: Callable[[Choice], None]) -> list[Choice]:
-    """Walk to better lags, a rung of either ladder or of both at a time; then try what else is open.
+    """Walk to better lags of a given estimator, a rung of either ladder or of both at a time; then try what else is open.
 
     Parameters
     ----------
@@ -99,26 +99,65 @@ def select(options: Options, judge: Callable[[Choice], float], say: Callable[[Ch
         return tried[key]
 
     best, here, waited = judged(options.at(1, 1)), (1, 1), 0
-    rungs = [(a, b) for a, b in ((0, 1), (1, 0), (1, 1))]
-    rungs = [
-        (a, b)
-        for a, b in rungs
-        if not ((a and options.input_lags is not None) or (b and options.output_lags is not None))
-    ]
+    free = options.input_lags is None, options.output_lags is None
+    rungs = [(a, b) for a, b in ((0, 1), (1, 0), (1, 1)) if a <= free[0] and b <= free[1]]
     while waited < _PATIENCE:
         steps = [(here[0] + a, here[1] + b) for a, b in rungs if max(here[0] + a, here[1] + b) <= len(options.ladder)]
         if not steps:
             break
         found = [(judged(options.at(*step)), step) for step in steps]
         nearest, here = min(found, key=lambda one: one[0].error)
-        waited = 0 if _better(nearest, best) else waited + 1
+        waited = 0 if nearest.error < (1.0 - _GAIN) * best.error else waited + 1
         best = nearest if waited == 0 else best
     best = _simplest([judged(best._replace(increments=option)) for option in options.increments])
-    for k in range(options.n_output):
-        layers = [(*best.layers[:k], depth, *best.layers[k + 1 :]) for depth in sorted(options.layers)]
-        others = [best._replace(layers=own, horizon=rows) for own in layers for rows in options.horizons]
-        best = _simplest([judged(other) for other in others])
-    return [*tried.values(), best]
+    return [*tried.values(), _simplest([judged(best._replace(horizon=rows)) for rows in options.horizons])]
+
+
+def select_terms(
+    options: Options, judge: Callable[[Choice], list[Choice]], say: Callable[[Choice], None]
+) -> list[Choice]:
+    """Choose lags, horizon and number of terms of polynomials.
+
+    Terms are chosen one by one, so that lags on offer need not be found one by one: near ones are offered with each horizon,
+    then, with the best horizon, those up to further reaches.
+
+    Parameters
+    ----------
+    options : Options
+    judge : function of Choice
+        Choices of the same lags and horizon with one term more at a time, and their errors.
+    say : function of Choice
+        Told of the best of these.
+
+    Returns
+    -------
+    list of Choice
+        As `select`.
+    """
+    tried: list[Choice] = []
+
+    def judged(choice: Choice) -> Choice:
+        found = judge(choice)
+        tried.extend(found)
+        best = min(found, key=lambda one: one.error)
+        say(best)
+        return best
+
+    reaches = sorted({sum(lag <= reach for lag in options.ladder) for reach in _REACHES} - {0} | {len(options.ladder)})
+    if options.input_lags is not None and options.output_lags is not None:
+        reaches = reaches[:1]
+    near, *further = [options.at(n, n) for n in reaches]
+    best, waited = judged(near), 0
+    for rows in options.horizons[1:]:
+        longer = judged(near._replace(horizon=rows))
+        best, waited = (longer, 0) if longer.error < best.error else (best, waited + 1)
+        if waited == _PATIENCE:
+            break
+    for choice in further:
+        judged(choice._replace(horizon=best.horizon))
+    enough = (1.0 + _TERMS_GAIN) * min(choice.error for choice in tried)
+    good = [choice for choice in tried if choice.error <= enough]
+    return [*tried, min(good, key=lambda choice: (choice.terms, choice.error))]
 
 
 def checked_lags(name: str, lags: str | Sequence[int], least: int) -> tuple[int, ...] | None:
@@ -137,7 +176,3 @@ def _simplest(choices: Sequence[Choice]) -> Choice:
     """Return the first that no other betters; simple ones stand first."""
     least = min(choice.error for choice in choices)
     return next(choice for choice in choices if choice.error <= least / (1.0 - _GAIN))
-
-
-def _better(one: Choice, other: Choice) -> bool:
-    return one.error < (1.0 - _GAIN) * other.error

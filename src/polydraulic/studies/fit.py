@@ -12,9 +12,17 @@ from polydraulic.networks import AbductiveRegressor, Model, RegionRegressor, Var
 from polydraulic.networks.partition import region_of
 from polydraulic.tables import Table
 
-_FOLD = 5  # one of so many rows, or blocks of time, is held out
-_BLOCKS = 20  # of a log
+FOLD = 5  # one of so many rows, or blocks of time, is held out
+BLOCKS = 20  # of a log
 LEVEL = 0.9  # of the intervals
+
+
+class Errors(NamedTuple):
+    """Errors of answers next to what was measured, in the output's unit."""
+
+    r2: float
+    rms: float
+    largest: float
 
 
 class Held(NamedTuple):
@@ -81,18 +89,12 @@ def fit_table(
     InputError
         A column that is both input and output, a constant column, too few rows, edges of an unknown column.
     """
-    both = set(inputs) & set(outputs)
-    if both:
-        raise InputError(f"column {sorted(both)[0]!r} is both input and output")
-    for name in [*inputs, *outputs]:
-        if len(table) and np.ptp(table[name]) == 0.0:
-            role = "cannot explain anything: leave it out" if name in inputs else "needs no model"
-            raise InputError(f"column {name!r} is {table[name][0]:g} in all {len(table)} rows; it {role}")
+    check_columns(table, inputs, outputs)
     unknown = [name for name in edges if name not in inputs]
     if unknown:
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
-    if len(table) <= _FOLD:
-        raise InputError(f"the table has {len(table)} rows; fitting and holding out takes more than {_FOLD}")
+    if len(table) <= FOLD:
+        raise InputError(f"the table has {len(table)} rows; fitting and holding out takes more than {FOLD}")
     by_index = {list(inputs).index(name): cuts for name, cuts in edges.items()}
     X = table.matrix(inputs)
     by_time = "time" in table.names
@@ -108,6 +110,17 @@ def fit_table(
         model = fitted.to_model([Variable(n, table.unit(n)) for n in inputs], Variable(output, table.unit(output)))
         fits.append(judged(model, Held(X[held], y[held], predicted, by_time), len(y)))
     return fits
+
+
+def check_columns(table: Table, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+    """Refuse a column that is both input and output, or constant."""
+    both = set(inputs) & set(outputs)
+    if both:
+        raise InputError(f"column {sorted(both)[0]!r} is both input and output")
+    for name in [*inputs, *outputs]:
+        if len(table) and np.ptp(table[name]) == 0.0:
+            role = "cannot explain anything: leave it out" if name in inputs else "needs no model"
+            raise InputError(f"column {name!r} is {table[name][0]:g} in all {len(table)} rows; it {role}")
 
 
 def with_deadbands(
@@ -134,8 +147,21 @@ def with_deadbands(
 
 def held_out(n: int, *, by_time: bool) -> np.ndarray:
     """Which of `n` rows are held out, (n,) array of bool: every fifth row, or of a log every fifth block of time."""
-    place = np.arange(n) * _BLOCKS // n if by_time and n >= 10 * _BLOCKS else np.arange(n)
-    return np.asarray(place % _FOLD == _FOLD - 1)
+    place = np.arange(n) * BLOCKS // n if by_time and n >= 10 * BLOCKS else np.arange(n)
+    return np.asarray(place % FOLD == FOLD - 1)
+
+
+def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:
+    """R2, rms and largest error of rows, both of shape (n_row,)."""
+    error = predicted - measured
+    mean_square, spread = float(np.mean(error * error)), float(np.var(measured))
+    r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
+    return Errors(r2, mean_square**0.5, float(np.abs(error).max()))
+
+
+def unit_after(variable: Variable) -> str:
+    """Unit as it stands after a number in a sentence; nothing where there is none."""
+    return "" if variable.unit in ("", "1") else f" {variable.unit}"
 
 
 def errors_by_region(model: Model, X: np.ndarray, error: np.ndarray) -> list[dict[str, Any]]:
@@ -149,6 +175,12 @@ def errors_by_region(model: Model, X: np.ndarray, error: np.ndarray) -> list[dic
     return found
 
 
+def half_width(sizes: np.ndarray) -> float:
+    """Half width of an interval at `LEVEL`, split-conformal; infinite where the rows are too few to state it."""
+    rank = ceil((len(sizes) + 1) * LEVEL)
+    return float(np.sort(sizes)[rank - 1]) if rank <= len(sizes) else inf
+
+
 def judged(model: Model, held: Held, rows: int) -> Fit:
     """Errors and intervals of a model fitted to `rows` rows, by those held out; written into the model's training, too."""
     error = held.predicted - held.y
@@ -156,31 +188,22 @@ def judged(model: Model, held: Held, rows: int) -> Fit:
     # blocks of time, or rows, in turn: one half sets the widths, the other one says whether they hold
     sets = np.arange(len(error)) * 4 // len(error) % 2 == 0 if held.by_time else np.arange(len(error)) % 2 == 0
     sizes = np.abs(error)
-    everywhere = _half_width(sizes[sets])
+    everywhere = half_width(sizes[sets])
     widths = []
     for k in range(len(model.networks)):
-        own = _half_width(sizes[sets & (region == k)])
+        own = half_width(sizes[sets & (region == k)])
         widths.append(own if np.isfinite(own) else everywhere)  # too few rows of its own
     covered = float(np.mean(sizes[~sets] <= np.array(widths)[region[~sets]]))
-    mean_square, spread = float(np.mean(error * error)), float(np.var(held.y))
-    r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
+    errors = errors_of(held.y, held.predicted)
     model.training.update(
         {
             "rows": rows,
             "held_out": "blocks of time" if held.by_time else "every fifth row",
-            "held_out_r2": r2,
-            "held_out_rms": mean_square**0.5,
-            "held_out_largest": float(sizes.max()),
+            **{f"held_out_{name}": value for name, value in errors._asdict().items()},
             "held_out_by_region": errors_by_region(model, held.X, error),
             "interval_level": LEVEL,
             "interval_half_widths": widths if np.all(np.isfinite(widths)) else [],
             "interval_covered": covered,
         }
     )
-    return Fit(model, r2, mean_square**0.5, float(sizes.max()), widths, covered, held)
-
-
-def _half_width(sizes: np.ndarray) -> float:
-    """Half width of an interval at `LEVEL`, split-conformal; infinite where the rows are too few to state it."""
-    rank = ceil((len(sizes) + 1) * LEVEL)
-    return float(np.sort(sizes)[rank - 1]) if rank <= len(sizes) else inf
+    return Fit(model, *errors, widths, covered, held)

@@ -12,11 +12,13 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export import to_text
 from polydraulic.files import write_text
-from polydraulic.networks import Model, model_bounds
+from polydraulic.networks import Model, Variable, model_bounds
 from polydraulic.networks.plot import draw_network
-from polydraulic.studies.fit import Fit
+from polydraulic.studies.fit import Fit, unit_after
+from polydraulic.studies.fit_dynamic import DynamicFit, remarks
 from polydraulic.studies.html import document
 from polydraulic.studies.html import table as html_table
+from polydraulic.studies.run_plot import plot_separately
 from polydraulic.tables import Table
 
 SCHEMA = 1
@@ -26,14 +28,18 @@ _EFFORT = 200  # sub-boxes a region, of the proofs
 
 
 def write_card(
-    fits: Sequence[Fit], table: Table, source: str, path: str | Path, seen: tuple[dict[str, Any], str] | None = None
+    fits: Sequence[Fit | DynamicFit],
+    table: Table,
+    source: str,
+    path: str | Path,
+    seen: tuple[dict[str, Any], str] | None = None,
 ) -> dict[str, Any]:
     """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
 
     Parameters
     ----------
-    fits : sequence of Fit
-        From `fit_table`.
+    fits : sequence of Fit or of DynamicFit
+        From `fit_table` or `fit_log`.
     table : Table
         What they were fitted to.
     source : str
@@ -57,13 +63,16 @@ def write_card(
     path = Path(path)
     if path.suffix.lower() != ".html":
         raise InputError(f"{path}: a model card ends in .html")
-    entries, shown = seen or ({}, _coverage_of(fits[0].model, table))
+    entries, shown = seen or ({}, _coverage_of(_inputs(fits), table))
     card: dict[str, Any] = {
         "schema": SCHEMA,
         "data": _data(fits, table, source) | entries,
         "models": [_facts(found.model) for found in fits],
     }
-    sections = "\n".join(_section(found, facts) for found, facts in zip(fits, card["models"], strict=True))
+    sections = "\n".join(
+        _section(found, facts) if isinstance(found, Fit) else _dynamic_section(found, facts)
+        for found, facts in zip(fits, card["models"], strict=True)
+    )
     body = f"""<h2>Data</h2>
 {_columns(card["data"])}
 {shown}
@@ -73,10 +82,22 @@ def write_card(
     return card
 
 
-def _data(fits: Sequence[Fit], table: Table, source: str) -> dict[str, Any]:
+def _inputs(fits: Sequence[Fit | DynamicFit]) -> list[str]:
+    """Columns that any of the models reads; of dynamic ones those that none of them predicts."""
+    outputs = {found.model.output.name for found in fits}
+    read = [name for found in fits for name in _signals(found.model)]
+    return [name for name in dict.fromkeys(read) if name not in outputs]
+
+
+def _signals(model: Model) -> list[str]:
+    if model.dynamics is None:
+        return [variable.name for variable in model.inputs]
+    return [lag.signal for lag in model.dynamics.lags]
+
+
+def _data(fits: Sequence[Fit | DynamicFit], table: Table, source: str) -> dict[str, Any]:
     """Rows, columns with their ranges, how rows were held out."""
-    variables = [v for found in fits for v in found.model.inputs] + [found.model.output for found in fits]
-    names = list(dict.fromkeys(v.name for v in variables))
+    names = [*_inputs(fits), *(found.model.output.name for found in fits)]
     columns = [
         {"name": name, "unit": table.unit(name), "low": float(table[name].min()), "high": float(table[name].max())}
         for name in names
@@ -102,6 +123,16 @@ def _facts(model: Model) -> dict[str, Any]:
         for name, region in zip(model.region_names(), bounds.regions, strict=True)
         if region is not None
     ]
+    dynamics = model.dynamics
+    memory = (
+        {
+            "lags": [[lag.signal, lag.steps] for lag in dynamics.lags],
+            "largest_steps": list(dynamics.step),
+            "raster": dynamics.raster,
+        }
+        if dynamics
+        else {}
+    )
     return {
         "output": str(model.output),
         "inputs": [str(variable) for variable in model.inputs],
@@ -112,15 +143,16 @@ def _facts(model: Model) -> dict[str, Any]:
         "proved_high": bounds.high,
         "regions": regions,
         "training": model.training,
+        **memory,
     }
 
 
 def _section(found: Fit, facts: dict[str, Any]) -> str:
     model, training = found.model, facts["training"]
-    unit = escape(model.output.unit)
+    unit = escape(unit_after(model.output))
     widths = training["interval_half_widths"]
     interval = (
-        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g} {unit} by region "
+        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g}{unit} by region "
         f"hold for {found.covered:.1%} of the rows they were not set by"
         if widths
         else "too few rows were held out to state intervals"
@@ -129,22 +161,64 @@ def _section(found: Fit, facts: dict[str, Any]) -> str:
         [r["region"], str(r["rows"]), f"{r['rms']:.4g}", f"{r['largest']:.4g}"] for r in training["held_out_by_region"]
     ]
     proved = [[r["region"], f"{r['proved_low']:.4g}", f"{r['proved_high']:.4g}"] for r in facts["regions"]]
-    domain = [
-        [str(v), f"{low:.6g}", f"{high:.6g}"] for v, (low, high) in zip(model.inputs, facts["domain"], strict=True)
-    ]
-    shown = min(len(model.networks), _SHOWN)
-    more = "" if shown == len(model.networks) else f"<p>The first {shown} of {len(model.networks)} regions.</p>"
     return f"""<h2>{escape(facts["output"])}</h2>
 <p>{facts["networks"]} network(s), {facts["coefficients"]} coefficients. On the rows held out ({escape(training["held_out"])}): R²
-{found.r2:.5f}, rms error {found.rms:.4g} {unit}, largest {found.largest:.4g} {unit}; {interval}. Proved: no output leaves
-{facts["proved_low"]:.6g} to {facts["proved_high"]:.6g} {unit}, whatever the inputs.</p>
-{html_table("Errors on the rows held out", ["region", "rows", f"rms [{model.output.unit}]", f"largest [{model.output.unit}]"], regions)}
-{html_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], domain)}
+{found.r2:.5f}, rms error {found.rms:.4g}{unit}, largest {found.largest:.4g}{unit}; {interval}. Proved: no output leaves
+{facts["proved_low"]:.6g} to {facts["proved_high"]:.6g}{unit}, whatever the inputs.</p>
+{html_table("Errors on the rows held out", ["region", "rows", *_heads("rms", "largest", model=model)], regions)}
+{_domain(model, facts)}
 {html_table("Proved range by region", ["region", "low", "high"], proved)}
-{_picture(_errors(found))}
-<h3>What it is</h3>
+{_picture(_errors(found.model, found.held.y, found.held.predicted))}
+{_what_it_is(model)}"""
+
+
+def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
+    model, unit = found.model, unit_after(found.model.output)
+    rows = [
+        [name, *(f"{value:.4g}" for kind in errors for value in kind)]
+        for name, errors in {"this model": found.errors, **found.others}.items()
+    ]
+    heads = [
+        f"{kind}: {what}"
+        for kind in ("free run", "one step")
+        for what in ("R2", *_heads("rms", "largest", model=model))
+    ]
+    low, high = facts["largest_steps"]
+    runs, *others = remarks(found)
+    told = [
+        *others,
+        f"rows {facts['raster']:g} s apart; from one to the next the output changes by {low:.4g} to {high:.4g}{unit} at most",
+        f"proved: no answer leaves {facts['proved_low']:.6g} to {facts['proved_high']:.6g}{unit}, whatever the model reads; it "
+        "does not follow that a run stays close to the truth",
+    ]
+    return f"""<h2>{escape(facts["output"])}</h2>
+<ul>{"".join(f"<li>{escape(item)}</li>" for item in told)}</ul>
+{html_table(f"Errors: {runs}; one step ahead in the same rows", ["model", *heads], rows)}
+{_picture(plot_separately(model, found.held))}
+<p>Free runs through the blocks held out, by a model that has not seen them: each begins from measured rows and then reads its own answers.
+Shaded: the intervals.</p>
+{_picture(_errors(model, found.held.measured, found.held.free))}
+{_domain(model, facts)}
+{_what_it_is(model)}"""
+
+
+def _domain(model: Model, facts: dict[str, Any]) -> str:
+    rows = [[str(v), f"{low:.6g}", f"{high:.6g}"] for v, (low, high) in zip(model.inputs, facts["domain"], strict=True)]
+    return html_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], rows)
+
+
+def _what_it_is(model: Model) -> str:
+    shown = min(len(model.networks), _SHOWN)
+    more = "" if shown == len(model.networks) else f"<p>The first {shown} of {len(model.networks)} regions.</p>"
+    text = to_text(model) if len(model.networks) <= _SHOWN else "See the model file: more regions than fit here."
+    return f"""<h3>What it is</h3>
 {more}{_picture(_networks(model, shown))}
-<pre>{escape(to_text(model) if len(model.networks) <= _SHOWN else "See the model file: more regions than fit here.")}</pre>"""
+<pre>{escape(text)}</pre>"""
+
+
+def _heads(*names: str, model: Model) -> list[str]:
+    """Names of errors with the output's unit."""
+    return [str(Variable(name, model.output.unit)) for name in names]
 
 
 def _columns(data: dict[str, Any]) -> str:
@@ -156,16 +230,16 @@ def _columns(data: dict[str, Any]) -> str:
     return html_table(caption, ["column", "unit", "low", "high"], rows)
 
 
-def _coverage_of(model: Model, table: Table) -> str:
-    return f"""{_picture(_coverage(model, table))}
+def _coverage_of(inputs: Sequence[str], table: Table) -> str:
+    return f"""{_picture(_coverage(inputs, table))}
 <p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>"""
 
 
-def _coverage(model: Model, table: Table) -> Any:
+def _coverage(inputs: Sequence[str], table: Table) -> Any:
     """Histograms of all pairs of inputs."""
     from matplotlib.figure import Figure
 
-    names = [variable.name for variable in model.inputs][:5]
+    names = inputs[:5]
     n = max(len(names) - 1, 1)
     figure = Figure(figsize=(3.0 * n, 2.6 * n), layout="constrained")
     axes = figure.subplots(n, n, squeeze=False)
@@ -188,18 +262,18 @@ def _coverage(model: Model, table: Table) -> Any:
     return figure
 
 
-def _errors(found: Fit) -> Any:
+def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
     """Predicted over measured, and the errors, of the rows held out."""
     from matplotlib.figure import Figure
 
-    y, error = found.held.y, found.held.predicted - found.held.y
+    error = predicted - y
     figure = Figure(figsize=(8.0, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
-    left.plot(y, found.held.predicted, ",", rasterized=True)
-    left.set_xlabel(f"measured {found.model.output}")
+    left.plot(y, predicted, ",", rasterized=True)
+    left.set_xlabel(f"measured {model.output}")
     left.set_ylabel("predicted")
     right.hist(error, bins=60)
-    right.set_xlabel(f"error [{found.model.output.unit}]")
+    right.set_xlabel(str(Variable("error", model.output.unit)))
     right.set_yscale("log")
     return figure
 
@@ -207,7 +281,8 @@ def _errors(found: Fit) -> Any:
 def _networks(model: Model, shown: int) -> Any:
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 2.0 * shown), layout="constrained")
+    height = max(2.0, 0.36 * len(model.inputs))
+    figure = Figure(figsize=(8.0, height * shown), layout="constrained")
     axes = figure.subplots(shown, 1, squeeze=False)
     for axis, network, name in zip(axes[:, 0], model.networks, model.region_names(), strict=False):
         draw_network(axis, network, model.inputs, model.output)
