@@ -12,7 +12,7 @@ from polydraulic.parameters import LINKS
 from polydraulic.studies import judged_machine, machine_from_log, model_card
 from polydraulic.studies.judged_machine import as_judged, judging_rows, learn_and_judge, one_sided
 from polydraulic.studies.machine_card import HEADS, kept, machine_coverage, summary, write_machine_card
-from polydraulic.studies.machine_from_log import Known, by_port
+from polydraulic.studies.machine_from_log import Known, by_port, learn
 from polydraulic.studies.replay import Drift
 from polydraulic.studies.validity import validity
 from polydraulic.tables import Table
@@ -87,11 +87,15 @@ def test_a_search_that_ended_worse_with_all_rows_is_not_released(machine, log, m
     )
 
 
-def test_rows_at_the_relief_setting_are_counted_apart(learnt, log, known):
+def test_rows_at_the_relief_setting_say_nothing(machine, log, known, monkeypatch):
+    monkeypatch.setattr(machine_from_log, "REGIONS", 1)
+    monkeypatch.setattr(machine_from_log, "ROWS", 500)
     rows = judging_rows("boom.q_in", log, known)
     assert log["boom.p_in"][rows].max() < known.relief
-    apart = (log["boom.travel"] > known.deadband) & ~rows & learnt.held
-    assert learnt.fits[0].model.training["at_relief_rows"] == apart.sum() > 0
+    stopped = (log["boom.travel"] > known.deadband) & ~rows
+    assert stopped.sum() > 0
+    other = Table(log.columns | {"boom.q_in": np.where(stopped, 0.5, 1.0) * log["boom.q_in"]}, log.units)
+    assert learn(machine, other)[0] == learn(machine, log)[0]
 
 
 def test_a_table_in_the_units_of_the_field(learnt):
@@ -109,9 +113,9 @@ def test_a_model_file_reads_another_log_by_itself(learnt, tmp_path):
     models = load_models(tmp_path / "machine.json")
     judged = {model.output.name: validity(model, as_judged(model, later)) for model in models}
     expected = models[0].training["held_out_rms"]
-    assert judged["boom.q_in"].rms < 3.0 * expected
+    assert judged["boom.q_in"].rms < 4.0 * expected
     worn = changed(later, boom_q_in=0.7 * later["boom.q_in"])  # a pump that has lost a third of its flow
-    assert validity(models[0], as_judged(models[0], worn)).rms > 1.5 * expected
+    assert validity(models[0], as_judged(models[0], worn)).rms > 4.0 * judged["boom.q_in"].rms
     assert not validity(models[0], as_judged(models[0], worn)).holds
     with pytest.raises(InputError, match=r"column 'swing.q_in' is in 'l/min'"):
         as_judged(models[0], Table(later.columns, {**later.units, "swing.q_in": "l/min"}))

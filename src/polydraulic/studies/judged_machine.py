@@ -9,12 +9,11 @@ from polydraulic.errors import InputError
 from polydraulic.networks import Model
 from polydraulic.parameters import LINKS, Machine
 from polydraulic.studies.fit import Fit, Held, judged
-from polydraulic.studies.machine_from_log import CELL, ROOT_LEAST, Known, by_port, learn
+from polydraulic.studies.machine_from_log import BELOW_RELIEF, CELL, ROOT_LEAST, Known, by_port, learn
 from polydraulic.tables import Table
 
 _FOLD, _BLOCKS = 5, 20  # one of so many blocks of time is held out, and so many there are at least
 _BLOCK = 30.0  # s, of a longer log: what a pump does comes and goes with the work, and few long blocks hold few kinds of work
-_BELOW_RELIEF = 0.98
 _WORSE = 1.1  # times the error of the earlier network on rows that it has not seen, above which one that has seen them is not released
 _LEARNT, _HELD = 200, 50  # rows with an open valve that it takes to learn a network, and to judge it
 _BEYOND = 1.5  # times what a machine can do, above which a number has the wrong unit
@@ -63,9 +62,8 @@ def learn_and_judge(machine: Machine, log: Table, progress: Callable[[str], None
     -------
     Learnt
         The `training` of a model holds, besides what `fit_table` writes: ``held_out_flow_rms`` and ``held_out_flow_largest`` in m3/s,
-        the errors as flows (of an outlet: conductance times the root of the measured pressure drop), ``pump_flow`` in m3/s, ``learnt_from``, of an inlet
-        ``at_relief_rows`` and ``at_relief_rms`` of the rows held out that do not count, and ``log``, by which `as_judged` reads
-        another log.
+        the errors as flows (of an outlet: conductance times the root of the measured pressure drop), ``pump_flow`` in m3/s, ``learnt_from``, and
+        ``log``, by which `as_judged` reads another log.
 
     Raises
     ------
@@ -102,12 +100,6 @@ def _fit(machine: Machine, log: Table, held: np.ndarray, model: Model, earlier: 
         pump_flow=machine.pumps.boom_flow if link == "boom" else machine.pumps.series_flow,
         log=known._asdict(),
     )
-    if output.endswith("q_in"):
-        stopped = _rows(log, held & _open(link, log, known) & ~judging)
-        apart = (
-            earlier.predict(stopped.matrix([v.name for v in model.inputs])) - stopped[output] if len(stopped) else y[:0]
-        )
-        fit.model.training.update(at_relief_rows=len(stopped), at_relief_rms=_rms(apart) if len(apart) else 0.0)
     return fit
 
 
@@ -144,8 +136,8 @@ def as_judged(model: Model, table: Table) -> Table:
 def judging_rows(output: str, log: Table, known: Known) -> np.ndarray:
     """Rows that say something of a network, (n_row,) array of bool.
 
-    The valve is open. At an outlet the pressure drops; at an inlet it stays below the relief setting by two hundredths: above, the flow
-    falls from all of the pump's to nothing within what a pressure sensor can tell, and a flow model lets nothing in at relief.
+    The valve is open. At an outlet the pressure drops; at an inlet it stays below the relief setting by two hundredths, since no
+    network learns from what is above.
 
     Parameters
     ----------
@@ -157,15 +149,9 @@ def judging_rows(output: str, log: Table, known: Known) -> np.ndarray:
     """
     link, what = output.split(".")
     says = (
-        log[f"{link}.root_p_out"] > ROOT_LEAST
-        if what == "k_out"
-        else log[f"{link}.p_in"] < _BELOW_RELIEF * known.relief
+        log[f"{link}.root_p_out"] > ROOT_LEAST if what == "k_out" else log[f"{link}.p_in"] < BELOW_RELIEF * known.relief
     )
-    return np.asarray(_open(link, log, known) & says)
-
-
-def _open(link: str, log: Table, known: Known) -> np.ndarray:
-    return np.asarray(log[f"{link}.travel"] > known.deadband)
+    return np.asarray((log[f"{link}.travel"] > known.deadband) & says)
 
 
 def one_sided(log: Table, known: Known) -> list[str]:

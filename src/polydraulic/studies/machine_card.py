@@ -28,7 +28,6 @@ HEADS = (
     "largest [l/min]",
     "R2",
     "in 90% intervals",
-    "at relief [l/min]",
 )
 DRIFT_HEADS = ("joint", "median", "largest", "moved")
 _FIELD = {"m": "mm", "Pa": "bar", "Pa^0.5": "bar^0.5", "m3/s": "l/min"}  # of maps: what logs are written in
@@ -55,9 +54,7 @@ def summary(fits: Sequence[Fit]) -> list[list[str]]:
         training: Any = fit.model.training
         rms, largest = (units.from_si(training[f"held_out_flow_{what}"], "l/min") for what in ("rms", "largest"))
         share = training["held_out_flow_rms"] / training["pump_flow"]
-        stopped, count = units.from_si(training.get("at_relief_rms", 0.0), "l/min"), training.get("at_relief_rows", 0)
-        at_relief = f"{stopped:.1f} in {count} rows" if count else ""
-        texts = [f"{rms:.2f}", f"{share:.2%}", f"{largest:.1f}", f"{fit.r2:.4f}", f"{fit.covered:.0%}", at_relief]
+        texts = [f"{rms:.2f}", f"{share:.2%}", f"{largest:.1f}", f"{fit.r2:.4f}", f"{fit.covered:.0%}"]
         rows.append([fit.model.output.name, str(len(fit.model.networks)), *texts])
     return rows
 
@@ -151,7 +148,7 @@ def write_machine_card(
     maps = "\n".join(_map(c, _conversions(log)) for c in covered)
     page = f"""{html_table("Errors on the blocks of time held out, as flows", HEADS, summary(learnt.fits))}
 <p>Rows with an open valve; of an outlet, k_out, the error as a flow at the measured pressure. At the relief setting an inlet's flow falls from
-all of the pump's to nothing within what a pressure sensor can tell: these rows are counted apart. The models themselves are in SI. {escape(kept(learnt.fits)).capitalize()}</p>
+all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. The models themselves are in SI. {escape(kept(learnt.fits)).capitalize()}</p>
 <h3>The machine run against its log</h3>
 <p>{escape(windows).capitalize()}.</p>
 {html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(drift)) if drift else ""}

@@ -23,6 +23,7 @@ _DERIVED = {"travel": "m", "p_in": "Pa", "root_p_out": "Pa^0.5", "k_out": "m3/s/
 ROWS, REGIONS = 30_000, 16  # that a network learns from, and regions it may find
 _SEED = 1000  # of the choice of rows
 ROOT_LEAST = float(np.sqrt(units.to_si(75.0, "psi")))  # below it a pressure drop says little of a conductance
+BELOW_RELIEF = 0.98  # above this share of the relief setting the flow falls to nothing within what a sensor can tell
 _SMALL = 0.03  # opening, as a share of the active travel, below which errors count alike
 CELL = 60  # rows that a part of an outlet's curve needs
 
@@ -115,8 +116,9 @@ def learn(machine: Machine, log: Table, progress: Callable[[str], None] = lambda
         ("stick", (places.q_in("stick"), PASSED), machine.pumps.series_flow),
     ):
         progress(output.name)
-        active = log[f"{link}.travel"] > machine.spool.deadband
-        rows = _chosen(active, rng)
+        # a flow model lets nothing in at relief, whatever a network says
+        below = np.flatnonzero(log[f"{link}.p_in"] < BELOW_RELIEF * machine.pumps.relief)
+        rows = below[_chosen(log[f"{link}.travel"][below] > machine.spool.deadband, rng)]
         settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
         models.append(_fit(settings, log, inputs, output, rows))
     for link in LINKS:
