@@ -1,6 +1,9 @@
+import sys
+
 import pytest
 from hypothesis import settings
 
+from polydraulic import cli
 from polydraulic.flow import build_flow
 from polydraulic.parameters import load_machine, load_scenario
 
@@ -22,3 +25,20 @@ def build():
 @pytest.fixture(scope="session", params=["single_08", "single_05"])
 def scenario(request):
     return load_scenario(request.param)
+
+
+@pytest.fixture
+def call(monkeypatch, capsys, tmp_path):
+    """Call the command line in a folder of its own, by arguments or by one line: exit code, output, errors."""
+
+    def run(*arguments):
+        monkeypatch.chdir(tmp_path)
+        given = arguments[0].split() if len(arguments) == 1 else map(str, arguments)
+        monkeypatch.setattr(sys, "argv", ["polydraulic", *given])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+            sys.exit(0)
+        printed = capsys.readouterr()
+        return stop.value.code or 0, printed.out, printed.err
+
+    return run

@@ -2,29 +2,14 @@
 
 import re
 import shlex
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from polydraulic import cli
 from polydraulic.networks import Model, Network, Variable, load_models, save_models
 from polydraulic.parameters import scenario_names
 from polydraulic.tables import Table, read_table, write_table
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["polydraulic", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-            sys.exit(0)
-        printed = capsys.readouterr()
-        return stop.value.code or 0, printed.out, printed.err
-
-    return run
 
 
 def test_simulate_writes_a_run_and_a_picture(call, tmp_path):
@@ -103,10 +88,9 @@ def test_sample_fit_export(call, tmp_path):
 
 
 @pytest.mark.slow
-def test_networks_of_ones_own_drive_the_machine(call, tmp_path, monkeypatch):
+def test_networks_of_ones_own_drive_the_machine(call):
     page = (Path(__file__).parents[1] / "docs" / "flow_models.md").read_text()
     block = re.search(r"```\n(polydraulic sample .*?)```", page, re.DOTALL)[1]
-    monkeypatch.chdir(tmp_path)
     for line in block.replace("\\\n", " ").splitlines():
         code, out, _ = call(*shlex.split(line)[1:])
         assert code == 0, line

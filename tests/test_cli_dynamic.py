@@ -1,27 +1,12 @@
 """Dynamic models on the command line, from a log to one that is judged by the next one."""
 
 import re
-import sys
 
 import pytest
 
-from polydraulic import cli
 from polydraulic.networks import Model, Network, Variable, load_models, save_models
 from polydraulic.tables import Table, read_table, write_table
 from studies.logs_with_memory import memory_log
-
-
-@pytest.fixture
-def call(monkeypatch, capsys):
-    def run(line):
-        monkeypatch.setattr(sys, "argv", ["polydraulic", *line.split()])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-            sys.exit(0)
-        printed = capsys.readouterr()
-        return stop.value.code or 0, printed.out, printed.err
-
-    return run
 
 
 @pytest.fixture

@@ -2,29 +2,13 @@
 
 import json
 import re
-import sys
 
 import pytest
 
 from machine_log import machine_log
 from measure.logs_made import MAP, healthy, write_csv
-from polydraulic import cli
 from polydraulic.studies import judged_machine, machine_from_log, model_card
 from polydraulic.tables import Table, write_table
-
-
-@pytest.fixture
-def call(monkeypatch, capsys, tmp_path):
-    def run(line):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["polydraulic", *line.split()])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-            sys.exit(0)
-        printed = capsys.readouterr()
-        return stop.value.code or 0, printed.out, printed.err
-
-    return run
 
 
 @pytest.fixture
