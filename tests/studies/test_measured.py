@@ -106,6 +106,6 @@ def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys):
 
 def _operator(minutes):
     from polydraulic.parameters import random_operator
-    from polydraulic.studies.measured import OPERATOR, STROKE
+    from polydraulic.studies.measured import STROKE, USUAL
 
-    return random_operator(OPERATOR, 60.0 * minutes, limit=STROKE)
+    return random_operator(USUAL.operator, 60.0 * minutes, limit=STROKE)

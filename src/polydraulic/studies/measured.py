@@ -33,7 +33,7 @@ RANGES = {
     "rad": 1.5,
 }
 JUDGES = tuple(range(4000, 4010))  # seeds of the operators who judge
-OPERATOR, JUDGE_SECONDS, STROKE = 1000, 60.0, 0.8  # V
+JUDGE_SECONDS, STROKE = 60.0, 0.8  # V
 _WINDOW = 0.2  # s, of derivatives
 
 
@@ -58,6 +58,8 @@ class Conditions(NamedTuple):
         Of all joints, as a multiple of the machine's; the judges' machine has the same.
     outlet_sensors : bool
         Without those of the flows out of actuators, these follow from the flows in by the ratio of areas.
+    operator : int
+        Seed of the one who works.
     """
 
     minutes: float = 30.0
@@ -68,11 +70,13 @@ class Conditions(NamedTuple):
     limited: bool = False
     friction: float = 1.0
     outlet_sensors: bool = True
+    operator: int = 1000
 
 
 USUAL = Conditions()
 # One condition at a time; the first entry of each is what it is compared over.
 SWEEPS: dict[str, list[Conditions]] = {
+    "operator": [USUAL._replace(operator=operator) for operator in (1000, 1100, 1200)],
     "minutes": [USUAL._replace(minutes=minutes) for minutes in (2.0, 5.0, 10.0, 30.0)],
     "noise": [USUAL._replace(noise=noise) for noise in (0.0, 0.001, 0.003, 0.01, 0.03)],
     "stroke": [USUAL._replace(stroke=stroke) for stroke in (0.6, 0.8, 1.0)],
@@ -129,6 +133,7 @@ def describe(conditions: Conditions) -> str:
     words += [] if c.outlet_sensors else ["no sensors of outlet flows"]
     words += ["torque limit"] if c.limited else []
     words += [f"{c.friction:g} times the friction" if c.friction else "no friction"] if c.friction != 1.0 else []
+    words += [f"the log of operator {c.operator}"] if c.operator != USUAL.operator else []
     return ", ".join(words)
 
 
@@ -149,7 +154,7 @@ def _machine(machine: Machine, conditions: Conditions) -> Machine:
 
 def measured(machine: Machine, conditions: Conditions) -> Table:
     """What sensors read of a random operator's work, and what follows from it; rows in which a sensor is silent are gone."""
-    scenario = random_operator(OPERATOR, 60.0 * conditions.minutes, limit=STROKE * conditions.stroke)
+    scenario = random_operator(conditions.operator, 60.0 * conditions.minutes, limit=STROKE * conditions.stroke)
     run = simulate(machine, "exact", scenario, raster=RASTER)
     flows = ["q_in", *(["q_out"] if conditions.outlet_sensors else [])] if conditions.flow_sensors else ["angle"]
     quantities = ["spool", "p_a", "p_b", *flows]
@@ -159,7 +164,7 @@ def measured(machine: Machine, conditions: Conditions) -> Table:
         sensor = Sensor(
             column, column, unit, RASTER, noise=conditions.noise * RANGES[unit], dropout=conditions.dropout, dropout_length=0.5
         )  # fmt: skip
-        read[column] = Reading(sensor, np.random.default_rng([OPERATOR, place])).of(run)[1]
+        read[column] = Reading(sensor, np.random.default_rng([conditions.operator, place])).of(run)[1]
     if not conditions.flow_sensors:
         for link in LINKS:
             read |= _flows(machine, link, read)

@@ -120,6 +120,8 @@ def _text(found: dict[Conditions, Outcome]) -> str:
     free, blind = found[USUAL._replace(friction=0.0)], found[USUAL._replace(flow_sensors=False)]
     blind_free, blind_stiff = (found[USUAL._replace(flow_sensors=False, friction=friction)] for friction in (0.0, 5.0))
     inlets = found[USUAL._replace(outlet_sensors=False)]
+    quiet, loud, deaf = (found[USUAL._replace(noise=noise)] for noise in (0.0, 0.01, 0.03))
+    others = [found[c] for c in SWEEPS["operator"][1:]]
 
     def median(o: Outcome) -> str:
         return f"{1e3 * o.median:.0f} mm"
@@ -131,9 +133,12 @@ def _text(found: dict[Conditions, Outcome]) -> str:
     operators whom they never saw.</p>
     <p><strong>What an engineer can take from it.</strong> {describe(USUAL)}: half of the operators stay within
     {1e3 * usual.median:.0f} mm and all of them within {1e3 * usual.worst:.0f} mm over a minute without any correction, the task within
-    {1e3 * usual.scenarios["task"]:.0f} mm. What matters most is coverage: networks learnt from operators who hold back fail by metres
-    when others use the whole joystick, in a log as long. Then flow sensors: flows reconstructed from joint angles leave out what the
-    oil's compression takes. Noise of a third of a percent of the range costs little, one of one percent a lot.</p>
+    {1e3 * usual.scenarios["task"]:.0f} mm. Logs of other operators, as long and as good, lead to
+    {" and ".join(median(o) for o in others)} (the worst within {" and ".join(f"{1e3 * o.worst:.0f} mm" for o in others)}): what differs
+    by less than these do says nothing, the figure's small steps up and down among it. What matters most is coverage: networks learnt
+    from operators who hold back fail by metres when others use the whole joystick, in a log as long. Then flow sensors: flows
+    reconstructed from joint angles leave out what the oil's compression takes. Without noise the median operator stays within
+    {median(quiet)}, with noise of 1 % of the range within {median(loud)}, of 3 % within {median(deaf)}.</p>
     <p><strong>Friction and missing sensors.</strong> The joints of the machine on which the log is made, and on which the networks are
     judged, have no friction, that of the parameter set, or five times as much. With flow sensors the median operator stays within
     {median(free)}, {median(usual)} and {median(stiff)}; the worst within {1e3 * free.worst:.0f}, {1e3 * usual.worst:.0f} and
