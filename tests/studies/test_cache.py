@@ -39,6 +39,16 @@ def test_a_result_is_made_once_and_read_by_the_next_lab(machine, tmp_path, count
     assert len(count.calls) == 3
 
 
+@pytest.mark.parametrize("folder", [True, False])
+def test_a_lab_knows_what_it_has(machine, tmp_path, folder):
+    place = tmp_path if folder else None
+    lab = open_lab(machine, place)
+    assert not lab.computed.has_data("some numbers")
+    lab.computed.data("some numbers", lambda: [1.0])
+    assert lab.computed.has_data("some numbers")
+    assert open_lab(machine, place).computed.has_data("some numbers") == folder
+
+
 def test_another_machine_shares_nothing_and_old_results_go(machine, tmp_path, count):
     first = open_lab(machine, tmp_path)
     first.computed.data("n", count(1.0))

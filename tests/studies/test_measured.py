@@ -3,6 +3,7 @@
 import re
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,9 @@ import pytest
 from polydraulic import cli
 from polydraulic.parameters import LINKS
 from polydraulic.simulation import simulate
+from polydraulic.studies import measured as measured_study
 from polydraulic.studies.cache import open_lab
-from polydraulic.studies.measured import USUAL, _machine, describe, measured, outcome
+from polydraulic.studies.measured import USUAL, _machine, describe, measured, outcomes
 
 PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"
 
@@ -75,11 +77,31 @@ def test_flows_out_of_actuators_follow_from_those_in(machine):
 
 @pytest.mark.slow
 def test_ten_minutes_of_work_teach_the_machine(machine):
-    found = outcome(open_lab(machine), USUAL._replace(minutes=10.0, noise=0.001))
+    (found,) = outcomes(open_lab(machine), [USUAL._replace(minutes=10.0, noise=0.001)])
     assert found.rows == 30001
     assert found.median < 0.4
     assert found.scenarios["sine"] < 0.1
     assert all(rms < 10.0 for rms in found.flow_rms.values())
+
+
+def test_what_a_lab_has_is_not_made_again(machine, monkeypatch):
+    monkeypatch.setattr(measured_study, "_made", None)
+    lab, said = open_lab(machine), []
+    for k, c in enumerate((USUAL, USUAL._replace(noise=0.5))):
+        lab.computed.data(f"measured {measured_study._name(c)}", lambda k=k: [k, {}, 0.1, 0.2, {}])
+    found = outcomes(replace(lab, say=said.append), [USUAL._replace(noise=0.5), USUAL])
+    assert [one.rows for one in found] == [1, 0]
+    assert said == []
+
+
+@pytest.mark.slow
+def test_several_conditions_at_once_are_those_one_by_one(machine):
+    short, noisy = USUAL._replace(minutes=2.0), USUAL._replace(minutes=2.0, noise=0.01)
+    together = outcomes(open_lab(machine), [short, noisy])
+    alone = [outcomes(open_lab(machine), [c])[0] for c in (short, noisy)]
+    for one, other in zip(together, alone, strict=True):
+        assert one.rows == other.rows
+        assert one.median == pytest.approx(other.median, rel=1e-3)
 
 
 @pytest.mark.slow

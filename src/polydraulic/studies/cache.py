@@ -15,6 +15,7 @@ from polydraulic.networks import Model, load_models, save_models
 from polydraulic.parameters import Machine
 from polydraulic.tables import Table, read_table, write_table
 
+_DATA = ".data.json"
 _SOURCES = (".py", ".toml", ".json", ".css")
 _SHOWN = ("cli/", "terminal.py", "studies/report/", "studies/html.py", "studies/page.css")  # compute nothing
 
@@ -47,7 +48,11 @@ class Cache:
         def write(value: Any, path: Path) -> None:
             write_text(path, json.dumps(value, allow_nan=False) + "\n")
 
-        return self._keep(name, ".data.json", make, lambda path: json.loads(path.read_text(encoding="utf-8")), write)
+        return self._keep(name, _DATA, make, lambda path: json.loads(path.read_text(encoding="utf-8")), write)
+
+    def has_data(self, name: str) -> bool:
+        """Whether `data` of this name need not be made."""
+        return name in self.memory or (self.folder is not None and self._path(name, _DATA).is_file())
 
     def _keep(
         self,
@@ -58,7 +63,7 @@ class Cache:
         write: Callable[[Any, Path], None],
     ) -> Any:
         if name not in self.memory:
-            path = None if self.folder is None else self.folder / (name.replace(" ", "-") + ending)
+            path = None if self.folder is None else self._path(name, ending)
             if path is not None and path.is_file():
                 self.memory[name] = read(path)
             else:
@@ -67,6 +72,10 @@ class Cache:
                     write(value, path)
                 self.memory[name] = value
         return self.memory[name]
+
+    def _path(self, name: str, ending: str) -> Path:
+        assert self.folder is not None
+        return self.folder / (name.replace(" ", "-") + ending)
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,11 @@ read, neither orifice areas nor pump pressures among it; the networks go into th
 never saw.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from joblib import Parallel, cpu_count, delayed
 
 from polydraulic import units
 from polydraulic.elementary import sincos
@@ -111,17 +113,22 @@ class Outcome(NamedTuple):
     scenarios: dict[str, float]
 
 
-def outcome(lab: Lab, conditions: Conditions) -> Outcome:
-    """Measure, learn, judge; kept by the lab."""
+def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
+    """Measure, learn and judge under each of some conditions, on all processors; kept by the lab, each as soon as it is there."""
+    keys = {c: f"measured {_name(c)}" for c in conditions}
+    missing = [c for c, key in keys.items() if not lab.computed.has_data(key)]
+    n_jobs = min(len(missing), cpu_count()) or 1
+    made = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_made)(lab.machine, c) for c in missing)
+    for number, c in enumerate(missing, 1):
+        lab.say(f"learn from measurements, {number} of {len(missing)}: {describe(c)}")
+        lab.computed.data(keys[c], lambda: next(made))
+    return [Outcome(*lab.computed.data(keys[c], list)) for c in conditions]
 
-    def made() -> list[Any]:
-        lab.say(f"learn from measurements: {describe(conditions)}")
-        machine = _machine(lab.machine, conditions)
-        log = measured(machine, conditions)
-        models = learn(machine, log)
-        return [len(log), *_judged(machine, models)]
 
-    return Outcome(*lab.computed.data(f"measured {_name(conditions)}", made))
+def _made(machine: Machine, conditions: Conditions) -> list[Any]:
+    machine = _machine(machine, conditions)
+    log = measured(machine, conditions)
+    return [len(log), *_judged(machine, learn(machine, log))]
 
 
 def describe(conditions: Conditions) -> str:

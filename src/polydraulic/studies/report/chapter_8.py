@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic.parameters import LINKS, Machine
 from polydraulic.studies.adaptation_study import SENSORS, torque_limit_study, worn_pump_study
 from polydraulic.studies.cache import Lab
-from polydraulic.studies.measured import JUDGES, SWEEPS, USUAL, Conditions, Outcome, describe, outcome
+from polydraulic.studies.measured import JUDGES, SWEEPS, USUAL, Conditions, Outcome, describe, outcomes
 from polydraulic.studies.report.catalog import Chapter, Content, Figure, Grid, result
 from polydraulic.studies.report.draw import canvas
 from polydraulic.studies.three_links import SCENARIOS
@@ -33,7 +33,8 @@ _WORN = 10  # minute in which the pumps are worn most; after it they are new
 
 def _all(lab: Lab) -> dict[Conditions, Outcome]:
     """Outcome of every condition, each once."""
-    return {c: outcome(lab, c) for sweep in SWEEPS.values() for c in sweep}
+    every = list(dict.fromkeys(c for sweep in SWEEPS.values() for c in sweep))
+    return dict(zip(every, outcomes(lab, every), strict=True))
 
 
 def content(lab: Lab) -> Content:
@@ -83,14 +84,14 @@ def _numbers(usual: Outcome, changes: dict[str, Table]) -> list[dict[str, Any]]:
 
 def what_data_buy(lab: Lab) -> Figure:
     """End-effector error over amount and quality of the data."""
-    data = {}
+    data, known = {}, _all(lab)
     for name, (attribute, label, scale) in _PANELS.items():
-        outcomes = [outcome(lab, c) for c in SWEEPS[name]]
+        found = [known[c] for c in SWEEPS[name]]
         data[name] = Table(
             {
                 label: scale * np.array([float(getattr(c, attribute)) for c in SWEEPS[name]]),
-                "median": 1e3 * np.array([o.median for o in outcomes]),
-                "worst": 1e3 * np.array([o.worst for o in outcomes]),
+                "median": 1e3 * np.array([o.median for o in found]),
+                "worst": 1e3 * np.array([o.worst for o in found]),
             },
             {"median": "mm", "worst": "mm"},
         )
