@@ -36,7 +36,9 @@ class Loop(NamedTuple):
 def dynamics_of(model: Model) -> Dynamics:
     """Return what makes a model dynamic, or say that it is not."""
     if model.dynamics is None:
-        raise InputError(f"the model of {model.output.name!r} is static: it has no lags; fit a DynamicRegressor, or polydraulic fit --dynamic")
+        raise InputError(
+            f"the model of {model.output.name!r} is static: it has no lags; fit a DynamicRegressor, or polydraulic fit --dynamic"
+        )
     return model.dynamics
 
 
