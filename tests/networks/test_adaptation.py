@@ -140,6 +140,16 @@ def test_noise_on_a_bound_is_no_news():
     assert np.abs(harmed.model().predict(X) - fitted.predict(X)).max() > 0.1
 
 
+def test_the_other_end_of_a_range_is_news_however_large_the_noise():
+    fitted = AbductiveRegressor(output_bounds=(0.0, 5.0)).fit(X, np.minimum(Y, 5.0)).to_model()
+    high = Adapter(fitted)._free.predict(X) > 2.6
+    adapter = Adapter(fitted, noise=10.0)
+    adapter.update(X[high], np.full(high.sum(), 4.9))
+    assert adapter.model() is fitted
+    adapter.update(X[high], np.zeros(high.sum()))
+    assert adapter.model().predict(X[high]).mean() < fitted.predict(X[high]).mean() - 0.1
+
+
 def test_weights_count_and_rows_without_weight_only_let_time_pass():
     weighted, repeated, aged = (Adapter(FITTED, forgetting=forgetting) for forgetting in (1.0, 1.0, 0.9))
     weighted.update(X[:50], 0.9 * Y[:50], np.full(50, 3.0))

@@ -120,8 +120,10 @@ class Adapter:
         self._forgetting, self._caution = float(forgetting), float(caution)
         self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
         self._trust = float(trust) * (high - low)
-        reach = _SURE * float(noise)
-        self._ends = np.array([(network.y_low + reach, network.y_high - reach) for network in model.networks])
+        ends = np.array([(network.y_low, network.y_high) for network in model.networks])
+        # of a region whose whole range is noise, one half is the low end and the other the high one
+        reach = np.minimum(_SURE * float(noise), 0.5 * np.diff(ends, axis=1))
+        self._ends = ends + reach * [1.0, -1.0]
         self._free = replace(
             model, networks=tuple(replace(n, y_low=-UNBOUNDED, y_high=UNBOUNDED) for n in model.networks)
         )
