@@ -1,5 +1,6 @@
 """Held-out errors of a machine learnt from a log, and what cannot be learnt."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -136,14 +137,24 @@ def test_the_card_holds_all_networks_and_the_holes(machine, learnt, log, tmp_pat
     assert list(covered) == OUTPUTS
     assert covered["boom.q_in"].found.box["boom.p_in"] == (0.0, machine.pumps.relief)
     assert 0.1 < covered["swing.q_in"].share < 1.0
-    drift = [Drift("boom", "deg", 0.1, 0.3, 20.0)]
+    drift = [Drift("boom", "deg", 0.1, np.inf, 20.0)]  # one run left all reason
     card = write_machine_card(machine, learnt, log, "log.parquet", tmp_path / "card.html", drift, "run so & so")
     assert [model["output"].split(" ")[0] for model in card["models"]] == OUTPUTS
     assert {column["name"] for column in card["data"]["columns"]} >= {"boom.travel", "stick.spool", "series.q_passed"}
     assert [c["output"] for c in card["data"]["coverage"]] == OUTPUTS
     assert any("no rows with" in hole and "bar" in hole for c in card["data"]["coverage"] for hole in c["holes"])
+    assert card["data"]["drift"] == [{"name": "boom", "unit": "deg", "median": 0.1, "largest": None, "moved": 20.0}]
+    assert json.loads((tmp_path / "card.card.json").read_text()) == card
     page = (tmp_path / "card.html").read_text()
-    for text in ("Run so &amp; so", "0.10 deg", "Proved", "90% intervals", "Where the log has been", "l/min"):
+    for text in (
+        "Run so &amp; so",
+        "0.10 deg",
+        "inf deg",
+        "Proved",
+        "90% intervals",
+        "Where the log has been",
+        "l/min",
+    ):
         assert text in page
     assert page.count("data:image/svg+xml") == 6 + 2 * 6  # maps; errors and drawings
 

@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Sequence
 from html import escape
+from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -143,7 +144,11 @@ def write_machine_card(
             for c in covered
         ],
         "windows": windows,
-        "drift": [d._asdict() for d in drift],
+        "drift": [
+            # JSON knows no infinity: a run that left all reason
+            {name: None if value == inf else value for name, value in d._asdict().items()}
+            for d in drift
+        ],
     }
     maps = "\n".join(_map(c, _conversions(log)) for c in covered)
     page = f"""{html_table("Errors on the blocks of time held out, as flows", HEADS, summary(learnt.fits))}

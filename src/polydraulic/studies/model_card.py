@@ -47,8 +47,7 @@ def write_card(
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
     seen : (dict, str), optional
-        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the first model's inputs if not
-        given.
+        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the models' inputs if not given.
 
     Returns
     -------
