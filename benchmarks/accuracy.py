@@ -16,7 +16,7 @@ from sklearn.neural_network import MLPRegressor
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
-from polydraulic.networks import AbductiveRegressor
+from polydraulic import AbductiveRegressor
 from separate import fit_separately, separate_learners
 
 OURS = "AbductiveRegressor"

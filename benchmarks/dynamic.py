@@ -22,8 +22,9 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from threadpoolctl import threadpool_limits
 
-from polydraulic.networks import AbductiveRegressor, DynamicRegressor
-from polydraulic.networks.lags import lagged
+from polydraulic import AbductiveRegressor
+from polydraulic.networks import DynamicRegressor
+from polydraulic.networks.dynamic.spans import lagged
 
 SEEDS = range(5)
 SECOND = 20  # rows of the wheel loader's log in a second, from its angles and speeds

@@ -12,9 +12,9 @@ from tempfile import TemporaryDirectory
 
 from polydraulic import load_machine
 from polydraulic.export import bundle, to_c
-from polydraulic.export.c_network import polynomial
+from polydraulic.export.c.network import polynomial
 from polydraulic.networks import Variable
-from polydraulic.studies.single_link import fit_full_box
+from polydraulic.thesis.single_link import fit_full_box
 
 N, REPEATS, TURNS = 1000, 2000, 15
 FLAGS = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror"]

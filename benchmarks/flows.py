@@ -8,12 +8,12 @@ import argparse
 
 import numpy as np
 
-from polydraulic import build_flow, compare, load_machine, load_scenario, simulate
+from polydraulic import build_flow, compare, load_machine, load_scenario, random_operator, simulate
 from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.flow.sample import sample_flow
-from polydraulic.parameters import LINKS, random_operator
-from polydraulic.studies.timing import time_runs
+from polydraulic.parameters.schema import LINKS
+from polydraulic.thesis.timing import time_runs
 
 SCENARIOS = ("sine", "step", "pulse", "task")
 FLOWS = {

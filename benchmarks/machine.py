@@ -14,15 +14,15 @@ import llvmlite.binding as llvm
 import numba
 import numpy as np
 
-from polydraulic import load_machine, load_scenario, simulate_batch
+from polydraulic import build_flow, load_machine, load_scenario, simulate_batch
 from polydraulic._kernel import _DRIVER_OPTIONS, KERNEL_OPTIONS, driver
-from polydraulic.flow import build_flow, exact_lanes
+from polydraulic.flow import exact_lanes
 from polydraulic.flow.dispatch import flow_lanes, flow_step
 from polydraulic.flow.lanes import LANES
-from polydraulic.machine import prepare
+from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import Links
-from polydraulic.simulation import lanes
-from polydraulic.simulation.batch import _processors
+from polydraulic.simulation.batch import lanes
+from polydraulic.simulation.batch.batch import _processors
 from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.simulation.step import seen_pressures

@@ -16,7 +16,7 @@ from time import process_time
 import numpy as np
 
 from polydraulic import load_machine, load_scenario
-from polydraulic.export.fmu import export_machine_fmu
+from polydraulic.export.fmu.machine import export_machine_fmu
 from polydraulic.export.machine import export_machine, outputs
 from polydraulic.simulation.loop import N_RECORD, run
 from polydraulic.simulation.runs import arrange

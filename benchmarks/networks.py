@@ -21,13 +21,14 @@ from threadpoolctl import threadpool_limits
 
 from accuracy import OURS, accuracy, cubic_ridge
 from data_sets import all_sets
+from polydraulic import AbductiveRegressor
 from polydraulic.export import c_name, export_c
 from polydraulic.export.formula import to_python
-from polydraulic.networks import AbductiveRegressor, PerceptronRegressor, Variable
-from polydraulic.networks.compiled import compiled
-from polydraulic.networks.moments import moments
-from polydraulic.networks.nodes import DOUBLE, TRIPLE, design
-from polydraulic.networks.scoring import squared_errors
+from polydraulic.networks import PerceptronRegressor, Variable
+from polydraulic.networks.growth.moments import moments
+from polydraulic.networks.growth.scoring import squared_errors
+from polydraulic.networks.model.compiled import compiled
+from polydraulic.networks.model.nodes import DOUBLE, TRIPLE, design
 from run import in_turn, show
 
 FLOPS = 53  # useful operations a row and Triple: its moments that no pair of variables has

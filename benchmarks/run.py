@@ -11,12 +11,11 @@ from sklearn.linear_model import LinearRegression
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
-from polydraulic import build_flow, load_machine, load_scenario
-from polydraulic.networks import AbductiveRegressor
-from polydraulic.networks.moments import moments
-from polydraulic.networks.nodes import TRIPLE, design
-from polydraulic.networks.scoring import squared_errors
-from polydraulic.studies.timing import time_runs
+from polydraulic import AbductiveRegressor, build_flow, load_machine, load_scenario
+from polydraulic.networks.growth.moments import moments
+from polydraulic.networks.growth.scoring import squared_errors
+from polydraulic.networks.model.nodes import TRIPLE, design
+from polydraulic.thesis.timing import time_runs
 
 
 def in_turn(calls, repeats=7):

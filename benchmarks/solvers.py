@@ -19,16 +19,16 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from polydraulic.flow import exact_flow
-from polydraulic.machine import initial_state, prepare
-from polydraulic.machine.state import to_vector
-from polydraulic.parameters import LINKS
+from polydraulic.machine.plant import prepare
+from polydraulic.machine.state import initial_state, to_vector
+from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.events import edges_of, new_log
 from polydraulic.simulation.loop import N_RECORD, run
-from polydraulic.simulation.rosenbrock import run_rosenbrock
-from polydraulic.simulation.rosenbrock_step import RODAS, new_work
-from polydraulic.simulation.runge_kutta import run_runge_kutta
 from polydraulic.simulation.runs import step_voltages
-from polydraulic.simulation.spools import Motion, spool_motion
+from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
+from polydraulic.simulation.solvers.rosenbrock_step import RODAS, new_work
+from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
+from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion
 from stiff_form import (
     FRAME,
     HELD_VOLTS,
@@ -107,7 +107,7 @@ def held_motion():
         target = np.clip(gain * HELD_VOLTS[k], -MACHINE.spool.knots[-1], MACHINE.spool.knots[-1])
         c[k, :, 0], c[k, :, 2], c[k, :, 7] = target, x - target, 1.0 / np.array(TAU)
         x = target + (x - target) * fade
-    return Motion(TIME, c, TIME[1:])
+    return SpoolMotion(TIME, c, TIME[1:])
 
 
 def rosenbrock(rtol, voltages_held):

@@ -12,15 +12,15 @@ from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import FLOW_STEPS
 from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import OK, Flows
-from polydraulic.machine import initial_state, prepare
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.pilot import spool_target
+from polydraulic.machine.plant import prepare
 from polydraulic.machine.pump import Circuit
-from polydraulic.machine.state import Links, State, from_vector, to_vector
+from polydraulic.machine.state import Links, State, from_vector, initial_state, to_vector
 from polydraulic.machine.valve import orifice_flow, orifices
-from polydraulic.parameters import LINKS
-from polydraulic.simulation.right_hand_side import rates
+from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.runs import step_voltages
+from polydraulic.simulation.solvers.right_hand_side import rates
 
 VOLUME = 1e-5 * 1.6387064e-5 / 6894.757293168361  # m3/Pa: 1e-5 in3/psi, each pump's line
 FRAME = 5e-3

@@ -3,9 +3,7 @@ import sys
 import pytest
 from hypothesis import settings
 
-from polydraulic import cli
-from polydraulic.flow import build_flow
-from polydraulic.parameters import load_machine, load_scenario
+from polydraulic import build_flow, cli, load_machine, load_scenario
 
 settings.register_profile("quick", max_examples=60, deadline=None, derandomize=True)
 settings.load_profile("quick")

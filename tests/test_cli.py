@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from polydraulic.networks import Model, Network, Variable, load_models, save_models
-from polydraulic.parameters import scenario_names
+from polydraulic import load_models, save_models
+from polydraulic.networks import Model, Network, Variable
+from polydraulic.parameters.scenario import scenario_names
 from polydraulic.tables import Table, read_table, write_table
 
 

@@ -4,9 +4,10 @@ import re
 
 import pytest
 
-from polydraulic.networks import Model, Network, Variable, load_models, save_models
+from helpers.logs_with_memory import memory_log
+from polydraulic import load_models, save_models
+from polydraulic.networks import Model, Network, Variable
 from polydraulic.tables import Table, read_table, write_table
-from studies.logs_with_memory import memory_log
 
 
 @pytest.fixture

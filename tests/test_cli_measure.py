@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from machine_log import machine_log
-from measure.logs_made import MAP, healthy, write_csv
-from polydraulic.studies import judged_machine, machine_from_log, model_card
+from helpers.logs_made import MAP, healthy, write_csv
+from helpers.machine_log import machine_log
+from polydraulic.identification import machine_fit, machine_judging, model_card
 from polydraulic.tables import Table, write_table
 
 
@@ -74,9 +74,9 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, line, message):
 
 @pytest.fixture
 def machine_files(tmp_path, monkeypatch):
-    monkeypatch.setattr(machine_from_log, "REGIONS", 2)
-    monkeypatch.setattr(machine_from_log, "ROWS", 1000)
-    monkeypatch.setattr(judged_machine, "_BLOCKS", 5)
+    monkeypatch.setattr(machine_fit, "REGIONS", 2)
+    monkeypatch.setattr(machine_fit, "ROWS", 1000)
+    monkeypatch.setattr(machine_judging, "_BLOCKS", 5)
     monkeypatch.setattr(model_card, "_EFFORT", 2)
     monkeypatch.setattr(model_card, "_SHOWN", 1)
     log = machine_log(90.0)

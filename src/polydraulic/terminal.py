@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from polydraulic.simulation import Difference
+    from polydraulic.simulation.trajectory import Difference
 
 PATIENCE = 2.0  # s, before progress is shown
 
@@ -77,7 +77,7 @@ def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 def print_differences(differences: "Mapping[str, Difference]") -> None:
     """What a run differs by from the exact one: every link that moves, the pumps and the tip."""
-    from polydraulic.parameters import LINKS
+    from polydraulic.parameters.schema import LINKS
     from polydraulic.simulation.trajectory import field_unit
     from polydraulic.units import from_si
 

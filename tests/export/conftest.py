@@ -1,6 +1,6 @@
 import pytest
 
-from exports import made
+from helpers.exports import made
 
 
 @pytest.fixture(scope="session")

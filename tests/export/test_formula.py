@@ -9,20 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exports import networks
+from helpers.exports import networks
+from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_latex, to_python, to_sympy, to_text
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.networks import (
-    AbductiveRegressor,
-    Model,
-    Network,
-    Node,
-    PerceptronRegressor,
-    RegionRegressor,
-    Variable,
-)
-from polydraulic.networks.nodes import KIND_NAMES
+from polydraulic.networks import Model, Network, Node, PerceptronRegressor, Variable
+from polydraulic.networks.model.nodes import KIND_NAMES
 
 RNG = np.random.default_rng(9)
 X = RNG.uniform(-1.0, 1.0, size=(300, 3))

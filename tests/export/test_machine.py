@@ -6,8 +6,9 @@ import subprocess
 import numpy as np
 import pytest
 
-import c_machine
 import polydraulic.export.machine as exported
+from helpers import c_machine
+from polydraulic import load_scenario, simulate
 from polydraulic._kernel import driver
 from polydraulic.errors import InputError
 from polydraulic.export.machine import (
@@ -19,10 +20,9 @@ from polydraulic.export.machine import (
     prepared,
 )
 from polydraulic.flow import FLOW_KINDS
-from polydraulic.machine import end_effector
-from polydraulic.parameters import LINKS, load_scenario
+from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
-from polydraulic.simulation import simulate
+from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.loop import N_RECORD, run
 from polydraulic.simulation.runs import arrange
 

@@ -7,7 +7,7 @@ import onnx
 import onnxruntime
 import pytest
 
-from exports import NAMES
+from helpers.exports import NAMES
 from polydraulic.errors import InputError
 from polydraulic.export import bundle
 from polydraulic.export.onnx import export_onnx, to_onnx

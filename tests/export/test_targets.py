@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
-from exports import NAMES
+from helpers.exports import NAMES
 from polydraulic.errors import InputError
 from polydraulic.export import TARGETS, build, bundle, export_models
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from numba.core import compiler, registry, typed_passes, types
 
-from c_machine import STRICT
+from helpers.c_machine import STRICT
 from polydraulic import elementary
 from polydraulic.errors import InputError
 from polydraulic.export.machine import machine_advance, outputs, prepared
-from polydraulic.export.translate import Program
+from polydraulic.export.translate.program import Program
 from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct
 from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.dispatch import flow_step

@@ -4,21 +4,12 @@ import numba
 import numpy as np
 import pytest
 
+from polydraulic import build_flow
 from polydraulic.errors import InputError
-from polydraulic.flow import (
-    FLOW_KINDS,
-    OK,
-    OUT_OF_DOMAIN,
-    build_flow,
-    exact_flow,
-    flow_step,
-    lookup_flow,
-    neural_flow,
-    table_bytes,
-)
+from polydraulic.flow import FLOW_KINDS, OK, OUT_OF_DOMAIN, exact_flow, flow_step, lookup_flow, neural_flow, table_bytes
 from polydraulic.flow.lookup import pressure_lines, travel_lines
 from polydraulic.flow.sample import sample_flow
-from polydraulic.machine import Links
+from polydraulic.machine.state import Links
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")

@@ -5,25 +5,25 @@ import dataclasses
 import numpy as np
 import pytest
 
+from polydraulic import AbductiveRegressor, build_flow
 from polydraulic.errors import InputError
 from polydraulic.flow import (
     FLOW_KINDS,
     NOT_CONVERGED,
     OK,
     OUT_OF_DOMAIN,
-    build_flow,
     flow_name,
     flow_step,
     iterative_flow,
     served_links,
 )
+from polydraulic.flow.database import sample_boom
 from polydraulic.flow.polynomial import ARRANGEMENTS, shipped_models
 from polydraulic.flow.sample import sample_fed, sample_flow
-from polydraulic.machine import Links
-from polydraulic.networks import AbductiveRegressor, Variable
-from polydraulic.parameters import LINKS
-from polydraulic.studies.boom_models import fit_columns
-from polydraulic.studies.database import sample_boom
+from polydraulic.machine.state import Links
+from polydraulic.networks import Variable
+from polydraulic.parameters.schema import LINKS
+from polydraulic.thesis.boom_models import fit_columns
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
+from polydraulic import build_flow, compare, load_scenario, simulate
 from polydraulic.errors import InputError
-from polydraulic.flow import build_flow, flow_step
-from polydraulic.machine import Links
+from polydraulic.flow import flow_step
 from polydraulic.machine.pump import delivered
-from polydraulic.parameters import load_scenario
-from polydraulic.simulation import compare, simulate
+from polydraulic.machine.state import Links
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")

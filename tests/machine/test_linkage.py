@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from polydraulic.elementary import sincos
-from polydraulic.machine import Links, prepare
 from polydraulic.machine.joints import moved, stopped
 from polydraulic.machine.linkage import Held, motion, prepare_linkage, solve_motion, times
+from polydraulic.machine.plant import prepare
+from polydraulic.machine.state import Links
 
 FREE = Held(False, False, False)
 

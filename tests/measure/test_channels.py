@@ -2,7 +2,7 @@ import tomllib
 
 import pytest
 
-from measure.logs_made import MAP
+from helpers.logs_made import MAP
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import channel_map, load_channels
 

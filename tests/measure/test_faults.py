@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from measure.logs_made import MAP, RASTER, UNITS, healthy, write_csv
+from helpers.logs_made import MAP, RASTER, UNITS, healthy, write_csv
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, load_channels, write_quality
-from polydraulic.measure.findings import KINDS
+from polydraulic.measure.checks.findings import KINDS
 
 
 def imported(tmp_path, columns, channel_map=MAP, names=None, units=UNITS, change=lambda text: text):

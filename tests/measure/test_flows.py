@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
+from polydraulic import load_scenario, simulate
 from polydraulic.errors import InputError
 from polydraulic.measure import add_flows, assumption, differentiate, reconstruct_flow
 from polydraulic.measure.channels import FlowChannel
 from polydraulic.measure.flows import FlowStream, flow_statement
-from polydraulic.parameters import load_scenario
-from polydraulic.simulation import simulate
 from polydraulic.tables import Table
 
 FLOW = FlowChannel("q", "stroke", 0.012, "p", 2e-11, 0.1)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from polydraulic.measure.checks.channel_check import Samples
 from polydraulic.measure.resample import Resampler
-from polydraulic.measure.values import Samples
 
 
 def rows(raster, channels, cuts=(np.inf,)):

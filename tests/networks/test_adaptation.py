@@ -1,17 +1,9 @@
 import numpy as np
 import pytest
 
+from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.errors import InputError
-from polydraulic.networks import (
-    AbductiveRegressor,
-    Adapter,
-    Model,
-    Network,
-    RegionRegressor,
-    Variable,
-    dump_models,
-    parse_models,
-)
+from polydraulic.networks import Adapter, Model, Network, Variable, dump_models, parse_models
 
 RNG = np.random.default_rng(3)
 X = RNG.uniform([0.0, 10.0, 5.0], [1.0, 30.0, 5.0 + 1e-300], size=(500, 3))

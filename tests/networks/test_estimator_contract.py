@@ -3,7 +3,7 @@
 import pytest
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from polydraulic.networks import AbductiveRegressor, RegionRegressor
+from polydraulic import AbductiveRegressor, RegionRegressor
 
 
 @pytest.mark.slow

@@ -1,7 +1,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from polydraulic.networks import AbductiveRegressor, RegionRegressor, Variable
+from polydraulic import AbductiveRegressor, RegionRegressor
+from polydraulic.networks import Variable
 from polydraulic.networks.plot import draw_history, draw_network, draw_regions
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from polydraulic import parameters
+from polydraulic import load_machine, parameters
 from polydraulic.errors import InputError
-from polydraulic.parameters import load_machine, machine_entries
+from polydraulic.parameters.load import machine_entries
 
 TEXT = (Path(parameters.__file__).parent / "sets" / "cat215b.toml").read_text()
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from polydraulic import load_scenario, random_operator
 from polydraulic.errors import InputError
-from polydraulic.parameters import LINKS, load_scenario, random_operator
 from polydraulic.parameters.operator import RASTER
+from polydraulic.parameters.schema import LINKS
 
 T = np.arange(0.0, 3000.0, RASTER)
 

@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
 
+from polydraulic import load_scenario
 from polydraulic.errors import InputError
-from polydraulic.parameters import LINKS, Piecewise, load_scenario, scenario_names
+from polydraulic.parameters.scenario import scenario_names
+from polydraulic.parameters.schema import LINKS
+from polydraulic.parameters.signals import Piecewise
 from polydraulic.tables import read_table, write_table
 
 BASIC = """

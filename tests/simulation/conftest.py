@@ -1,7 +1,6 @@
 import pytest
 
-from polydraulic.parameters import load_scenario
-from polydraulic.simulation import simulate
+from polydraulic import load_scenario, simulate
 
 
 @pytest.fixture(scope="session")

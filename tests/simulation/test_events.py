@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from polydraulic.machine import prepare
-from polydraulic.parameters import Constant, Scenario, load_scenario
+from polydraulic import load_scenario, simulate
+from polydraulic.machine.plant import prepare
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.signals import Constant
 from polydraulic.simulation import events as module
-from polydraulic.simulation import simulate
 from polydraulic.simulation.events import CONDITIONS, N_CONDITION, edges_of, listed, new_log, scan
 from polydraulic.simulation.loop import N_RECORD
 from polydraulic.tables import read_table, write_table

@@ -3,19 +3,22 @@
 import numpy as np
 import pytest
 
+from polydraulic import load_scenario, random_operator, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import exact_flow
-from polydraulic.machine import prepare
+from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import Links, State
-from polydraulic.parameters import LINKS, Constant, Piecewise, Scenario, load_scenario, random_operator, scenario_names
-from polydraulic.simulation import METHODS, simulate
+from polydraulic.parameters.scenario import Scenario, scenario_names
+from polydraulic.parameters.schema import LINKS
+from polydraulic.parameters.signals import Constant, Piecewise
 from polydraulic.simulation.events import edges_of, new_log
 from polydraulic.simulation.loop import N_RECORD, run
-from polydraulic.simulation.right_hand_side import held_at_stops, rates, resting
-from polydraulic.simulation.rosenbrock import DONE, run_rosenbrock
-from polydraulic.simulation.rosenbrock_step import RODAS, new_work
-from polydraulic.simulation.runge_kutta import run_runge_kutta
-from polydraulic.simulation.spools import N_COEFFICIENT, Motion
+from polydraulic.simulation.runs import METHODS
+from polydraulic.simulation.solvers.right_hand_side import held_at_stops, rates, resting
+from polydraulic.simulation.solvers.rosenbrock import DONE, run_rosenbrock
+from polydraulic.simulation.solvers.rosenbrock_step import RODAS, new_work
+from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
+from polydraulic.simulation.solvers.spools import N_COEFFICIENT, SpoolMotion
 
 # All valves stay on one segment of their tables after 0.8 s, and no line meets a bound: nothing but smooth motion.
 VOLTS = (0.41, 0.3, 0.62)
@@ -77,7 +80,7 @@ def end_by_rosenbrock(machine, x0, rtol):
         pilot = getattr(machine, name).pilot
         target = pilot.gain * VOLTS[link]
         c[0, link, 0], c[0, link, 2], c[0, link, 7] = target, x0[link] - target, 1.0 / pilot.time_constant
-    motion = Motion(np.array([0.0, LENGTH]), c, np.array([LENGTH]))
+    motion = SpoolMotion(np.array([0.0, LENGTH]), c, np.array([LENGTH]))
     rows, counts = np.empty((2, N_RECORD)), np.zeros(4, dtype=np.int64)
     status = run_rosenbrock(
         exact_flow(machine), np.zeros(1), prepare(machine, 1.0), RODAS, motion, x0, rtol, np.array([0.0, LENGTH]),

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from polydraulic import random_operator, simulate
 from polydraulic.flow import FLOW_KINDS
-from polydraulic.parameters import LINKS, random_operator
-from polydraulic.simulation import simulate
+from polydraulic.parameters.schema import LINKS
 
 WHOLE = [name for name, kind in FLOW_KINDS.items() if set(kind.links) == set(LINKS)]
 

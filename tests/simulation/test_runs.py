@@ -8,12 +8,13 @@ import sys
 import numpy as np
 import pytest
 
+from polydraulic import build_flow, compare, load_scenario, reference, simulate
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow import FLOW_KINDS, build_flow
+from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.parameters import Constant, Piecewise, Scenario, Sine, load_scenario
+from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Stops
-from polydraulic.simulation import compare, reference, simulate
+from polydraulic.parameters.signals import Constant, Piecewise, Sine
 from polydraulic.tables import read_table, write_table
 
 MODELS = ["exact", "iterative", "polynomial", "neural", "lookup"]

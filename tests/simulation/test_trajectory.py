@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from polydraulic import compare, load_scenario, simulate
 from polydraulic.errors import InputError
-from polydraulic.parameters import LINKS, load_scenario
-from polydraulic.simulation import compare, simulate
+from polydraulic.parameters.schema import LINKS
 from polydraulic.tables import read_table, write_table
 
 OF_A_LINK = {

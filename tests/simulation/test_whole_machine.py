@@ -5,14 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
+from polydraulic import build_flow, load_scenario, reference, simulate
 from polydraulic.elementary import sincos
-from polydraulic.flow import FLOW_KINDS, build_flow
-from polydraulic.machine import Links, prepare
+from polydraulic.flow import FLOW_KINDS
 from polydraulic.machine.actuator import friction_torque
 from polydraulic.machine.joints import position
 from polydraulic.machine.linkage import motion
-from polydraulic.parameters import LINKS, Constant, Piecewise, Scenario, Sine, load_scenario
-from polydraulic.simulation import reference, simulate
+from polydraulic.machine.plant import prepare
+from polydraulic.machine.state import Links
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import LINKS
+from polydraulic.parameters.signals import Constant, Piecewise, Sine
 from polydraulic.units import from_si, to_si
 
 SCENARIOS = ["sine", "step", "pulse", "task"]

@@ -11,7 +11,7 @@ from polydraulic.cli.app import app
 from polydraulic.errors import InputError
 
 if TYPE_CHECKING:
-    from polydraulic.networks import Model
+    from polydraulic.networks.model.model import Model
 
 
 @app.command()
@@ -39,13 +39,13 @@ def run(
     """
     import numpy as np
 
-    from polydraulic.networks import load_models
-    from polydraulic.networks.lags import spans_of
-    from polydraulic.simulation.plot import picture_ending, save_figure
-    from polydraulic.studies.fit import errors_of
-    from polydraulic.studies.log_rows import rows_for
-    from polydraulic.studies.run_plot import plot_runs
-    from polydraulic.studies.runs import run_on, run_table
+    from polydraulic.identification.log_rows import rows_for
+    from polydraulic.identification.run_plot import plot_runs
+    from polydraulic.identification.runs import run_on, run_table
+    from polydraulic.identification.table_fit import errors_of
+    from polydraulic.networks.dynamic.spans import spans_of
+    from polydraulic.networks.model.model_file import load_models
+    from polydraulic.plotting.run_figure import picture_ending, save_figure
     from polydraulic.tables import read_table, table_ending, write_table
 
     if out is not None:
@@ -80,7 +80,7 @@ def _rows(seconds: float, raster: float | None) -> int:
 
 def say_how_dynamic(models: "Sequence[Model]") -> None:
     """Say of dynamic models what an export, or a proof, is about."""
-    from polydraulic.studies.runs import lags_in_words
+    from polydraulic.identification.runs import lags_in_words
 
     steps: dict[str, list[str]] = {}
     for model in models:

@@ -31,7 +31,10 @@ def import_(
     - A first channel map, to be gone through: `polydraulic import --suggest log.mf4 --out map.toml`
     """
     from polydraulic.files import write_text
-    from polydraulic.measure import import_log, load_channels, suggest_channels, write_quality
+    from polydraulic.measure.channels import load_channels
+    from polydraulic.measure.checks.quality import write_quality
+    from polydraulic.measure.importing import import_log
+    from polydraulic.measure.suggest import suggest_channels
 
     if suggest:
         if channels is not None or report is not None:
@@ -78,10 +81,11 @@ def record(
 
     Example: `polydraulic record random:1:600 random:2:600 --sensors sensors.toml --out log.mf4`
     """
-    from polydraulic.measure import load_sensors
-    from polydraulic.measure import record as write_log
-    from polydraulic.measure.record import log_ending
-    from polydraulic.parameters import load_machine, load_scenario
+    from polydraulic.measure.bench.recording import log_ending
+    from polydraulic.measure.bench.recording import record as write_log
+    from polydraulic.measure.bench.sensors import load_sensors
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.scenario import load_scenario
 
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
@@ -115,13 +119,21 @@ def fit_machine(
 
     - Does it hold on another day's log? `polydraulic check machine.json --data later.parquet`
     """
-    from polydraulic.flow import build_flow
-    from polydraulic.networks import save_models
-    from polydraulic.parameters import LINKS, load_machine
-    from polydraulic.studies.judged_machine import learn_and_judge, one_sided
-    from polydraulic.studies.machine_card import DRIFT_HEADS, HEADS, drift_rows, kept, summary, write_machine_card
-    from polydraulic.studies.machine_from_log import MEASURED, Known, by_port
-    from polydraulic.studies.replay import COMPARED, against_log
+    from polydraulic.flow.dispatch import build_flow
+    from polydraulic.identification.log_replay import COMPARED, against_log
+    from polydraulic.identification.machine_card import (
+        DRIFT_HEADS,
+        HEADS,
+        drift_rows,
+        kept,
+        summary,
+        write_machine_card,
+    )
+    from polydraulic.identification.machine_fit import MEASURED, Known, by_port
+    from polydraulic.identification.machine_judging import learn_and_judge, one_sided
+    from polydraulic.networks.model.model_file import save_models
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.schema import LINKS
     from polydraulic.tables import read_table
 
     if card is not None and card.suffix.lower() != ".html":
@@ -176,13 +188,13 @@ def replay(
 
     - What the sensors alone make of it, on a log of `record`: `polydraulic replay later.parquet --flow exact`
     """
-    from polydraulic.flow import build_flow
-    from polydraulic.networks import load_models
-    from polydraulic.parameters import load_machine
-    from polydraulic.simulation.plot import picture_ending, save_figure
-    from polydraulic.studies.machine_card import DRIFT_HEADS, drift_rows
-    from polydraulic.studies.replay import DRIVEN, drifts, plot_replay
-    from polydraulic.studies.replay import replay as run
+    from polydraulic.flow.dispatch import build_flow
+    from polydraulic.identification.log_replay import DRIVEN, drifts, plot_replay
+    from polydraulic.identification.log_replay import replay as run
+    from polydraulic.identification.machine_card import DRIFT_HEADS, drift_rows
+    from polydraulic.networks.model.model_file import load_models
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.plotting.run_figure import picture_ending, save_figure
     from polydraulic.tables import read_table
 
     if model and flow not in ("polynomial", "neural"):

@@ -56,12 +56,13 @@ def simulate(
 
     `polydraulic scenarios` lists the scenarios that come with the package; `polydraulic animate` shows the linkage move.
     """
-    from polydraulic.flow import build_flow
-    from polydraulic.networks import load_models
-    from polydraulic.parameters import load_machine, load_scenario
-    from polydraulic.simulation import compare, plot_run
-    from polydraulic.simulation import simulate as run
-    from polydraulic.simulation.plot import picture_ending, save_figure
+    from polydraulic.flow.dispatch import build_flow
+    from polydraulic.networks.model.model_file import load_models
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.scenario import load_scenario
+    from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
+    from polydraulic.simulation.runs import simulate as run
+    from polydraulic.simulation.trajectory import compare
     from polydraulic.tables import table_ending, write_table
 
     if model and flow not in ("polynomial", "neural", "pressure"):
@@ -123,10 +124,10 @@ def animate(
 
     The first flow is drawn filled, the others as outlines; distances of the tip are from the first.
     """
-    from polydraulic.parameters import load_machine, load_scenario
-    from polydraulic.simulation import simulate as run
-    from polydraulic.simulation import write_animation
-    from polydraulic.simulation.animation import animation_ending
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.scenario import load_scenario
+    from polydraulic.plotting.animation import animation_ending, write_animation
+    from polydraulic.simulation.runs import simulate as run
 
     animation_ending(out)
     plant, what = load_machine(machine), load_scenario(scenario)
@@ -147,7 +148,8 @@ def scenarios() -> None:
 
     Example: `polydraulic scenarios`
     """
-    from polydraulic.parameters import LINKS, load_scenario, scenario_names
+    from polydraulic.parameters.scenario import load_scenario, scenario_names
+    from polydraulic.parameters.schema import LINKS
 
     for name in scenario_names():
         what = load_scenario(name)
@@ -175,8 +177,8 @@ def sample(
     """
     import numpy as np
 
-    from polydraulic.parameters import load_machine
-    from polydraulic.studies.database import CIRCUITS
+    from polydraulic.flow.database import CIRCUITS
+    from polydraulic.parameters.load import load_machine
     from polydraulic.tables import write_table
 
     if circuit not in CIRCUITS:
@@ -206,10 +208,10 @@ def export_machine(
 
     - C99 for a controller or a test bench: `polydraulic export-machine --to c --out excavator`
     """
-    from polydraulic.export import export_machine as write_c
-    from polydraulic.export import export_machine_fmu
-    from polydraulic.flow import build_flow
-    from polydraulic.parameters import load_machine
+    from polydraulic.export.fmu.machine import export_machine_fmu
+    from polydraulic.export.machine import export_machine as write_c
+    from polydraulic.flow.dispatch import build_flow
+    from polydraulic.parameters.load import load_machine
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")

@@ -13,7 +13,7 @@ from polydraulic.terminal import stages, steps
 if TYPE_CHECKING:
     import numpy as np
 
-    from polydraulic.networks import Model
+    from polydraulic.networks.model.model import Model
 
 
 @app.command()
@@ -72,9 +72,10 @@ def fit(
     - With memory: `polydraulic fit log.parquet --inputs valve --outputs pressure --dynamic --out pressure.json --card pressure.html`;
     `polydraulic run pressure.json log.parquet --plot run.svg` shows it running.
     """
-    from polydraulic.networks import AbductiveRegressor, save_models
-    from polydraulic.studies.fit import fit_table, with_deadbands
-    from polydraulic.studies.model_card import write_card
+    from polydraulic.identification.model_card import write_card
+    from polydraulic.identification.table_fit import fit_table, with_deadbands
+    from polydraulic.networks.growth.regressor import AbductiveRegressor
+    from polydraulic.networks.model.model_file import save_models
     from polydraulic.tables import read_table
 
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
@@ -115,9 +116,10 @@ def _fit_dynamic(
     longest_lag: int, given: list[str],
 ) -> None:  # fmt: skip
     """Fit one dynamic model of all outputs."""
-    from polydraulic.networks import AbductiveRegressor, save_models
-    from polydraulic.studies.fit_dynamic import fit_log, statements
-    from polydraulic.studies.model_card import write_card
+    from polydraulic.identification.dynamic_fit import fit_log, statements
+    from polydraulic.identification.model_card import write_card
+    from polydraulic.networks.growth.regressor import AbductiveRegressor
+    from polydraulic.networks.model.model_file import save_models
     from polydraulic.tables import read_table
 
     if given:
@@ -165,7 +167,8 @@ def check(
 
     - A year later: `polydraulic check q_in.json --data this_year.parquet`
     """
-    from polydraulic.networks import check_range, load_models, model_bounds
+    from polydraulic.networks.model.model_file import load_models
+    from polydraulic.networks.proof.bounds import check_range, model_bounds
 
     if data is not None:
         if within is not None or box:
@@ -196,8 +199,8 @@ def check(
 
 def _judge(models: "list[Model]", data: Path) -> None:
     """Say whether models hold on a table."""
-    from polydraulic.studies.judged_machine import as_judged
-    from polydraulic.studies.validity import run_validity, validity
+    from polydraulic.identification.machine_judging import as_judged
+    from polydraulic.identification.validity import run_validity, validity
     from polydraulic.tables import read_table
 
     table, holds = read_table(data), True
@@ -240,9 +243,8 @@ def export(
 
     `polydraulic verify` compares all of these with the package.
     """
-    from polydraulic.export import export_models
-    from polydraulic.export.targets import is_file
-    from polydraulic.networks import load_models
+    from polydraulic.export.targets import export_models, is_file
+    from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
     if name is None and len(models) > 1 and not is_file(to, out):
@@ -268,8 +270,8 @@ def verify(
 
     Example: `polydraulic verify q_in.json`
     """
-    from polydraulic.export import agreement_table, verify_models
-    from polydraulic.networks import load_models
+    from polydraulic.export.verify import agreement_table, verify_models
+    from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
     with stages("verify") as progress:

@@ -26,8 +26,8 @@ def report(
 
     - One figure alone: `polydraulic report --figure 5-19`
     """
-    from polydraulic.parameters import load_machine
-    from polydraulic.studies import write_figure, write_report
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.thesis.report.write import write_figure, write_report
 
     if chapter and figure:
         raise InputError("--chapter and --figure exclude each other: a figure belongs to one chapter")

@@ -13,10 +13,11 @@ from math import comb, inf, prod
 from typing import TYPE_CHECKING, Any
 
 from polydraulic.errors import InputError
-from polydraulic.export.c_network import bounded, polynomial
-from polydraulic.export.c_text import literal, one_line
-from polydraulic.networks import Model, Network, Node, Variable, describe
-from polydraulic.networks.nodes import KIND_NAMES, SIGMOID, terms
+from polydraulic.export.c.network import bounded, polynomial
+from polydraulic.export.c.text import literal, one_line
+from polydraulic.networks.model.model import Model, Variable, describe
+from polydraulic.networks.model.nodes import KIND_NAMES, SIGMOID, terms
+from polydraulic.networks.model.table import Network, Node
 
 if TYPE_CHECKING:
     import sympy

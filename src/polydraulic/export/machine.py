@@ -15,15 +15,14 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
-from polydraulic.export.bundle import c_name
-from polydraulic.export.translate import Program
+from polydraulic.export.model_bundle import c_name
+from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
-from polydraulic.flow import FLOW_KINDS, build_flow, flow_name, served_links
-from polydraulic.machine import Plant, initial_state, prepare
+from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, served_links
 from polydraulic.machine.linkage import tip
-from polydraulic.machine.state import Links, State, from_vector
-from polydraulic.parameters import LINKS, Machine
-from polydraulic.parameters.schema import Geometry
+from polydraulic.machine.plant import Plant, prepare
+from polydraulic.machine.state import Links, State, from_vector, initial_state
+from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.loop import N_RECORD, at_rest, reasonable, record
 from polydraulic.simulation.runs import CIRCUIT_COLUMNS, FLOW_COLUMNS, STATE_COLUMNS
 from polydraulic.simulation.step import machine_step

@@ -13,13 +13,13 @@ import numpy as np
 
 from polydraulic import __version__
 from polydraulic.errors import InputError
-from polydraulic.export.bundle import Bundle, bundle
-from polydraulic.export.c_network import bounded, polynomial
+from polydraulic.export.c.network import bounded, polynomial
+from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import replacing
-from polydraulic.networks import Model, Network
-from polydraulic.networks.partition import Partition, Split
-from polydraulic.networks.slopes import domain_gain
-from polydraulic.networks.taylor import used_slots
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.partition import Partition, Split
+from polydraulic.networks.model.slopes import domain_gain
+from polydraulic.networks.model.table import Network, used_slots
 
 OPSET, _IR = 17, 8  # of 2022
 

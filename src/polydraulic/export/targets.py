@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 from polydraulic.errors import InputError
 from polydraulic.export.build import COMPILERS
-from polydraulic.export.bundle import Bundle, bundle
-from polydraulic.export.c import export_c
-from polydraulic.export.c_text import one_line
-from polydraulic.export.fmu import export_fmu
+from polydraulic.export.c.source import export_c
+from polydraulic.export.c.text import one_line
+from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.formula import to_latex, to_python, to_sympy
+from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.export.onnx import export_onnx
 from polydraulic.files import write_text
-from polydraulic.networks import Model
+from polydraulic.networks.model.model import Model
 
 ENDINGS = {
     "c": "", "fmi2": ".fmu", "fmi3": ".fmu", "onnx": ".onnx", "python": ".py", "sympy": ".py", "latex": ".tex",

@@ -12,12 +12,12 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.build import compile_library, find_compiler
-from polydraulic.export.bundle import Bundle, bundle
-from polydraulic.export.c import to_c
-from polydraulic.export.fmu import export_fmu
+from polydraulic.export.c.source import to_c
+from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.formula import to_python
+from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.export.onnx import to_onnx
-from polydraulic.networks import Model
+from polydraulic.networks.model.model import Model
 
 ROUNDING = 1e-9  # of an output's size: what double precision may differ by
 

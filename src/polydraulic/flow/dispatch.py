@@ -31,8 +31,8 @@ from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
 from polydraulic.flow.stiff import StiffFlow, stiff_flow, stiff_step
 from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_step
 from polydraulic.machine.state import Links
-from polydraulic.networks.table import work_size
-from polydraulic.parameters import LINKS, Machine
+from polydraulic.networks.model.table import work_size
+from polydraulic.parameters.schema import LINKS, Machine
 
 
 class FlowKind(NamedTuple):

@@ -11,7 +11,7 @@ from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
 from polydraulic.machine.pump import NEVER, Pump, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_slopes, orifices, prepare_valve
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 
 class Valves(NamedTuple):

@@ -18,7 +18,7 @@ from polydraulic.flow.interface import NOT_CONVERGED, OK, Flows
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 
 class IterativeFlow(NamedTuple):

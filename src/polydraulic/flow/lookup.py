@@ -19,7 +19,7 @@ from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 MOST_POINTS = 64  # 0.3 GB
 _BOOM_POINTS = 4  # lines an axis of the boom's two, as a multiple of those of the others' four

@@ -21,7 +21,7 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
-from polydraulic.flow.places import (
+from polydraulic.flow.network_slots import (
     BOOM_IN,
     BOOM_LIMITED,
     BOOM_OUT,
@@ -38,11 +38,12 @@ from polydraulic.flow.places import (
 )
 from polydraulic.machine.pump import Circuit, Pump, prepare_pump
 from polydraulic.machine.state import Links
-from polydraulic.networks import Model, Network, NetworkTable, Variable, parse_models
-from polydraulic.networks.model import pack_models
-from polydraulic.networks.partition import Regions, choose
-from polydraulic.networks.table import evaluate, work_size
-from polydraulic.parameters import LINKS, Machine, load_machine
+from polydraulic.networks.model.model import Model, Variable, pack_models
+from polydraulic.networks.model.model_file import parse_models
+from polydraulic.networks.model.partition import Regions, choose
+from polydraulic.networks.model.table import Network, NetworkTable, evaluate, work_size
+from polydraulic.parameters.load import load_machine
+from polydraulic.parameters.schema import LINKS, Machine
 
 ARRANGEMENTS = ("cascade", "direct")
 TRAINED_ON = "cat215b"
@@ -226,7 +227,7 @@ def _check_circuits(machine: Machine) -> None:
         if value != known[name] and (limit or not name.startswith("pumps.torque_limit")):
             raise InputError(
                 f"{name} = {value}, and {known[name]} in {TRAINED_ON}, whose circuits the package's networks were trained on: "
-                "train networks for this machine (python -m polydraulic.studies.train FOLDER MACHINE) and give them as models"
+                "train networks for this machine (python -m polydraulic.flow.training.train FOLDER MACHINE) and give them as models"
             )
 
 

@@ -13,15 +13,14 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import constant_boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
-from polydraulic.flow.places import BOOM_IN, choose_model
+from polydraulic.flow.network_slots import BOOM_IN, choose_model
 from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
-from polydraulic.networks import Model, NetworkTable, Variable
-from polydraulic.networks.model import pack_models
-from polydraulic.networks.partition import Regions, choose
-from polydraulic.networks.table import evaluate
-from polydraulic.parameters import Machine
+from polydraulic.networks.model.model import Model, Variable, pack_models
+from polydraulic.networks.model.partition import Regions, choose
+from polydraulic.networks.model.table import NetworkTable, evaluate
+from polydraulic.parameters.schema import Machine
 
 P_PUMP = (Variable("boom.p_pump", "Pa"), BOOM_IN[1])
 

@@ -32,7 +32,7 @@ from polydraulic.machine.feed import (
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 SERIES_PASSES = 6
 LIMITED_PASSES = 8

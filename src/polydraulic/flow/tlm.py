@@ -24,7 +24,7 @@ from polydraulic.machine.feed import Bypass, Feed, draw
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifices
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 _LIMIT_PASSES = 5
 

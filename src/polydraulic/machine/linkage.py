@@ -12,8 +12,7 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import SinCos, sincos_of
 from polydraulic.machine.state import Links
-from polydraulic.parameters import Machine
-from polydraulic.parameters.schema import Geometry
+from polydraulic.parameters.schema import Geometry, Machine
 
 
 class Linkage(NamedTuple):

@@ -9,8 +9,7 @@ from polydraulic.machine.actuator import Triangle, motor_displacement, prepare_c
 from polydraulic.machine.hose import LineStep, prepare_line
 from polydraulic.machine.linkage import Held, Linkage, prepare_linkage
 from polydraulic.machine.pilot import PilotStep, prepare_pilot
-from polydraulic.parameters import LINKS, Machine
-from polydraulic.parameters.schema import Arm, Friction, Stops
+from polydraulic.parameters.schema import LINKS, Arm, Friction, Machine, Stops
 
 
 class SwingPlant(NamedTuple):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.elementary import exp, log
 from polydraulic.machine.valve import Orifices, orifice_flow
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 LIMIT_PASSES = 10
 NEVER = 1e12  # Pa; a relief valve that stays shut

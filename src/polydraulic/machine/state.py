@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic._kernel import kernel
-from polydraulic.parameters import Machine
+from polydraulic.parameters.schema import Machine
 
 N_STATE = 15
 

@@ -6,35 +6,6 @@ by block). Then what a log can tell: `coverage`, `deadband`, `flows` with `smoot
 `record` are a virtual test bench. Needs the extra `measure`.
 """
 
-from polydraulic.measure.channels import ChannelMap, load_channels
-from polydraulic.measure.conversion import conversion
-from polydraulic.measure.coverage import coverage
-from polydraulic.measure.deadband import deadband, find_deadbands
-from polydraulic.measure.flows import add_flows, reconstruct_flow
-from polydraulic.measure.importing import Imported, import_log
-from polydraulic.measure.logs import open_log
-from polydraulic.measure.quality import write_quality
-from polydraulic.measure.record import record
-from polydraulic.measure.sensors import load_sensors
-from polydraulic.measure.smoothing import assumption, differentiate
-from polydraulic.measure.suggest import suggest_channels
+import lazy_loader
 
-__all__ = [
-    "ChannelMap",
-    "Imported",
-    "add_flows",
-    "assumption",
-    "conversion",
-    "coverage",
-    "deadband",
-    "differentiate",
-    "find_deadbands",
-    "import_log",
-    "load_channels",
-    "load_sensors",
-    "open_log",
-    "reconstruct_flow",
-    "record",
-    "suggest_channels",
-    "write_quality",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from polydraulic.errors import InputError
-from polydraulic.measure.conversion import conversion, quantity
+from polydraulic.measure.log_units import conversion, quantity
 from polydraulic.parameters.load import read_toml
 
 ROLES = ("input", "output", "time", "ignore")

@@ -13,15 +13,15 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import Channel, ChannelMap
-from polydraulic.measure.clock import Clock, Rows
-from polydraulic.measure.conversion import Conversion, conversion
-from polydraulic.measure.excerpt import Excerpt
-from polydraulic.measure.findings import Findings
+from polydraulic.measure.checks.channel_check import ChannelCheck
+from polydraulic.measure.checks.clock import Clock, ClockedRows
+from polydraulic.measure.checks.excerpt import Excerpt
+from polydraulic.measure.checks.findings import Findings
 from polydraulic.measure.flows import FlowStream
-from polydraulic.measure.log import Log
-from polydraulic.measure.logs import open_log
+from polydraulic.measure.formats.log import Log
+from polydraulic.measure.formats.logs import open_log
+from polydraulic.measure.log_units import Conversion, conversion
 from polydraulic.measure.resample import Resampler
-from polydraulic.measure.values import ChannelCheck
 from polydraulic.tables import Table, table_ending, table_writer
 
 Progress = Callable[[int, int], None]
@@ -156,7 +156,7 @@ class _Merged:
         self.checks: list[ChannelCheck] = []
         self.clocks: list[Clock] = []
         self.of_group: list[list[ChannelCheck]] = []
-        self.sources: list[Iterator[Rows]] = []
+        self.sources: list[Iterator[ClockedRows]] = []
         for group, members in groups.items():
             name = source or (f"group {group}" if len(groups) > 1 else "")
             clock = Clock(name, factor, declared, channels.interval, findings)

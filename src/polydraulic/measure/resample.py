@@ -10,8 +10,8 @@ from math import inf
 
 import numpy as np
 
-from polydraulic.measure.clock import JOIN
-from polydraulic.measure.values import Samples
+from polydraulic.measure.checks.channel_check import Samples
+from polydraulic.measure.checks.clock import JOIN
 
 _ROWS = 1 << 15  # of one block that is given
 _ROUNDING = 1e-6  # of a raster: a sample on the raster stays on it

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.conversion import conversion
-from polydraulic.measure.findings import Findings
-from polydraulic.measure.log import Log, Signal
-from polydraulic.measure.logs import open_log
+from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.formats.log import Log, Signal
+from polydraulic.measure.formats.logs import open_log
+from polydraulic.measure.log_units import conversion
 
 _TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out

@@ -16,10 +16,10 @@ from numpy.polynomial import Polynomial
 from numpy.polynomial.chebyshev import cheb2poly, chebvander
 
 from polydraulic.errors import InputError
-from polydraulic.networks.model import Model
-from polydraulic.networks.nodes import DOUBLE, LINEAR, SINGLE, TERMS
-from polydraulic.networks.partition import region_of
-from polydraulic.networks.table import UNBOUNDED, Network, Node
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SINGLE, TERMS
+from polydraulic.networks.model.partition import region_of
+from polydraulic.networks.model.table import UNBOUNDED, Network, Node
 
 _MOST_GAIN = 0.95  # by which the answers of a model may be weakened
 _SURE = 3.0  # standard deviations of noise

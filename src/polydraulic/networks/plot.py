@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.networks.model import Model, Variable
-from polydraulic.networks.nodes import KIND_NAMES, terms
-from polydraulic.networks.synthesis import Step
-from polydraulic.networks.table import Network, Node
+from polydraulic.networks.model.history import GrowthStep
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.nodes import KIND_NAMES, terms
+from polydraulic.networks.model.table import Network, Node
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,7 +65,7 @@ def _shares(node: Node) -> list[float]:
     return [size / (sum(sizes) or 1.0) for size in sizes]
 
 
-def draw_history(axis: "Axes", history: Sequence[Step], unit: str) -> None:
+def draw_history(axis: "Axes", history: Sequence[GrowthStep], unit: str) -> None:
     """PSE, FSE and penalty against the number of coefficients, one point a layer."""
     k = [step.n_coefficients for step in history[1:]]
     for values, label, style in (

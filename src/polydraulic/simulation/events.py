@@ -11,12 +11,11 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.interface import Flows
-from polydraulic.machine import prepare
 from polydraulic.machine.hose import LineStep
-from polydraulic.machine.plant import Plant
+from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, State, from_vector
-from polydraulic.parameters import LINKS, Machine, Scenario
-from polydraulic.parameters.schema import Stops
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import LINKS, Machine, Stops
 
 MAX_EVENTS = 10_000
 N_CONDITION = 26
@@ -47,7 +46,7 @@ class Edges(NamedTuple):
     bypass: float
 
 
-class Log(NamedTuple):
+class EventLog(NamedTuple):
     """Events as they are found; arrays that the caller owns."""
 
     time: np.ndarray  # (MAX_EVENTS,) s
@@ -55,9 +54,9 @@ class Log(NamedTuple):
     number: np.ndarray  # (1,), beyond MAX_EVENTS if there were more
 
 
-def new_log() -> Log:
+def new_log() -> EventLog:
     """Return an empty log."""
-    return Log(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, dtype=np.int64), np.zeros(1, dtype=np.int64))
+    return EventLog(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, dtype=np.int64), np.zeros(1, dtype=np.int64))
 
 
 @kernel
@@ -114,7 +113,15 @@ def _share(bit: int, begins: bool, dt: float, before: State, after: State, edges
 
 @driver
 def note(
-    log: Log, changed: int, bits: int, t0: float, t1: float, before: State, after: State, edges: Edges, plant: Plant
+    log: EventLog,
+    changed: int,
+    bits: int,
+    t0: float,
+    t1: float,
+    before: State,
+    after: State,
+    edges: Edges,
+    plant: Plant,
 ) -> None:
     """Write down every condition that changed between two states, at the times t0 and t1."""
     for bit in range(N_CONDITION):
@@ -129,7 +136,7 @@ def note(
 
 @driver
 def observe(
-    log: Log, had: int, t0: float, t1: float, before: State, after: State, flows: Flows, edges: Edges, plant: Plant
+    log: EventLog, had: int, t0: float, t1: float, before: State, after: State, flows: Flows, edges: Edges, plant: Plant
 ) -> int:
     """Events of a step of a solver that ends its steps at events; returns the conditions at its end, `had` are those before.
 
@@ -146,7 +153,7 @@ def observe(
 
 
 @driver
-def scan(time: np.ndarray, rows: np.ndarray, edges: Edges, plant: Plant, log: Log) -> None:
+def scan(time: np.ndarray, rows: np.ndarray, edges: Edges, plant: Plant, log: EventLog) -> None:
     """Find the events in recorded rows."""
     x = from_vector(rows[0])
     bits = conditions(x, rows[0, 23], rows[0, 27], edges, plant)
@@ -171,7 +178,7 @@ def find_events(machine: Machine, scenario: Scenario, time: np.ndarray, rows: np
     return listed(log, scenario.locked)
 
 
-def listed(log: Log, locked: tuple[str, ...]) -> dict[str, object]:
+def listed(log: EventLog, locked: tuple[str, ...]) -> dict[str, object]:
     """Entries for a trajectory's `info`: ``events``, rows of [time in s, link or circuit, what], and ``events_dropped``.
 
     Locked links have none.

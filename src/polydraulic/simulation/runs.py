@@ -6,13 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow import FLOW_KINDS, FlowKind, build_flow, flow_name, served_links
-from polydraulic.machine import Plant, end_effector, initial_state, prepare
-from polydraulic.machine.state import Links, to_vector
-from polydraulic.parameters import LINKS, Machine, Scenario
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowKind, build_flow, flow_name, served_links
+from polydraulic.machine.linkage import end_effector
+from polydraulic.machine.plant import Plant, prepare
+from polydraulic.machine.state import Links, initial_state, to_vector
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
 from polydraulic.simulation.loop import FASTEST, N_RECORD, run
-from polydraulic.simulation.runge_kutta import run_runge_kutta
+from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from polydraulic.tables import Table
 
 # methods of `simulate`, with the tolerance of those that choose their own steps
@@ -114,9 +116,9 @@ def simulate(
 def _solver(method: str) -> Any:
     # SciPy's solvers take long to import, and the loops do without
     if method == "rosenbrock":
-        from polydraulic.simulation.rosenbrock import integrate
+        from polydraulic.simulation.solvers.rosenbrock import integrate
     else:
-        from polydraulic.simulation.tight import integrate
+        from polydraulic.simulation.solvers.lsoda import integrate
     return integrate
 
 
@@ -275,3 +277,28 @@ def recorded_steps(dt: float, every: int, raster: float | None) -> int:
             f"raster = {raster} s: must be a whole number of time steps of {dt} s, for example {10 * dt:g}"
         )
     return round(steps)
+
+
+def reference(
+    machine: Machine,
+    flow: Any,
+    scenario: Scenario,
+    *,
+    dt: float = 5e-3,
+    rtol: float = 1e-9,
+    t_end: float | None = None,
+) -> Table:
+    """`simulate` with ``method="reference"``: the tight solution.
+
+    Parameters
+    ----------
+    machine, flow, scenario
+        As for `simulate`.
+    dt : float, s
+        Raster of the result.
+    rtol : float
+        Relative tolerance of the solver.
+    t_end : float, s, optional
+        Instead of the scenario's duration.
+    """
+    return simulate(machine, flow, scenario, dt=dt, t_end=t_end, method="reference", rtol=rtol)

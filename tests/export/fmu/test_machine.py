@@ -5,12 +5,12 @@ import shutil
 import numpy as np
 import pytest
 
-from polydraulic.export.fmu import export_machine_fmu
-from polydraulic.export.fmu.machine import direct_parameters
+from polydraulic import load_scenario
+from polydraulic.export.fmu.machine import direct_parameters, export_machine_fmu
 from polydraulic.export.machine import outputs
-from polydraulic.machine import end_effector
-from polydraulic.parameters import LINKS, load_scenario
+from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
+from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.loop import N_RECORD, run
 from polydraulic.simulation.runs import arrange
 

@@ -12,10 +12,11 @@ import pytest
 from fmpy import validation
 from fmpy.build import build_platform_binary
 
-from exports import NAMES
+from helpers.exports import NAMES
 from polydraulic.errors import InputError
 from polydraulic.export import build, bundle
-from polydraulic.export.fmu import export_fmu, package
+from polydraulic.export.fmu import package
+from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.networks import Model, Variable
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")

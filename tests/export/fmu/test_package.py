@@ -8,7 +8,8 @@ import pytest
 from fmpy import validation
 
 from polydraulic.errors import InputError
-from polydraulic.export.fmu import FmuDescription, FmuVariable, write_fmu
+from polydraulic.export.fmu.description import FmuDescription, FmuVariable
+from polydraulic.export.fmu.package import write_fmu
 
 EQUATIONS = """
 static void fmu_start(const double *v, double *memory) { memory[0] = v[2]; }

@@ -15,9 +15,8 @@ from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.package import WrittenFmu, write_fmu
 from polydraulic.export.machine import machine_c, machine_size, outputs, prepared
 from polydraulic.export.translate.names import field_name
-from polydraulic.flow import build_flow
-from polydraulic.parameters import LINKS, Machine
-from polydraulic.parameters.schema import Quantity
+from polydraulic.flow.dispatch import build_flow
+from polydraulic.parameters.schema import LINKS, Machine, Quantity
 
 _NOMINAL = {"m": 0.01, "Pa": 1e7, "rad": 1.0, "rad/s": 1.0, "m3/s": 1e-3, "V": 1.0}
 _STOP = 13.0

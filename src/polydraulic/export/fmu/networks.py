@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from polydraulic.export.bundle import Bundle, bundle
-from polydraulic.export.c import to_c
+from polydraulic.export.c.source import to_c
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable, free_name
 from polydraulic.export.fmu.package import WrittenFmu, write_fmu
-from polydraulic.networks import Model
-from polydraulic.networks.table import UNBOUNDED
+from polydraulic.export.model_bundle import Bundle, bundle
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.table import UNBOUNDED
 
 _STOP, _ROWS = 1.0, 101
 

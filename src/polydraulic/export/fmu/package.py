@@ -11,7 +11,7 @@ from typing import NamedTuple
 from polydraulic import __version__
 from polydraulic.errors import InputError
 from polydraulic.export.build import compile_library, cross_compilers, find_compiler, library_ending, platform_tuple
-from polydraulic.export.c_text import literal, string
+from polydraulic.export.c.text import literal, string
 from polydraulic.export.fmu.description import FmuDescription
 from polydraulic.export.fmu.xml import build_description, model_description, terminals_and_icons
 from polydraulic.files import replacing

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from polydraulic.errors import InputError
-from polydraulic.export.c_text import one_line
+from polydraulic.export.c.text import one_line
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable, free_name
 from polydraulic.export.fmu.units import display_unit, unit_element
 

@@ -2,8 +2,3 @@
 
 `Program.entry` translates a kernel and all that it calls; it refuses what has no counterpart, with file and line.
 """
-
-from polydraulic.export.translate.functions import Function
-from polydraulic.export.translate.program import Program
-
-__all__ = ["Function", "Program"]

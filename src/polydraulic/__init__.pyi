@@ -1,0 +1,38 @@
+from .errors import InputError, SimulationError
+from .flow.dispatch import build_flow
+from .networks.growth.regressor import AbductiveRegressor
+from .networks.model.model_file import load_models, save_models
+from .networks.regions.region_regressor import RegionRegressor
+from .parameters.load import load_machine
+from .parameters.scenario import Scenario, load_scenario, random_operator
+from .parameters.schema import Machine
+from .simulation.batch.batch import Batch, simulate_batch
+from .simulation.runs import reference, simulate
+from .simulation.trajectory import Difference, compare
+from .tables import Table, read_table, write_table
+
+__version__: str
+
+__all__ = [
+    "AbductiveRegressor",
+    "Batch",
+    "Difference",
+    "InputError",
+    "Machine",
+    "RegionRegressor",
+    "Scenario",
+    "SimulationError",
+    "Table",
+    "build_flow",
+    "compare",
+    "load_machine",
+    "load_models",
+    "load_scenario",
+    "random_operator",
+    "read_table",
+    "reference",
+    "save_models",
+    "simulate",
+    "simulate_batch",
+    "write_table",
+]

@@ -1,0 +1,358 @@
+"""Models as C99: one header and one source, no allocation, no input or output, no state.
+
+Three functions: outputs; outputs with exact slopes; how far the inputs lie outside of the domain. Each says what an input
+that is not a number does. Behind a macro the source tests itself with numbers that the package computed.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.export.c.network import choice, helpers, slopes_function, value_function
+from polydraulic.export.c.text import FLOAT, REALS, Real, comment, literal, string
+from polydraulic.export.model_bundle import Bundle, bundle
+from polydraulic.files import write_text
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.nodes import SIGMOID
+from polydraulic.networks.model.partition import Split
+from polydraulic.networks.model.slopes import domain_gain
+
+_VECTORS = 24
+
+
+def export_c(
+    models: Sequence[Model], folder: str | Path, *, name: str | None = None, real: str = "double"
+) -> list[Path]:
+    """Write a header and a source for models.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        One an output.
+    folder : str or Path
+    name : str, optional
+        Name of the files and of their functions, made a C identifier; the output's if there is one model, else "model".
+    real : str
+        "double", with the bits of the package, or "float".
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    InputError
+        If the models do not go together, a number does not fit into a float, or the folder cannot be written.
+    """
+    whole = bundle(models, name)
+    paths = [Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c")]
+    for path, text in zip(paths, to_c(whole, real), strict=True):
+        write_text(path, text)
+    return paths
+
+
+def to_c(whole: Bundle, real: str = "double") -> tuple[str, str]:
+    """Header and source of C functions for models.
+
+    Parameters
+    ----------
+    whole : Bundle
+        Models and their common name, from `bundle`.
+    real : str
+        "double" or "float".
+
+    Returns
+    -------
+    header, source : str
+
+    Raises
+    ------
+    InputError
+        If `real` is neither, or a number does not fit into a float.
+    """
+    if real not in REALS:
+        raise InputError(f"real = {real!r}: must be one of {list(REALS)}")
+    return _header(whole, REALS[real]), _source(whole, REALS[real])
+
+
+def _header(whole: Bundle, real: Real) -> str:
+    t, name, macro = real.name, whole.name, whole.name.upper()
+    n, m = len(whole.inputs), len(whole.models)
+    inputs, outputs = whole.identifiers()
+    places = [f"#define {macro}_INPUT_{c.upper()} {i}" for i, c in enumerate(inputs)]
+    places += [f"#define {macro}_OUTPUT_{c.upper()} {k}" for k, c in enumerate(outputs)]
+    return f"""{comment(_about(whole))}
+#ifndef {macro}_H
+#define {macro}_H
+
+#define {macro}_N_INPUTS {n}
+#define {macro}_N_OUTPUTS {m}
+{chr(10).join(places)}
+
+/* What the functions return. */
+#define {macro}_INSIDE 0
+#define {macro}_OUTSIDE 1 /* an input lies outside of the domain and was moved to its border */
+#define {macro}_NOT_A_NUMBER 2 /* an input is not a number, and so are all outputs and slopes */
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+extern const char *const {name}_input_names[{n}];
+extern const char *const {name}_input_units[{n}];
+extern const char *const {name}_output_names[{m}];
+extern const char *const {name}_output_units[{m}];
+extern const {t} {name}_domain_low[{n}];
+extern const {t} {name}_domain_high[{n}];
+
+/* Outputs y at inputs x. */
+int {name}(const {t} x[{n}], {t} y[{m}]);
+
+/* Outputs, and slopes: dy_dx[{n} * k + i] is that of output k by input i. */
+int {name}_slopes(const {t} x[{n}], {t} y[{m}], {t} dy_dx[{n * m}]);
+
+/* How far x lies outside of the domain, as a share of its width: 0 inside, {real.largest} if an input is not a number.
+   Its slopes are put into slopes. */
+{t} {name}_outside(const {t} x[{n}], {t} slopes[{n}]);
+
+#ifdef __cplusplus
+}}
+#endif
+
+#endif
+"""
+
+
+def _about(whole: Bundle) -> list[str]:
+    lines = [f"{whole.name}: {', '.join(map(str, whole.outputs))} from", ""]
+    for i, (variable, (low, high)) in enumerate(zip(whole.inputs, whole.domain().tolist(), strict=True)):
+        lines.append(f"  x[{i}]  {variable}, domain {low!r} to {high!r}")
+    if len(whole.models) > 1:
+        lines += ["", *(f"  y[{k}]  {variable}" for k, variable in enumerate(whole.outputs))]
+    return [*lines, "", "Inputs outside of the domain are moved to its border."]
+
+
+def _source(whole: Bundle, real: Real) -> str:
+    t, name, macro = real.name, whole.name, whole.name.upper()
+    n, m = len(whole.inputs), len(whole.models)
+    sigmoids = any(node.kind == SIGMOID for model in whole.models for net in model.networks for node in net.nodes)
+    include = f'#include "{name}.h"\n\n#include <float.h>\n' + ("#include <math.h>\n" if sigmoids else "")
+    functions = "\n".join(_output(whole, k, real) for k in range(m))
+    low, high = whole.domain().T
+    constants = "\n".join(
+        [f"const char *const {name}_{what}[{len(v)}] = {{{', '.join(map(string, v))}}};" for what, v in (
+            ("input_names", [v.name for v in whole.inputs]), ("input_units", [v.unit for v in whole.inputs]),
+            ("output_names", [v.name for v in whole.outputs]), ("output_units", [v.unit for v in whole.outputs]))]
+        + [f"const {t} {name}_domain_{end}[{n}] = {_row(v, real)};" for end, v in (("low", low), ("high", high))]
+    )  # fmt: skip
+
+    regions = [f"const int r{k} = {_region(model, k)};" for k, model in enumerate(whole.models)]
+    outside = " | ".join(f"outside_{k}(x, r{k})" for k in range(m))
+
+    def body(function: str, more: str, blank: str) -> str:
+        calls = [_call(whole, k, function, more.format(first=n * k)) for k in range(m)]
+        return f"""    {f"{chr(10)}    ".join(regions)}
+    const int outside = {outside};
+    if ((outside != 0) && (not_a_number(x) != 0)) {{
+        int k;
+        for (k = 0; k < {m}; ++k) {{
+            y[k] = {" + ".join(f"x[{i}]" for i in range(n))};
+        }}
+{blank}        return {macro}_NOT_A_NUMBER;
+    }}
+{chr(10).join(calls)}
+    return (outside != 0) ? {macro}_OUTSIDE : {macro}_INSIDE;"""
+
+    no_slopes = f"""        for (k = 0; k < {n * m}; ++k) {{
+            dy_dx[k] = y[0];
+        }}
+"""
+    return f"""{comment(_about(whole))}
+{include}
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+{constants}
+
+static int not_a_number(const {t} x[{n}])
+{{
+    return ({" || ".join(f"(x[{i}] != x[{i}])" for i in range(n))}) ? 1 : 0;
+}}
+
+{helpers(whole.models, real)}{functions}
+int {name}(const {t} x[{n}], {t} y[{m}])
+{{
+{body("", "x", "")}
+}}
+
+int {name}_slopes(const {t} x[{n}], {t} y[{m}], {t} dy_dx[{n * m}])
+{{
+{body("_slopes", "x, &dy_dx[{first}]", no_slopes)}
+}}
+
+{_outside(whole, real)}
+{_self_test(whole, real)}"""
+
+
+def _region(model: Model, k: int) -> str:
+    return f"region_{k}(x)" if isinstance(model.partition, Split) else "0"
+
+
+def _call(whole: Bundle, k: int, function: str, arguments: str) -> str:
+    """The network of output `k` that answers."""
+    count = len(whole.models[k].networks)
+    calls = [f"y[{k}] = value_{k}_{j}{function}({arguments});" for j in range(count)]
+    if count == 1:
+        return f"    {calls[0]}"
+    cases = [f"    case {j}:\n        {call}\n        break;" for j, call in enumerate(calls[:-1])]
+    return "\n".join([f"    switch (r{k}) {{", *cases, f"    default:\n        {calls[-1]}\n        break;", "    }"])
+
+
+def _output(whole: Bundle, k: int, real: Real) -> str:
+    """Functions and tables of output `k`: networks with and without slopes, regions, domains."""
+    model, place, n, t = whole.models[k], whole.places[k], len(whole.inputs), real.name
+    parts = []
+    for j, (network, where) in enumerate(zip(model.networks, model.region_names(), strict=True)):
+        about = comment([f"{model.output.name}: {where}"])[3:-3].strip(" *\n")
+        parts += [f(f"value_{k}_{j}", network, place, n, about, real) for f in (value_function, slopes_function)]
+    if isinstance(model.partition, Split):
+        parts.append(
+            f"static int region_{k}(const {t} x[{n}])\n{{\n{chr(10).join(choice(model.partition, place, real))}\n}}\n"
+        )
+    low, high = (np.array([getattr(network, end) for network in model.networks]) for end in ("x_low", "x_high"))
+    size = f"[{len(model.networks)}][{len(place)}]"
+    tables = [
+        f"static const {t} {what}_{k}{size} = {{{', '.join(_row(row, real) for row in table)}}};"
+        for what, table in (("low", low), ("high", high), ("share", domain_gain(low, high)))
+    ]
+    tables.append(f"static const int place_{k}[{len(place)}] = {{{', '.join(map(str, place))}}};")
+    parts.append("\n".join(tables) + "\n")
+    tests = [f"!(x[{p}] >= low_{k}[r][{i}]) || !(x[{p}] <= high_{k}[r][{i}])" for i, p in enumerate(place)]
+    parts.append(f"""/* Also if an input is not a number. */
+static int outside_{k}(const {t} x[{n}], int r)
+{{
+    return ({f"{chr(10)}        || ".join(tests)}) ? 1 : 0;
+}}
+""")
+    return "\n".join(parts)
+
+
+def _outside(whole: Bundle, real: Real) -> str:
+    t, name, n, zero = real.name, whole.name, len(whole.inputs), literal(0.0, real)
+    parts = []
+    for k, (model, place) in enumerate(zip(whole.models, whole.places, strict=True)):
+        parts.append(f"""    r = {_region(model, k)};
+    for (i = 0; i < {len(place)}; ++i) {{
+        const {t} v = x[place_{k}[i]];
+        const {t} share = share_{k}[r][i];
+        const {t} below = (low_{k}[r][i] - v) * share;
+        const {t} above = (v - high_{k}[r][i]) * share;
+        if ((below > found) || (above > found)) {{
+            found = (below > above) ? below : above;
+            slope = (below > above) ? -share : share;
+            at = place_{k}[i];
+        }}
+    }}""")
+    return f"""{t} {name}_outside(const {t} x[{n}], {t} slopes[{n}])
+{{
+    {t} found = {zero};
+    {t} slope = {zero};
+    int at = 0;
+    int r;
+    int i;
+    for (i = 0; i < {n}; ++i) {{
+        slopes[i] = {zero};
+    }}
+    if (not_a_number(x) != 0) {{
+        return {real.largest};
+    }}
+{chr(10).join(parts)}
+    slopes[at] = slope;
+    return found;
+}}
+"""
+
+
+def _self_test(whole: Bundle, real: Real) -> str:
+    """`main` behind a macro: 0, or the number of the first vector that fails."""
+    t, name, macro = real.name, whole.name, whole.name.upper()
+    n, m = len(whole.inputs), len(whole.models)
+    X = whole.points(_VECTORS)
+    if real is FLOAT:  # away from borders, on whose sides the roundings of both precisions may lie
+        X = _smooth(whole, X).astype(np.float32).astype(np.float64)
+    y, slopes, outside = whole.predict(X), whole.slopes(X).reshape(len(X), -1), whole.outside(X) > 0.0
+    near_y, near_slopes = (real.digits * np.maximum(np.abs(v).max(axis=0), 1e-30) for v in (y, slopes))
+
+    def table(rows: np.ndarray) -> str:
+        return ",\n    ".join(_row(row, real) for row in rows)
+
+    return f"""#ifdef {macro}_SELF_TEST
+/* Numbers that the package computed. main returns 0, or the number of the first vector that fails. */
+static const {t} test_x[{len(X)}][{n}] = {{
+    {table(X)}
+}};
+static const {t} test_y[{len(X)}][{m}] = {{
+    {table(y)}
+}};
+static const {t} test_slopes[{len(X)}][{n * m}] = {{
+    {table(slopes)}
+}};
+static const int test_status[{len(X)}] = {{{", ".join(str(int(flag)) for flag in outside)}}};
+static const {t} near_y[{m}] = {_row(near_y, real)};
+static const {t} near_slopes[{n * m}] = {_row(near_slopes, real)};
+
+static int differs({t} a, {t} b, {t} near)
+{{
+    return ((a - b <= near) && (b - a <= near)) ? 0 : 1;
+}}
+
+int main(void)
+{{
+    {t} x[{n}];
+    {t} y[{m}];
+    {t} z[{m}];
+    {t} slopes[{n * m}];
+    volatile {t} zero = {literal(0.0, real)};
+    int v;
+    int k;
+    for (v = 0; v < {len(X)}; ++v) {{
+        int bad = ({name}(test_x[v], y) == test_status[v]) ? 0 : 1;
+        bad |= ({name}_slopes(test_x[v], z, slopes) == test_status[v]) ? 0 : 1;
+        bad |= ((({name}_outside(test_x[v], x) > {literal(0.0, real)}) ? 1 : 0) == test_status[v]) ? 0 : 1;
+        for (k = 0; k < {m}; ++k) {{
+            bad |= differs(y[k], test_y[v][k], near_y[k]) | differs(z[k], y[k], {literal(0.0, real)});
+        }}
+        for (k = 0; k < {n * m}; ++k) {{
+            bad |= differs(slopes[k], test_slopes[v][k], near_slopes[k]);
+        }}
+        if (bad != 0) {{
+            return v + 1;
+        }}
+    }}
+    for (k = 0; k < {n}; ++k) {{
+        x[k] = test_x[0][k];
+    }}
+    x[{n - 1}] = zero / zero;
+    v = {name}(x, y);
+    return ((v == {macro}_NOT_A_NUMBER) && (y[0] != y[0])) ? 0 : {len(X) + 1};
+}}
+#endif
+"""
+
+
+def _smooth(whole: Bundle, X: np.ndarray) -> np.ndarray:
+    """Rows around which slopes and domain change little; all if there are none."""
+    step = 1e-4 * np.ptp(whole.domain(), axis=1)
+    around = [whole.slopes(X + sign * step) for sign in (-1.0, 1.0)]
+    change = np.abs(around[1] - around[0]) <= 0.02 * np.abs(around[0]).max(axis=0)
+    same = (whole.outside(X - step) > 0.0) == (whole.outside(X + step) > 0.0)
+    good = change.reshape(len(X), -1).all(axis=1) & same
+    return X[good] if good.any() else X
+
+
+def _row(values: np.ndarray, real: Real) -> str:
+    return f"{{{', '.join(literal(float(value), real) for value in values)}}}"

@@ -1,0 +1,173 @@
+"""Training databases: a circuit evaluated at random points of its operating box."""
+
+from typing import Any
+
+import numpy as np
+
+from polydraulic import units
+from polydraulic.errors import InputError
+from polydraulic.flow.exact import exact_flow
+from polydraulic.flow.sample import FlowSample, sample_flow
+from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.tables import Table
+
+Column = tuple[np.ndarray, str]  # values and their unit
+PRESSURE_HIGH = units.to_si(4000.0, "psi")  # upper end of the thesis' maps
+
+
+def sample_boom(
+    machine: Machine,
+    n: int,
+    *,
+    rng: np.random.Generator,
+    travel: tuple[float, float] | None = None,
+    pressure: tuple[float, float] = (0.0, PRESSURE_HIGH),
+    relief: bool = True,
+) -> Table:
+    """Random database of the boom circuit, uniform in spool displacement (both signs) and line pressures.
+
+    Parameters
+    ----------
+    machine : Machine
+    n : int
+        Number of rows.
+    rng : numpy Generator
+    travel : (low, high), m, optional
+        Range of the spool's distance from its centre; the whole travel if not given.
+    pressure : (low, high), Pa
+    relief : bool
+        False for the ideal circuit of Eqs (1)-(3), whose pump has no relief valve.
+
+    Returns
+    -------
+    Table
+        Inputs ``boom.spool``, ``boom.travel`` (its absolute value), ``boom.p_in``, ``boom.p_out``,
+        ``boom.root_p_out`` = sqrt(P_o - P_e); outputs ``boom.q_in``, ``boom.k_out``, ``boom.q_out``, ``boom.p_pump``.
+
+    Raises
+    ------
+    InputError
+        If `n` is not positive.
+    """
+    return boom_table(machine, *_points(machine, n, rng, travel, pressure), relief=relief)
+
+
+def boom_table(
+    machine: Machine, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray, *, relief: bool = True
+) -> Table:
+    """Build the database at given points.
+
+    Parameters
+    ----------
+    machine : Machine
+    spool : (n_point,) array, m
+    p_in, p_out : (n_point,) array, Pa
+    relief : bool
+        As for `sample_boom`.
+    """
+    flow = boom_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
+    columns = {
+        **_link_columns(machine, "boom", spool, p_in, p_out, flow.q_in, flow.k_out),
+        "boom.p_pump": (flow.p_pump, "Pa"),
+    }
+    return _table(columns, "boom", relief)
+
+
+def sample_series(
+    machine: Machine,
+    n: int,
+    *,
+    rng: np.random.Generator,
+    pressure: tuple[float, float] = (0.0, PRESSURE_HIGH),
+    relief: bool = True,
+) -> Table:
+    """Random database of swing and stick, which share a pump; uniform in spool displacements and line pressures.
+
+    Parameters
+    ----------
+    machine, n, rng, pressure, relief
+        As for `sample_boom`.
+
+    Returns
+    -------
+    Table
+        The columns of `sample_boom` for ``swing`` and ``stick``, and of the circuit ``series.q_passed``, the flow that the
+        swing leaves to the stick, and ``series.p_pump``.
+
+    Raises
+    ------
+    InputError
+        If `n` is not positive.
+    """
+    links = ("swing", "stick")
+    places = [LINKS.index(link) for link in links]
+    spool, p_in, p_out = np.zeros((3, max(n, 0), len(LINKS)))
+    for place in places:
+        spool[:, place], p_in[:, place], p_out[:, place] = _points(machine, n, rng, None, pressure)
+    flow = sample_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
+    columns: dict[str, Column] = {}
+    for link, k in zip(links, places, strict=True):
+        columns |= _link_columns(machine, link, spool[:, k], p_in[:, k], p_out[:, k], flow.q_in[:, k], flow.k_out[:, k])
+    # what passes the swing's valve goes into the stick or, through the last bypass, to the tank
+    columns["series.q_passed"] = (flow.q_in[:, LINKS.index("stick")] + flow.q_bypass[:, 1], "m3/s")
+    columns["series.p_pump"] = (flow.p_pump[:, 1], "Pa")
+    return _table(columns, "series", relief)
+
+
+CIRCUITS = {"boom": sample_boom, "series": sample_series}
+
+
+def boom_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray) -> FlowSample:
+    """Flows of the boom's valve at points (n_point,), with the others centred; arrays of shape (n_point,)."""
+    place = LINKS.index("boom")
+    columns = []
+    for values in (spool, p_in, p_out):
+        columns.append(np.zeros((len(values), len(LINKS))))
+        columns[-1][:, place] = values
+    sample = sample_flow(model, *columns)
+    return FlowSample(sample.q_in[:, place], sample.k_out[:, place], sample.p_pump[:, 0], sample.q_bypass[:, 0])
+
+
+def _points(
+    machine: Machine,
+    n: int,
+    rng: np.random.Generator,
+    travel: tuple[float, float] | None,
+    pressure: tuple[float, float],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Random spool displacements of both signs, pressures at the pressurised port and at the outlet."""
+    if n < 1:
+        raise InputError(f"rows = {n}: must be at least 1")
+    low, high = (0.0, machine.spool.knots[-1]) if travel is None else travel
+    spool = rng.uniform(low, high, n) * rng.choice((-1.0, 1.0), n)
+    return spool, rng.uniform(*pressure, n), rng.uniform(*pressure, n)
+
+
+def _link_columns(
+    machine: Machine,
+    link: str,
+    spool: np.ndarray,
+    p_in: np.ndarray,
+    p_out: np.ndarray,
+    q_in: np.ndarray,
+    k_out: np.ndarray,
+) -> dict[str, Column]:
+    root = np.sqrt(np.maximum(p_out - machine.tank.return_pressure, 0.0))
+    return {
+        f"{link}.spool": (spool, "m"),
+        f"{link}.travel": (np.abs(spool), "m"),
+        f"{link}.p_in": (p_in, "Pa"),
+        f"{link}.p_out": (p_out, "Pa"),
+        f"{link}.root_p_out": (root, "Pa^0.5"),
+        f"{link}.q_in": (q_in, "m3/s"),
+        f"{link}.k_out": (k_out, "m3/s/Pa^0.5"),
+        f"{link}.q_out": (k_out * root, "m3/s"),
+    }
+
+
+def _table(columns: dict[str, Column], circuit: str, relief: bool) -> Table:
+    return Table(
+        {name: values for name, (values, _) in columns.items()},
+        {name: unit for name, (_, unit) in columns.items()},
+        {"circuit": circuit, "relief": relief},
+    )

@@ -1,0 +1,1 @@
+"""From tables and logs to models, and how far they can be trusted."""

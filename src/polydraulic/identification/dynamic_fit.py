@@ -1,0 +1,258 @@
+"""Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+from sklearn.base import BaseEstimator
+
+from polydraulic.errors import InputError
+from polydraulic.identification.log_rows import log_rows
+from polydraulic.identification.runs import DynamicRun, lags_in_words, last_value_held, run_on
+from polydraulic.identification.table_fit import (
+    BLOCKS,
+    FOLD,
+    LEVEL,
+    Errors,
+    check_columns,
+    errors_of,
+    half_width,
+    unit_after,
+)
+from polydraulic.networks.dynamic.dynamic_regressor import DynamicRegressor
+from polydraulic.networks.dynamic.lag_selection import Choice
+from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, spans_of
+from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
+from polydraulic.networks.model.table import Network, Node
+from polydraulic.tables import Table
+
+Progress = Callable[[str, int, int], None]
+LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
+_SMALLEST = 20  # rows that a block must hold beside the longest lag
+_FEWER = 0.1  # by which the share of rows in their intervals may fall below the level without a word
+_FEW_BLOCKS = 10  # of a short log, two of them held out
+
+
+class RunErrors(NamedTuple):
+    """Errors of free runs, and of answers one step ahead."""
+
+    free_run: Errors
+    one_step: Errors
+
+
+class DynamicFit(NamedTuple):
+    """Model of one output, of all rows, and how one without the blocks held out runs through these; in the output's unit.
+
+    Attributes
+    ----------
+    model : Model
+        Its `training` states all of the following.
+    errors : RunErrors
+    others : dict from name to RunErrors
+        What simpler models reach there, for scale.
+    half_width : float
+        Of the interval around a free run at `LEVEL`, from half of the blocks; infinite if the rows are too few.
+    covered : float
+        Share of the rows of the other half that lies in it.
+    held : DynamicRun
+    """
+
+    model: Model
+    errors: RunErrors
+    others: dict[str, RunErrors]
+    half_width: float
+    covered: float
+    held: DynamicRun
+
+
+def fit_log(
+    table: Table,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    estimator: AbductiveRegressor | None = None,
+    longest_lag: int = 8,
+    progress: Progress = lambda what, done, total: None,
+) -> list[DynamicFit]:
+    """Fit all outputs together; they may read each other's past.
+
+    Every fifth block of time is held out while lags and complexity are chosen and the errors are measured; then the same is done
+    with all rows, which may lead to another choice.
+
+    Parameters
+    ----------
+    table : Table
+        A log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`.
+    inputs, outputs : sequence of str
+    estimator : AbductiveRegressor, optional
+        Of every network; chosen by free runs if not given.
+    longest_lag : int
+        In rows.
+    progress : function (what, done, total)
+        Called with each choice that is tried.
+
+    Returns
+    -------
+    list of DynamicFit
+        One an output.
+
+    Raises
+    ------
+    InputError
+        As `fit_table` and `log_rows`; too few rows that follow each other.
+    """
+    check_columns(table, inputs, outputs)
+    rows = log_rows(table)
+    spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
+    held = _held_out(spans, longest_lag)
+    X, y = table.matrix(inputs), table.matrix(outputs)
+    without = y.copy()
+    without[rows_of(held)] = np.nan  # a gap, across which nothing is learnt
+    names = [Variable(name, table.unit(name)) for name in inputs], [Variable(o, table.unit(o)) for o in outputs]
+
+    def search(targets: np.ndarray, what: str, done: int) -> DynamicRegressor:
+        progress(what, done, 2)
+        tried = count(1)
+
+        def tell(choice: Choice) -> None:
+            progress(f"{what}: choice {next(tried)}, lags to {choice.longest}, {choice.error:.2f}", done, 2)
+
+        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, verbose=tell)
+        return regressor.fit(X, targets, rows.segments)
+
+    judged = search(without, "hold out", 0)
+    lags = judged.choice_.input_lags, judged.choice_.output_lags
+    linear = DynamicRegressor(_Linear(), input_lags=lags[0], output_lags=lags[1], increments=False, horizon=None)
+    linear.fit(X, without, rows.segments)
+    found = run_on(judged.to_models(*names), table, held)
+    plain = run_on(linear.to_models(*names), table, held)
+    final = search(y, "all rows", 1)
+    progress("all rows", 2, 2)
+    fits = []
+    choices = {"choice": _choice(final.choice_), "choice_held_out": _choice(judged.choice_)}
+    for k, model in enumerate(final.to_models(*names)):
+        model.training.update({"rows": len(table), "held_out": "blocks of time", **choices})
+        fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
+    return fits
+
+
+def statements(fit: DynamicFit) -> list[str]:
+    """What was found, in words."""
+    unit, scale = unit_after(fit.model.output), fit.others.items()
+    runs, *others = remarks(fit)
+    return [
+        *(
+            f"{name}: R2 {kind.r2:.4f}, rms {kind.rms:.4g}{unit}, largest {kind.largest:.4g}{unit}"
+            for name, kind in ((runs, fit.errors.free_run), ("one step ahead", fit.errors.one_step))
+        ),
+        f"rms for scale, free run / one step: {'; '.join(f'{n} {o.free_run.rms:.4g} / {o.one_step.rms:.4g}' for n, o in scale)}",
+        *others,
+    ]
+
+
+def remarks(fit: DynamicFit) -> list[str]:
+    """The same without errors, for those who show them in a table: how long the runs were, and what to think of them."""
+    model, (free, one) = fit.model, fit.errors
+    raster = model.dynamics.raster if model.dynamics else None
+    seconds = "" if raster is None else f" ({fit.held.longest * raster:.3g} s)"
+    found = [f"free run, {fit.held.n_run} of up to {fit.held.longest} rows{seconds} that were held out"]
+    if np.isfinite(fit.half_width):
+        few = ": the blocks differ too much to rely on them" if fit.covered < LEVEL - _FEWER else ""
+        found.append(
+            f"{LEVEL:.0%} intervals of such a run, plus or minus {fit.half_width:.4g}{unit_after(model.output)}, hold for "
+            f"{fit.covered:.0%} of the rows that they were not set by{few}"
+        )
+    last = fit.others[LAST]
+    if free.r2 <= 0.0 or last.free_run.rms <= free.rms:
+        better = "mean" if last.free_run.r2 <= 0.0 else "last value held"
+        found.append(f"over such runs the {better} would err less: do not simulate with it")
+    if fit.others[LINEAR].free_run.rms < free.rms:
+        found.append("a linear model of the same lags runs better on the blocks held out")
+    if last.one_step.rms < one.rms:
+        found.append("one step ahead the last value says more: it was made to run")
+    chosen: Any = model.training["choice"]
+    judged: Any = model.training["choice_held_out"]
+    if chosen != judged:
+        lags = f"lags of inputs {judged['input_lags']}, of outputs {judged['output_lags']}"
+        found.append(f"all rows led to another choice than the one these errors are of: {lags}, {_how(judged)}")
+    return [*found, f"reads {lags_in_words(model)}; {model.n_coefficients} coefficients, {_how(chosen)}"]
+
+
+def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
+    """Rows of every fifth block of time."""
+    n, least = sum(b - a for a, b in spans), longest_lag + _SMALLEST
+    if n < _FEW_BLOCKS * least:
+        raise InputError(
+            f"the log has {n} rows; to hold blocks of time out it takes {_FEW_BLOCKS * least} with a longest lag of "
+            f"{longest_lag} rows: shorten the lag, or record more"
+        )
+    blocks = blocks_of(spans, BLOCKS if n >= BLOCKS * least else _FEW_BLOCKS)
+    return [span for k, block in enumerate(blocks) if k % FOLD == FOLD - 1 for span in block]
+
+
+def _choice(choice: Choice) -> dict[str, Any]:
+    """What was chosen, as it stands in a model file."""
+    found = choice._asdict()
+    del found["error"]
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
+
+
+def _how(choice: Mapping[str, Any]) -> str:
+    """How a choice learns, in words."""
+    rows, terms = choice["horizon"], choice["terms"]
+    parts = [] if terms is None else [f"polynomials of {terms} terms in all"]
+    parts += ["of increments"] if choice["increments"] else []
+    return ", ".join([*parts, f"fitted to runs of {rows} rows" if rows else "fitted one step ahead"])
+
+
+def _judged(model: Model, run: DynamicRun, plain: DynamicRun, measured: np.ndarray) -> DynamicFit:
+    """Errors and intervals, written into the model's training, too."""
+    last = last_value_held(run, measured)
+    errors = RunErrors(errors_of(run.measured, run.free), errors_of(run.measured, run.one_step))
+    others = {
+        LAST: RunErrors(errors_of(run.measured, last[0]), errors_of(run.measured, last[1])),
+        LINEAR: RunErrors(errors_of(run.measured, plain.free), errors_of(run.measured, plain.one_step)),
+    }
+    sizes = np.abs(run.free - run.measured)
+    sets = run.number % 2 == 0  # whole runs set the width, the others say whether it holds
+    width = half_width(sizes[sets]) if not sets.all() else inf
+    covered = float(np.mean(sizes[~sets] <= width)) if not sets.all() else 0.0
+    model.training.update(
+        {
+            "free_runs": run.n_run,
+            "free_run_rows": run.longest,
+            **_numbers(errors),
+            "for_scale": {name: _numbers(other) for name, other in others.items()},
+            "interval_level": LEVEL,
+            "interval_half_widths": [width] if np.isfinite(width) else [],
+            "interval_covered": covered,
+        }
+    )
+    return DynamicFit(model, errors, others, width, covered, run)
+
+
+def _numbers(errors: RunErrors) -> dict[str, float]:
+    """Errors under their names in a model file: free_run_rms and so on."""
+    return {
+        f"{kind}_{name}": value for kind in errors._fields for name, value in getattr(errors, kind)._asdict().items()
+    }
+
+
+class _Linear(BaseEstimator):
+    """Least squares within the guards of other models, for scale."""
+
+    def fit(self, X: np.ndarray, y: np.ndarray) -> "_Linear":
+        mean, scale, margin = X.mean(axis=0), X.std(axis=0), 0.1 * float(np.ptp(y))
+        scale = np.where(scale > 0.0, scale, 1.0)
+        coef = np.linalg.lstsq((X - mean) / scale, y - y.mean(), rcond=1e-10)[0]
+        node = Node(LINEAR_NODE, tuple(range(len(mean))), tuple(coef.tolist()))
+        x_mean, x_scale, x_low, x_high = (tuple(end.tolist()) for end in (mean, scale, X.min(axis=0), X.max(axis=0)))
+        bounds = float(y.min()) - margin, float(y.max()) + margin
+        self.network_ = Network((node,), x_mean, x_scale, x_low, x_high, float(y.mean()), 1.0, *bounds)
+        return self
+
+    def to_model(self, inputs: Sequence[Variable], output: Variable) -> Model:
+        return Model(tuple(inputs), output, (self.network_,))

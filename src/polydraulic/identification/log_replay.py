@@ -1,0 +1,253 @@
+"""A machine run against a log of the real one: how far joints drift over windows begun anew from the measured state.
+
+The joysticks of the log drive it; nothing else of the log is seen after the start of a window. What is judged is the whole machine,
+flow model and parameter set (masses, friction, lines) together.
+"""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from polydraulic import units
+from polydraulic.errors import InputError
+from polydraulic.identification.machine_fit import UNITS
+from polydraulic.machine.linkage import end_effector
+from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.simulation.batch.batch import simulate_batch
+from polydraulic.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SECONDS = 10.0
+COMPARED = tuple(f"{link}.{what}" for link in LINKS for what in ("voltage", "angle"))
+DRIVEN = (*COMPARED, *(f"{link}.{what}" for link in LINKS for what in ("spool", "p_a", "p_b")))
+_UNITS = UNITS | {"voltage": "V", "angle": "rad"}
+_DT = 5e-3  # s
+_BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
+_NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
+_ROWS_NEAR = 5
+_SHOWN = 6  # windows of the picture
+_COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5")  # of swing, boom, stick
+
+
+class Window(NamedTuple):
+    """One window.
+
+    Attributes
+    ----------
+    time : (n_row,) array, s
+        Of the log.
+    measured, run : (n_row, 3) array, rad
+        Angles, links in the order of `LINKS`; of a run that leaves all reason, nan from there on.
+    """
+
+    time: np.ndarray
+    measured: np.ndarray
+    run: np.ndarray
+
+
+class Drift(NamedTuple):
+    """How far a joint, or the tip, is from the measured one.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        Of the numbers.
+    median, largest : float
+        Of the windows' largest distances; infinite where a run leaves all reason.
+    moved : float
+        Median of how far the measured one moves in a window.
+    """
+
+    name: str
+    unit: str
+    median: float
+    largest: float
+    moved: float
+
+
+def replay(
+    machine: Machine,
+    flow: Any,
+    log: Table,
+    *,
+    seconds: float = SECONDS,
+    rows: np.ndarray | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[Window]:
+    """Run a machine over windows of a log, each begun from the measured state.
+
+    Angle and rate at the start come from a parabola through the rows within 0.1 s of it, spools and pressures from its row.
+    Windows follow each other; gaps of up to 0.1 s are bridged by straight lines, longer ones end a piece.
+
+    Parameters
+    ----------
+    machine : Machine
+    flow : str or flow model
+        As for `simulate`.
+    log : Table
+        ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
+    seconds : float
+        Length of a window.
+    rows : (n_row,) array of bool, optional
+        Which rows may be in a window; all if not given.
+    progress : function (done, n_window), optional
+
+    Returns
+    -------
+    list of Window
+        None where no piece of the log is long enough.
+
+    Raises
+    ------
+    InputError
+        A column is missing or in another unit, times that do not rise, or a window of no length.
+    """
+    for name in ("time", *DRIVEN):
+        si = _UNITS[name.split(".")[-1]]
+        if len(log[name]) and log.unit(name) not in ("", si):
+            raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine runs in SI, this in {si!r}")
+    if not _DT * 2 <= seconds < np.inf:
+        raise InputError(f"a window of {seconds:g} s: must be finite and two time steps of {_DT:g} s at least")
+    time = log["time"]
+    if np.any(np.diff(time) <= 0.0):
+        raise InputError("column 'time' does not rise from row to row; a replay needs a log as it was recorded")
+    begins = _begins(time, np.ones(len(time), dtype=bool) if rows is None else rows, seconds)
+    if not begins:
+        return []
+    n_step = round(seconds / _DT)
+    voltage, x0 = np.empty((len(begins), n_step, 3)), np.empty((len(begins), 15))
+    for number, begin in enumerate(begins):
+        at = time[begin] + np.arange(n_step) * _DT
+        for place, link in enumerate(LINKS):
+            late = at - getattr(machine, link).pilot.dead_time
+            voltage[number, :, place] = np.interp(late, time, log[f"{link}.voltage"])
+        x0[number] = _state(log, begin)
+    columns = [f"{link}.angle" for link in LINKS]
+    batch = simulate_batch(
+        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=progress
+    )  # after the dead time
+    windows = []
+    for number, begin in enumerate(begins):
+        inside = slice(begin, int(np.searchsorted(time, time[begin] + seconds - 0.5 * _DT)))
+        angles = [np.interp(time[inside] - time[begin], batch.time, batch[name][number]) for name in columns]
+        windows.append(Window(time[inside], log.matrix(columns)[inside], np.column_stack(angles)))
+    return windows
+
+
+def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
+    """How far joints (deg) and tip (mm) drift in windows from `replay`."""
+    apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
+    moved = [np.ptp(window.measured, axis=0) for window in windows]
+    tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
+    tip_apart = [np.linalg.norm(run - measured, axis=1).max() for measured, run in tips]
+    tip_moved = [np.linalg.norm(measured - measured[0], axis=1).max() for measured, _ in tips]
+    found = []
+    for name, unit, far, way in [
+        *((link, "deg", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
+        ("tip", "mm", np.array(tip_apart), np.array(tip_moved)),
+    ]:
+        far, way = units.from_si(np.nan_to_num(far, nan=np.inf), unit), units.from_si(way, unit)
+        found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
+    return found
+
+
+def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
+    """How far joints and tip drift in the rows of a log that were held out, and in words over what; or why that is not known.
+
+    Parameters
+    ----------
+    machine : Machine
+    flow : flow model
+        Learnt without these rows.
+    log : Table
+        As for `replay`; it may lack voltages and angles.
+    rows : (n_row,) array of bool
+        Held out.
+    """
+    missing = [name for name in COMPARED if name not in log.names]
+    if missing:
+        return f"not run against the log: it has no {missing[0]}", []
+    windows = replay(machine, flow, log, rows=rows)
+    if not windows:
+        return f"not run against the log: no piece of {SECONDS:g} s without a gap in the blocks held out", []
+    return (
+        f"run against the log: {len(windows)} windows of {SECONDS:g} s in the blocks held out, each begun from the measured state, by "
+        "networks learnt without them",
+        drifts(machine, windows),
+    )
+
+
+def plot_replay(windows: list[Window]) -> "Figure":
+    """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
+
+    Parameters
+    ----------
+    windows : list of Window
+        The first ones are shown.
+
+    Raises
+    ------
+    InputError
+        If there is no window.
+    """
+    from matplotlib.figure import Figure
+
+    if not windows:
+        raise InputError("there is no window to show")
+    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    *axes, below = figure.subplots(4, 1, sharex=True)
+    for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
+        for number, window in enumerate(windows[:_SHOWN]):
+            time = window.time
+            measured, run = (units.from_si(angles[:, place], "deg") for angles in (window.measured, window.run))
+            names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
+            axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
+            axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])
+            axis.plot(time[0], run[0], "o", color="#e07a1f", markersize=4.0, label=names[2])
+            below.plot(time, run - measured, color=_COLORS[place], linewidth=0.9, label=link if number == 0 else None)
+        axis.set_ylabel(f"{link} [deg]")
+        axis.grid(alpha=0.3)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
+    below.set_ylabel("run - measured\n[deg]")
+    below.grid(alpha=0.3)
+    below.legend(ncols=3, fontsize="small", frameon=False, loc="upper left")
+    below.set_xlabel("time of the log [s]")
+    return figure
+
+
+def _begins(time: np.ndarray, rows: np.ndarray, seconds: float) -> list[int]:
+    """First rows of windows that follow each other in pieces without a long gap."""
+    allowed = np.flatnonzero(rows)
+    if not allowed.size:
+        return []
+    cuts = np.flatnonzero((np.diff(allowed) > 1) | (np.diff(time[allowed]) > _BRIDGED)) + 1
+    found = []
+    for piece in np.split(allowed, cuts):
+        last = time[piece[-1]]
+        earliest = time[piece[0]]
+        for row in piece.tolist():
+            if time[row] + seconds > last + 1e-9:
+                break
+            if time[row] >= earliest - 1e-9 and len(_near(time, row)) >= _ROWS_NEAR:
+                found.append(row)
+                earliest = time[row] + seconds
+    return found
+
+
+def _near(time: np.ndarray, row: int) -> np.ndarray:
+    low, high = np.searchsorted(time, [time[row] - _NEAR - 1e-9, time[row] + _NEAR + 1e-9])
+    return np.arange(low, high)
+
+
+def _state(log: Table, row: int) -> np.ndarray:
+    """Measured state in a row, (15,)."""
+    near = _near(log["time"], row)
+    t = log["time"][near] - log["time"][row]
+    fits = [np.polyfit(t, log[f"{link}.angle"][near], 2) for link in LINKS]
+    values = [log[f"{link}.{what}"][row] for what in ("spool", "p_a", "p_b") for link in LINKS]
+    values[3:] = [max(value, 0.0) for value in values[3:]]
+    return np.array([*values, *(fit[2] for fit in fits), *(fit[1] for fit in fits)])

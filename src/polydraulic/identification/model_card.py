@@ -1,0 +1,301 @@
+"""A model card: what a model was learnt from, how far it can be trusted, and what it is; as a page and as JSON."""
+
+import io
+import json
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.export.formula import to_text
+from polydraulic.files import write_text
+from polydraulic.identification.dynamic_fit import DynamicFit, remarks
+from polydraulic.identification.run_plot import plot_separately
+from polydraulic.identification.table_fit import TableFit, unit_after
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.plot import draw_network
+from polydraulic.networks.proof.bounds import model_bounds
+from polydraulic.pages.html import document
+from polydraulic.pages.html import table as html_table
+from polydraulic.tables import Table
+
+SCHEMA = 1
+_SHOWN = 12  # regions whose network is drawn and written out
+_BINS = 20  # of the coverage map
+_EFFORT = 200  # sub-boxes a region, of the proofs
+
+
+def write_card(
+    fits: Sequence[TableFit | DynamicFit],
+    table: Table,
+    source: str,
+    path: str | Path,
+    seen: tuple[dict[str, Any], str] | None = None,
+) -> dict[str, Any]:
+    """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
+
+    Parameters
+    ----------
+    fits : sequence of Fit or of DynamicFit
+        From `fit_table` or `fit_log`.
+    table : Table
+        What they were fitted to.
+    source : str
+        Where the table came from, as it shall stand in the card.
+    path : str or Path
+        Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
+    seen : (dict, str), optional
+        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the models' inputs if not given.
+
+    Returns
+    -------
+    dict
+        What the JSON holds.
+
+    Raises
+    ------
+    InputError
+        Another ending, or a place that cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".html":
+        raise InputError(f"{path}: a model card ends in .html")
+    entries, shown = seen or ({}, _coverage_of(_inputs(fits), table))
+    card: dict[str, Any] = {
+        "schema": SCHEMA,
+        "data": _data(fits, table, source) | entries,
+        "models": [_facts(found.model) for found in fits],
+    }
+    sections = "\n".join(
+        _section(found, facts) if isinstance(found, TableFit) else _dynamic_section(found, facts)
+        for found, facts in zip(fits, card["models"], strict=True)
+    )
+    body = f"""<h2>Data</h2>
+{_columns(card["data"])}
+{shown}
+{sections}"""
+    write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
+    write_text(path, document(f"Model card: {source}", body))
+    return card
+
+
+def _inputs(fits: Sequence[TableFit | DynamicFit]) -> list[str]:
+    """Columns that any of the models reads; of dynamic ones those that none of them predicts."""
+    outputs = {found.model.output.name for found in fits}
+    read = [name for found in fits for name in _signals(found.model)]
+    return [name for name in dict.fromkeys(read) if name not in outputs]
+
+
+def _signals(model: Model) -> list[str]:
+    if model.dynamics is None:
+        return [variable.name for variable in model.inputs]
+    return [lag.signal for lag in model.dynamics.lags]
+
+
+def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> dict[str, Any]:
+    """Rows, columns with their ranges, how rows were held out."""
+    names = [*_inputs(fits), *(found.model.output.name for found in fits)]
+    columns = [
+        {"name": name, "unit": table.unit(name), "low": float(table[name].min()), "high": float(table[name].max())}
+        for name in names
+    ]
+    found: dict[str, Any] = {
+        "source": source,
+        "rows": len(table),
+        "columns": columns,
+        "held_out": fits[0].model.training["held_out"],
+    }
+    if "time" in table.names:
+        found["seconds"] = float(table["time"].max() - table["time"].min())
+    if "segment" in table.names:
+        found["segments"] = len(np.unique(table["segment"]))
+    return found
+
+
+def _facts(model: Model) -> dict[str, Any]:
+    """What is known of one model: errors, intervals, proved bounds, domain."""
+    bounds = model_bounds(model, max_boxes=_EFFORT)
+    regions = [
+        {"region": name, "proved_low": region.low, "proved_high": region.high}
+        for name, region in zip(model.region_names(), bounds.regions, strict=True)
+        if region is not None
+    ]
+    dynamics = model.dynamics
+    memory = (
+        {
+            "lags": [[lag.signal, lag.steps] for lag in dynamics.lags],
+            "largest_steps": list(dynamics.step),
+            "raster": dynamics.raster,
+        }
+        if dynamics
+        else {}
+    )
+    return {
+        "output": str(model.output),
+        "inputs": [str(variable) for variable in model.inputs],
+        "domain": model.domain().tolist(),
+        "coefficients": model.n_coefficients,
+        "networks": len(model.networks),
+        "proved_low": bounds.low,
+        "proved_high": bounds.high,
+        "regions": regions,
+        "training": model.training,
+        **memory,
+    }
+
+
+def _section(found: TableFit, facts: dict[str, Any]) -> str:
+    model, training = found.model, facts["training"]
+    unit = escape(unit_after(model.output))
+    widths = training["interval_half_widths"]
+    interval = (
+        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g}{unit} by region "
+        f"hold for {found.covered:.1%} of the rows they were not set by"
+        if widths
+        else "too few rows were held out to state intervals"
+    )
+    regions = [
+        [r["region"], str(r["rows"]), f"{r['rms']:.4g}", f"{r['largest']:.4g}"] for r in training["held_out_by_region"]
+    ]
+    proved = [[r["region"], f"{r['proved_low']:.4g}", f"{r['proved_high']:.4g}"] for r in facts["regions"]]
+    return f"""<h2>{escape(facts["output"])}</h2>
+<p>{facts["networks"]} network(s), {facts["coefficients"]} coefficients. On the rows held out ({escape(training["held_out"])}): R²
+{found.r2:.5f}, rms error {found.rms:.4g}{unit}, largest {found.largest:.4g}{unit}; {interval}. Proved: no output leaves
+{facts["proved_low"]:.6g} to {facts["proved_high"]:.6g}{unit}, whatever the inputs.</p>
+{html_table("Errors on the rows held out", ["region", "rows", *_heads("rms", "largest", model=model)], regions)}
+{_domain(model, facts)}
+{html_table("Proved range by region", ["region", "low", "high"], proved)}
+{_picture(_errors(found.model, found.held.y, found.held.predicted))}
+{_what_it_is(model)}"""
+
+
+def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
+    model, unit = found.model, unit_after(found.model.output)
+    rows = [
+        [name, *(f"{value:.4g}" for kind in errors for value in kind)]
+        for name, errors in {"this model": found.errors, **found.others}.items()
+    ]
+    heads = [
+        f"{kind}: {what}"
+        for kind in ("free run", "one step")
+        for what in ("R2", *_heads("rms", "largest", model=model))
+    ]
+    low, high = facts["largest_steps"]
+    runs, *others = remarks(found)
+    told = [
+        *others,
+        f"rows {facts['raster']:g} s apart; from one to the next the output changes by {low:.4g} to {high:.4g}{unit} at most",
+        f"proved: no answer leaves {facts['proved_low']:.6g} to {facts['proved_high']:.6g}{unit}, whatever the model reads; it "
+        "does not follow that a run stays close to the truth",
+    ]
+    return f"""<h2>{escape(facts["output"])}</h2>
+<ul>{"".join(f"<li>{escape(item)}</li>" for item in told)}</ul>
+{html_table(f"Errors: {runs}; one step ahead in the same rows", ["model", *heads], rows)}
+{_picture(plot_separately(model, found.held))}
+<p>Free runs through the blocks held out, by a model that has not seen them: each begins from measured rows and then reads its own answers.
+Shaded: the intervals.</p>
+{_picture(_errors(model, found.held.measured, found.held.free))}
+{_domain(model, facts)}
+{_what_it_is(model)}"""
+
+
+def _domain(model: Model, facts: dict[str, Any]) -> str:
+    rows = [[str(v), f"{low:.6g}", f"{high:.6g}"] for v, (low, high) in zip(model.inputs, facts["domain"], strict=True)]
+    return html_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], rows)
+
+
+def _what_it_is(model: Model) -> str:
+    shown = min(len(model.networks), _SHOWN)
+    more = "" if shown == len(model.networks) else f"<p>The first {shown} of {len(model.networks)} regions.</p>"
+    text = to_text(model) if len(model.networks) <= _SHOWN else "See the model file: more regions than fit here."
+    return f"""<h3>What it is</h3>
+{more}{_picture(_networks(model, shown))}
+<pre>{escape(text)}</pre>"""
+
+
+def _heads(*names: str, model: Model) -> list[str]:
+    """Names of errors with the output's unit."""
+    return [str(Variable(name, model.output.unit)) for name in names]
+
+
+def _columns(data: dict[str, Any]) -> str:
+    rows = [[c["name"], c["unit"], f"{c['low']:.6g}", f"{c['high']:.6g}"] for c in data["columns"]]
+    spans = "".join(
+        f", {data[key]:.6g} {word}" for key, word in (("seconds", "s"), ("segments", "segment(s)")) if key in data
+    )
+    caption = f"{data['source']}: {data['rows']} rows{spans}; held out: {data['held_out']}"
+    return html_table(caption, ["column", "unit", "low", "high"], rows)
+
+
+def _coverage_of(inputs: Sequence[str], table: Table) -> str:
+    return f"""{_picture(_coverage(inputs, table))}
+<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>"""
+
+
+def _coverage(inputs: Sequence[str], table: Table) -> Any:
+    """Histograms of all pairs of inputs."""
+    from matplotlib.figure import Figure
+
+    names = inputs[:5]
+    n = max(len(names) - 1, 1)
+    figure = Figure(figsize=(3.0 * n, 2.6 * n), layout="constrained")
+    axes = figure.subplots(n, n, squeeze=False)
+    for row in range(n):
+        for column in range(n):
+            axis = axes[row, column]
+            if len(names) == 1:
+                axis.hist(table[names[0]], bins=_BINS)
+                axis.set_xlabel(names[0])
+            elif column > row:
+                axis.set_axis_off()
+            else:
+                x, y = table[names[column]], table[names[row + 1]]
+                counts, xs, ys = np.histogram2d(x, y, bins=_BINS)
+                axis.pcolormesh(
+                    xs, ys, np.where(counts > 0.0, np.log10(np.maximum(counts, 1.0)), np.nan).T, rasterized=True
+                )
+                axis.set_xlabel(names[column], fontsize="small")
+                axis.set_ylabel(names[row + 1], fontsize="small")
+    return figure
+
+
+def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
+    """Predicted over measured, and the errors, of the rows held out."""
+    from matplotlib.figure import Figure
+
+    error = predicted - y
+    figure = Figure(figsize=(8.0, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    left.plot(y, predicted, ",", rasterized=True)
+    left.set_xlabel(f"measured {model.output}")
+    left.set_ylabel("predicted")
+    right.hist(error, bins=60)
+    right.set_xlabel(str(Variable("error", model.output.unit)))
+    right.set_yscale("log")
+    return figure
+
+
+def _networks(model: Model, shown: int) -> Any:
+    from matplotlib.figure import Figure
+
+    height = max(2.0, 0.36 * len(model.inputs))
+    figure = Figure(figsize=(8.0, height * shown), layout="constrained")
+    axes = figure.subplots(shown, 1, squeeze=False)
+    for axis, network, name in zip(axes[:, 0], model.networks, model.region_names(), strict=False):
+        draw_network(axis, network, model.inputs, model.output)
+        axis.set_title(name, fontsize="small")
+    return figure
+
+
+def _picture(figure: Any) -> str:
+    """A figure as an image inside the page."""
+    import base64
+
+    stream = io.BytesIO()
+    figure.savefig(stream, format="svg", metadata={"Date": None}, dpi=120)
+    return (
+        f'<figure><img src="data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}" alt=""></figure>'
+    )

@@ -1,0 +1,175 @@
+"""Whether a model still holds on new data: its errors next to those it was released with, in words."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.identification.log_rows import rows_for
+from polydraulic.identification.runs import run_on
+from polydraulic.identification.table_fit import errors_by_region, errors_of, unit_after
+from polydraulic.networks.dynamic.free_run import dynamics_of
+from polydraulic.networks.dynamic.spans import spans_of
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.partition import region_of
+from polydraulic.tables import Table
+
+_WORSE = 1.5  # times the error on rows held out, above which a model no longer holds
+_FEWER = 0.1  # by which the share of rows in their intervals may fall below the level, or what it was
+_OUTSIDE = 0.05  # share of rows outside the domain that is worth a word
+
+
+class Validity(NamedTuple):
+    """How a model does on a table.
+
+    Attributes
+    ----------
+    holds : bool
+    statements : list of str
+        Why, in words.
+    rms, largest : float
+        In the output's unit.
+    covered : float or None
+        Share of the rows in their intervals; None if the model states none.
+    outside : float
+        Share of the rows outside its domain.
+    regions : list of dict
+        As `errors_by_region`; empty for a dynamic model.
+    """
+
+    holds: bool
+    statements: list[str]
+    rms: float
+    largest: float
+    covered: float | None
+    outside: float
+    regions: list[dict[str, Any]]
+
+
+def validity(model: Model, table: Table) -> Validity:
+    """Judge a static model by data that it has not seen.
+
+    Parameters
+    ----------
+    model : Model
+        From `fit_table`, or its file: its training states what to expect.
+    table : Table
+        With its inputs and its output, in the same units.
+
+    Raises
+    ------
+    InputError
+        A column is missing, or has another unit.
+    """
+    _check_units(table, (*model.inputs, model.output))
+    X, y = table.matrix([variable.name for variable in model.inputs]), table[model.output.name]
+    error = model.predict(X) - y
+    regions = errors_by_region(model, X, error)
+    found = _judged(model, y, error, "rms error", "held_out_rms", X, regions)
+    unseen = [r["region"] for r in regions if r["rows"] == 0]
+    if unseen:
+        found.statements.append(f"no rows in {len(unseen)} of its {len(regions)} regions: nothing is said about these")
+    return found
+
+
+def run_validity(models: Sequence[Model], table: Table) -> list[Validity]:
+    """Judge dynamic models by a log that they have not seen: they run on their own as they did when they were fitted.
+
+    Free runs begin anew after as many rows as the ones that were stated, since errors grow with the length of a run.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        All of a file, from `fit_log`.
+    table : Table
+        With their signals, in the same units, at their raster; a column ``time`` unless the models do not state their raster.
+
+    Returns
+    -------
+    list of Validity
+        One an output.
+
+    Raises
+    ------
+    InputError
+        A column is missing, or has another unit; another raster; rows that do not follow each other.
+    """
+    for model in models:
+        signals = [lag.signal for lag in dynamics_of(model).lags]
+        read = [Variable(name, variable.unit) for name, variable in zip(signals, model.inputs, strict=True)]
+        _check_units(table, (*read, model.output))
+    spans = spans_of(rows_for(models, table).segments, np.ones(len(table), dtype=bool))
+    stated = models[0].training.get("free_run_rows")
+    horizon = stated if isinstance(stated, int) and stated > 0 else None
+    whole = run_on(models, table, spans)
+    runs = whole if horizon is None else run_on(models, table, spans, horizon)
+    found = []
+    for model, run, long in zip(models, runs, whole, strict=True):
+        unit = unit_after(model.output)
+        lags = dynamics_of(model).lags
+        X = np.column_stack([table[lag.signal][run.row - lag.steps] for lag in lags])
+        what = f"{run.n_run} free run(s) of up to {run.longest} rows: rms error"
+        judged = _judged(model, run.measured, run.free - run.measured, what, "free_run_rms", X, [])
+        once, stated_once = errors_of(run.measured, run.one_step), model.training.get("one_step_rms")
+        before = f", {stated_once:.4g} when it was fitted" if isinstance(stated_once, float) else ""
+        judged.statements.append(f"one step ahead: rms error {once.rms:.4g}{unit}{before}")
+        if long.longest > run.longest:
+            rms = errors_of(long.measured, long.free).rms
+            judged.statements.append(f"run through without beginning anew, up to {long.longest} rows: {rms:.4g}{unit}")
+        found.append(judged)
+    return found
+
+
+def _judged(
+    model: Model, y: np.ndarray, error: np.ndarray, what: str, stated: str, X: np.ndarray, regions: list[dict[str, Any]]
+) -> Validity:
+    """Errors next to what the model states under the name `stated`, and whether its inputs lie where it was learnt."""
+    rms, largest = float(np.sqrt(np.mean(error * error))), float(np.abs(error).max())
+    outside = float(np.mean(~model.inside(X)))
+    covered = _covered(model, X, error)
+    statements, holds = [], True
+    unit = unit_after(model.output)
+    expected, level = model.training.get(stated), model.training.get("interval_level")
+    if isinstance(expected, float):
+        worse = rms > _WORSE * expected and rms > 1e-9 * max(float(np.abs(y).max()), 1e-300)
+        holds &= not worse
+        statements.append(
+            f"{what} {rms:.4g}{unit}, {expected:.4g} on rows held out when it was fitted: "
+            f"{'it errs more than it did' if worse else 'as good as it was'}"
+        )
+    else:
+        statements.append(f"{what} {rms:.4g}{unit}; the model does not state what it was when it was fitted")
+    if covered is not None and isinstance(level, float):
+        before = model.training.get("interval_covered")
+        reached = before if isinstance(before, float) else level
+        few = covered < min(level, reached) - _FEWER
+        holds &= not few
+        as_before = f"no fewer than the {reached:.0%} when it was fitted"
+        verdict = "the intervals hold" if covered >= level - _FEWER else as_before
+        statements.append(
+            f"{covered:.0%} of the rows lie in their {level:.0%} intervals: "
+            f"{'the intervals no longer hold' if few else verdict}"
+        )
+    if outside > 0.0:
+        known = "inputs were moved to the border of what it knows" if outside > _OUTSIDE else "few"
+        statements.append(f"{outside:.1%} of the rows lie outside its domain: {known}")
+        holds &= outside <= 0.5
+    return Validity(bool(holds), statements, rms, largest, covered, outside, regions)
+
+
+def _check_units(table: Table, variables: Sequence[Variable]) -> None:
+    """Refuse a column whose unit is another than the one that the model was fitted in."""
+    for variable in variables:
+        if table.unit(variable.name) != variable.unit and variable.unit and table.unit(variable.name):
+            raise InputError(
+                f"column {variable.name!r} is in {table.unit(variable.name)!r}; the model was fitted in {variable.unit!r}"
+            )
+
+
+def _covered(model: Model, X: np.ndarray, error: np.ndarray) -> float | None:
+    """Share of the rows in their intervals."""
+    widths = model.training.get("interval_half_widths")
+    if not isinstance(widths, list) or len(widths) != len(model.networks):
+        return None
+    return float(np.mean(np.abs(error) <= np.array(widths)[region_of(model.partition, X)]))

@@ -1,0 +1,32 @@
+from .bench.recording import record
+from .bench.sensors import load_sensors
+from .channels import ChannelMap, load_channels
+from .checks.coverage import coverage
+from .checks.deadband import deadband, find_deadbands
+from .checks.quality import write_quality
+from .flows import add_flows, reconstruct_flow
+from .formats.logs import open_log
+from .importing import Imported, import_log
+from .log_units import conversion
+from .smoothing import assumption, differentiate
+from .suggest import suggest_channels
+
+__all__ = [
+    "ChannelMap",
+    "Imported",
+    "add_flows",
+    "assumption",
+    "conversion",
+    "coverage",
+    "deadband",
+    "differentiate",
+    "find_deadbands",
+    "import_log",
+    "load_channels",
+    "load_sensors",
+    "open_log",
+    "reconstruct_flow",
+    "record",
+    "suggest_channels",
+    "write_quality",
+]

@@ -1,0 +1,161 @@
+"""The values of one channel: which of them are any, and all that is wrong with them."""
+
+import zlib
+from math import inf
+
+import numpy as np
+
+from polydraulic.measure.channels import Channel
+from polydraulic.measure.checks.clock import JOIN, Clock, ClockedRows
+from polydraulic.measure.checks.envelope import Envelope
+from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.checks.run_lengths import ValueRuns
+from polydraulic.measure.log_units import conversion, same_kind
+
+# A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
+_SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the range, of the usual difference
+_MOST, _NEARLY_ALL = 0.5, 0.95
+_KEPT = 20_000  # values kept to try other units on
+
+
+class Samples:
+    """Samples of a channel that can be used: SI, in order of time."""
+
+    def __init__(self, time: np.ndarray, values: np.ndarray) -> None:
+        self.time, self.values = time, values
+
+
+class ChannelCheck:
+    """Checks one channel, block by block.
+
+    Attributes
+    ----------
+    raster : float, s
+        Between its samples, as the map says or as found.
+    count, low, high, mean, square : float
+        Of the values that can be used, in the channel's unit.
+    """
+
+    def __init__(self, channel: Channel, clock: Clock, findings: Findings) -> None:
+        self.channel, self.clock, self.findings = channel, clock, findings
+        self.conversion = conversion(channel.unit)
+        self.raster = channel.raster or np.nan
+        self.count, self.low, self.high, self.mean, self.square = 0, inf, -inf, 0.0, 0.0
+        self.given, self.implausible = 0, 0
+        self.envelope, self.runs = Envelope(), ValueRuns()
+        self.crc = 0
+        self.lost = 0.0
+        self._kept: list[np.ndarray] = []
+        self._last = -inf
+        self._gaps_seen = 0
+        self._compared = False
+
+    def samples(self, rows: ClockedRows) -> Samples:
+        """Check a block and return what of it can be used."""
+        c, f = self.channel, self.findings
+        raw, name = rows.values[c.source], c.source
+        f.add_rows("text", name, rows.rows[rows.text[name]])
+        infinite = np.isinf(raw)
+        f.add_rows("infinite", name, rows.rows[infinite])
+        there = np.flatnonzero(np.isfinite(raw))
+        value = c.sign * raw[there]
+        self.given += len(value)
+        self.crc = zlib.crc32(raw[there].tobytes(), self.crc)
+        if sum(map(len, self._kept)) < _KEPT:
+            self._kept.append(value[:: max(1, len(value) // 2000)])
+        outside = (value < c.low) | (value > c.high)
+        self.implausible += int(outside.sum())
+        if outside.any():
+            detail = f"range [{c.low:g}, {c.high:g}] {c.unit}, such as {value[outside][0]:.6g}"
+            f.add_rows("implausible", name, rows.rows[there[outside]], detail)
+        there, value = there[~outside], value[~outside]
+        if c.between == "linear":
+            self.runs.add(value, rows.rows[there])
+            alone = _spikes(value)
+            f.add_rows("spike", name, rows.rows[there[alone]])
+            there, value = there[~alone], value[~alone]
+        self._count(value)
+        self._spacing(rows, there)
+        self.envelope.add(rows.time[there], value)
+        return Samples(rows.time[there], self.conversion.to_si(value))
+
+    def _count(self, value: np.ndarray) -> None:
+        if value.size == 0:
+            return
+        n, mean = len(value), float(value.mean())
+        total, shift = self.count + n, mean - self.mean
+        self.square += float(((value - mean) ** 2).sum()) + shift * shift * self.count * n / total
+        self.mean += shift * n / total
+        self.count = total
+        self.low, self.high = min(self.low, float(value.min())), max(self.high, float(value.max()))
+
+    def _spacing(self, rows: ClockedRows, there: np.ndarray) -> None:
+        """Find the raster; note where samples are farther apart than they may, but rows are not."""
+        time = rows.time[there]
+        if time.size == 0:
+            return
+        steps = np.diff(np.concatenate([[self._last], time]))
+        real = np.isfinite(steps)
+        if real.sum() > 2 and not self._compared:
+            self._compared = True
+            found = float(np.median(steps[real]))
+            if self.channel.between == "linear":  # a held channel may be written only when it changes
+                self.clock.compare(self.channel.source, self.channel.raster, found)
+            self.raster = self.raster if np.isfinite(self.raster) else found
+        gaps = np.cumsum(rows.after_gap)[there] + (self.clock.gaps - int(rows.after_gap.sum()))
+        same = np.diff(np.concatenate([[self._gaps_seen], gaps])) == 0
+        lost = real & same & (steps > JOIN * self.raster)
+        if lost.any():
+            self.lost += float(steps[lost].sum())
+            detail = f"{self.lost:.4g} s in all; the row after each is named"
+            self.findings.add_rows("dropout", self.channel.source, rows.rows[there[lost]], detail)
+        self._last, self._gaps_seen = float(time[-1]), int(gaps[-1])
+
+    def end(self) -> None:
+        """Note what is known only when all rows have been seen."""
+        c, f = self.channel, self.findings
+        if self.given == 0:
+            f.add("empty", c.source)
+            return
+        if self.implausible > _MOST * self.given:
+            self._wrong_unit(np.concatenate(self._kept))
+        if self.count and self.low == self.high:
+            f.add("constant", c.source, f"{self.low:.6g} {c.unit}")
+        elif c.between == "linear":
+            for kind, runs, detail in self.runs.findings():
+                f.add(kind, c.source, f"{detail} {c.unit}".strip())
+                for run in runs:
+                    f.add_span(kind, c.source, run.first, run.last, run.length)
+
+    def _wrong_unit(self, value: np.ndarray) -> None:
+        c = self.channel
+
+        def fits(values: np.ndarray) -> bool:
+            return bool(np.mean((values >= c.low) & (values <= c.high)) > _NEARLY_ALL)
+
+        if fits(-value):
+            self.findings.add("sign", c.source, f"the map has sign = {c.sign}")
+            return
+        others = [u for u in same_kind(c.unit) if fits(self.conversion.from_si(conversion(u).to_si(value)))]
+        if others:
+            self.findings.add("unit by values", c.source, f"the map says {c.unit!r}; it could be {' or '.join(others)}")
+
+
+def _spikes(v: np.ndarray) -> np.ndarray:
+    """Values that stand alone: far from both neighbours, which are close to theirs and to each other."""
+    found = np.zeros(len(v), dtype=bool)
+    if len(v) < 20:
+        return found
+    d = np.diff(v)
+    size = np.minimum(np.abs(d[1:-2]), np.abs(d[2:-1]))  # of places 2 to n - 3
+    low, high = np.quantile(v, [0.005, 0.995])
+    moved = np.abs(d)
+    digit = float(np.min(moved, where=moved > 0.0, initial=np.inf))
+    if digit == np.inf:
+        return found
+    beyond = np.maximum(v[2:-2] - high, low - v[2:-2]) > _SPIKE * (high - low)
+    share = np.where(beyond, _SPIKE, _SPIKE_WITHIN) * (high - low)
+    least = np.maximum(share, max(_SPIKE_NOISE * float(np.median(moved)), 3.0 * digit))
+    around = np.maximum(np.maximum(np.abs(d[:-3]), np.abs(d[3:])), np.abs(d[1:-2] + d[2:-1]))
+    found[2:-2] = (d[1:-2] * d[2:-1] < 0.0) & (size > least) & (around < 0.25 * size)
+    return found

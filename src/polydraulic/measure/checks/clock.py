@@ -1,0 +1,184 @@
+"""The clock of a log: rows in the order of their times, and all that is wrong with these."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.formats.log import LogBlock
+
+JOIN = 2.5  # samples at most so many rasters apart belong together; farther apart is a gap
+_IRREGULAR = 0.25  # of the raster
+_SHARE = 0.01  # of the intervals that may be irregular
+_OTHER = 0.2  # difference of rasters that is worth a word
+
+
+class ClockedRows(NamedTuple):
+    """Rows of a block whose times rise.
+
+    Attributes
+    ----------
+    rows : (n_row,) array of int
+    time : (n_row,) array, s
+    values : dict from name to (n_row,) array
+    text : dict from name to (n_row,) array of bool
+    after_gap : (n_row,) array of bool
+        Whether more than `JOIN` rasters lie before the row.
+    done : float
+    """
+
+    rows: np.ndarray
+    time: np.ndarray
+    values: dict[str, np.ndarray]
+    text: dict[str, np.ndarray]
+    after_gap: np.ndarray
+    done: float
+
+
+class Clock:
+    """Checks the times of one group, block by block.
+
+    Parameters
+    ----------
+    name : str
+        For findings.
+    factor : float
+        Of the log's unit of time, in s.
+    raster : float, s, or None
+        As the map says.
+    interval : float, s, or None
+        Between rows of a log without a clock.
+    findings : Findings
+    """
+
+    def __init__(
+        self, name: str, factor: float, raster: float | None, interval: float | None, findings: Findings
+    ) -> None:
+        self.name, self.factor, self.declared, self.interval, self.findings = name, factor, raster, interval, findings
+        self.raster = np.nan
+        self.first = np.nan
+        self.last = -np.inf
+        self.gaps, self.lost = 0, 0.0
+        self._behind = False
+        self._n_interval = self._n_irregular = 0
+        self._irregular: list[int] = []
+
+    def rows(self, blocks: Iterator[LogBlock]) -> Iterator[ClockedRows]:
+        """Rows in order; a row of each block waits for the next, since a jump is seen by the row after it."""
+        waiting: LogBlock | None = None
+        for block in blocks:
+            if not len(block.rows):
+                continue
+            joined = block if waiting is None else _join(waiting, block)
+            if len(joined.rows) > 1:
+                yield self._check(_part(joined, slice(None, -1)), self._times(_part(joined, slice(-1, None)))[0])
+            waiting = _part(joined, slice(-1, None))
+        if waiting is not None:
+            yield self._check(waiting, np.nan)
+        self._end()
+
+    def _times(self, block: LogBlock) -> np.ndarray:
+        if block.time is None:
+            assert self.interval is not None
+            return (block.rows - 1) * self.interval
+        return block.time * self.factor
+
+    def _check(self, block: LogBlock, following: float) -> ClockedRows:
+        time, rows, f = self._times(block), block.rows, self.findings
+        good = np.isfinite(time)
+        f.add_rows("no time", self.name, rows[~good])
+        place = np.flatnonzero(good)
+        t = time[place]
+        before = np.concatenate([[self.last], t[:-1]])
+        after = np.concatenate([t[1:], [following]])
+        jump = (t > after) & (after > before) & (t > before)  # goes ahead of its neighbours alone
+        f.add_rows("clock jump", self.name, rows[place[jump]])
+        place, t = place[~jump], t[~jump]
+        highest = np.maximum.accumulate(np.concatenate([[self.last], t]))[:-1]
+        behind, same = t < highest, t == highest
+        f.add_rows("time repeats", self.name, rows[place[same]])
+        self._note_behind(rows[place], behind)
+        keep = ~behind & ~same
+        place, t = place[keep], t[keep]
+        after_gap = self._intervals(rows[place], t)
+        n = np.zeros(len(rows), dtype=bool)
+        text = {}
+        for name, places in block.text.items():
+            marks = n.copy()
+            marks[places] = True
+            text[name] = marks[place]
+        return ClockedRows(rows[place], t, {k: v[place] for k, v in block.values.items()}, text, after_gap, block.done)
+
+    def _note_behind(self, rows: np.ndarray, behind: np.ndarray) -> None:
+        """Single rows that lie behind are jumps, several in a row are an overlap."""
+        if behind.size == 0:
+            return
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], behind, [False]]).astype(np.int8)))
+        for start, end in zip(edges[::2], edges[1::2], strict=True):
+            goes_on = start == 0 and self._behind
+            kind = "overlap" if end - start > 1 or goes_on else "clock jump"
+            self.findings.add_rows(kind, self.name, rows[start:end])
+        self._behind = bool(behind[-1])
+
+    def _intervals(self, rows: np.ndarray, t: np.ndarray) -> np.ndarray:
+        if t.size == 0:
+            return np.zeros(0, dtype=bool)
+        if not np.isfinite(self.first):
+            self.first = float(t[0])
+        steps = np.diff(np.concatenate([[self.last], t]))
+        self.last = float(t[-1])
+        real = np.isfinite(steps)
+        if not np.isfinite(self.raster) and real.any():
+            self.raster = float(np.median(steps[real]))
+            self.compare(self.name, self.declared, self.raster)
+        gap = real & (steps > JOIN * self.raster)
+        if gap.any():
+            self.gaps += int(gap.sum())
+            self.lost += float(steps[gap].sum())
+            self.findings.add_rows(
+                "gap",
+                self.name,
+                rows[gap],
+                f"{self.gaps} gap(s), {self.lost:.4g} s in all; the row after each is named",
+            )
+        odd = real & ~gap & (np.abs(steps - self.raster) > _IRREGULAR * self.raster)
+        self._n_interval += int((real & ~gap).sum())
+        self._n_irregular += int(odd.sum())
+        self._irregular += rows[odd][: max(0, 20 - len(self._irregular))].tolist()
+        return gap
+
+    def compare(self, name: str, declared: float | None, found: float) -> None:
+        """Note a raster that is not the map's."""
+        if declared is not None and abs(found - declared) > _OTHER * declared:
+            detail = f"found {found:.4g} s, the map says {declared:.4g} s: check the unit of time, or the map"
+            self.findings.add("raster", name, detail)
+
+    def _end(self) -> None:
+        if self._n_irregular > max(5, _SHARE * self._n_interval):
+            found = self.findings.add("irregular", self.name, f"usual interval {self.raster:.4g} s")
+            found.count = self._n_irregular
+            found.rows = [(row, row) for row in self._irregular]
+
+
+def _part(block: LogBlock, part: slice) -> LogBlock:
+    n = len(block.rows)
+    marks = np.zeros(n, dtype=bool)
+    text = {}
+    for name, places in block.text.items():
+        marks[:] = False
+        marks[places] = True
+        text[name] = np.flatnonzero(marks[part])
+    time = None if block.time is None else block.time[part]
+    return LogBlock(block.rows[part], time, {k: v[part] for k, v in block.values.items()}, text, block.done)
+
+
+def _join(a: LogBlock, b: LogBlock) -> LogBlock:
+    time = None if a.time is None or b.time is None else np.concatenate([a.time, b.time])
+    return LogBlock(
+        np.concatenate([a.rows, b.rows]),
+        time,
+        {k: np.concatenate([a.values[k], b.values[k]]) for k in b.values},
+        {k: np.concatenate([a.text[k], b.text[k] + len(a.rows)]) for k in b.text},
+        b.done,
+    )

@@ -1,0 +1,217 @@
+"""The quality report of an imported log: what is wrong with it and what it can tell; as a page and as JSON."""
+
+import json
+from html import escape
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from polydraulic.files import write_text
+from polydraulic.measure.checks.channel_check import ChannelCheck
+from polydraulic.measure.checks.coverage import Coverage, coverage
+from polydraulic.measure.checks.deadband import Deadband, find_deadbands
+from polydraulic.measure.checks.findings import Finding
+from polydraulic.measure.flows import flow_statement
+from polydraulic.measure.importing import Imported
+from polydraulic.measure.log_units import Conversion
+
+SCHEMA = 1
+_STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 68rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
+table { border-collapse: collapse; margin: 1rem 0; } th, td { text-align: left; padding: .25rem .7rem; border-bottom: 1px solid #ddd; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; } th { border-bottom: 2px solid #888; }
+.error { color: #a11; font-weight: 600; } .warning { color: #960; font-weight: 600; } .good { color: #171; font-weight: 600; }
+svg { max-width: 100%; height: auto; } .note { color: #666; }
+"""
+
+
+class Told(NamedTuple):
+    """What a log can tell: coverage of its inputs, and deadbands."""
+
+    coverage: Coverage | None
+    deadbands: list[Deadband]
+
+
+def what_it_tells(imported: Imported) -> Told:
+    """Coverage and deadbands of the inputs, from the excerpt of the table."""
+    table, channels = imported.excerpt, imported.channels
+    inputs, outputs = channels.of_role("input"), channels.of_role("output")
+    if not inputs or len(table) == 0:
+        return Told(None, [])
+    return Told(coverage(table, inputs), find_deadbands(table, inputs, outputs, channels.raster))
+
+
+def write_quality(imported: Imported, path: str | Path) -> Told:
+    """Write the quality report: a page that needs nothing else, and JSON beside it.
+
+    Parameters
+    ----------
+    imported : Imported
+        From `import_log`.
+    path : str or Path
+        Of the page; the JSON has the same name and the ending ``.json``.
+
+    Returns
+    -------
+    Told
+        What else the report says.
+
+    Raises
+    ------
+    InputError
+        A place that cannot be written.
+    """
+    told = what_it_tells(imported)
+    path = Path(path)
+    write_text(path.with_suffix(".json"), json.dumps(quality_data(imported, told), indent=1, allow_nan=False) + "\n")
+    write_text(path, _page(imported, told))
+    return told
+
+
+def quality_data(imported: Imported, told: Told) -> dict[str, Any]:
+    """All that the report says as plain data; in SI, but statistics of channels in the unit of the log, which is given, and texts."""
+    channels = imported.channels
+    shown = imported.shown
+    return {
+        "format": "polydraulic log quality",
+        "schema": SCHEMA,
+        "source": imported.source.name,
+        "raster_s": channels.raster,
+        "span_s": list(imported.span),
+        "rows": imported.n_row,
+        "segments": imported.n_segment,
+        "rows_too_short_for_flows": imported.too_short,
+        "findings": [
+            {
+                "kind": f.kind,
+                "level": f.level,
+                "channel": f.channel,
+                "count": f.count,
+                "rows": [list(span) for span in f.rows],
+                "text": str(f),
+            }
+            for f in imported.findings
+        ],
+        "channels": [_statistics(check) for check in imported.checks],
+        "flows": [flow_statement(flow, channels.raster) for flow in channels.flows],
+        "deadbands": [d._asdict() | {"text": d.statement(shown.get(d.input))} for d in told.deadbands],
+        "coverage": None if told.coverage is None else _coverage_data(told.coverage, shown),
+    }
+
+
+def _statistics(check: ChannelCheck) -> dict[str, Any]:
+    c, n = check.channel, check.count
+    return {
+        "source": c.source,
+        "name": c.name,
+        "role": c.role,
+        "unit": c.unit,
+        "raster_s": check.raster if check.raster == check.raster else None,
+        "values": n,
+        "low": check.low if n else None,
+        "high": check.high if n else None,
+        "mean": check.mean if n else None,
+        "deviation": (check.square / n) ** 0.5 if n else None,
+    }
+
+
+def _coverage_data(found: Coverage, units: dict[str, Conversion]) -> dict[str, Any]:
+    return {
+        "box": {name: list(ends) for name, ends in found.box.items()},
+        "cells_visited": found.visited,
+        "cells": found.cells,
+        "pairs": [
+            {"x": p.x, "y": p.y, "share": p.share, "holes": [h._asdict() for h in p.holes], "counts": p.counts.tolist()}
+            for p in found.pairs
+        ],
+        "holes": found.statements(units),
+    }
+
+
+def _page(imported: Imported, told: Told) -> str:
+    from polydraulic.measure.checks.quality_plots import coverage_svg, signals_svg
+
+    findings = list(imported.findings)
+    errors = sum(f.level == "error" for f in findings)
+    verdict = (
+        '<p class="good">Nothing was found that is wrong with this log.</p>'
+        if not findings
+        else f'<p class="{"error" if errors else "warning"}">{errors} error(s), {len(findings) - errors} warning(s).</p>'
+    )
+    first, last = imported.span
+    shown, table = imported.shown, imported.excerpt
+    whole = (
+        "all rows" if len(table) == imported.n_row else f"{len(table)} of {imported.n_row} rows, from all over the log"
+    )
+    deadbands = _list([d.statement(shown.get(d.input)) for d in told.deadbands])
+    flows = _list([flow_statement(flow, imported.channels.raster) for flow in imported.channels.flows])
+    return f"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Quality of {escape(imported.source.name)}</title>
+<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head><body>
+<h1>Quality of {escape(imported.source.name)}</h1>
+{verdict}
+<p>{last - first:.4g} s of log, from {first:.6g} s to {last:.6g} s. The table has {imported.n_row} rows every {imported.channels.raster:g} s in
+{imported.n_segment} segment(s) without a gap.</p>
+<h2>What was found</h2>
+{_findings(findings)}
+<h2>Channels</h2>
+{_channels(imported.checks)}
+<p class="note">Smallest and largest value over time, in the unit of the log; red lines are the plausible range where it is near.</p>
+{signals_svg(imported.checks)}
+<h2>What it can tell</h2>
+<p class="note">From {whole}.</p>
+<h3>Deadbands</h3>
+{deadbands or "<p>No output that is a rate, a flow or a position is explained by an input well enough to look for one.</p>"}
+<h3>Reconstructed flows</h3>
+{flows or "<p>None asked for.</p>"}
+<h3>Coverage of the inputs</h3>
+{_coverage(told.coverage, shown)}
+{coverage_svg(told.coverage, shown) if told.coverage is not None and told.coverage.pairs else ""}
+</body></html>
+"""
+
+
+def _findings(findings: list[Finding]) -> str:
+    rows = []
+    for f in findings:
+        spans = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in f.rows)
+        of = f.channel or "log"
+        text = str(f).partition(": ")[2]
+        rows.append(
+            f'<tr><td class="{f.level}">{escape(f.kind)}</td><td>{escape(of)}</td><td class="number">{f.count or ""}</td>'
+            f"<td>{spans}{', ...' if len(f.rows) == 20 else ''}</td><td>{escape(text)}</td></tr>"
+        )
+    if not rows:
+        return "<p>Nothing.</p>"
+    head = "<tr><th>what</th><th>channel</th><th>rows</th><th>which</th><th>meaning</th></tr>"
+    return f"<table><thead>{head}</thead><tbody>\n{chr(10).join(rows)}\n</tbody></table>"
+
+
+def _channels(checks: list[ChannelCheck]) -> str:
+    names = ("source", "column", "role", "unit", "every s", "values", "smallest", "mean", "largest", "deviation")
+    rows = []
+    for check in checks:
+        s = _statistics(check)
+        numbers = (s[key] for key in ("raster_s", "values", "low", "mean", "high", "deviation"))
+        texts = (s[key] for key in ("source", "name", "role", "unit"))
+        cells = "".join(f"<td>{escape(str(t))}</td>" for t in texts)
+        rows.append(f"<tr>{cells}{''.join(f'<td class=number>{_number(v)}</td>' for v in numbers)}</tr>")
+    head = "".join(f"<th>{name}</th>" for name in names)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{chr(10).join(rows)}\n</tbody></table>"
+
+
+def _coverage(found: Coverage | None, units: dict[str, Conversion]) -> str:
+    if found is None:
+        return "<p>There are no inputs, or no rows.</p>"
+    text = (
+        f"<p>{found.visited} of {found.cells} cells of the box of all inputs (four levels each) hold a row. The box is the "
+        "range that each input has in the table.</p>"
+    )
+    return text + (_list(found.statements(units)[:15]) or "<p>No holes in the maps of two inputs.</p>")
+
+
+def _list(items: list[str]) -> str:
+    return "<ul>" + "".join(f"<li>{escape(item)}</li>" for item in items) + "</ul>" if items else ""
+
+
+def _number(value: Any) -> str:
+    return "–" if value is None else (str(value) if isinstance(value, int) else f"{value:.5g}")

@@ -1,0 +1,128 @@
+"""Runs of equal values: a sensor that is stuck, beyond its range, or too coarse shows by them."""
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+_LONG, _HELD = 10, 5  # samples
+_FROZEN = 50  # samples
+_NOISY = 0.15  # share of samples at which a signal with noise turns round, at least
+_JUMP = 0.2  # of the range, with which a lost signal falls to 0
+_FEW = 20  # values
+_KEPT = 200
+
+
+class RunOfValues(NamedTuple):
+    """So many samples of one value, in these rows; and how far the value jumped when it began."""
+
+    length: int
+    value: float
+    first: int
+    last: int
+    jump: float
+
+
+class ValueRuns:
+    """Runs of equal values of a growing signal."""
+
+    def __init__(self) -> None:
+        self.count = self.n_run = self.n_turn = 0
+        self.longest: list[RunOfValues] = []  # the longest `_KEPT` of all that are long
+        self.n_held = 0  # samples in runs of at least `_HELD`
+        self.low = Extreme(-1.0)
+        self.high = Extreme(1.0)
+        self._open: RunOfValues | None = None
+        self._different: set[float] = set()
+
+    def add(self, value: np.ndarray, rows: np.ndarray) -> None:
+        """Add samples and the rows that they stand in."""
+        if value.size == 0:
+            return
+        starts = np.flatnonzero(np.concatenate([[True], value[1:] != value[:-1]]))
+        ends = np.concatenate([starts[1:], [len(value)]])
+        length, of, first, last = ends - starts, value[starts], rows[starts], rows[ends - 1]
+        jump = np.abs(np.diff(of, prepend=of[0] if self._open is None else self._open.value))
+        if self._open is not None and self._open.value == of[0]:
+            length[0] += self._open.length
+            first[0], jump[0] = self._open.first, self._open.jump
+        elif self._open is not None:
+            self._close(*(np.asarray([item]) for item in self._open))
+        self._close(length[:-1], of[:-1], first[:-1], last[:-1], jump[:-1])
+        self._open = _run(-1, length, of, first, last, jump)
+        self.count += len(value)
+        steps = np.diff(of)
+        self.n_turn += int((steps[1:] * steps[:-1] < 0.0).sum())
+        if len(self._different) <= _FEW:
+            self._different.update(np.unique(of)[: _FEW + 1].tolist())
+
+    def _close(self, *runs: np.ndarray) -> None:
+        length = runs[0]
+        self.n_run += len(length)
+        held = length >= _HELD
+        self.n_held += int(length[held].sum())
+        for end in (self.low, self.high):
+            end.add(*runs)
+        long = np.flatnonzero(length >= _LONG)
+        self.longest += [_run(i, *runs) for i in long.tolist()]
+        self.longest = sorted(self.longest, reverse=True)[:_KEPT]
+
+    def findings(self) -> list[tuple[str, list[RunOfValues], str]]:
+        """Kinds of finding with their runs and what else there is to say; call it once, at the end."""
+        if self._open is not None:
+            self._close(*(np.asarray([item]) for item in self._open))
+            self._open = None
+        found: list[tuple[str, list[RunOfValues], str]] = []
+        held = [run for run in self.longest if run.length >= _FROZEN]
+        noisy = self.n_turn > _NOISY * (self.count - sum(run.length for run in held))
+        clipped: set[float] = set()
+        for name, end in (("largest", self.high), ("smallest", self.low)):
+            elsewhere = self.n_held - end.n_held
+            if noisy and end.value != 0.0 and end.n_held >= 20 and end.n_run >= 2 and elsewhere < 0.02 * self.count:
+                found.append(("clipped", end.runs, f"{name} value {end.value:.6g}"))
+                clipped.add(end.value)
+        # a value of 0 is rest, unless the signal always fell to it
+        rests = any(run.value == 0.0 and run.jump <= _JUMP * (self.high.value - self.low.value) for run in self.longest)
+        held = [run for run in held if run.value not in clipped and not (run.value == 0.0 and rests)]
+        frozen = held if noisy else self._held_too_long(held[:3])
+        frozen = frozen if len(frozen) <= 3 else []
+        if frozen:
+            found.append(("frozen", frozen, f"at {frozen[0].value:.6g}"))
+        step = min(np.diff(sorted(self._different)), default=0.0)
+        held_each = self.count > 2.0 * self.n_run  # noise larger than the digits would not let it
+        if held_each and 1 < len(self._different) <= _FEW and step * _FEW > self.high.value - self.low.value:
+            found.append(("coarse", [], f"{len(self._different)} different values"))
+        return found
+
+    def _held_too_long(self, held: list[RunOfValues]) -> list[RunOfValues]:
+        """Of a signal without noise: held far longer than it ever is elsewhere, and not at rest or at an end."""
+        others = np.median([run.length for run in self.longest]) if len(self.longest) > 10 else inf
+        return [r for r in held if r.length > 20 * others and r.value not in (0.0, self.low.value, self.high.value)]
+
+
+class Extreme:
+    """Runs at the largest (side 1) or the smallest value (side -1)."""
+
+    def __init__(self, side: float) -> None:
+        self.side, self.value = side, -side * inf
+        self.n_held = self.n_run = 0
+        self.runs: list[RunOfValues] = []
+
+    def add(self, length: np.ndarray, value: np.ndarray, first: np.ndarray, last: np.ndarray, jump: np.ndarray) -> None:
+        """Add runs."""
+        if value.size == 0:
+            return
+        best = float(value[np.argmax(self.side * value)])
+        if self.side * best > self.side * self.value:
+            self.value, self.n_held, self.n_run, self.runs = best, 0, 0, []
+        at = np.flatnonzero((value == self.value) & (length >= _HELD))
+        self.n_held += int(length[at].sum())
+        self.n_run += len(at)
+        at = at[: max(0, 20 - len(self.runs))]
+        self.runs += [_run(i, length, value, first, last, jump) for i in at.tolist()]
+
+
+def _run(
+    i: int, length: np.ndarray, value: np.ndarray, first: np.ndarray, last: np.ndarray, jump: np.ndarray
+) -> RunOfValues:
+    return RunOfValues(int(length[i]), float(value[i]), int(first[i]), int(last[i]), float(jump[i]))

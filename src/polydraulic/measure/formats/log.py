@@ -1,0 +1,101 @@
+"""A log as its file holds it: signals in groups of common rows, read block by block."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.measure.checks.findings import Findings
+
+BLOCK = 1 << 16  # rows
+
+
+class Signal(NamedTuple):
+    """A signal of a log: its name, its unit as the log gives it (empty if it gives none), its group."""
+
+    name: str
+    unit: str
+    group: int
+
+
+class LogBlock(NamedTuple):
+    """Some rows of one group.
+
+    Attributes
+    ----------
+    rows : (n_row,) array of int
+        Their numbers in the file, data rows counted from 1.
+    time : (n_row,) array or None
+        In the log's unit of time; None where the log has no clock of its own and none was asked for.
+    values : dict from name to (n_row,) array
+        NaN where there is no value.
+    text : dict from name to array of int
+        Places in the block that hold something that is no number.
+    done : float
+        Share of the group that has been read.
+    """
+
+    rows: np.ndarray
+    time: np.ndarray | None
+    values: dict[str, np.ndarray]
+    text: dict[str, np.ndarray]
+    done: float
+
+
+Reader = Callable[[int, Sequence[str], str | None, Findings], Iterator[LogBlock]]
+
+
+@dataclass(frozen=True)
+class Log:
+    """An opened log.
+
+    Attributes
+    ----------
+    path : Path
+    signals : list of Signal
+        Each name once: the first where the file has it more than once.
+    duplicates : list of str
+        Names that the file has more than once.
+    own_clock : bool
+        Whether every group has a time of its own (MDF), in s.
+    read : function (group, names, time, findings) -> iterator of Block
+    close : function ()
+        Lets go of what the log holds; a log is a context that does so at its end.
+    """
+
+    path: Path
+    signals: list[Signal]
+    own_clock: bool
+    read: Reader = field(repr=False)
+    duplicates: list[str] = field(default_factory=list)
+    close: Callable[[], None] = field(default=lambda: None, repr=False)
+
+    def __enter__(self) -> "Log":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def signal(self, name: str) -> Signal:
+        """Return the signal of a name, or raise an InputError that lists those there are."""
+        for signal in self.signals:
+            if signal.name == name:
+                return signal
+        names = [s.name for s in self.signals]
+        shown = f"{names[:30]}" + (f" and {len(names) - 30} more" if len(names) > 30 else "")
+        raise InputError(f"{self.path}: no channel {name!r}; the log has {shown}")
+
+
+def once(signals: list[Signal]) -> tuple[list[Signal], list[str]]:
+    """Signals by name, the first of each, and the names that come more than once."""
+    first: dict[str, Signal] = {}
+    twice: dict[str, None] = {}
+    for signal in signals:
+        if signal.name in first:
+            twice[signal.name] = None
+        else:
+            first[signal.name] = signal
+    return list(first.values()), list(twice)

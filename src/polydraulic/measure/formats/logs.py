@@ -1,0 +1,38 @@
+"""Open a log by the ending of its file."""
+
+from pathlib import Path
+
+from polydraulic.errors import InputError
+from polydraulic.measure.formats.log import Log
+
+ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat")
+
+
+def open_log(path: str | Path) -> Log:
+    """Open a log: CSV (plain or .gz), Parquet, MDF4, MAT v5 or v7.3.
+
+    Parameters
+    ----------
+    path : str or Path
+        A CSV header may carry units as ``name [unit]``, or in a line of their own below it.
+
+    Raises
+    ------
+    InputError
+        No such file, another ending, a file that is not what its ending says.
+    """
+    path = Path(path)
+    ending = next((e for e in ENDINGS if path.name.lower().endswith(e)), None)
+    if ending is None:
+        raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}")
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    if ending == ".parquet":
+        from polydraulic.measure.formats.parquet_log import open_parquet as opener
+    elif ending == ".mf4":
+        from polydraulic.measure.formats.mdf_log import open_mdf as opener
+    elif ending == ".mat":
+        from polydraulic.measure.formats.mat_log import open_mat as opener
+    else:
+        from polydraulic.measure.formats.csv_log import open_csv as opener
+    return opener(path)

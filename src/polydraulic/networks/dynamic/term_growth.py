@@ -1,0 +1,189 @@
+"""Growth of polynomials of lagged signals, term by term, each the one that mends most of how they run on their own.
+
+Terms that look good one step ahead may run badly: noise on measured outputs is taken for damping, and slow errors hardly show.
+So a term is judged by what it would do to runs over a horizon (to first order, all other coefficients moving with it), and
+after each one all coefficients are refined over the same runs. Terms are those of the nodes of a network.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
+
+from polydraulic.networks.dynamic.free_run import pieces
+from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, averaged, run_terms
+from polydraulic.networks.dynamic.spans import Span, blocks_of, without
+
+_RIDGE = 0.01  # weight of the sum of squared coefficients, as a part of the error before, all in normalized units
+_STEPS, _LARGEST_DAMPING = 3, 1e3  # of refinement after each term
+_ENOUGH = 1e-3  # a step that lowers the loss by a smaller share is the last
+_REFINE_ROWS, _JUDGE_ROWS = 8_000, 2_000  # that are looked at, in windows spread evenly
+_ROWS_A_TERM = 5  # at least
+_ALL_PAIRS = 40  # lagged values at most, of which any two may be multiplied
+_MEMBERS = 8  # of an average
+_NEW = 1e-6  # share of a term that others do not explain: less is rounding
+_EXACT = 1e-12  # mean squared error at which there is nothing left to learn
+
+
+def grow(frame: Frame, spans: Sequence[Span], horizon: int) -> Iterator[Terms]:
+    """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
+
+    Parameters
+    ----------
+    frame : Frame
+    spans : sequence of (start, stop)
+        Rows to learn from.
+    horizon : int
+        Rows that runs go on before they begin anew from measured outputs.
+    """
+    windows = pieces(spans, horizon)
+    many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
+    terms, error = _refined(frame, _held(frame), many, 1.0)
+    most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
+    yield terms
+    while len(terms.coef) < most:
+        more = _best_term(frame, terms, few) if error > _EXACT else None
+        if more is None:
+            return
+        terms, error = _refined(frame, more, many, error)
+        yield terms
+
+
+def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int) -> Terms:
+    """Grow polynomials of so many terms, each without another part of the rows, and average them.
+
+    Which terms are chosen, and so how a run ends, hangs on a few rows; the average hangs on them less. One that runs badly through
+    all rows counts little.
+
+    Parameters
+    ----------
+    frame : Frame
+    spans : sequence of (start, stop)
+        Rows to learn from.
+    horizon : int
+    n_term : int
+        Of each polynomial at most.
+    """
+    members, weights = [], []
+    for left_out in blocks_of(spans, _MEMBERS):
+        rest = without(spans, left_out) or spans
+        for member in grow(frame, rest, horizon):
+            if len(member.coef) >= n_term:
+                break
+        members.append(member)
+        weights.append(1.0 / (1e-12 + _loss(frame, member, spans, 0.0)))
+    return averaged(members, np.array(weights))
+
+
+def _held(frame: Frame) -> Terms:
+    """The last value of each output and a constant: where growth begins."""
+    n_output, factors, output, coef = len(frame.y_low), [], [], []
+    for k in range(n_output):
+        own = np.flatnonzero(frame.column == frame.signals.shape[1] - n_output + k)
+        latest = [1 + int(own[np.argmin(frame.steps[own])])] if own.size else []
+        factors += [[place, 0, 0] for place in (0, *latest)]
+        output += [k] * (1 + len(latest))
+        coef += [1e-6, *([0.98] * len(latest))]  # a run that holds forever has no slopes to go by
+    return Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
+
+
+def _candidates(terms: Terms, n_lag: int) -> tuple[np.ndarray, np.ndarray]:
+    """Terms that may be added: powers, products of two values, and of three where the product of two of them is there.
+
+    With many lagged values one of two has to be in the polynomial, too, since there are too many pairs.
+    """
+    factors, output = [], []
+    places = range(1, n_lag + 1)
+    powers = {(a, *power) for a in places for power in ((0, 0), (a, 0), (a, a))}
+    for k in np.unique(terms.output):
+        there = {tuple(one) for one in terms.factors[terms.output == k].tolist()}
+        partners = places if n_lag <= _ALL_PAIRS else {a for one in there for a in one if a}
+        pairs = {(max(a, b), min(a, b), 0) for a in partners for b in places if a != b}
+        grown = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
+        triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in grown for c in places if c not in (a, b)}
+        new = sorted((powers | pairs | triples) - there)
+        factors += new
+        output += [k] * len(new)
+    return np.array(factors, dtype=np.int64).reshape(-1, 3), np.array(output, dtype=np.int64)
+
+
+def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span]) -> Terms | None:
+    """Terms with the candidate that lowers the squared error most; None if none does."""
+    candidates = _candidates(terms, len(frame.column))
+    n, wider = len(terms.coef), terms.and_also(*candidates)
+    gram, cross, size = np.zeros((n, n)), np.zeros((n, len(candidates[1]))), np.zeros(len(candidates[1]))
+    downhill = np.zeros(len(wider.coef))
+    for errors, slopes in run_terms(frame, wider, windows):
+        own, new = slopes[:, :n], slopes[:, n:]
+        gram += own.T @ own
+        cross += own.T @ new
+        size += np.einsum("ij,ij->j", new, new)
+        downhill += errors @ slopes
+    try:
+        root = np.linalg.cholesky(gram + 1e-9 * np.diag(np.diagonal(gram) + 1e-300))
+    except LinAlgError:
+        return None
+    explained = solve_triangular(root, cross, lower=True)
+    left = size - np.einsum("ij,ij->j", explained, explained)
+    across = downhill[n:] - solve_triangular(root, downhill[:n], lower=True) @ explained
+    gain = np.where(left > _NEW * size, across**2 / np.where(left > 0.0, left, 1.0), 0.0)
+    if not gain.size or not gain.max() > 0.0:
+        return None
+    best = [int(np.argmax(gain))]
+    return terms.and_also(candidates[0][best], candidates[1][best])
+
+
+def _refined(frame: Frame, terms: Terms, windows: Sequence[Span], before: float) -> tuple[Terms, float]:
+    """Terms with better coefficients (a few steps of Levenberg-Marquardt), and the mean squared error of runs."""
+    ridge, damping = _RIDGE * before, 1e-3
+    here = _normal_equations(frame, terms, windows, ridge)
+    for _ in range(_STEPS):
+        there = None
+        while there is None and damping < _LARGEST_DAMPING:
+            step = cho_solve(cho_factor(here.gram + np.diag(damping * np.diagonal(here.gram) + 1e-12)), here.gradient)
+            moved = terms._replace(coef=terms.coef - step)
+            there = moved if _loss(frame, moved, windows, ridge) < here.loss else None
+            damping *= 6.0 if there is None else 0.2
+        if there is None:
+            break
+        new = _normal_equations(frame, there, windows, ridge)
+        if not np.isfinite(new.gram).all():  # a run at the edge of stability, whose slopes grow without bound
+            break
+        gained, here, terms = here.loss - new.loss, new, there
+        if gained < _ENOUGH * here.loss:
+            break
+    return terms, here.error
+
+
+class _Normal(NamedTuple):
+    """Gauss-Newton equations and the loss at one point."""
+
+    gram: np.ndarray
+    gradient: np.ndarray  # half of it
+    loss: float
+    error: float  # the loss without the ridge
+
+
+def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> _Normal:
+    n = len(terms.coef)
+    gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, 0
+    for errors, slopes in run_terms(frame, terms, windows):
+        gram += slopes.T @ slopes
+        gradient += errors @ slopes
+        squares, count = squares + float(errors @ errors), count + len(errors)
+    coef, error = terms.coef, squares / count
+    return _Normal(
+        gram / count + ridge * np.eye(n), gradient / count + ridge * coef, error + ridge * coef @ coef, error
+    )
+
+
+def _loss(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> float:
+    errors = np.concatenate([part for part, _ in run_terms(frame, terms, windows, slopes=False)])
+    return float(errors @ errors) / len(errors) + ridge * float(terms.coef @ terms.coef)
+
+
+def _spread_evenly(windows: list[Span], n_row: int) -> list[Span]:
+    """As many windows as hold so many rows, at least one."""
+    kept = max(1, int(n_row / np.mean([b - a for a, b in windows])))
+    return windows if kept >= len(windows) else [windows[k] for k in np.linspace(0, len(windows) - 1, kept).astype(int)]

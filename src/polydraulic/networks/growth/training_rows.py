@@ -1,0 +1,161 @@
+"""Rows of a training set, block by block.
+
+Everything that learns from rows sees them through `TrainingRows`, whether they lie in memory, come from a generator, or are read
+from a file row group by row group. A block is inputs (n_row, n_input), target (n_row,) and weights (n_row,).
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+
+BLOCK = 4096
+_CONSTANT = 1e-12  # a range smaller than this share of the mean is rounding
+
+Block = tuple[np.ndarray, np.ndarray, np.ndarray | None]
+
+
+class Scaling(NamedTuple):
+    """Weighted statistics of the rows: what normalizers, unitizer and domain need."""
+
+    weight: float
+    x_mean: np.ndarray
+    x_scale: np.ndarray
+    x_low: np.ndarray
+    x_high: np.ndarray
+    y_mean: float
+    y_scale: float
+    y_low: float
+    y_high: float
+
+    @property
+    def varies(self) -> np.ndarray:
+        """Which inputs are not constant; shape (n_input,)."""
+        return self.x_high - self.x_low > _CONSTANT * np.abs(self.x_mean)
+
+
+class TrainingRows(NamedTuple):
+    """Normalized rows: `blocks` starts a new pass over them each time it is called."""
+
+    blocks: Callable[[], Iterator[Block]]
+    scaling: Scaling
+
+    def __iter__(self) -> Iterator[Block]:  # type: ignore[override]
+        s = self.scaling
+        for x, y, w in self.blocks():
+            yield (x - s.x_mean) / s.x_scale, (y - s.y_mean) / s.y_scale, w
+
+
+def rows_in_memory(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> TrainingRows:
+    """Rows of arrays that lie in memory."""
+
+    def blocks() -> Iterator[Block]:
+        for start in range(0, len(y), BLOCK):
+            part = slice(start, start + BLOCK)
+            yield X[part], y[part], None if weight is None else weight[part]
+
+    return TrainingRows(blocks, scaling(blocks))
+
+
+def rows_from_blocks(source: Iterable[Any]) -> TrainingRows:
+    """Rows of an iterable of (X, y) or (X, y, weight) that can be passed over again and again.
+
+    Raises
+    ------
+    InputError
+        If it can be passed over only once, holds no rows, or a block is misshapen or not finite.
+    """
+    if isinstance(source, Iterator):
+        raise InputError("the blocks can be read only once; give a list, or an object whose __iter__ starts a new pass")
+
+    def blocks() -> Iterator[Block]:
+        for number, item in enumerate(source):
+            X, y = (np.asarray(part, dtype=np.float64) for part in item[:2])
+            w = None if len(item) < 3 else np.asarray(item[2], dtype=np.float64)
+            of_weight = y.shape if w is None else w.shape
+            if X.ndim != 2 or y.shape != (len(X),) or of_weight != y.shape:
+                raise InputError(
+                    f"block {number}: X {X.shape}, y {y.shape}, weight {of_weight} must be (n, k), (n,) and (n,)"
+                )
+            given = (X, y) if w is None else (X, y, w)
+            if not all(np.all(np.isfinite(part)) for part in given) or (w is not None and np.any(w < 0.0)):
+                raise InputError(f"block {number}: every value must be finite, weights not negative")
+            for start in range(0, len(y), BLOCK):
+                part = slice(start, start + BLOCK)
+                if w is None:
+                    yield X[part], y[part], None
+                elif (keep := w[part] > 0.0).any():
+                    yield X[part][keep], y[part][keep], w[part][keep]
+
+    return TrainingRows(blocks, scaling(blocks))
+
+
+class ParquetBlocks:
+    """Blocks of a Parquet file, one row group at a time, for `AbductiveRegressor.fit_blocks`.
+
+    Parameters
+    ----------
+    path : str or Path
+    inputs : list of str
+        Input columns.
+    output : str
+        Target column.
+    weight : str, optional
+        Column of weights.
+    """
+
+    def __init__(self, path: str | Path, inputs: list[str], output: str, weight: str | None = None) -> None:
+        self.path, self.inputs, self.output, self.weight = path, inputs, output, weight
+
+    def __iter__(self) -> Iterator[tuple[np.ndarray, ...]]:
+        import pyarrow.parquet as pq
+
+        wanted = [*self.inputs, self.output, *([self.weight] if self.weight else [])]
+        with pq.ParquetFile(self.path) as file:
+            missing = [name for name in wanted if name not in file.schema_arrow.names]
+            if missing:
+                raise InputError(f"{self.path}: no column {missing[0]!r}; the file has {file.schema_arrow.names}")
+            for group in range(file.num_row_groups):
+                table = file.read_row_group(group, columns=wanted)
+                columns = {name: table.column(name).to_numpy() for name in wanted}
+                X = np.column_stack([columns[name] for name in self.inputs])
+                parts = (X, columns[self.output])
+                yield (*parts, columns[self.weight]) if self.weight else parts
+
+
+def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
+    """Statistics in one pass; means and spreads of blocks are merged, so that no large sums cancel."""
+    weight, mean, square = 0.0, np.zeros(0), np.zeros(0)
+    low, high = np.zeros(0), np.zeros(0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for x, y, w in blocks():
+            if mean.size and x.shape[1] + 1 != mean.size:
+                raise InputError(f"a block has {x.shape[1]} inputs, those before it have {mean.size - 1}")
+            v = np.column_stack([x, y])
+            total = float(len(v) if w is None else w.sum())
+            block_mean = (v.sum(axis=0) if w is None else w @ v) / total
+            squares = (v - block_mean) ** 2
+            block_square = squares.sum(axis=0) if w is None else w @ squares
+            if not mean.size:
+                weight, mean, square = total, block_mean, block_square
+                low, high = v.min(axis=0), v.max(axis=0)
+                continue
+            shift = block_mean - mean
+            square += block_square + shift * shift * (weight * total / (weight + total))
+            mean = mean + shift * (total / (weight + total))
+            weight += total
+            low, high = np.minimum(low, v.min(axis=0)), np.maximum(high, v.max(axis=0))
+    if not mean.size:
+        raise InputError("there are no rows to learn from")
+    constant = (high - low <= _CONSTANT * np.abs(mean)) | (square == 0.0)
+    mean = np.where(constant, low, mean) + 0.0  # no negative zeros in files
+    spread = np.where(constant, 1.0, np.sqrt(square / weight))
+    if not np.all(np.isfinite([*mean, *(spread * spread)])):
+        raise InputError("the values are too large for their squares to be numbers: scale the columns")
+    return Scaling(
+        weight, mean[:-1], spread[:-1], low[:-1], high[:-1],
+        float(mean[-1]), float(spread[-1]), float(low[-1]), float(high[-1]),
+    )  # fmt: skip

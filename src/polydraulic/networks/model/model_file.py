@@ -1,0 +1,193 @@
+"""Model files: fitted models as JSON, data only.
+
+A file holds one model or several (one an output). Reading checks everything that the compiled evaluation relies on,
+so that a damaged file is an error and never a wrong number.
+"""
+
+import json
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from polydraulic.errors import InputError
+from polydraulic.files import write_text
+from polydraulic.networks.model.lags import Dynamics, Lag
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.nodes import KIND_NAMES, N_INPUTS, terms
+from polydraulic.networks.model.partition import Partition, Split, networks_of, region_boxes
+from polydraulic.networks.model.table import Network, Node
+
+SCHEMA = 2
+_SCALARS = ("y_mean", "y_scale", "y_low", "y_high")
+_VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
+
+
+def dump_models(models: Sequence[Model]) -> str:
+    """`models` as JSON text; numbers are written so that they read back exactly."""
+    data = {
+        "format": "polydraulic model",
+        "schema": SCHEMA,
+        "models": [_model_data(model) for model in models],
+    }
+    return json.dumps(data, indent=1, allow_nan=False) + "\n"
+
+
+def save_models(models: Sequence[Model], path: str | Path) -> None:
+    """Write `models` to the file `path`, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written.
+    """
+    write_text(path, dump_models(models))
+
+
+def load_models(path: str | Path) -> list[Model]:
+    """Read the model file at `path`.
+
+    Raises
+    ------
+    InputError
+        Missing, damaged, or written by a newer version.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a model file ({error})") from error
+    return parse_models(text, str(path))
+
+
+def parse_models(text: str, name: str) -> list[Model]:
+    """Models from JSON text; `name` says in errors where it came from."""
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{name}: not a model file: {error}") from error
+    if not isinstance(data, dict) or data.get("format") != "polydraulic model":
+        raise InputError(f"{name}: not a polydraulic model file")
+    if data.get("schema") != SCHEMA:
+        raise InputError(
+            f"{name}: has schema {data.get('schema')!r}, this version reads {SCHEMA}; "
+            "update polydraulic or write the model again"
+        )
+    try:
+        models = [_read_model(item) for item in data["models"]]
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        what = f"missing {error}" if isinstance(error, KeyError) else str(error)
+        raise InputError(f"{name}: damaged model file: {what}") from error
+    if not models:
+        raise InputError(f"{name}: holds no model")
+    return models
+
+
+def _model_data(model: Model) -> dict[str, Any]:
+    return {
+        "output": vars(model.output),
+        "inputs": [vars(variable) for variable in model.inputs],
+        "partition": _partition_data(model.partition),
+        "training": model.training,
+        **({} if model.dynamics is None else {"dynamics": _dynamics_data(model.dynamics)}),
+        "networks": [
+            {
+                **{name: list(getattr(network, name)) for name in _VECTORS},
+                **{name: getattr(network, name) for name in _SCALARS},
+                "nodes": [
+                    {"kind": KIND_NAMES[node.kind], "inputs": list(node.inputs), "coef": list(node.coef)}
+                    for node in network.nodes
+                ],
+            }
+            for network in model.networks
+        ],
+    }
+
+
+def _read_model(data: Any) -> Model:
+    inputs = tuple(Variable(str(item["name"]), str(item["unit"])) for item in data["inputs"])
+    output = Variable(str(data["output"]["name"]), str(data["output"]["unit"]))
+    networks = tuple(_read_network(item, len(inputs)) for item in data["networks"])
+    partition = _read_partition(data["partition"], len(inputs), len(networks))
+    found = networks_of(partition)
+    _require(sorted(found) == list(range(len(networks))), f"the partition leads to networks {found} of {len(networks)}")
+    boxes = region_boxes(partition, len(inputs)).values()
+    _require(all((box[:, 0] < box[:, 1]).all() for box in boxes), "the partition has a region that is empty")
+    dynamics = _read_dynamics(data["dynamics"], output.name, len(inputs)) if "dynamics" in data else None
+    return Model(inputs, output, networks, partition, dict(data["training"]), dynamics)
+
+
+def _dynamics_data(dynamics: Dynamics) -> dict[str, Any]:
+    return {
+        "lags": [{"signal": lag.signal, "steps": lag.steps} for lag in dynamics.lags],
+        "step": list(dynamics.step),
+        "raster": dynamics.raster,
+    }
+
+
+def _read_dynamics(data: Any, output: str, n_input: int) -> Dynamics:
+    lags = tuple(Lag(str(item["signal"]), item["steps"]) for item in data["lags"])
+    _require(len(lags) == n_input, f"{len(lags)} lags for {n_input} inputs")
+    for lag in lags:
+        least = 1 if lag.signal == output else 0
+        _require(type(lag.steps) is int and lag.steps >= least, f"{lag.signal} is read {lag.steps!r} steps ago")
+    low, high = _floats(data["step"], "step")
+    _require(low <= high, f"the smallest step {low} exceeds the largest one {high}")
+    raster = None if data["raster"] is None else _floats([data["raster"]], "raster")[0]
+    _require(raster is None or raster > 0.0, f"raster is {raster!r}")
+    return Dynamics(lags, (low, high), raster)
+
+
+def _partition_data(partition: Partition) -> Any:
+    if not isinstance(partition, Split):
+        return partition
+    below, above = _partition_data(partition.below), _partition_data(partition.above)
+    return {"input": partition.axis, "at": partition.at, "below": below, "above": above}
+
+
+def _read_partition(data: Any, n_input: int, depth: int) -> Partition:
+    if type(data) is int:
+        return data
+    _require(isinstance(data, dict), f"the partition holds {data!r}")
+    _require(depth > 0, "the partition has more splits than networks")  # also ends a tree of any depth
+    axis, (at,) = data["input"], _floats([data["at"]], "partition")
+    _require(type(axis) is int and 0 <= axis < n_input, f"a split of input {axis!r}")
+    return Split(axis, at, *(_read_partition(data[side], n_input, depth - 1) for side in ("below", "above")))
+
+
+def _read_network(data: Any, n_input: int) -> Network:
+    vectors: dict[str, Any] = {name: _floats(data[name], name) for name in _VECTORS}
+    for name, values in vectors.items():
+        _require(len(values) == n_input, f"{name} has {len(values)} values for {n_input} inputs")
+    _require(all(scale > 0.0 for scale in vectors["x_scale"]), "x_scale must be positive")
+    _require(all(a <= b for a, b in zip(vectors["x_low"], vectors["x_high"], strict=True)), "x_low exceeds x_high")
+    nodes: list[Node] = []
+    for item in data["nodes"]:
+        _require(item["kind"] in KIND_NAMES, f"unknown node kind {item['kind']!r}")
+        kind = KIND_NAMES.index(item["kind"])
+        slots = tuple(item["inputs"])
+        _require(
+            len(slots) == N_INPUTS[kind] if kind < len(N_INPUTS) else len(slots) > 0,
+            f"{item['kind']} node of {slots}",
+        )
+        _require(
+            all(type(slot) is int and 0 <= slot < n_input + len(nodes) for slot in slots),
+            f"node {len(nodes) + 1} reads {slots}; it may read slots 0 to {n_input + len(nodes) - 1}",
+        )
+        coef = _floats(item["coef"], "coef")
+        _require(len(coef) == len(terms(kind, len(slots))), f"{item['kind']} node with {len(coef)} coefficients")
+        nodes.append(Node(kind, slots, coef))
+    scalars: dict[str, Any] = dict(zip(_SCALARS, _floats([data[name] for name in _SCALARS], "unitizer"), strict=True))
+    return Network(nodes=tuple(nodes), **vectors, **scalars)
+
+
+def _floats(values: Any, name: str) -> tuple[float, ...]:
+    for value in values:
+        _require(isinstance(value, int | float) and not isinstance(value, bool), f"{name} holds {value!r}")
+        _require(isfinite(value), f"{name} holds {value!r}")
+    return tuple(float(value) for value in values)
+
+
+def _require(good: bool, what: str) -> None:
+    if not good:
+        raise ValueError(what)

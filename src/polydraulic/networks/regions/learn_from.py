@@ -1,0 +1,269 @@
+"""Learning from a function instead of a table: samples where the error asks for them, until a tolerance is reached.
+
+A region draws its own points, on faces and in corners too, fits a network, and hunts for its largest error on a grid and
+around the worst points of it; if that is too large, these points join the rows and it fits again. The worst region is cut in two, until all are good enough or the budget is used.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.stats import qmc
+from sklearn.base import clone
+from sklearn.utils import check_random_state
+
+from polydraulic.errors import InputError
+from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.model.fitted import checked_box
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.partition import checked_edges, grid, region_boxes
+from polydraulic.networks.regions.split_search import best_cut
+from polydraulic.networks.regions.tree import Halves, Leaf, box_halves, grow_tree
+
+_ON_FACES = 0.25  # of a region's points
+_MARGIN = 0.8  # a region is good enough at this share of the tolerance: a finer grid finds a little more
+_GRID = 4000  # points on which errors are sought
+_WORST, _AROUND, _ROUNDS = 8, 64, 3  # points around which they are sought further, how many there, how often
+_HUNTED = 0.25  # of a region's rows: so many of the worst points join them for a second fit
+_SEARCHED = 0.8  # of the regions, before larger networks take over
+_NEAR_BORDER = 0.02  # of a region's points that a cut leaves on each side
+
+
+class Learnt(NamedTuple):
+    """What `learn_from` found.
+
+    Attributes
+    ----------
+    model : Model
+    largest : float
+        Largest error that was found, in units of the output.
+    where : (n_input,) array
+        Where it was found.
+    converged : bool
+        Whether it is within the tolerance.
+    n_evaluations : int
+        Points at which the function was asked.
+    """
+
+    model: Model
+    largest: float
+    where: np.ndarray
+    converged: bool
+    n_evaluations: int
+
+
+class _Region(NamedTuple):
+    """A fitted region: estimator, its rows, the largest error found with its place, and where else errors are large."""
+
+    estimator: AbductiveRegressor
+    X: np.ndarray
+    y: np.ndarray
+    error: float
+    where: np.ndarray
+    X_hunted: np.ndarray
+    y_hunted: np.ndarray
+
+
+def learn_from(
+    function: Callable[[np.ndarray], np.ndarray],
+    box: Sequence[tuple[float, float]],
+    *,
+    tolerance: float,
+    edges: Mapping[Any, Sequence[float]] | None = None,
+    budget: int = 1_000_000,
+    max_regions: int = 64,
+    rows: int = 1500,
+    estimator: AbductiveRegressor | None = None,
+    finer: AbductiveRegressor | None = None,
+    finer_rows: int | None = None,
+    inputs: Sequence[Variable] | None = None,
+    output: Variable | None = None,
+    random_state: Any = 0,
+    progress: Callable[[int, float], None] = lambda n_evaluations, largest: None,
+) -> Learnt:
+    """Networks by region that follow a function to a tolerance.
+
+    Parameters
+    ----------
+    function : function of an (n_row, n_input) array
+        Gives (n_row,) finite outputs.
+    box : sequence of (low, high), one an input
+    tolerance : float
+        Largest error allowed, in units of the output.
+    edges : mapping from input (index, or name of a given input) to rising edges, optional
+        Borders that are known: the search starts from the cells of this grid.
+    budget : int
+        Points at which the function may be asked.
+    max_regions : int
+        Regions at most.
+    rows : int
+        Points from which a region learns.
+    estimator : AbductiveRegressor, optional
+        Settings of the networks; three layers if not given. Its `domain` is replaced by that of each region.
+    finer : AbductiveRegressor, optional
+        Settings of larger networks, which a search for places to cut does not need: it ends at four fifths of the
+        regions, all that are not good enough are fitted with these, and the worst of them cut further. The fits are not
+        in the budget, further cuts are.
+    finer_rows : int, optional
+        Points from which a region learns then; `rows` if not given.
+    inputs, output : Variable, optional
+        Names and units for the model.
+    random_state : int, RandomState or None
+        Places the points.
+    progress : function (n_evaluations, largest error of the region that is to be cut)
+
+    Returns
+    -------
+    Learnt
+
+    Raises
+    ------
+    InputError
+        A box, tolerance or budget that makes no sense; a function that gives another shape or values that are not finite.
+
+    Examples
+    --------
+    >>> found = learn_from(lambda X: np.abs(X[:, 0]) * X[:, 1], [(-1, 1), (0, 2)], tolerance=1e-3)
+    >>> found.converged, len(found.model.networks)
+    (True, 2)
+    """
+    limits = np.column_stack(checked_box(box, len(box)))
+    _check(limits, tolerance, max_regions, rows)
+    base = AbductiveRegressor(max_layers=3) if estimator is None else estimator
+    random = check_random_state(random_state)
+    asked, price = 0, 0  # points so far, and what one region takes
+
+    def ask(X: np.ndarray) -> np.ndarray:
+        nonlocal asked
+        asked += len(X)
+        return _asked(function, X)
+
+    def leaf(cell: np.ndarray, settings: AbductiveRegressor = base, rows: int = rows) -> Leaf:
+        seed = int(random.randint(2**31 - 1))
+        X = _points(cell, rows, seed)
+        estimator = clone(settings).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0)
+        region = _fitted(ask, estimator, cell, X, ask(X), seed)
+        if region.error > _MARGIN * tolerance:
+            X, y = np.vstack([region.X, region.X_hunted]), np.append(region.y, region.y_hunted)
+            region = min(region, _fitted(ask, clone(estimator), cell, X, y, seed), key=lambda r: r.error)
+        return Leaf(cell, region, region.error, region.error <= _MARGIN * tolerance)
+
+    def cut(parent: Leaf, settings: AbductiveRegressor = base, rows: int = rows) -> Halves | None:
+        region = parent.fitted
+        progress(asked, region.error)
+        if asked + 2 * price > budget:
+            return None
+        min_rows = max(1, round(_NEAR_BORDER * rows))
+        found = best_cut(region.X, region.y[:, None], np.ones(len(region.y)), min_rows)
+        if found is None:
+            return None
+        below, above = box_halves(parent.box, found.axis, found.at)
+        above[found.axis, 0] = np.nextafter(found.at, np.inf)  # the border itself belongs below
+        return Halves(found.axis, found.at, leaf(below, settings, rows), leaf(above, settings, rows))
+
+    names = [variable.name for variable in inputs] if inputs else [f"x{i}" for i in range(len(limits))]
+    known = grid(checked_edges(edges or {}, names))
+    start = []
+    for region in region_boxes(known, len(limits)).values():
+        before = asked
+        start.append(leaf(_cell(region, limits)))
+        price = max(price, asked - before)
+    searched = max_regions if finer is None else max(1, round(_SEARCHED * max_regions))
+    partition, leaves = grow_tree(known, start, cut, searched)
+    if finer is not None:
+        settings, n = finer, finer_rows or rows
+        better = [found if found.settled else leaf(found.box, settings, n) for found in leaves]
+        leaves = [min(pair, key=lambda found: found.cost) for pair in zip(leaves, better, strict=True)]
+        partition, leaves = grow_tree(partition, leaves, lambda parent: cut(parent, settings, n), max_regions)
+    regions = [found.fitted for found in leaves]
+    worst = max(regions, key=lambda region: region.error)
+    models = [region.estimator.to_model(inputs, output) for region in regions]
+    training = {name: value for name, value in models[0].training.items() if name not in ("pse", "fse")}
+    training |= {"tolerance": tolerance, "largest_error": worst.error, "n_evaluations": asked}
+    networks = tuple(model.networks[0] for model in models)
+    model = Model(models[0].inputs, models[0].output, networks, partition, training)
+    return Learnt(model, worst.error, worst.where, worst.error <= tolerance, asked)
+
+
+def _cell(region: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """A region inside the box; the border itself belongs below.
+
+    Raises
+    ------
+    InputError
+        If an edge lies outside the box.
+    """
+    cell = np.column_stack(
+        [np.maximum(np.nextafter(region[:, 0], np.inf), limits[:, 0]), np.minimum(region[:, 1], limits[:, 1])]
+    )
+    if not np.all(cell[:, 0] < cell[:, 1]):
+        raise InputError(f"edges: the region {region.tolist()} has no part in the box {limits.tolist()}")
+    return cell
+
+
+def _asked(function: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> np.ndarray:
+    y = np.asarray(function(X), dtype=np.float64)
+    if y.shape != (len(X),):
+        raise InputError(f"the function gives shape {y.shape} for {len(X)} rows; it must give ({len(X)},)")
+    if not np.all(np.isfinite(y)):
+        row = int(np.argmin(np.isfinite(y)))
+        raise InputError(f"the function gives {y[row]} at {X[row].tolist()}; it must be finite in the whole box")
+    return y
+
+
+def _points(cell: np.ndarray, n: int, seed: int) -> np.ndarray:
+    """Points of a box: well spread, a share of them moved onto faces, and the corners."""
+    n_input = len(cell)
+    unit = qmc.Sobol(n_input, rng=seed).random(2 ** int(np.ceil(np.log2(n))))[:n]
+    random = np.random.default_rng(seed)
+    faces = unit[: round(_ON_FACES * n)]
+    moved = random.random(faces.shape) < random.random((len(faces), 1))  # faces of faces, too
+    moved[np.arange(len(faces)), random.integers(0, n_input, len(faces))] = True
+    faces[moved] = np.round(faces[moved])
+    return _in_box(cell, np.vstack([unit, list(product((0.0, 1.0), repeat=n_input))]))
+
+
+def _fitted(
+    ask: Callable[[np.ndarray], np.ndarray],
+    estimator: AbductiveRegressor,
+    cell: np.ndarray,
+    X: np.ndarray,
+    y: np.ndarray,
+    seed: int,
+) -> _Region:
+    """Fit, then hunt for the largest error: on a grid with its faces, and around the worst points of what was seen."""
+    n_input, random = len(cell), np.random.default_rng(seed)
+    model = estimator.fit(X, y).to_model()
+    side = max(3, round(_GRID ** (1.0 / n_input)))
+    unit = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, side)] * n_input), axis=-1).reshape(-1, n_input)
+    seen = _in_box(cell, unit)
+    truth, reach = ask(seen), 1.0 / (side - 1)
+    error = np.abs(model.predict(seen) - truth)
+    for _ in range(_ROUNDS):
+        worst = unit[np.argsort(-error, kind="stable")[:_WORST]]
+        steps = random.uniform(-reach, reach, size=(len(worst), _AROUND, n_input))
+        more = np.clip(worst[:, None] + steps, 0.0, 1.0).reshape(-1, n_input)
+        around = _in_box(cell, more)
+        values = ask(around)
+        unit, seen, truth = np.vstack([unit, more]), np.vstack([seen, around]), np.append(truth, values)
+        error = np.append(error, np.abs(model.predict(around) - values))
+        reach *= 0.25
+    order = np.argsort(-error, kind="stable")[: round(_HUNTED * len(X))]
+    return _Region(estimator, X, y, float(error[order[0]]), seen[order[0]], seen[order], truth[order])
+
+
+def _in_box(cell: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """Points of the unit cube, stretched to a box and not beyond its ends."""
+    low, high = cell.T
+    return np.asarray(np.clip(low + (high - low) * unit, low, high))
+
+
+def _check(limits: np.ndarray, tolerance: float, max_regions: int, rows: int) -> None:
+    if not np.all(np.isfinite(limits)) or not np.all(limits[:, 0] < limits[:, 1]):
+        raise InputError(f"box = {limits.tolist()}: must give finite (low, high) with low < high for each input")
+    if not tolerance > 0.0:
+        raise InputError(f"tolerance = {tolerance!r}: must be positive, in units of the output")
+    for name, value in (("max_regions", max_regions), ("rows", rows)):
+        if not isinstance(value, int | np.integer) or value < 1:
+            raise InputError(f"{name} = {value!r}: must be a whole number, at least 1")

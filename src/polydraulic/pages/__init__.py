@@ -1,0 +1,1 @@
+"""HTML pages in one style: report, model cards, quality pages, documentation inside of FMUs."""

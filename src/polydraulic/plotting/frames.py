@@ -1,0 +1,104 @@
+"""Runs on the raster of an animation: what both the GIF and the page show."""
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic import units
+from polydraulic.errors import InputError
+from polydraulic.parameters.schema import LINKS
+from polydraulic.plotting.run_figure import CIRCUIT, moving_links
+from polydraulic.simulation.trajectory import EFFECTOR, effector_distance, in_field_units
+from polydraulic.tables import Table
+
+MAX_FRAMES = 20_000
+
+
+class PlottedChannel(NamedTuple):
+    """A quantity to show: of a link, of the pumps or of the end-effector; one (n_frame,) array a run, in the field's unit."""
+
+    group: str
+    title: str
+    unit: str
+    values: list[np.ndarray]
+
+
+class Frames(NamedTuple):
+    """Everything an animation shows, frame by frame."""
+
+    title: str
+    names: list[str]  # of the runs
+    rate: float  # frames a second
+    time: np.ndarray  # (n_frame,) s
+    angles: list[np.ndarray]  # a run: (n_frame, 3) rad, swing, boom, stick
+    effector: list[np.ndarray]  # a run: (n_frame, 3) m
+    in_plane: list[np.ndarray]  # a run: (n_frame, 2) m, end-effector in the boom's plane, outward and upward
+    channels: list[PlottedChannel]
+
+
+def frames_of(runs: Mapping[str, Table], rate: float) -> Frames:
+    """Put runs on one raster, linear between their rows, from their start to the end of the shortest.
+
+    Parameters
+    ----------
+    runs : mapping from label to trajectory
+    rate : float, 1/s
+        Frames in a second of the run.
+
+    Raises
+    ------
+    InputError
+        No run, a table that is no trajectory, a rate that is not positive or gives too many frames.
+    """
+    links = moving_links(runs)
+    tables = list(runs.values())
+    last = min(float(table["time"][-1]) for table in tables)
+    if not (isfinite(rate) and 0.0 < rate * last <= MAX_FRAMES - 1):
+        raise InputError(
+            f"{rate} frames/s over {last:g} s: must give 1 to {MAX_FRAMES} frames; 10 to 25 frames/s look smooth"
+        )
+    time = np.arange(int(last * rate + 1e-9) + 1) / rate
+    thin = [_thinned(table, time) for table in tables]
+    angles = [table.matrix([f"{link}.angle" for link in LINKS]) for table in thin]
+    effector = [table.matrix(EFFECTOR) for table in thin]
+    return Frames(
+        title=str(tables[0].info.get("scenario", "")),
+        names=list(runs),
+        rate=rate,
+        time=time,
+        angles=angles,
+        effector=effector,
+        in_plane=[_in_plane(a[:, 0], e) for a, e in zip(angles, effector, strict=True)],
+        channels=_channels(thin, links),
+    )
+
+
+def _thinned(table: Table, time: np.ndarray) -> Table:
+    columns = {name: np.interp(time, table["time"], values) for name, values in table.columns.items()}
+    return Table({**columns, "time": time}, table.units, table.info)
+
+
+def _in_plane(swing: np.ndarray, effector: np.ndarray) -> np.ndarray:
+    return np.column_stack([effector[:, 0] * np.cos(swing) + effector[:, 1] * np.sin(swing), effector[:, 2]])
+
+
+def _channels(tables: list[Table], links: list[str]) -> list[PlottedChannel]:
+    found = []
+
+    def add(group: str, title: str, column: str) -> None:
+        if all(column in table.names for table in tables):
+            read = [in_field_units(table, column) for table in tables]
+            found.append(PlottedChannel(group, title, read[0][1], [values for values, _ in read]))
+
+    for link in links:
+        for title, quantity in (("angle", "angle"), ("flow", "q_in"), ("pressure", "p_in"), ("joystick", "voltage")):
+            add(link, title, f"{link}.{quantity}")
+    for circuit in sorted({CIRCUIT[link] for link in links}):
+        add("pumps and tip", f"{circuit} pump", f"{circuit}.p_pump")
+    add("pumps and tip", "tip height", "effector.z")
+    if len(tables) > 1:
+        apart = [units.from_si(effector_distance(tables[0], table), "mm") for table in tables]
+        found.append(PlottedChannel("pumps and tip", "tip from first", "mm", apart))
+    return found

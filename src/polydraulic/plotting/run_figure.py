@@ -1,0 +1,168 @@
+"""The standard plot of a run, or of several runs of the same scenario on top of each other."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from polydraulic import units
+from polydraulic.errors import InputError
+from polydraulic.files import replacing
+from polydraulic.parameters.schema import LINKS
+from polydraulic.simulation.trajectory import EFFECTOR, effector_distance, in_field_units
+from polydraulic.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+class Panel(NamedTuple):
+    """One row of the plot: what it shows of a link, full lines and dashed ones."""
+
+    title: str
+    full: str
+    dashed: str | None = None
+    dashed_name: str = ""
+
+
+PANELS = (
+    Panel("joystick", "voltage"),
+    Panel("spool", "spool"),
+    Panel("flow", "q_in", "q_out", "out"),
+    Panel("pressure", "p_in", "p_pump", "pump"),
+    Panel("angle", "angle"),
+)
+CIRCUIT = {"swing": "series", "boom": "boom", "stick": "series"}
+# The first run lies broad and pale below the others.
+FIRST = ("#9ec5e8", 3.5)
+OTHERS = ("#e07a1f", "#2f8f4e", "#b5367a", "#5b4bb5", "#7a6a3a")
+
+
+def line_style(number: int) -> tuple[str, float]:
+    """Colour and width of the lines of run `number`, counted from zero."""
+    return FIRST if number == 0 else (OTHERS[(number - 1) % len(OTHERS)], 1.1)
+
+
+def moving_links(runs: Mapping[str, Table]) -> list[str]:
+    """Links that move in the runs, in kinematic order.
+
+    Raises
+    ------
+    InputError
+        If there is no run, or one that is no trajectory.
+    """
+    if not runs:
+        raise InputError("there is no run to show; give at least one, for example {'exact': simulate(...)}")
+    for label, table in runs.items():
+        missing = [
+            name for name in ("time", *(f"{link}.angle" for link in LINKS), *EFFECTOR) if name not in table.names
+        ]
+        if missing:
+            raise InputError(f"run {label!r} has no column {missing[0]!r}; give tables made by simulate")
+    return [link for link in LINKS if all(f"{link}.spool" in table.names for table in runs.values())]
+
+
+def plot_run(runs: Mapping[str, Table]) -> "Figure":
+    """Joystick, spool, flow, pressure and angle of every moving link over time, one colour a run, and below the end-effector.
+
+    The first run is the one that the others are held against: the last panel shows how far their end-effectors are from
+    its. For a single run it shows the end-effector's position.
+
+    Parameters
+    ----------
+    runs : mapping from label to trajectory
+
+    Returns
+    -------
+    matplotlib Figure
+        In the units of the field: in, in3/s, psi, deg.
+
+    Raises
+    ------
+    InputError
+        If there is no run, or a table that is no trajectory.
+    """
+    from matplotlib.figure import Figure
+
+    links = moving_links(runs)
+    figure = Figure(figsize=(max(8.0, 4.2 * len(links)), 11.0), layout="constrained")
+    grid = figure.add_gridspec(len(PANELS) + 1, len(links), height_ratios=[0.8, 0.8, 1.2, 1.2, 1.2, 1.0])
+    first: Axes | None = None
+    for column, link in enumerate(links):
+        beside: dict[int, Axes] = {}
+        for row, panel in enumerate(PANELS):
+            axis = figure.add_subplot(grid[row, column], sharex=first)
+            first = first or axis
+            beside[row] = axis
+            _draw_panel(axis, runs, link, panel)
+            axis.tick_params(labelbottom=row == len(PANELS) - 1)
+        beside[0].set_title(link, fontweight="bold")
+    below = figure.add_subplot(grid[-1, :], sharex=first)
+    _draw_effector(below, runs)
+    below.set_xlabel("time [s]")
+    title = next(iter(runs.values())).info.get("scenario", "")
+    handles = [_handle(label, *line_style(number)) for number, label in enumerate(runs)]
+    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)
+    figure.suptitle(str(title), x=0.01, ha="left", fontweight="bold")
+    return figure
+
+
+def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel) -> None:
+    unit, dashed = "", False
+    for number, table in enumerate(runs.values()):
+        color, width = line_style(number)
+        values, unit = in_field_units(table, f"{link}.{panel.full}")
+        axis.plot(table["time"], values, color=color, linewidth=width)
+        owner = CIRCUIT[link] if panel.dashed == "p_pump" else link
+        if panel.dashed and f"{owner}.{panel.dashed}" in table.names:
+            values, unit = in_field_units(table, f"{owner}.{panel.dashed}")
+            axis.plot(table["time"], values, "--", color=color, linewidth=0.6 * width)
+            dashed = True
+    axis.set_ylabel(f"{panel.title} [{unit}]")
+    if dashed:
+        axis.set_title(f"dashed: {panel.dashed_name}", loc="right", fontsize="x-small", color="0.4", pad=2.0)
+    axis.grid(alpha=0.3)
+
+
+def _draw_effector(axis: "Axes", runs: Mapping[str, Table]) -> None:
+    reference, *others = runs.values()
+    if others:
+        for number, table in enumerate(others, start=1):
+            color, width = line_style(number)
+            distance = units.from_si(effector_distance(reference, table), "mm")
+            axis.plot(table["time"], distance, color=color, linewidth=width)
+        axis.set_ylabel(f"tip from\n{next(iter(runs))} [mm]")
+        axis.set_ylim(bottom=0.0)
+    else:
+        for name, style in zip(EFFECTOR, ("-", "--", ":"), strict=True):
+            axis.plot(reference["time"], reference[name], style, color="0.25", linewidth=1.3, label=name[-1])
+        axis.set_ylabel("tip [m]")
+        axis.legend(ncols=3, fontsize="small", frameon=False, loc="upper right")
+    axis.set_xlim(float(reference["time"][0]), float(np.max(reference["time"])))
+    axis.grid(alpha=0.3)
+
+
+def _handle(label: str, color: str, width: float) -> object:
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color=color, linewidth=width, label=label)
+
+
+def picture_ending(path: str | Path) -> str:
+    """Format of a picture, from its path, or an InputError."""
+    formats = ("svg", "png", "pdf")
+    ending = Path(path).suffix.lower().removeprefix(".")
+    if ending not in formats:
+        raise InputError(f"{path}: a picture ends in one of {[f'.{name}' for name in formats]}")
+    return ending
+
+
+def save_figure(figure: "Figure", path: str | Path) -> None:
+    """Write a figure as .svg, .png or .pdf, whole or not at all."""
+    import matplotlib
+
+    ending = picture_ending(path)
+    with matplotlib.rc_context({"svg.hashsalt": Path(path).stem}), replacing(path) as temporary:
+        figure.savefig(temporary, format=ending, dpi=150)

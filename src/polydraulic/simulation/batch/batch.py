@@ -1,0 +1,315 @@
+"""`simulate_batch`: many machines at once, with inputs, initial states and parameters of their own.
+
+Flow models with a lane form run 64 machines side by side, as vector instructions; the others run machine by machine. Blocks,
+or machines, are shared out among threads. Nothing is kept but what was asked for.
+"""
+
+import os
+from collections.abc import Callable, Collection, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
+from polydraulic.flow.lanes import ANGLE, BOOM, LANES, P_A, P_B, P_BETWEEN, P_IN, SERIES, SPOOL, STORED, leaves
+from polydraulic.machine.linkage import end_effector
+from polydraulic.machine.state import N_STATE
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import LINKS, Geometry, Machine
+from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
+from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, Kept, LaneBlock, run_block
+from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.runs import CIRCUIT_COLUMNS, FED, FLOW_COLUMNS, STATE_COLUMNS
+from polydraulic.tables import Table
+
+KEEP = ("rows", "range")
+_AXES = ("effector.x", "effector.y", "effector.z")
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Results of many machines.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Columns, as in the table of `simulate`.
+    units : dict from name to unit
+    time : (n_time,) array, s
+    rows : (n_machine, n_time, n_column) array or None
+        What was recorded, if asked for.
+    final : (n_machine, n_column) array
+        At the end.
+    lowest, highest : (n_machine, n_column) array or None
+        Over all steps and the start, if asked for.
+    steps : (n_machine,) array of int
+        Steps made. Fewer than `info` says where a rate left all reason: later rows, final values and ranges are nan there.
+    not_converged, out_of_domain : (n_machine,) array of int
+        Steps that did not converge, and those outside the flow model's domain.
+    info : dict
+    """
+
+    names: tuple[str, ...]
+    units: dict[str, str]
+    time: np.ndarray
+    rows: np.ndarray | None
+    final: np.ndarray
+    lowest: np.ndarray | None
+    highest: np.ndarray | None
+    steps: np.ndarray
+    not_converged: np.ndarray
+    out_of_domain: np.ndarray
+    info: dict[str, object]
+
+    def __len__(self) -> int:
+        return len(self.final)
+
+    def place(self, name: str) -> int:
+        """Place of a column in the last axis of the arrays."""
+        if name not in self.names:
+            raise InputError(f"no column {name!r}; the batch has {list(self.names)}")
+        return self.names.index(name)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._recorded()[:, :, self.place(name)]
+
+    def table(self, machine: int) -> Table:
+        """Recorded rows of one machine, as a trajectory."""
+        rows = self._recorded()[machine]
+        columns = {name: np.ascontiguousarray(rows[:, place]) for place, name in enumerate(self.names)}
+        return Table({"time": self.time, **columns}, {"time": "s", **self.units}, {**self.info, "machine": machine})
+
+    def _recorded(self) -> np.ndarray:
+        if self.rows is None:
+            raise InputError("the batch has no rows; ask for them: simulate_batch(..., keep=['rows'])")
+        return self.rows
+
+
+def simulate_batch(
+    machines: Machine | Sequence[Machine],
+    flow: Any,
+    inputs: Scenario | Sequence[Scenario] | np.ndarray,
+    *,
+    dt: float = 5e-3,
+    t_end: float | None = None,
+    x0: np.ndarray | None = None,
+    keep: Collection[str] = (),
+    columns: Sequence[str] | None = None,
+    every: int = 1,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Batch:
+    """Simulate many machines with the loop of `simulate`; the results have the same bits.
+
+    Flow models with a lane form (``exact``) run 64 machines side by side as vector instructions; the others (``iterative``,
+    ``polynomial``: they keep memory, or loop as long as their data ask) run machine by machine. Both use all `threads`.
+
+    Parameters
+    ----------
+    machines : Machine or sequence of Machine
+    flow : str or flow model
+        A name builds the model of each machine; a model serves all of them.
+    inputs : Scenario, sequence of Scenario, or array
+        An array of shape (n_step, 3) or (n_machine, n_step, 3) holds the voltages at the pilots, after any dead time, each
+        constant over a step. Machines, inputs and initial states may each be one for all, or one for each.
+    dt : float, s
+    t_end : float, s, optional
+        Instead of the duration of the scenarios, which otherwise must be equal, or of the whole array.
+    x0 : (15,) or (n_machine, 15) array, optional
+        States at the start, in the order of `State`; by default those of scenarios and machines.
+    keep : collection of str
+        Of ``"rows"`` (recorded every `every` steps) and ``"range"`` (lowest and highest value over all steps). Final
+        values are always kept.
+    columns : sequence of str, optional
+        Which columns, by default all of them. Columns of ``effector`` come last, bring the angles that they follow from,
+        and have no range.
+    every : int
+        Record every so many steps.
+    threads : int, optional
+        By default as many as there are processors. Results do not depend on it.
+    progress : function (done, n_machine), optional
+        Called in the calling thread when machines are done.
+
+    Returns
+    -------
+    Batch
+
+    Raises
+    ------
+    InputError
+        Lengths or shapes that do not fit, an unknown column, a scenario that moves links the flow model does not serve, or
+        what `simulate` would refuse.
+    """
+    cases = arrange_cases(machines, flow, inputs, dt=dt, t_end=t_end, x0=x0, every=every)
+    unknown = [name for name in ([keep] if isinstance(keep, str) else keep) if name not in KEEP]
+    if unknown or isinstance(keep, str):
+        raise InputError(f"keep = {keep!r}: must be a list of {list(KEEP)}")
+    if threads is not None and (not isinstance(threads, int) or threads < 1):
+        raise InputError(f"threads = {threads!r}: must be a whole number, at least 1")
+    name, n, n_step = flow_name(cases.kinds[0].model), len(cases.kind), cases.voltage.shape[1]
+    places, units, names = _chosen(_columns(cases, name), columns, "range" in keep)
+    shape = (n, len(names))
+    kept = Kept(
+        columns=np.array(places, dtype=np.int64),
+        circuits=any(BOOM <= row <= P_BETWEEN for row in places),
+        every=every if "rows" in keep else 0,
+        rows=np.empty((n, n_step // every + 1 if "rows" in keep else 0, len(names))),
+        final=np.empty(shape),
+        lowest=np.full(shape if "range" in keep else (0, 0), np.inf),
+        highest=np.full(shape if "range" in keep else (0, 0), -np.inf),
+    )
+    counts = np.zeros((n, 3), dtype=np.int64)
+    work = _blocks(cases, kept, counts) if FLOW_KINDS[name].lanes else _singles(cases, kept, counts)
+    _share_out(work, threads or _processors(), n, progress)
+    for i in np.flatnonzero(counts[:, 0] < n_step):
+        for values in (kept.final, kept.lowest, kept.highest):
+            values[i : i + 1] = np.nan
+        kept.rows[i, counts[i, 0] // every + 1 :] = np.nan
+    if _AXES[0] in names:
+        _add_effector(cases, names, kept)
+    return Batch(
+        names=names,
+        units=units,
+        time=np.arange(kept.rows.shape[1]) * every * dt,
+        rows=kept.rows if "rows" in keep else None,
+        final=kept.final,
+        lowest=kept.lowest if "range" in keep else None,
+        highest=kept.highest if "range" in keep else None,
+        steps=counts[:, 0],
+        not_converged=counts[:, 1],
+        out_of_domain=counts[:, 2],
+        info={"flow": name, "dt": dt, "steps": n_step},
+    )
+
+
+def _columns(cases: Cases, flow: str) -> dict[str, tuple[int, str]]:
+    """Row in a block, and unit, of everything that can be kept."""
+    found: dict[str, tuple[int, str]] = {}
+    for place, link in enumerate(LINKS):
+        if link not in cases.free:
+            found[f"{link}.angle"] = (ANGLE + place, "rad")
+            continue
+        for number, (name, unit) in enumerate(STATE_COLUMNS + FLOW_COLUMNS):
+            found[f"{link}.{name}"] = (3 * number + place, unit)
+        found[f"{link}.p_in"], found[f"{link}.p_out"] = (P_IN + place, "Pa"), (P_OUT + place, "Pa")
+    known = FLOW_KINDS[flow].gives_pump_pressure
+    for circuit, first in (("boom", BOOM), ("series", SERIES)):
+        for number, (name, unit) in enumerate(CIRCUIT_COLUMNS):
+            if set(FED[circuit]) & set(cases.free) and (known or name != "p_pump"):
+                found[f"{circuit}.{name}"] = (first + number, unit)
+            if FLOW_KINDS[flow].has_state and set(FED[circuit]) & set(cases.free):
+                found[f"{circuit}.q_stored"] = (STORED + (circuit == "series"), "m3/s")
+    if "series.p_pump" in found:
+        found["series.p_between"] = (P_BETWEEN, "Pa")
+    return found
+
+
+class _Chosen(NamedTuple):
+    """Rows of a block to keep, units, and names; those of the effector have no row and stand last."""
+
+    rows: list[int]
+    units: dict[str, str]
+    names: tuple[str, ...]
+
+
+def _chosen(able: dict[str, tuple[int, str]], columns: Sequence[str] | None, ranges: bool) -> _Chosen:
+    wanted = [*able, *([] if ranges else _AXES)] if columns is None else list(dict.fromkeys(columns))
+    unknown = [name for name in wanted if name not in able and name not in _AXES]
+    if unknown or not wanted:
+        raise InputError(f"columns = {columns!r}: must be some of {[*able, *_AXES]}")
+    axes = _AXES if any(name in _AXES for name in wanted) else ()
+    if axes and ranges:
+        raise InputError(f"{', '.join(_AXES)} have no range; keep rows, or leave them out of the columns")
+    angles = [f"{link}.angle" for link in LINKS] if axes else []
+    names = tuple(dict.fromkeys([name for name in wanted if name not in _AXES] + angles))
+    units = {name: able[name][1] for name in names} | dict.fromkeys(axes, "m")
+    return _Chosen([able[name][0] for name in names], units, names + axes)
+
+
+def _add_effector(cases: Cases, names: tuple[str, ...], kept: Kept) -> None:
+    angles, first = [names.index(f"{link}.angle") for link in LINKS], names.index(_AXES[0])
+    geometry: Any = np.array([kind.machine.geometry for kind in cases.kinds])[cases.kind].T
+    kept.final[:, first:] = end_effector(kept.final[:, angles], Geometry(*geometry))
+    kept.rows[:, :, first:] = end_effector(kept.rows[:, :, angles], Geometry(*geometry[..., None]))
+
+
+def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
+    """Work in blocks of lanes; machines with equal parameters come together, and blocks of them share one set."""
+    of_kinds = np.array([leaves((kind.model, kind.plant)) for kind in cases.kinds], dtype=np.float64)
+    numbers, number = np.unique(of_kinds, axis=0, return_inverse=True)
+    parameters = number.reshape(-1)[cases.kind]
+    order = np.argsort(parameters, kind="stable")
+    n_model = len(leaves(cases.kinds[0].model))
+
+    def block(machine: np.ndarray) -> int:
+        lanes = np.concatenate([machine, np.full(LANES - len(machine), machine[0])])
+        rows = np.zeros(N_ROW * LANES)
+        rows.reshape(N_ROW, LANES)[:N_STATE] = cases.x0[lanes].T
+        own = np.ascontiguousarray(numbers[parameters[lanes]].T)
+        differs = np.any(own != own[:, :1], axis=1)
+        kind = cases.kinds[cases.kind[machine[0]]]
+        lowest = np.full((kept.lowest.shape[1], LANES), np.inf)
+        run_block(
+            kind.model,
+            own[:n_model].ravel() if differs[:n_model].any() else None,
+            kind.plant,
+            own[n_model:].ravel() if differs.any() else None,
+            cases.voltage,
+            LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest),
+            kept,
+        )
+        counts[machine, 0] = rows.reshape(N_ROW, LANES)[STEPS, : len(machine)]
+        return len(machine)
+
+    return [partial(block, order[i : i + LANES]) for i in range(0, len(order), LANES)]
+
+
+def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
+    """Work machine by machine, with the loop of `simulate`."""
+    n_step = cases.voltage.shape[1]
+
+    def single(i: int) -> int:
+        kind, rows = cases.kinds[cases.kind[i]], np.empty((n_step + 1, P_OUT + 3))
+        memory = np.zeros(FLOW_KINDS[flow_name(kind.model)].n_memory(kind.model))
+        voltage, states = cases.voltage[cases.signal[i]], np.empty((n_step + 1, N_RECORD))
+        counts[i, 0] = run(kind.model, memory, kind.plant, cases.x0[i], voltage, 1, states, counts[i, 1:])
+        if counts[i, 0] < n_step:  # the first row holds the step that failed; what it held before is the start
+            run(kind.model, np.zeros_like(memory), kind.plant, cases.x0[i], voltage[:0], 1, states[:1], counts[i, 1:])
+        rows[:, :N_RECORD] = states
+        forward = states[:, SPOOL : SPOOL + 3] >= 0.0
+        p_a, p_b = states[:, P_A : P_A + 3], states[:, P_B : P_B + 3]
+        rows[:, P_IN : P_IN + 3] = np.where(forward, p_a, p_b)
+        rows[:, P_OUT : P_OUT + 3] = np.where(forward, p_b, p_a)
+        values, n_column = rows[:, kept.columns], len(kept.columns)
+        kept.final[i, :n_column] = values[-1]
+        if kept.every:
+            kept.rows[i, :, :n_column] = values[:: kept.every]
+        if len(kept.lowest):
+            kept.lowest[i], kept.highest[i] = values.min(axis=0), values.max(axis=0)
+        return 1
+
+    return [partial(single, i) for i in range(len(cases.kind))]
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _share_out(
+    work: Sequence[Callable[[], int]], threads: int, n: int, progress: Callable[[int, int], object] | None
+) -> None:
+    """Do all work, each piece in some thread; a piece returns how many machines are done."""
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            done = 0
+            for piece in as_completed([pool.submit(task) for task in work]):
+                done += piece.result()
+                if progress is not None:
+                    progress(done, n)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise

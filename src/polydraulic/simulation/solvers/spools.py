@@ -1,0 +1,176 @@
+"""Spool motion in closed form for voltages that are known in advance, and when the spools pass the knots of their tables.
+
+Between the corners of the voltages a pilot's command is a straight line or a sine, so that its spool follows exactly:
+x(s) = c0 + c1 s + c2 exp(-s / tau) + c3 sin(w t) + c4 cos(w t), with s from the last corner and t the signal's own time.
+"""
+
+from math import asin, ceil, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic._kernel import driver, kernel
+from polydraulic.elementary import exp, sincos
+from polydraulic.machine.state import Links
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import LINKS, Machine, Pilot
+from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
+
+N_COEFFICIENT = 8  # c0 .. c4, w, delay, 1 / tau
+_LOOK = 0.02  # s; a spool is taken to pass no knot twice within this time
+_SAME = 1e-9  # s
+
+
+class SpoolCurve(NamedTuple):
+    """Position in m and velocity in m/s."""
+
+    x: float
+    v: float
+
+
+class Spools(NamedTuple):
+    """The three of them."""
+
+    x: Links
+    v: Links
+
+
+@kernel
+def _spool(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
+    s = t - t0
+    fading = c[link, 2] * exp(-s * c[link, 7])
+    w = c[link, 5]
+    x = c[link, 0] + c[link, 1] * s + fading
+    v = c[link, 1] - fading * c[link, 7]
+    if w != 0.0:
+        turn = sincos(w * (t - c[link, 6]))
+        x = x + c[link, 3] * turn.sin + c[link, 4] * turn.cos
+        v = v + w * (c[link, 3] * turn.cos - c[link, 4] * turn.sin)
+    return SpoolCurve(x, v)
+
+
+@kernel
+def spools_at(c: np.ndarray, t0: float, t: float) -> Spools:
+    """Spools at the time t of a piece that begins at t0 and has the coefficients c, (3, N_COEFFICIENT)."""
+    swing, boom, stick = _spool(c, 0, t0, t), _spool(c, 1, t0, t), _spool(c, 2, t0, t)
+    return Spools(Links(swing.x, boom.x, stick.x), Links(swing.v, boom.v, stick.v))
+
+
+@driver
+def _chain(starts: np.ndarray, c: np.ndarray) -> None:
+    """What is left of each spool's past at the start of a piece: it begins where the piece before has ended, the first at rest."""
+    for link in range(3):
+        x = 0.0
+        for piece in range(c.shape[0]):
+            c[piece, link, 2] = x - _spool(c[piece], link, starts[piece], starts[piece]).x
+            x = _spool(c[piece], link, starts[piece], starts[piece + 1]).x
+
+
+@driver
+def _crossings(starts: np.ndarray, c: np.ndarray, levels: np.ndarray, found: np.ndarray) -> int:
+    """Times at which spools pass levels; more than `found` holds are counted, not kept."""
+    n = 0
+    for piece in range(starts.shape[0] - 1):
+        t0, t1 = starts[piece], starts[piece + 1]
+        parts = int((t1 - t0) / _LOOK) + 1
+        for link in range(3):
+            before = _spool(c[piece], link, t0, t0).x
+            for part in range(parts):
+                low = t0 + (t1 - t0) * part / parts
+                high = t0 + (t1 - t0) * (part + 1) / parts
+                after = _spool(c[piece], link, t0, high).x
+                for level in levels:
+                    if (before < level) != (after < level):
+                        a, b = low, high
+                        for _ in range(60):
+                            middle = 0.5 * (a + b)
+                            inside = (_spool(c[piece], link, t0, middle).x < level) == (before < level)
+                            a, b = (middle, b) if inside else (a, middle)
+                        if n < found.shape[0]:
+                            found[n] = b
+                        n += 1
+                before = after
+    return n
+
+
+class SpoolMotion(NamedTuple):
+    """Spool motion of a run."""
+
+    starts: np.ndarray  # (n_piece + 1,) s, corners of the commands and the end
+    coefficients: np.ndarray  # (n_piece, 3, N_COEFFICIENT)
+    breaks: np.ndarray  # (n_break,) s, rising: corners and knots passed; the end is the last
+
+
+def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> SpoolMotion:
+    """Closed form of the spools' motion in a scenario, from rest.
+
+    Parameters
+    ----------
+    machine : Machine
+        With the scenario's changes.
+    scenario : Scenario
+    t_end : float, s
+    """
+    travel = machine.spool.knots[-1]
+    signals = [scenario.voltage.get(link, Constant()) if link not in scenario.locked else Constant() for link in LINKS]
+    pilots = [getattr(machine, link).pilot for link in LINKS]
+    corners = [0.0, t_end]
+    for signal, pilot in zip(signals, pilots, strict=True):
+        corners += _corners(signal, pilot, travel, t_end)
+    starts = np.unique(np.array([t for t in corners if 0.0 <= t <= t_end]))
+    starts = np.concatenate([starts[:-1][np.diff(starts) > _SAME], starts[-1:]])
+    c = np.zeros((len(starts) - 1, 3, N_COEFFICIENT))
+    for link, (signal, pilot) in enumerate(zip(signals, pilots, strict=True)):
+        _command(c[:, link], starts, signal, pilot, travel)
+    _chain(starts, c)
+    knots = np.array(machine.spool.knots[1:-1])
+    levels = np.concatenate([-knots, [0.0], knots])
+    found = np.empty(1024)
+    n = _crossings(starts, c, levels, found)
+    if n > len(found):
+        found = np.empty(n)
+        _crossings(starts, c, levels, found)
+    breaks = np.unique(np.concatenate([starts[1:], found[:n]]))
+    # of two breaks at the same time the later stays, so that the end does
+    breaks = breaks[np.append(np.diff(breaks) > _SAME, True)]
+    return SpoolMotion(starts, c, breaks)
+
+
+def _corners(signal: Signal, pilot: Pilot, travel: float, t_end: float) -> list[float]:
+    """Times at which a pilot's command has a corner, its limits among them."""
+    delay, limit = pilot.dead_time, travel / pilot.gain
+    if isinstance(signal, Constant):
+        return [delay]
+    if isinstance(signal, Piecewise):
+        t, v = np.asarray(signal.time, dtype=float), np.asarray(signal.voltage, dtype=float)
+        found = list(t)
+        for level in (-limit, limit):
+            passing = np.flatnonzero((v[:-1] - level) * (v[1:] - level) < 0.0)
+            share = (level - v[passing]) / (v[passing + 1] - v[passing])
+            found += list(t[passing] + share * (t[passing + 1] - t[passing]))
+        return [delay, *(time + delay for time in found if time > 0.0)]
+    if abs(signal.amplitude) <= limit or signal.omega == 0.0:
+        return [delay]
+    first, omega = asin(limit / abs(signal.amplitude)), abs(signal.omega)
+    angles = [k * pi + side * first for k in range(ceil(omega * t_end / pi) + 2) for side in (-1.0, 1.0)]
+    return [delay, *(angle / omega + delay for angle in angles if angle > 0.0)]
+
+
+def _command(c: np.ndarray, starts: np.ndarray, signal: Signal, pilot: Pilot, travel: float) -> None:
+    """Coefficients (n_piece, N_COEFFICIENT) of one spool in all pieces, but for what is left of its past."""
+    tau, delay = pilot.time_constant, pilot.dead_time
+    length = np.diff(starts)
+    early, middle, late = (starts[:-1] + share * length for share in (0.25, 0.5, 0.75))
+    alive = middle > delay
+    first, command, last = (pilot.gain * signal(t - delay) for t in (early, middle, late))
+    slope = np.where(alive, (last - first) / (late - early), 0.0)
+    c[:, 0] = np.where(alive, command, 0.0) - slope * (middle - starts[:-1]) - tau * slope
+    c[:, 1], c[:, 6], c[:, 7] = slope, delay, 1.0 / tau
+    if isinstance(signal, Sine):
+        turn = signal.omega * tau
+        share = pilot.gain * signal.amplitude / (1.0 + turn * turn)
+        c[alive, 0:2] = 0.0
+        c[alive, 3], c[alive, 4], c[alive, 5] = share, -turn * share, signal.omega
+    full = alive & (np.abs(command) >= travel)
+    c[full, 1:6] = 0.0
+    c[full, 0] = np.copysign(travel, command[full])

@@ -1,0 +1,117 @@
+"""Networks of the series circuit in the thesis' setting: one for each section of Table 3, from random points (5.1, 5.2)."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.flow.database import PRESSURE_HIGH
+from polydraulic.flow.exact import exact_flow
+from polydraulic.flow.network_slots import BOTH, k_out, q_in
+from polydraulic.flow.sample import sample_flow
+from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.partition import Split
+from polydraulic.networks.model.table import Network
+from polydraulic.networks.regions.region_regressor import RegionRegressor
+from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.thesis.boom_models import HISTORICAL, N_ROWS, SEED
+
+SECTIONS = ("A", "B", "C", "D", "E")
+SERIES = ("swing", "stick")
+
+
+class Section(NamedTuple):
+    """A section of Table 3: ranges of travel in m, and whether swing and stick get flow."""
+
+    swing: tuple[float, float]
+    stick: tuple[float, float]
+    active: tuple[bool, bool]
+
+
+def sections(machine: Machine) -> dict[str, Section]:
+    """Table 3: by the travels of swing and stick."""
+    opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
+    return {
+        "A": Section((0.0, opens), (0.0, opens), (False, False)),
+        "B": Section((0.0, opens), (opens, end), (False, True)),
+        "C": Section((opens, shut), (0.0, opens), (True, False)),
+        "D": Section((opens, shut), (opens, end), (True, True)),
+        "E": Section((shut, end), (0.0, end), (True, False)),
+    }
+
+
+def series_flows(machine: Machine, X: np.ndarray, *, relief: bool = False) -> np.ndarray:
+    """Exact flows into swing and stick, (n_point, 2) in m3/s, at (swing travel, stick travel, swing p_in, stick p_in)."""
+    return flows_at(exact_flow(machine, relief=relief), X)
+
+
+def flows_at(model: Any, X: np.ndarray) -> np.ndarray:
+    """Flows of any flow model into swing and stick, (n_point, 2) in m3/s, at the same points."""
+    spool, pressure = np.zeros((len(X), 3)), np.zeros((len(X), 3))
+    places = [LINKS.index(link) for link in SERIES]
+    spool[:, places], pressure[:, places] = X[:, :2], X[:, 2:]
+    return sample_flow(model, spool, pressure, np.zeros((len(X), 3))).q_in[:, places]
+
+
+def grow_series(
+    machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS, pressure_high: float = PRESSURE_HIGH
+) -> list[Model]:
+    """Networks of the input flows of swing and stick, one a section, from `n` random points in each.
+
+    The circuit is that of Eqs (8)-(13): without relief valve, with the torque limit that the machine has.
+
+    Parameters
+    ----------
+    machine : Machine
+    settings : dict
+        Of `AbductiveRegressor`.
+    n : int
+        Points a section.
+    pressure_high : float, Pa
+        Upper end of the line pressures.
+    """
+    by_section = []
+    for place, section in enumerate(sections(machine).values()):
+        rng = np.random.default_rng([SEED, place])
+        box = [section.swing, section.stick, (0.0, pressure_high), (0.0, pressure_high)]
+        low, high = np.transpose(box)
+        X = rng.uniform(low, high, size=(n, len(box)))
+        flows = series_flows(machine, X)
+        grown = [
+            AbductiveRegressor(domain=box, output_bounds=(0.0, machine.pumps.series_flow), **settings).fit(X, q)
+            if active
+            else None
+            for q, active in zip(flows.T, section.active, strict=True)
+        ]
+        idle = Network((), tuple(low), (1.0,) * 4, tuple(low), tuple(high), 0.0, 1.0)
+        by_section.append([idle if found is None else found.network_ for found in grown])
+    opens, shut = machine.spool.deadband, machine.spool.bypass_closed
+    table_3 = Split(0, shut, Split(0, opens, Split(1, opens, 0, 1), Split(1, opens, 2, 3)), 4)
+    training: dict[str, object] = {"rows": n, "sections": list(SECTIONS), **settings}
+    return [
+        Model(BOTH, q_in(link), tuple(networks[place] for networks in by_section), table_3, training)
+        for place, link in enumerate(SERIES)
+    ]
+
+
+def grow_outlets(machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS) -> list[Model]:
+    """Networks of Q_pop(x), Eq. (7), by the parts of its curve."""
+    travel = machine.spool.knots[-1]
+    opens, shut = machine.spool.deadband, machine.spool.bypass_closed
+    models = []
+    for link in SERIES:
+        rng = np.random.default_rng([SEED, len(SECTIONS), LINKS.index(link)])
+        X = rng.uniform(-travel, travel, size=(n, 1))
+        y = outlet_conductances(machine, link, X[:, 0])
+        learner = AbductiveRegressor(domain=[(-travel, travel)], output_bounds=(0.0, float(y.max())), **settings)
+        fitted = RegionRegressor(learner, edges={0: [-shut, -opens, opens, shut]}).fit(X, y)
+        models.append(fitted.to_model([Variable(f"{link}.spool", "m")], k_out(link)))
+    return models
+
+
+def outlet_conductances(machine: Machine, link: str, spool: np.ndarray) -> np.ndarray:
+    """Exact conductance of a link's outlet, (n_point,) in m3/s/Pa^0.5, at spool displacements in m."""
+    place = LINKS.index(link)
+    points = np.zeros((len(spool), 3))
+    points[:, place] = spool
+    return sample_flow(exact_flow(machine), points, np.zeros_like(points), np.zeros_like(points)).k_out[:, place]

@@ -1,0 +1,1 @@
+"""The chapters: numbers next to printed ones, and which figures there are."""

@@ -1,0 +1,1 @@
+"""The figures: `draw` (panels), `schematic`, `volumes`, and by chapter."""

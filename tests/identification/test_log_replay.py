@@ -1,0 +1,95 @@
+"""A machine run against a log of itself, and of another one."""
+
+import numpy as np
+import pytest
+
+from helpers.machine_log import changed, machine_log
+from polydraulic.errors import InputError
+from polydraulic.identification.log_replay import against_log, drifts, plot_replay, replay
+from polydraulic.tables import Table
+
+LOG = machine_log(20.0, seed=3)
+FLOW = "iterative"  # as good as exact, and no lanes: plain Python fills 64 of them slowly
+
+
+def some(table, keep):
+    return Table({name: values[keep] for name, values in table.columns.items()}, table.units)
+
+
+@pytest.fixture(scope="module")
+def windows(machine):
+    return replay(machine, FLOW, LOG, seconds=5.0)
+
+
+def test_the_machine_follows_its_own_log(machine, windows):
+    assert [round(float(w.time[0]), 6) for w in windows] == [0.0, 5.0, 10.0, 15.0]
+    assert all(w.run.shape == w.measured.shape == (250, 3) for w in windows)
+    for drift in drifts(machine, windows):
+        assert 0.0 < drift.median <= drift.largest < (300.0 if drift.name == "tip" else 3.0)
+        assert drift.moved > 5.0 * drift.median
+
+
+def test_another_machine_does_not(machine, windows):
+    slow = machine._replace(pumps=machine.pumps._replace(boom_flow=0.7 * machine.pumps.boom_flow))
+    boom = drifts(machine, replay(slow, FLOW, LOG, seconds=5.0))[1]
+    assert boom.largest > 5.0 * drifts(machine, windows)[1].largest
+
+
+def test_dead_times_are_those_of_the_log(machine):
+    late = machine._replace(boom=machine.boom._replace(pilot=machine.boom.pilot._replace(dead_time=0.3)))
+    delayed = changed(LOG, boom_voltage=np.interp(LOG["time"] + 0.3, LOG["time"], LOG["boom.voltage"]))
+    here, there = (replay(m, FLOW, log, seconds=5.0)[1] for m, log in ((machine, LOG), (late, delayed)))
+    assert np.allclose(here.run, there.run, atol=2e-3)
+
+
+def test_windows_stay_in_the_rows_given_and_out_of_gaps(machine):
+    time = LOG["time"]
+    allowed = (time > 6.0) & (time < 13.0)
+    assert [float(w.time[0]) for w in replay(machine, FLOW, LOG, seconds=3.0, rows=allowed)] == pytest.approx(
+        [6.02, 9.02]
+    )
+    gap = some(LOG, (time < 2.0) | (time > 2.3))
+    assert [float(w.time[0]) for w in replay(machine, FLOW, gap, seconds=8.0)] == pytest.approx([2.3, 10.3])
+    bridged = some(LOG, (time < 2.0) | (time > 2.05))
+    assert float(replay(machine, FLOW, bridged, seconds=8.0)[0].time[0]) == 0.0
+    assert replay(machine, FLOW, LOG, seconds=60.0) == []
+
+
+def test_why_it_is_not_known(machine):
+    everything = np.ones(len(LOG), dtype=bool)
+    without = Table({name: values for name, values in LOG.columns.items() if name != "boom.angle"}, LOG.units)
+    assert against_log(machine, FLOW, without, everything) == ("not run against the log: it has no boom.angle", [])
+    told, drift = against_log(machine, FLOW, LOG, LOG["time"] < 6.0)
+    assert (told.startswith("not run against the log: no piece of 10 s"), drift) == (True, [])
+
+
+def test_the_picture_shows_joints_and_drift(windows):
+    figure = plot_replay(windows)
+    assert [axis.get_ylabel() for axis in figure.axes] == [
+        "swing [deg]",
+        "boom [deg]",
+        "stick [deg]",
+        "run - measured\n[deg]",
+    ]
+    assert len(figure.axes[1].lines) == 3 * len(windows)
+    with pytest.raises(InputError, match="there is no window to show"):
+        plot_replay([])
+
+
+@pytest.mark.parametrize(
+    ("log", "seconds", "message"),
+    [
+        (
+            Table(LOG.columns, {**LOG.units, "stick.angle": "deg"}),
+            5.0,
+            "column 'stick.angle' is in 'deg'; a machine runs in SI",
+        ),
+        (some(LOG, slice(None, None, -1)), 5.0, "column 'time' does not rise"),
+        (Table({"time": LOG["time"]}, {}), 5.0, "no column 'swing.voltage'"),
+        (LOG, 0.0, "a window of 0 s: must be finite and two time steps"),
+        (LOG, float("nan"), "a window of nan s"),
+    ],
+)
+def test_bad_logs_are_named(machine, log, seconds, message):
+    with pytest.raises(InputError, match=message):
+        replay(machine, FLOW, log, seconds=seconds)

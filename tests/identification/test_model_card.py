@@ -1,0 +1,76 @@
+"""Model cards, and whether a model still holds."""
+
+import json
+
+import numpy as np
+import pytest
+
+from polydraulic import AbductiveRegressor, load_models, save_models
+from polydraulic.errors import InputError
+from polydraulic.identification.model_card import write_card
+from polydraulic.identification.table_fit import fit_table
+from polydraulic.identification.validity import validity
+from polydraulic.tables import Table
+
+
+def log(n=1500, scale=1.0, reach=1.0, seed=0):
+    rng = np.random.default_rng(seed)
+    t = 0.01 * np.arange(n)
+    a, b = reach * np.sin(t), np.cos(0.37 * t)
+    y = scale * np.abs(a) * (2.0 + b) + 0.01 * rng.normal(size=n)
+    return Table({"time": t, "a": a, "b": b, "y": y}, {"time": "s", "a": "m", "y": "Pa"})
+
+
+@pytest.fixture(scope="module")
+def fits():
+    return fit_table(log(), ["a", "b"], ["y"], AbductiveRegressor(max_layers=2), {"a": [0.0]})
+
+
+def test_the_card_says_what_an_engineer_asks(fits, tmp_path):
+    card = write_card(fits, log(), "machine.parquet", tmp_path / "card.html")
+    assert json.loads((tmp_path / "card.card.json").read_text()) == json.loads(json.dumps(card))
+    model = card["models"][0]
+    assert card["data"]["rows"] == 1500
+    assert card["data"]["held_out"] == "blocks of time"
+    assert card["data"]["seconds"] == pytest.approx(14.99)
+    assert model["proved_low"] < 0.1 < 2.5 < model["proved_high"]
+    assert all(
+        model["proved_low"] <= r["proved_low"] <= r["proved_high"] <= model["proved_high"] for r in model["regions"]
+    )
+    page = (tmp_path / "card.html").read_text()
+    for text in ("machine.parquet", "blocks of time", "Proved", "Domain", "90% intervals", "y [Pa]", "(double)"):
+        assert text in page
+    assert page.count("data:image/svg+xml") == 3
+    assert 'src="http' not in page
+
+
+def test_a_card_ends_in_html(fits, tmp_path):
+    with pytest.raises(InputError, match="a model card ends in .html"):
+        write_card(fits, log(), "x", tmp_path / "card.pdf")
+
+
+def test_a_model_holds_on_more_of_the_same_and_not_on_something_else(fits, tmp_path):
+    save_models([fits[0].model], tmp_path / "m.json")
+    (model,) = load_models(tmp_path / "m.json")
+    same = validity(model, log(seed=1))
+    assert same.holds
+    assert same.covered == pytest.approx(0.9, abs=0.06)
+    assert "as good as it was" in same.statements[0]
+    worn = validity(model, log(scale=0.9, seed=1))
+    assert not worn.holds
+    assert "it errs more than it did" in worn.statements[0]
+    assert "no longer hold" in worn.statements[1]
+    wider = validity(model, log(reach=1.5, seed=1))
+    assert wider.outside > 0.3
+    assert any("outside its domain" in statement for statement in wider.statements)
+    positive = log(seed=1)
+    half = Table({name: values[positive["a"] > 0.0] for name, values in positive.columns.items()}, positive.units)
+    assert any("no rows in 1 of its 2 regions" in statement for statement in validity(model, half).statements)
+
+
+def test_other_units_and_missing_columns_are_named(fits):
+    table = log()
+    with pytest.raises(InputError, match="column 'a' is in 'in'; the model was fitted in 'm'"):
+        validity(fits[0].model, Table(table.columns, {**table.units, "a": "in"}))
+    with pytest.raises(InputError, match="no column 'b'"):
+        validity(fits[0].model, Table({"a": table["a"], "y": table["y"]}, {"a": "m", "y": "Pa"}))

@@ -1,0 +1,228 @@
+"""Every format gives the same numbers, block by block."""
+
+import gzip
+import re
+
+import numpy as np
+import pytest
+
+from helpers.logs_made import MAP, UNITS, healthy, write_csv
+from polydraulic.errors import InputError
+from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
+from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.formats.log import BLOCK
+from polydraulic.tables import read_table
+
+FORMATS = ["csv", "csv.gz", "semicolon.csv", "latin.csv", "units.csv", "parquet", "mf4", "v5.mat", "v73.mat"]
+
+
+def write(path, columns):
+    name = path.name.partition(".")[2]
+    if name == "csv":
+        write_csv(path, columns)
+    elif name == "csv.gz":
+        plain = write_csv(path.with_name("plain.csv"), columns)
+        path.write_bytes(gzip.compress(plain.read_bytes()))
+    elif name == "semicolon.csv":
+        write_csv(path, columns)
+        path.write_text(path.read_text().replace(",", ";").replace(".", ","))
+    elif name == "latin.csv":
+        write_csv(path, columns)
+        path.write_bytes(path.read_text().replace("speed", "spéed").encode("latin-1"))
+    elif name == "units.csv":
+        write_csv(path, columns, names=list(columns))
+        header, _, rest = path.read_text().partition("\n")
+        path.write_text(f"{header}\n{','.join(UNITS.values())}\n{rest}")
+    elif name == "parquet":
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        fields = [pa.field(n, pa.float64(), metadata={"unit": UNITS[n]}) for n in columns]
+        arrays = [pa.array(c, from_pandas=True) for c in columns.values()]
+        pq.write_table(pa.table(arrays, schema=pa.schema(fields)), path)
+    elif name == "mf4":
+        from asammdf import MDF, Signal
+
+        time = columns["time"]
+        with MDF(version="4.10") as file:
+            file.append([Signal(columns[n], time, UNITS[n], n) for n in ("lever", "p_head")], common_timebase=True)
+            there = np.isfinite(columns["speed"])
+            file.append([Signal(columns["speed"][there], time[there], UNITS["speed"], "speed")])
+            file.save(path)
+    elif name == "v5.mat":
+        from scipy.io import savemat
+
+        savemat(path, {"time": columns["time"], "log": {"lever": columns["lever"]}, "p_head": columns["p_head"][:, None],
+                       "speed": columns["speed"], "text": "a word", "one": 5.0})  # fmt: skip
+    else:
+        import h5py
+
+        with h5py.File(path, "w", userblock_size=512) as file:
+            file["time"], file["p_head"] = columns["time"][None, :], columns["p_head"][None, :]
+            file["log/lever"], file["speed"] = columns["lever"][None, :], columns["speed"][:, None]
+            file["one"], file["text"] = 5.0, np.zeros((1, 3), dtype=np.uint16)
+            file["text"].attrs["MATLAB_class"] = b"char"
+        with path.open("r+b") as file:
+            file.write(b"MATLAB 7.3 MAT-file")
+    return path
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("expected")
+    return table_of(write(folder / "log.csv", healthy()), folder)
+
+
+def table_of(log, folder):
+    text = MAP
+    if log.suffix == ".mat":
+        text = text.replace('source = "lever"', 'source = "log.lever"\nname = "lever"')
+    if "latin" in log.name:
+        text = text.replace('source = "speed"', 'source = "spéed"\nname = "speed"')
+    (folder / "map.toml").write_text(text)
+    found = import_log(log, load_channels(folder / "map.toml"), folder / "table.parquet")
+    assert [str(f) for f in found.findings] == []
+    return read_table(folder / "table.parquet")
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_every_format_gives_the_same_table(tmp_path, expected, ending):
+    found = table_of(write(tmp_path / f"log.{ending}", healthy()), tmp_path)
+    assert found.names == ["time", "segment", "lever", "boom.p_a", "speed"]
+    assert [found.unit(name) for name in found.names] == ["s", "1", "V", "Pa", "m/s"]
+    for name in found.names:
+        assert found[name] == pytest.approx(expected[name], rel=1e-12, abs=1e-12), name
+    assert expected["boom.p_a"][:3] == pytest.approx(1e5 * healthy()["p_head"][:3])
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_every_format_suggests_a_map_that_works(tmp_path, ending):
+    log = write(tmp_path / f"log.{ending}", healthy())
+    text = suggest_channels(log)
+    (tmp_path / "map.toml").write_text(text)
+    found = import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
+    assert [str(f) for f in found.findings] == []
+    assert found.n_row == 3999
+    if ".mat" not in ending:
+        assert text.count('unit = "bar"') == 1
+    assert 'raster = "20 ms"' in text
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet", "mf4", "v73.mat"])
+def test_blocks_follow_each_other(tmp_path, ending):
+    n = 4 * BLOCK if ending == "mf4" else BLOCK + BLOCK // 2
+    columns = healthy(n=n)
+    with open_log(write(tmp_path / f"log.{ending}", columns)) as log:
+        group = log.signal("p_head").group
+        blocks = list(log.read(group, ["p_head"], None if log.own_clock else "time", Findings()))
+    assert len(blocks) == (1 if ending == "csv" else 2)  # the CSV has less than 4 MB
+    assert np.array_equal(np.concatenate([b.rows for b in blocks]), np.arange(1, n + 1))
+    assert np.array_equal(np.concatenate([b.values["p_head"] for b in blocks]), columns["p_head"])
+    assert blocks[-1].done == 1.0
+
+
+def test_dates_are_times(tmp_path):
+    (tmp_path / "a.csv").write_text("t,a\n2024-01-01 12:00:00.000,1\n2024-01-01 12:00:00.010,2\n")
+    with open_log(tmp_path / "a.csv") as log:
+        (block,) = log.read(0, ["a"], "t", Findings())
+    assert np.diff(block.time) == pytest.approx([0.01], rel=1e-4)
+
+
+def test_matrices_are_signals_by_column(tmp_path):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", {"X": np.arange(20.0).reshape(2, 10), "y": np.arange(10.0)})
+    with open_log(tmp_path / "a.mat") as log:
+        assert [s.name for s in log.signals] == ["X[1]", "X[2]", "y"]
+        (block,) = log.read(0, ["X[2]"], None, Findings())
+    assert np.array_equal(block.values["X[2]"], np.arange(10.0, 20.0))
+
+
+def test_invalid_samples_of_an_mdf_are_missing(tmp_path):
+    from asammdf import MDF, Signal
+
+    time = np.arange(10) * 0.1
+    with MDF(version="4.10") as file:
+        file.append([Signal(time, time, "V", "a", invalidation_bits=np.arange(10) == 3)], common_timebase=True)
+        file.save(tmp_path / "a.mf4")
+    with open_log(tmp_path / "a.mf4") as log:
+        (block,) = log.read(0, ["a"], None, Findings())
+    assert np.flatnonzero(np.isnan(block.values["a"])).tolist() == [3]
+
+
+def test_raw_numbers_and_texts_of_an_mdf(tmp_path):
+    from asammdf import MDF, Signal
+
+    time = np.arange(10) * 0.1
+    linear = {"a": 2.0, "b": 5.0}
+    names = {f"val_{k}": k for k in range(2)} | {f"text_{k}": name for k, name in enumerate((b"off", b"on"))}
+    with MDF(version="4.10") as file:
+        raw = np.arange(10, dtype=np.uint8)
+        file.append([
+            Signal(raw, time, "V", "scaled", conversion=linear),
+            Signal(raw % 2, time, "", "state", conversion=names),
+            Signal(np.array([b"x"] * 10), time, "", "words", encoding="utf-8"),
+        ], common_timebase=True)  # fmt: skip
+        file.save(tmp_path / "a.mf4")
+    with open_log(tmp_path / "a.mf4") as log:
+        (block,) = log.read(0, ["scaled", "state", "words"], None, Findings())
+    assert block.time == pytest.approx(time)
+    assert block.values["scaled"] == pytest.approx(2.0 * np.arange(10) + 5.0)
+    assert block.values["state"].tolist() == [0, 1] * 5
+    assert block.text["words"].tolist() == list(range(10))
+    assert np.all(np.isnan(block.values["words"]))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.xls", b"x", "a log ends in one of"),
+        ("a.csv", b"", "the file is empty"),
+        ("a.csv", b"time,a\n", "the log has no rows"),
+        ("a.csv", b"a\0b,c\n", "is no text"),
+        ("a.csv.gz", b"time,a\n1,2\n", "cannot be read"),
+        ("a.parquet", b"PAR1 nonsense", "cannot be read as a Parquet log"),
+        ("a.mf4", b"nonsense", "cannot be read as an MDF log"),
+        ("a.mat", b"nonsense", "cannot be read as a MAT log"),
+        ("a.mat", b"MATLAB 7.3 nonsense", "cannot be read as a MAT log"),
+    ],
+)
+def test_a_bad_file_is_one_error(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        open_log(tmp_path / name)
+
+
+def test_a_missing_file_or_channel_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        open_log(tmp_path / "a.csv")
+    log = write_csv(tmp_path / "log.csv", healthy(n=100))
+    (tmp_path / "map.toml").write_text(MAP.replace('source = "p_head"', 'source = "p_rod"'))
+    with pytest.raises(InputError, match="no channel 'p_rod'; the log has"):
+        import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
+    (tmp_path / "map.toml").write_text(MAP.replace('role = "time"', 'role = "ignore"'))
+    with pytest.raises(InputError, match="no channel with the role 'time'; name one, or give the interval"):
+        import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
+
+
+def test_rows_without_a_clock_take_the_interval_of_the_map(tmp_path):
+    log = write_csv(tmp_path / "log.csv", healthy(n=400))
+    text = MAP.replace('role = "time"', 'role = "ignore"').replace('"10 ms"\n', '"10 ms"\ninterval = "10 ms"\n', 1)
+    (tmp_path / "map.toml").write_text(text)
+    found = import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
+    assert found.excerpt["time"] == pytest.approx(np.arange(399) * 0.01)
+    assert len(found.findings) == 0
+
+
+def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text(
+        "time,boom_speed_deg_per_sec,force_lift_MN,engine_speed_rps,p_A,lever [V],x_mm [m]\n"
+        + "".join(f"{k},{k},{k},{k},{k},{k},{k}\n" for k in range(5))
+    )
+    text = suggest_channels(log)
+    found = dict(re.findall(r'source = "(.*?)"\nrole = "input"\nunit = "(.*?)"', text))
+    assert found == {
+        "boom_speed_deg_per_sec": "deg/s", "force_lift_MN": "MN", "engine_speed_rps": "rev/s", "p_A": "", "lever": "V", "x_mm": "m",
+    }  # fmt: skip
+    assert text.count("from its name: the log itself does not tell") == 3

@@ -1,0 +1,185 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from polydraulic import AbductiveRegressor
+from polydraulic.networks import Variable
+
+RNG = np.random.default_rng(11)
+X = RNG.uniform(-1.0, 1.0, size=(200, 2))
+Y = np.exp(X[:, 0]) * X[:, 1]
+
+
+@given(st.floats(0.1, 1e3), st.floats(-100.0, 100.0), st.floats(0.1, 1e3))
+def test_units_do_not_matter(scale, shift, y_scale):
+    plain = AbductiveRegressor(max_layers=2).fit(X, Y)
+    other = AbductiveRegressor(max_layers=2).fit(X * scale + shift, Y * y_scale)
+    assert other.predict(X * scale + shift) / y_scale == pytest.approx(plain.predict(X), abs=1e-5)
+
+
+def test_weights_act_like_repetitions():
+    weight = RNG.integers(0, 3, 200)
+    repeated = np.repeat(np.arange(200), weight)
+    weighted = AbductiveRegressor().fit(X, Y, sample_weight=weight)
+    twice = AbductiveRegressor().fit(X[repeated], Y[repeated])
+    assert weighted.predict(X) == pytest.approx(twice.predict(X), abs=1e-8)
+    assert weighted.pse_ == pytest.approx(twice.pse_, rel=1e-6)
+
+
+def test_inputs_stay_in_the_domain_and_outputs_in_their_bounds():
+    model = AbductiveRegressor(output_bounds=(-0.5, 0.5)).fit(X, Y)
+    far = model.predict(np.array([[50.0, 50.0], [X[:, 0].max(), X[:, 1].max()]]))
+    assert far[0] == far[1]
+    assert np.abs(model.predict(X)).max() <= 0.5
+    wide = AbductiveRegressor(domain=[(-2.0, 2.0), (-1.0, 1.0)]).fit(X, Y)
+    assert wide.network_.x_high == (2.0, 1.0)
+
+
+def test_a_constant_column_is_never_chosen():
+    model = AbductiveRegressor().fit(np.column_stack([X, np.full(200, 7.0)]), Y)
+    assert all(2 not in node.inputs for node in model.network_.nodes)
+
+
+def test_a_constant_target_needs_no_network():
+    model = AbductiveRegressor().fit(X, np.full(200, 3.5))
+    assert model.predict(X[:2]).tolist() == [3.5, 3.5]
+
+
+def test_fitting_twice_gives_the_same_network():
+    assert AbductiveRegressor().fit(X, Y).network_ == AbductiveRegressor().fit(X, Y).network_
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"max_layers": 0}, "max_layers = 0: must be a whole number, at least 1"),
+        ({"n_survivors": 2.5}, "n_survivors = 2.5"),
+        ({"cpm": -1.0}, "cpm = -1.0: must be at least 0"),
+        ({"cpm": float("nan")}, "cpm = nan"),
+        ({"prior_variance": "half"}, "prior_variance = 'half': 'adaptive', 'half-variance' or a number"),
+        ({"prior_variance": -2.0}, "prior_variance = -2.0: must be at least 0"),
+        ({"kinds": ("quadruple",)}, "kinds = .*must be one or more of"),
+        ({"kinds": ()}, "kinds = .*must be one or more of"),
+        ({"domain": [(0.0, 1.0)]}, "for each of the 2 inputs"),
+        ({"output_bounds": (1.0, 0.0)}, "output_bounds"),
+        ({"output_bounds": "wide"}, "output_bounds = 'wide'"),
+        ({"missing": "guess"}, "missing = 'guess': must be one of"),
+        ({"calibration": 1.0}, "calibration = 1.0"),
+        ({"max_inputs": 0}, "max_inputs = 0"),
+    ],
+)
+def test_bad_settings_are_named(settings, message):
+    with pytest.raises(ValueError, match=message):
+        AbductiveRegressor(**settings).fit(X, Y)
+
+
+def test_outputs_stay_near_the_data_unless_told_otherwise():
+    corner = np.array([[X[:, 0].max(), X[:, 1].max()]])
+    y = np.where(X.sum(axis=1) > 1.0, 0.0, Y)
+    model = AbductiveRegressor().fit(X, y)
+    margin = 0.1 * np.ptp(y)
+    assert model.network_.y_low == pytest.approx(y.min() - margin)
+    assert model.network_.y_high == pytest.approx(y.max() + margin)
+    assert y.min() - margin <= model.predict(corner)[0] <= y.max() + margin
+
+
+def test_several_outputs_are_several_networks():
+    both = np.column_stack([Y, X[:, 0]])
+    model = AbductiveRegressor(max_layers=2).fit(X, both)
+    assert model.predict(X).shape == (200, 2)
+    alone = AbductiveRegressor(max_layers=2).fit(X, Y)
+    assert model.predict(X)[:, 0] == pytest.approx(alone.predict(X), abs=1e-12)
+    assert model.networks_[0] == alone.network_
+    assert [m.output.name for m in model.to_models()] == ["y0", "y1"]
+    assert model.fse_.shape == (2,)
+
+
+def test_equations_name_every_node():
+    model = AbductiveRegressor(max_layers=2).fit(X, Y)
+    lines = model.equations().splitlines()
+    assert len(lines) == 2 + len(model.network_.nodes) + 1
+    assert lines[-1].startswith("y = ")
+
+
+def test_rows_outside_the_domain_are_told():
+    model = AbductiveRegressor().fit(X, Y)
+    y, inside = model.predict(np.array([[0.0, 0.0], [3.0, 0.0]]), return_domain=True)
+    assert y.shape == (2,)
+    assert inside.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("coverage", [0.5, 0.9])
+def test_intervals_cover_what_they_state(coverage):
+    rng = np.random.default_rng(3)
+    inputs = rng.uniform(-1.0, 1.0, size=(4000, 2))
+    target = np.exp(inputs[:, 0]) * inputs[:, 1] + rng.standard_t(3, size=4000) * 0.2
+    model = AbductiveRegressor(calibration=0.3, random_state=0, max_layers=2).fit(inputs[:1500], target[:1500])
+    y, low, high = model.predict(inputs[1500:], return_interval=coverage)
+    covered = np.mean((low <= target[1500:]) & (target[1500:] <= high))
+    assert covered == pytest.approx(coverage, abs=0.04)
+    assert np.all((low <= y) & (y <= high))
+
+
+def test_intervals_need_held_out_rows():
+    with pytest.raises(ValueError, match="needs at least 9 held-out rows; this model has 0"):
+        AbductiveRegressor().fit(X, Y).predict(X, return_interval=0.9)
+    with pytest.raises(ValueError, match="coverage = 1.0: must lie between 0 and 1"):
+        AbductiveRegressor(calibration=0.2).fit(X, Y).predict(X, return_interval=1.0)
+
+
+def test_missing_values_by_choice():
+    holes = X.copy()
+    holes[::7, 0] = np.nan
+    with pytest.raises(ValueError, match="NaN"):
+        AbductiveRegressor().fit(holes, Y)
+    dropped = AbductiveRegressor(missing="drop").fit(holes, Y)
+    kept = ~np.isnan(holes).any(axis=1)
+    assert dropped.network_ == AbductiveRegressor().fit(X[kept], Y[kept]).network_
+    with pytest.raises(ValueError, match="NaN"):
+        dropped.predict(holes)
+    imputed = AbductiveRegressor(missing="impute").fit(holes, Y)
+    mean = np.nanmean(holes[:, 0])
+    assert imputed.predict(np.array([[np.nan, 0.5]])) == imputed.predict(np.array([[mean, 0.5]]))
+    with pytest.raises(ValueError, match="input 1 has no value at all"):
+        AbductiveRegressor(missing="impute").fit(np.column_stack([X[:, 0], np.full(200, np.nan)]), Y)
+
+
+def test_the_promising_of_many_inputs_are_found():
+    rng = np.random.default_rng(5)
+    wide = rng.normal(size=(400, 60))
+    y = wide[:, 3] * wide[:, 47] + 0.5 * wide[:, 20] ** 3
+    model = AbductiveRegressor(max_inputs=8, max_layers=2).fit(wide, y)
+    used = {slot for node in model.network_.nodes for slot in node.inputs if slot < 60}
+    assert {3, 47, 20} <= used
+    assert model.score(wide, y) > 0.95
+
+
+@pytest.mark.slow
+def test_a_thousand_columns():
+    rng = np.random.default_rng(6)
+    wide = rng.normal(size=(1500, 1000))
+    y = wide[:, 3] * wide[:, 777]
+    model = AbductiveRegressor(max_layers=1).fit(wide, y)
+    assert {slot for node in model.network_.nodes for slot in node.inputs} >= {3, 777}
+
+
+def test_progress_is_told(capsys):
+    AbductiveRegressor(verbose=True, max_layers=2).fit(X, Y)
+    told = capsys.readouterr().err
+    assert "layer 1: K " in told
+    assert "refinement 0: FSE " in told
+
+
+def test_bad_data_are_named():
+    with pytest.raises(ValueError, match="at least 4 rows"):
+        AbductiveRegressor().fit(X[:3], Y[:3])
+    with pytest.raises(ValueError, match="NaN"):
+        AbductiveRegressor().fit(np.where(X > 0.99, np.nan, X), Y)
+    with pytest.raises(ValueError, match="infinity"):
+        AbductiveRegressor().fit(X, np.where(Y > 1.0, np.inf, Y))
+
+
+def test_names_must_fit():
+    with pytest.raises(ValueError, match="1 input names for a model with 2 inputs"):
+        AbductiveRegressor().fit(X, Y).to_model([Variable("x")])

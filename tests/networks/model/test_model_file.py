@@ -1,0 +1,104 @@
+import copy
+import json
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from polydraulic import AbductiveRegressor, RegionRegressor, load_models
+from polydraulic.errors import InputError
+from polydraulic.flow.polynomial import shipped_models
+from polydraulic.networks import PerceptronRegressor, Variable, dump_models, parse_models
+
+X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
+Y = np.abs(X[:, 0]) * X[:, 1]
+MODEL = (
+    RegionRegressor(AbductiveRegressor(max_layers=2), edges={0: [0.0]})
+    .fit(X, Y)
+    .to_model([Variable("x", "m"), Variable("p")], Variable("q", "m3/s"))
+)
+DATA = json.loads(dump_models([MODEL]))
+
+
+def test_reading_gives_what_was_written(tmp_path):
+    path = tmp_path / "model.json"
+    path.write_text(dump_models([MODEL, MODEL]))
+    assert load_models(path) == [MODEL, MODEL]
+    assert np.array_equal(load_models(path)[0].predict(X), MODEL.predict(X))
+
+
+def test_files_follow_the_published_schema():
+    schema = json.loads((files("polydraulic.networks") / "model.schema.json").read_text(encoding="utf-8"))
+    Draft202012Validator.check_schema(schema)
+    validator = Draft202012Validator(schema)
+    perceptron = PerceptronRegressor(hidden_units=2, max_iter=2, n_starts=1).fit(X, Y).to_model()
+    assert not list(validator.iter_errors(json.loads(dump_models([MODEL, perceptron]))))
+    assert not list(validator.iter_errors(json.loads(dump_models(shipped_models()))))
+    assert list(validator.iter_errors(json.loads(change((*N, "nodes", 0, "kind"), "quadruple"))))
+    assert list(validator.iter_errors(json.loads(change((*M, "partition"), "left"))))
+    assert not list(validator.iter_errors(json.loads(dynamic())))
+    assert list(validator.iter_errors(json.loads(dynamic(raster=0.0))))
+
+
+def change(where, value):
+    data = copy.deepcopy(DATA)
+    item = data
+    for key in where[:-1]:
+        item = item[key]
+    item[where[-1]] = value
+    return json.dumps(data)
+
+
+LAGS = [{"signal": "p", "steps": 1}, {"signal": "q", "steps": 2}]
+
+
+def dynamic(**other):
+    return change((*M, "dynamics"), {"lags": LAGS, "step": [-1.0, 1.0], "raster": None} | other)
+
+
+M, N = ("models", 0), ("models", 0, "networks", 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "not a model file"),
+        ("[]", "not a polydraulic model file"),
+        ("{}", "not a polydraulic model file"),
+        (change(("schema",), 1), "has schema 1, this version reads 2"),
+        (change(("models",), []), "holds no model"),
+        (change((*M, "networks"), DATA["models"][0]["networks"][:1]), "networks \\[0, 1\\] of 1"),
+        (change((*M, "partition", "input"), 7), "a split of input 7"),
+        (change((*M, "partition", "at"), None), "partition holds None"),
+        (change((*M, "partition", "below"), 1), "leads to networks"),
+        (change((*M, "partition", "below"), "left"), "the partition holds 'left'"),
+        (change((*M, "partition", "below"), [DATA]), "the partition holds"),
+        (change((*M, "partition", "below"), {"input": 0, "at": 1.0, "below": 0, "above": 2}), "more splits|networks"),
+        (change((*N, "x_scale"), [0.0, 1.0]), "x_scale must be positive"),
+        (change((*N, "x_mean"), [0.0]), "x_mean has 1 values for 2 inputs"),
+        (change((*N, "y_mean"), "high"), "unitizer holds 'high'"),
+        (change((*N, "y_mean"), float("nan")), "unitizer holds nan"),
+        (change((*N, "x_low"), [5.0, 5.0]), "x_low exceeds x_high"),
+        (change((*N, "nodes", 0, "kind"), "quadruple"), "unknown node kind 'quadruple'"),
+        (change((*N, "nodes", 0, "inputs"), [0]), r"node of \(0,\)"),
+        (change((*N, "nodes", 0, "inputs"), [0, 9]), r"node 1 reads \(0, 9\); it may read slots 0 to 1"),
+        (change((*N, "nodes", 0, "inputs"), [-1, 0]), "it may read slots"),
+        (change((*N, "nodes", 0, "coef"), [1.0]), "with 1 coefficients"),
+        (change((*M, "inputs"), 3), "damaged model file"),
+        (dynamic(lags=LAGS[:1]), "1 lags for 2 inputs"),
+        (dynamic(lags=[*LAGS[:1], {"signal": "q", "steps": 0}]), "q is read 0 steps ago"),
+        (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 1.5}]), "p is read 1.5 steps ago"),
+        (dynamic(step=[1.0, -1.0]), "the smallest step 1.0 exceeds"),
+        (dynamic(raster=0.0), "raster is 0.0"),
+        (json.dumps({k: v for k, v in DATA.items() if k != "models"}), "missing 'models'"),
+    ],
+)
+def test_damaged_files_are_one_clear_error(text, message):
+    with pytest.raises(InputError, match=message):
+        parse_models(text, "m.json")
+
+
+def test_a_missing_file_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read as a model file"):
+        load_models(tmp_path / "none.json")

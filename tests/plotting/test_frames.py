@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.plotting.frames import frames_of
+
+
+def test_frames_lie_on_their_raster_and_between_rows(whole):
+    frames = frames_of(whole, 30.0)
+    assert frames.time == pytest.approx(np.arange(19) / 30.0)
+    exact = whole["exact"]
+    assert frames.angles[0][:, 1] == pytest.approx(np.interp(frames.time, exact["time"], exact["boom.angle"]))
+    assert np.array_equal(frames.angles[0][0], [exact[f"{link}.angle"][0] for link in ("swing", "boom", "stick")])
+    swing = frames.angles[1][:, 0]
+    along = frames.effector[1][:, 0] * np.cos(swing) + frames.effector[1][:, 1] * np.sin(swing)
+    assert frames.in_plane[1] == pytest.approx(np.column_stack([along, frames.effector[1][:, 2]]))
+
+
+def test_channels_are_those_that_every_run_has(whole, boom_runs):
+    def names(runs):
+        return [f"{c.group}: {c.title} [{c.unit}]" for c in frames_of(runs, 20.0).channels]
+
+    found = names(whole)
+    assert found[:4] == ["swing: angle [deg]", "swing: flow [in3/s]", "swing: pressure [psi]", "swing: joystick [V]"]
+    assert found[-4:] == [
+        "pumps and tip: boom pump [psi]", "pumps and tip: series pump [psi]", "pumps and tip: tip height [m]",
+        "pumps and tip: tip from first [mm]",
+    ]  # fmt: skip
+    assert len(names(boom_runs)) == 4 + 2  # boom, tip height and distance; networks give no pump pressure
+    assert names({"exact": boom_runs["exact"]})[-1] == "pumps and tip: tip height [m]"
+
+
+def test_the_shortest_run_sets_the_end(whole, boom_runs):
+    assert frames_of({"long": whole["exact"], "short": boom_runs["exact"]}, 10.0).time[-1] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf"), 1e6])
+def test_rates_that_make_no_animation_are_named(whole, rate):
+    with pytest.raises(InputError, match="frames/s over 0.6 s: must give 1 to 20000 frames"):
+        frames_of(whole, rate)

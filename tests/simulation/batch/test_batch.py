@@ -1,0 +1,296 @@
+"""Batches: the bits of `simulate` for every machine, however machines are mixed, and lanes that are vector instructions."""
+
+import dataclasses
+import re
+
+import numba
+import numpy as np
+import pytest
+
+from polydraulic import _kernel, build_flow, load_machine, load_scenario, simulate, simulate_batch
+from polydraulic.errors import InputError
+from polydraulic.flow import FLOW_KINDS
+from polydraulic.flow.lanes import LANES
+from polydraulic.flow.polynomial import shipped_models
+from polydraulic.machine.plant import prepare
+from polydraulic.machine.state import N_STATE
+from polydraulic.parameters.scenario import Scenario, scenario_names
+from polydraulic.parameters.schema import LINKS, Stops
+from polydraulic.parameters.signals import Constant
+from polydraulic.simulation.batch.batch import _blocks, _columns, _singles
+from polydraulic.simulation.batch.batch_inputs import arrange_cases
+from polydraulic.simulation.batch.lanes import Kept, run_block
+from polydraulic.simulation.loop import N_RECORD, run
+
+PLAIN = bool(numba.config.DISABLE_JIT)
+SECONDS = 0.02 if PLAIN else 10.0  # in plain Python a block takes 64 times as long as a machine
+BOOM_ONLY = build_flow(
+    "polynomial", load_machine("cat215b"), models=[m for m in shipped_models() if m.output.name.startswith("boom.")]
+)
+UP = Scenario("up", 4.0, {"boom": Constant(0.62)}, ("swing", "stick"))
+
+
+def limited(machine):
+    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+
+
+def varied(machine, rng):
+    """The machine with other masses, areas, friction, hoses, pilots, stops and pumps."""
+
+    def scaled(part, **widths):
+        return part._replace(**{k: getattr(part, k) * rng.uniform(1.0 - w, 1.0 + w) for k, w in widths.items()})
+
+    def valve(v):
+        return type(v)(*(tuple(k * rng.uniform(0.8, 1.2) for k in table) for table in v))
+
+    links = {
+        link: getattr(machine, link)._replace(
+            pilot=scaled(getattr(machine, link).pilot, gain=0.3, time_constant=0.3),
+            valve=valve(getattr(machine, link).valve),
+            line=scaled(getattr(machine, link).line, compliance_a=0.3, leakage=0.5),
+            friction=scaled(getattr(machine, link).friction, coulomb=0.5, viscous=0.3),
+            stops=scaled(getattr(machine, link).stops, low=0.1, high=0.1),
+        )
+        for link in LINKS
+    }
+    links["boom"] = links["boom"]._replace(body=scaled(machine.boom.body, mass=0.3, cg=0.1))
+    pumps = scaled(machine.pumps, boom_flow=0.2, series_flow=0.2, relief=0.1)
+    pumps = pumps._replace(torque_limit_enabled=bool(rng.random() < 0.5))
+    return machine._replace(**links, pumps=pumps, geometry=scaled(machine.geometry, d=0.5, a1=0.2))
+
+
+def assert_same(batch, place, table):
+    common = [name for name in table.names if name in batch.names]
+    assert len(common) >= len(table.names) - 4  # time and voltages
+    for name in common:
+        assert np.array_equal(batch[name][place], table[name]), name
+
+
+@pytest.mark.parametrize("adapt", [lambda machine: machine, limited], ids=["constant flow", "torque limit"])
+def test_mixed_scenarios_have_the_bits_of_simulate(machine, adapt):
+    scenarios = [load_scenario(name) for name in scenario_names()]
+    batch = simulate_batch(adapt(machine), "exact", scenarios, t_end=SECONDS, keep=["rows"])
+    assert batch.rows.shape == (len(scenarios), round(SECONDS / 0.005) + 1, len(batch.names))
+    for place, scenario in enumerate(scenarios):
+        assert_same(batch, place, simulate(adapt(machine), "exact", scenario, t_end=SECONDS))
+
+
+def test_one_machine(machine):
+    scenario = load_scenario("task")
+    batch = simulate_batch(machine, "exact", scenario, t_end=SECONDS, keep=["rows"], every=3)
+    table = simulate(machine, "exact", scenario, t_end=SECONDS, every=3)
+    assert_same(batch, 0, table)
+    assert np.array_equal(batch.time, table["time"])
+    back = batch.table(0)
+    assert all(back.unit(name) == table.unit(name) for name in back.names)
+    assert np.array_equal(back["effector.z"], table["effector.z"])
+
+
+def test_machines_that_differ_have_the_bits_of_simulate(machine):
+    """More than a block, not a whole number of blocks; some limit the torque, some reach a stop."""
+    rng = np.random.default_rng(0)
+    n, seconds = (3, 0.01) if PLAIN else (LANES + 7, 13.0)
+    machines = [varied(machine, rng) for _ in range(n)]
+    scenario = load_scenario("step")
+    batch = simulate_batch(machines, "exact", scenario, t_end=seconds, keep=["rows"])
+    for place in range(n):
+        assert_same(batch, place, simulate(machines[place], "exact", scenario, t_end=seconds))
+    gaps = [
+        np.abs(batch[f"{link}.angle"][place] - stop).min()
+        for place, one in enumerate(machines)
+        for link in LINKS
+        for stop in getattr(one, link).stops
+    ]
+    assert PLAIN or min(gaps) < 0.01
+
+
+@pytest.mark.parametrize("adapt", [lambda machine: machine, limited], ids=["constant flow", "torque limit"])
+def test_single_steps_from_random_states(machine, adapt):
+    """States at and beyond their bounds, one step each."""
+    machine, rng, n = adapt(machine), np.random.default_rng(1), 3 if PLAIN else 4000
+    reach = np.repeat([0.02, 3e7, 3e7, 3.0, 1.5], 3)
+    x0 = reach * rng.uniform(-1.0, 1.0, (n, N_STATE))
+    x0[:, 3:9] = abs(x0[:, 3:9])
+    voltage = rng.uniform(-1.2, 1.2, (n, 1, 3))
+    batch = simulate_batch(machine, "exact", voltage, x0=x0, keep=["rows"])
+    plant, model = prepare(machine, 0.005), build_flow("exact", machine)
+    rows, places = np.empty((2, N_RECORD)), [row for row, _ in _columns_of(machine).values()]
+    recorded = [i for i, row in enumerate(places) if row < N_RECORD]
+    for i in range(n):
+        made = run(model, np.zeros(1), plant, x0[i], voltage[i], 1, rows, np.zeros(2, dtype=np.int64))
+        assert made == batch.steps[i] == 1
+        assert np.array_equal(batch.rows[i][:, recorded], rows[:, [places[c] for c in recorded]])
+
+
+def _columns_of(machine):
+    cases = arrange_cases(machine, "exact", np.zeros((1, 3)), dt=0.005, t_end=None, x0=None, every=1)
+    return _columns(cases, "exact")
+
+
+@pytest.mark.parametrize("name", ["iterative", "polynomial", "lookup"])
+def test_models_without_lanes_run_one_by_one(machine, build, name):
+    assert FLOW_KINDS[name].lanes is None
+    flow = build(name, machine)
+    scenarios = [load_scenario("single_08"), load_scenario("single_05")]
+    batch = simulate_batch(machine, flow, scenarios, t_end=0.1, keep=["rows"])
+    for place, scenario in enumerate(scenarios):
+        table = simulate(machine, flow, scenario, t_end=0.1)
+        assert_same(batch, place, table)
+        assert batch.not_converged[place] == table.info["steps_not_converged"]
+
+
+def test_both_ways_give_the_same(machine):
+    """Lanes and machine by machine, with the same flow model."""
+    machines = [machine, limited(machine), machine]
+    found = []
+    for work in (_blocks, _singles):
+        cases = arrange_cases(machines, "exact", load_scenario("step"), dt=0.005, t_end=0.02, x0=None, every=1)
+        columns = np.array([row for row, _ in _columns(cases, "exact").values()])
+        shape = (3, len(columns))
+        ends = np.full(shape, np.inf)
+        kept = Kept(columns, True, 2, np.empty((3, 3, len(columns))), np.empty(shape), ends, -ends)
+        counts = np.zeros((3, 3), dtype=np.int64)
+        assert sum(task() for task in work(cases, kept, counts)) == 3
+        found.append([kept.rows, kept.final, kept.lowest, kept.highest, counts])
+    assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+
+
+def test_what_is_kept(machine):
+    rng = np.random.default_rng(3)
+    voltage = rng.uniform(-0.9, 0.9, (4, 6 if PLAIN else 200, 3))
+    names = ["boom.p_in", "series.p_pump", "stick.rate"]
+    batch = simulate_batch(machine, "exact", voltage, keep=["rows", "range"], columns=names)
+    assert batch.names == tuple(names)
+    assert np.array_equal(batch.final, batch.rows[:, -1])
+    assert np.array_equal(batch.lowest, batch.rows.min(axis=1))
+    assert np.array_equal(batch.highest, batch.rows.max(axis=1))
+    assert np.array_equal(batch["stick.rate"], batch.rows[:, :, 2])
+    alone = simulate_batch(machine, "exact", voltage, columns=names)
+    assert np.array_equal(alone.final, batch.final)
+    assert alone.rows is alone.lowest is alone.highest is None
+    thinned = simulate_batch(machine, "exact", voltage, keep=["rows"], columns=names, every=5)
+    assert np.array_equal(thinned.rows, batch.rows[:, ::5])
+    assert np.array_equal(thinned.final, batch.final)
+
+
+def test_columns_of_the_effector_bring_the_angles(machine):
+    batch = simulate_batch(machine, "exact", np.zeros((2, 3)), columns=["effector.z", "boom.rate"])
+    assert batch.names == (
+        "boom.rate",
+        "swing.angle",
+        "boom.angle",
+        "stick.angle",
+        "effector.x",
+        "effector.y",
+        "effector.z",
+    )
+    assert batch.units["effector.z"] == "m"
+    with pytest.raises(InputError, match=r"effector.z have no range"):
+        simulate_batch(machine, "exact", np.zeros((2, 3)), columns=["effector.z"], keep=["range"])
+
+
+def test_results_do_not_depend_on_threads(machine):
+    n, steps = (2, 2) if PLAIN else (3 * LANES + 5, 100)
+    voltage = np.random.default_rng(4).uniform(-0.9, 0.9, (n, steps, 3))
+    seen = []
+    batches = [
+        simulate_batch(
+            machine, "exact", voltage, threads=threads, keep=["rows", "range"], progress=lambda *s: seen.append(s)
+        )
+        for threads in (1, 3)
+    ]
+    for name in ("rows", "final", "lowest", "highest", "steps"):
+        assert np.array_equal(*(getattr(batch, name) for batch in batches))
+    assert seen[-1] == (n, n)
+    assert len(seen) == 2 * -(-n // LANES)
+
+
+def test_initial_states_and_shared_voltages(machine):
+    scenario = load_scenario("task")
+    start = simulate(machine, "exact", scenario, t_end=0.02)
+    state = [start[f"{link}.{name}"][-1] for name in ("spool", "p_a", "p_b", "angle", "rate") for link in LINKS]
+    voltage = np.tile([0.3, -0.2, 0.1], (4, 1))
+    one = simulate_batch(machine, "exact", voltage, x0=np.array(state), keep=["rows"])
+    many = simulate_batch([machine] * 3, "exact", voltage, x0=np.array([state] * 3), keep=["rows"])
+    assert one["boom.p_a"][0, 0] == start["boom.p_a"][-1]
+    assert np.array_equal(many.rows, np.repeat(one.rows, 3, axis=0))
+
+
+@pytest.mark.parametrize("flow", ["exact", "iterative"])
+def test_a_machine_that_leaves_all_reason_does_not_spoil_the_others(machine, flow):
+    friction = machine.boom.friction._replace(viscous=1e30)
+    wild = machine._replace(boom=machine.boom._replace(friction=friction, stops=Stops(-np.inf, np.inf)))
+    batch = simulate_batch([machine, wild], flow, UP, t_end=0.05, keep=["rows", "range"], columns=["boom.rate"])
+    table = simulate(machine, flow, UP, t_end=0.05)
+    assert np.array_equal(batch["boom.rate"][0], table["boom.rate"])
+    assert batch.steps[0] == 10
+    assert batch.steps[1] < 10
+    kept = batch["boom.rate"][1]
+    assert np.isfinite(kept[: batch.steps[1] + 1]).all()
+    assert np.isnan(kept[batch.steps[1] + 1 :]).all()
+    assert np.isnan([batch.final[1], batch.lowest[1], batch.highest[1]]).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "message"),
+    [
+        ({"n": 3, "inputs": np.zeros((2, 4, 3))}, {}, "3 machines, 2 inputs: each must be one for all machines"),
+        ({"n": 2}, {"x0": np.zeros((5, 15))}, "2 machines, 1 inputs, 5 initial states"),
+        ({"n": 0}, {}, "0 machines"),
+        ({"inputs": np.zeros((4, 2))}, {}, "the array has shape (4, 2)"),
+        ({"inputs": "task"}, {}, "not str"),
+        ({"inputs": np.full((2, 3), np.nan)}, {}, "the swing voltage in step 0 of machine 0 is nan"),
+        ({"inputs": np.zeros((4, 3))}, {"t_end": 1.0}, "t_end = 1.0 s: the voltages last 4 steps"),
+        ({"flow": BOOM_ONLY}, {}, "serves boom; give scenarios that lock the others"),
+        ({"inputs": [UP, dataclasses.replace(UP, name="long", duration=5.0)]}, {}, "up 4 s, long 5 s); give t_end"),
+        ({"flow": "none"}, {}, "unknown flow model 'none'"),
+        ({}, {"x0": np.zeros(14)}, "x0 has shape (14,)"),
+        ({}, {"x0": np.full(15, np.inf)}, "must hold finite numbers"),
+        ({}, {"keep": "rows"}, "keep = 'rows': must be a list of"),
+        ({}, {"keep": ["all"]}, "keep = ['all']"),
+        ({}, {"columns": ["boom.speed"]}, "columns = ['boom.speed']: must be some of ['swing.spool'"),
+        ({}, {"threads": 0}, "threads = 0: must be a whole number"),
+        ({}, {"every": 0}, "every = 0"),
+        ({}, {"dt": 0.0}, "dt = 0.0 s: the time step must be positive"),
+    ],
+)
+def test_bad_arguments_are_named(machine, arguments, options, message):
+    given = {"n": 1, "flow": "exact", "inputs": np.zeros((4, 3)), **arguments}
+    with pytest.raises(InputError, match=re.escape(message)):
+        simulate_batch([machine] * given["n"], given["flow"], given["inputs"], **options)
+
+
+def test_a_batch_says_what_it_has(machine):
+    batch = simulate_batch([machine] * 2, "exact", np.zeros((1, 3)))
+    assert len(batch) == 2
+    with pytest.raises(InputError, match="the batch has no rows; ask for them"):
+        batch["boom.angle"]
+    with pytest.raises(InputError, match="no column 'boom.speed'; the batch has"):
+        batch.place("boom.speed")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(PLAIN, reason="needs the compiler")
+@pytest.mark.parametrize("differ", [False, True], ids=["shared parameters", "own parameters"])
+def test_lanes_are_vector_instructions(machine, differ):
+    """Compiled without the cache, which keeps no assembly. A stage that stays scalar would divide or take roots one by one."""
+    seen = []
+
+    def spy(*arguments):
+        seen.append(arguments)
+
+    machines = [machine, varied(machine, np.random.default_rng(0))] if differ else machine
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("polydraulic.simulation.batch.batch.run_block", spy)
+        simulate_batch(machines, "exact", np.zeros((1, 3)))
+    fresh = numba.njit(**_kernel._DRIVER_OPTIONS)(run_block.py_func)
+    fresh(*seen[0])
+    assembly = fresh.inspect_asm(fresh.signatures[0])
+    if not re.search(r"\bvmovupd\b", assembly):
+        pytest.skip("this processor has no AVX")
+    wide = len(re.findall(r"\tv(?:div|sqrt)pd\t[^\n]*%[yz]mm", assembly))
+    scalar = len(re.findall(r"\tv?(?:div|sqrt)sd\t", assembly))
+    assert wide > 100
+    # the two solves of an end stop, and a root for all lanes at once; machines of their own leave a scalar version for overlaps
+    assert differ or scalar <= 3
+    assert "NRT_" not in fresh.inspect_llvm(fresh.signatures[0])
