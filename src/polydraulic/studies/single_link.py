@@ -20,7 +20,7 @@ from polydraulic.studies.boom_models import HISTORICAL, SEED, BoomModels, fit_bo
 from polydraulic.studies.boom_perceptrons import PerceptronModels, fit_perceptrons, sweep_hidden_units
 from polydraulic.studies.cache import Lab
 from polydraulic.studies.database import PRESSURE_HIGH, boom_flow, boom_table, sample_boom
-from polydraulic.studies.timing import time_runs
+from polydraulic.studies.timing import Turns, time_runs
 from polydraulic.tables import Table
 
 SCENARIOS = ("single_08", "single_05")
@@ -126,17 +126,16 @@ class BoomStudy:
         return self.lab.computed.table("convergence", made)
 
     @cached_property
-    def seconds(self) -> dict[str, float]:
-        """Median run times of single_08, by flow model."""
+    def run_times(self) -> Turns:
+        """Run times of single_08, by flow model."""
 
-        def measured() -> dict[str, float]:
+        def measured() -> dict[str, list[float]]:
             self.lab.say("run times")
             timed = {kind: self._flow(kind) for kind in KINDS if kind != "pressure"}
             timed["iterative 0.001"] = build_flow("iterative", self.machine, eps=0.001)
-            return time_runs(self.machine, timed, load_scenario("single_08"))
+            return time_runs(self.machine, timed, load_scenario("single_08")).seconds
 
-        found: dict[str, float] = self.lab.computed.data("seconds boom", measured)
-        return found
+        return Turns(self.lab.computed.data("seconds boom", measured))
 
     def _flow(self, kind: str) -> Any:
         if kind == "polynomial":

@@ -14,7 +14,7 @@ from polydraulic.studies.boom_models import HISTORICAL, SEED, fit_boom
 from polydraulic.studies.cache import Lab
 from polydraulic.studies.database import PRESSURE_HIGH
 from polydraulic.studies.historical import flows_at, grow_outlets, grow_series, sections, series_flows
-from polydraulic.studies.timing import time_runs
+from polydraulic.studies.timing import Turns, time_runs
 from polydraulic.tables import Table
 
 SCENARIOS = ("sine", "step", "pulse", "task")
@@ -79,18 +79,17 @@ class ThreeLinkStudy:
         return {kind: self.run(scenario, kind, limited) for kind in kinds}
 
     @cached_property
-    def seconds(self) -> dict[str, float]:
-        """Median seconds of the task, by flow model; "none" has flows that cost nothing."""
+    def run_times(self) -> Turns:
+        """Run times of the task, by flow model; "none" has flows that cost nothing."""
 
-        def measured() -> dict[str, float]:
+        def measured() -> dict[str, list[float]]:
             self.lab.say("run times of the task")
             timed = {f"iterative {eps}": self.flow("iterative", eps=eps) for eps in EPS}
             timed |= {kind: self.flow(kind) for kind in ("exact", "polynomial", "ours")}
             timed["none"] = build_flow("polynomial", self.machine(), models=constant_models())
-            return time_runs(self.machine(), timed, load_scenario("task"))
+            return time_runs(self.machine(), timed, load_scenario("task")).seconds
 
-        found: dict[str, float] = self.lab.computed.data("seconds three", measured)
-        return found
+        return Turns(self.lab.computed.data("seconds three", measured))
 
 
 def three_link_study(lab: Lab) -> ThreeLinkStudy:
