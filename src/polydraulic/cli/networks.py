@@ -249,12 +249,7 @@ def export(
     models = load_models(model)
     if name is None and len(models) > 1 and not is_file(to, out):
         name = model.stem
-    written = export_models(models, to, out, name=name, real=real, cross=cross)
-    for path in written.paths:
-        print(path)
-    for note in written.notes:
-        print(f"note: {note}")
-    say_how_dynamic(models)
+    print(export_models(models, to, out, name=name, real=real, cross=cross))
 
 
 @app.command()
