@@ -108,6 +108,7 @@ def fit_machine(
     regions: Annotated[int, typer.Option(help="Regions at most that the network of an inlet may find.", min=1)] = 16,
     rows: Annotated[int, typer.Option(help="Rows at most that a network learns from.", min=1)] = 30_000,
     blocks: Annotated[int, typer.Option(help="Blocks of time at least, of which every fifth is held out.", min=5)] = 20,
+    boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
@@ -133,7 +134,7 @@ def fit_machine(
         save_models(found.models, out)
         if card is not None:
             progress("card", 0, 1)
-            write_card(found, card)
+            write_card(found, card, max_boxes=boxes)
     print(found)
 
 

@@ -52,6 +52,7 @@ def fit(
     longest_lag: Annotated[
         int | None, typer.Option(help="With --dynamic: how many rows ago may be read, at most; 8 if not given.", min=1)
     ] = None,
+    boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
 ) -> None:
     """Learn polynomial networks from a table.
 
@@ -110,7 +111,7 @@ def fit(
             )  # fmt: skip
     save_models(found.models, out)
     if card is not None:
-        write_card(found, card)
+        write_card(found, card, max_boxes=boxes)
     print(found)
 
 
