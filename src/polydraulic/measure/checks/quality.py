@@ -157,7 +157,7 @@ def _page(imported: Imported, told: Told) -> str:
 
 
 def _findings(findings: list[Finding]) -> str:
-    rows = []
+    rows: list[list[str | Cell]] = []
     for f in findings:
         spans = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in f.rows)
         more = ", ..." if len(f.rows) == 20 else ""
@@ -168,7 +168,7 @@ def _findings(findings: list[Finding]) -> str:
 
 def _channels(checks: list[ChannelCheck]) -> str:
     names = ("source", "column", "role", "unit", "every s", "values", "smallest", "mean", "largest", "deviation")
-    rows = []
+    rows: list[list[str | Cell]] = []
     for check in checks:
         s = _statistics(check)
         numbers = (s[key] for key in ("raster_s", "values", "low", "mean", "high", "deviation"))
