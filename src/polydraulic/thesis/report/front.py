@@ -89,13 +89,13 @@ def front_page(chapters: Sequence[Chapter], figures: Mapping[str, Shown], rows: 
     body = f"""{paragraphs(intro)}
 {_three(headlines(values))}
 {f"<h2>The story in pictures</h2>{pictures}" if pictures else ""}
-{_chosen("Printed and computed", values, WITH_PRINTED)}
-{_chosen("Beyond the thesis", values, BEYOND)}
+{_chosen("Numbers of the thesis, printed and computed", values, WITH_PRINTED)}
+{_chosen("Numbers beyond the thesis", values, BEYOND)}
 <h2>Terms</h2>
 <dl>{"".join(f"<dt>{escape(term)}</dt><dd>{escape(meaning)}</dd>" for term, meaning in TERMS)}</dl>
 <h2>The thesis repeated, chapter by chapter</h2>
 {_contents([c for c in chapters if c.number in THESIS])}
-<h2>Beyond the thesis</h2>
+<h2>Beyond the thesis, chapter by chapter</h2>
 {_contents([c for c in chapters if c.number not in THESIS])}
 <h2>Where the numbers come from</h2>
 <p>The column &ldquo;made in&rdquo; names the file (in <code>polydraulic/thesis/report/chapters</code>) and the line of code that makes a number.
@@ -165,7 +165,7 @@ def _mm(metres: Number) -> str:
 def _three(shown: Sequence[Headline]) -> str:
     boxes = "\n".join(
         f"<section><h3>{escape(h.title)}</h3><strong>{escape(h.value)}</strong>"
-        f'<p>{escape(h.means)}</p><p class="note">What it does not say: {escape(h.limits)}</p></section>'
+        f'<p>{escape(h.means)}</p><p class="note"><b>What it does not say.</b> {escape(h.limits)}</p></section>'
         for h in shown
     )
     return f'<div class="three">\n{boxes}\n</div>' if boxes else ""

@@ -102,13 +102,14 @@ def numbers_html(rows: Sequence[dict[str, Any]]) -> str:
 
 def results_table(rows: Sequence[dict[str, Any]], *, thesis: bool = True) -> str:
     """Rows of ``results.json`` as a table, with or without the thesis' values."""
-    header = ["quantity", *(["thesis"] if thesis else []), "computed", "unit", "note", "section", "made in"]
+    notes = any(row["note"] for row in rows)
+    header = ["quantity", *(["thesis"] if thesis else []), "computed", "unit", *(["note"] if notes else []), "section", "made in"]  # fmt: skip
     cells: list[list[str | Cell]] = []
     for row in rows:
         values = [_value(row[key]) for key in (("thesis", "computed") if thesis else ("computed",))]
         unit = "" if row["unit"] == "1" else row["unit"]
         made_in = Cell(row["source"].rpartition("/")[2], "small")
-        cells.append([row["quantity"], *values, unit, row["note"], row["section"], made_in])
+        cells.append([row["quantity"], *values, unit, *([row["note"]] if notes else []), row["section"], made_in])
     return table("", header, cells)
 
 
@@ -122,4 +123,4 @@ def _value(value: Number) -> Cell:
 
 
 def _digits(value: float) -> str:
-    return f"{value:.4g}"
+    return f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.4g}"
