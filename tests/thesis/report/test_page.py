@@ -58,7 +58,7 @@ def test_the_first_page_has_the_story_before_the_tables_and_two_lists_of_chapter
     page = front_page([chapter(5), chapter(7)], {"5-44": SHOWN, "5-12": SHOWN}, ROWS)
     assert page.index("<section>") < page.index('id="fig-5-44"') < page.index("<table") < page.index("<dl>")
     assert 'id="fig-5-12"' not in page  # not part of the story
-    repeated, beyond = page.index("The thesis repeated"), page.rindex("Beyond the thesis")
+    repeated, beyond = page.index("The thesis repeated"), page.rindex("Beyond the thesis, chapter by chapter")
     assert repeated < page.index('<li><a href="chapter_5.html"') < beyond < page.index('<li><a href="chapter_7.html"')
     assert "2 printed numbers" in page
 

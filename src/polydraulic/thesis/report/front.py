@@ -13,11 +13,12 @@ Values = Mapping[str, dict[str, Any]]  # rows of results.json by id
 
 # The pictures, and what each has to do with the story; shown as far as their chapters were made.
 STORY = (
-    ("5-T1", "The task: swing and lift, reach, dump, swing back. Solid: the exact run at the ends of its four phases; coloured: the paths "
-             "of the end-effector with networks in the place of the exact valve flows."),
-    ("5-37", "What the networks have to supply: the flows into swing and stick in every time step. Below: their errors in the "
-             "thesis' setting, largest while both valves are open."),
-    ("5-44", "What the flow errors do to the end-effector, with networks in the thesis' setting and with polydraulic's."),
+    ("5-T1", "The task: swing and lift, reach, dump, swing back. Grey: the linkage at the ends of these four phases; coloured: the "
+             "paths of the end-effector with the exact valve flows and with networks in their place; dots: where it ends."),
+    ("5-37", "What the networks have to supply in every time step: the flows into swing and stick. Below, their errors: those of "
+             "the thesis' setting are largest while both valves are open."),
+    ("5-44", "What the flow errors do to the end-effector, with networks in the thesis' setting and with polydraulic's "
+             "(the scales differ)."),
     ("7-1", ""),
     ("7-4", ""),
     ("7-3", ""),

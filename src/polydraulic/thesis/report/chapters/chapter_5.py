@@ -317,8 +317,8 @@ def _text() -> list[Paragraph]:
     ]
 
 
-_KINDS = ("exact", "iterative", "polynomial")
-_AT_RELIEF = ("exact", "polynomial")
+_KINDS = ("exact", "iterative", "polynomial", "ours")
+_AT_RELIEF = ("exact", "polynomial", "ours")
 _SEE_SINE = {
     "q_in": "The stick's flow jumps as its valve opens, at 2.5 s and, less, at 9 s; in the thesis it jumped at 2.5 s only.",
     "q_out": "Output flows follow the joint speeds: the error of the stick's input flow appears here, too.",

@@ -24,6 +24,17 @@ NAMES = {
     "neural": "perceptrons",
 }
 
+# What is drawn over time, by the end of a column's name.
+_QUANTITIES = {
+    "q_in": "input flow",
+    "q_out": "output flow",
+    "p_in": "input line pressure",
+    "p_out": "output line pressure",
+    "p_pump": "pump pressure",
+    "angle": "joint angle",
+    "rate": "joint velocity",
+}
+
 # Colour, line and width of each flow model: exact lies broad and pale below the others.
 STYLES = {
     "exact": ("#9ec5e8", "-", 3.5),
@@ -71,7 +82,8 @@ def time_panel(axis: "Axes", runs: Mapping[str, Table], column: str, title: str)
     for name, table in runs.items():
         values, unit = in_field_units(table, column)
         line(axis, name, table["time"], values)
-    finish(axis, f"[{unit}]", title)
+    quantity = _QUANTITIES.get(column.rpartition(".")[2], "position")
+    finish(axis, f"{quantity} [{unit}]", title)
 
 
 def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> None:

@@ -20,6 +20,7 @@ MakeFigure = Callable[[Lab], Figure]
 
 _PAIR = ("swing", "stick")
 _ALL = ("boom", "swing", "stick")
+_ALIKE = 5.0  # ratio of the largest errors up to which panels side by side share one scale
 
 
 def quantity(
@@ -69,12 +70,19 @@ def effector_error(scenario: str, title: str, see: str, kinds: Sequence[str], *,
 
         def draw() -> "matplotlib.figure.Figure":
             figure, axes = canvas(1, len(kinds), width=5.4 * len(kinds), height=3.0)
+            sizes = [float(table[f"{name_of(kind)} distance"].max()) for kind in kinds]
+            alike = max(sizes) < _ALIKE * min(sizes)
             for axis, kind in zip(axes[0], kinds, strict=True):
                 for name in ("X", "Y", "Z", "distance"):
                     wide = name == "distance"
                     axis.plot(table["time"], table[f"{name_of(kind)} {name}"], "k-" if wide else "-", label=name, linewidth=1.6 if wide else 1.0)  # fmt: skip
-                finish(axis, "[m]", f"{name_of(kind)} minus exact")
+                finish(
+                    axis, "end-effector error [m]", f"{name_of(kind)} minus exact{'' if alike else '; scales differ'}"
+                )
                 axis.set_xlabel("time [s]")
+            if alike:
+                for axis in axes[0, 1:]:
+                    axis.sharey(axes[0, 0])
             return figure
 
         return Figure(title, see, {"": table}, draw)
