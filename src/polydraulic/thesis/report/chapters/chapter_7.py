@@ -19,6 +19,7 @@ from polydraulic.thesis.report.differences import compared
 from polydraulic.thesis.report.figures.chapter_7 import FIGURES
 from polydraulic.thesis.report.figures.draw import name_of
 from polydraulic.thesis.three_links import SCENARIOS, ThreeLinkStudy, three_link_study
+from polydraulic.thesis.timing import TURNED
 
 _PROVED = "input flows: proved, see the last table"
 _BOUNDS = {
@@ -57,7 +58,7 @@ def _numbers(study: ThreeLinkStudy) -> list[dict[str, Any]]:
         result("polydraulic.operators.median_m", "7", f"{N_OPERATORS} runs of 60 s by random operators: half of the largest end-effector errors are below", "m", _at(operators, 0.5)),
         result("polydraulic.operators.p95_m", "7", f"{N_OPERATORS} runs of 60 s by random operators: 95 % of the largest end-effector errors are below", "m", _at(operators, 0.95)),
         result("polydraulic.operators.largest_m", "7", f"{N_OPERATORS} runs of 60 s by random operators: largest end-effector error of all", "m", operators[-1]),
-        result("polydraulic.time_of_a_step", "7", "time per step of the simulation with polydraulic's networks, as a multiple of that with the exact flow", "1", cost["ours"].time),
+        result("polydraulic.time_of_a_step", "7", "time per step of the simulation with polydraulic's networks, as a multiple of that with the exact flow", "1", cost["ours"].time.median, f"median and quartiles: {cost['ours'].time}"),
     ]  # fmt: skip
 
 
@@ -117,7 +118,7 @@ def _flow_models(study: ThreeLinkStudy) -> Grid:
         [
             name_of(kind),
             *(f"{1e3 * tips[kind][name]:.1f}" for name in SCENARIOS),
-            f"{cost[kind].time:.2f}",
+            str(cost[kind].time),
             f"{cost[kind].memory / 1024.0:.0f}",
             _NEEDS[kind],
             _BOUNDS[kind],
@@ -127,12 +128,12 @@ def _flow_models(study: ThreeLinkStudy) -> Grid:
     header = [
         "flow model",
         *(f"{name} [mm]" for name in SCENARIOS),
-        "time / exact",
+        "time / exact (quartiles)",
         "memory [KiB]",
         "needs",
         "bounds of its flows",
     ]
-    return Grid("Every flow model: largest end-effector errors, time of a whole step against exact (medians of 31 repetitions), memory, bounds", header, rows)  # fmt: skip
+    return Grid(f"Every flow model: largest end-effector errors, time of a whole step against exact ({TURNED}), memory, bounds", header, rows)  # fmt: skip
 
 
 def _operators(study: ThreeLinkStudy) -> Grid:
@@ -184,8 +185,8 @@ def _text(study: ThreeLinkStudy) -> list[Paragraph]:
         ),
         Paragraph(
             "Not in speed: in compiled code the closed form of the circuit is exact, needs no training and costs less than networks that "
-            f"come close to it. A time step with polydraulic's networks takes {cost['ours'].time:.2f} times as long as with the closed form "
-            f"(with the small networks of the thesis' setting {cost['polynomial'].time:.2f} times); the iteration that the thesis replaced is "
+            f"come close to it. A time step with polydraulic's networks takes {cost['ours'].time.median:.2f} times as long as with the closed form "
+            f"(with the small networks of the thesis' setting {cost['polynomial'].time.median:.2f} times); the iteration that the thesis replaced is "
             f"faster still where it converges. A lookup table of {cost['lookup'].memory / 1e6:.1f} MB, filled from the exact flow, is "
             "faster than the networks, and more accurate where no relief valve opens. Without limits on its output a polynomial leaves the physical range at "
             "corners of its domain (last table): nobody should use one without them.",
