@@ -53,7 +53,7 @@ TERMS = (
               "model and the run with the exact flow, on the same machine with the same lever voltages."),
     ("thesis' setting", "Polynomial networks learnt here as the thesis describes: in given regions, grown until the predicted squared error "
                         "is smallest, not refined."),
-    ("polydraulic", "Polynomial networks learnt with this package's method. In chapter 4 from the same data in the same regions; from chapter 5 on "
+    ("polydraulic", "Polynomial networks learnt with the method of this software. In chapter 4 from the same data in the same regions; from chapter 5 on "
                     "those that come with the package."),
     ("iterative", "The flow model that the thesis replaced: pump pressure and flows by repeated sweeps, to a relative bound eps."),
     ("end-effector error", "Distance between the tips of the stick in two runs."),
