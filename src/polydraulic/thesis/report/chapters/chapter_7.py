@@ -161,7 +161,7 @@ def _ranges(study: ThreeLinkStudy) -> Grid:
 
 def _named(name: str) -> tuple[str, str]:
     kind, output = name.split(" ")
-    return name_of(kind), output
+    return name_of(kind), output.replace(".q_in", " input flow")
 
 
 def _text(study: ThreeLinkStudy) -> list[Paragraph]:

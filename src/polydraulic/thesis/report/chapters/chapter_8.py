@@ -43,7 +43,7 @@ def content(lab: Lab) -> Content:
     changes = {name: _change(lab, name) for name in _ADAPTATION}
     rows = [
         [
-            describe(c),
+            _named(c),
             str(o.rows),
             " / ".join(f"{o.flow_rms[link]:.1f}" for link in LINKS),
             f"{1e3 * o.median:.0f}",
@@ -61,11 +61,18 @@ def content(lab: Lab) -> Content:
         *(f"{name} [mm]" for name in SCENARIOS),
     ]
     table = Grid(
-        "Networks learnt from measurements: flow errors, and largest end-effector errors against the exact flow",
+        "Networks learnt from measurements: flow errors, and largest end-effector errors. The first row has the usual conditions; "
+        "the others name what differs from them",
         header,
         rows,
     )
     return Content([*_text(found), _adaptation_text(changes)], {}, _numbers(usual, changes), [table])
+
+
+def _named(conditions: Conditions) -> str:
+    """What differs from the usual conditions."""
+    usual = describe(USUAL).split(", ")
+    return ", ".join(word for word in describe(conditions).split(", ") if word not in usual) or ", ".join(usual)
 
 
 def _numbers(usual: Outcome, changes: dict[str, Table]) -> list[dict[str, Any]]:
@@ -113,7 +120,7 @@ def what_data_buy(lab: Lab) -> Figure:
         return figure
 
     see = (
-        f"Each panel varies one condition; the others are: {describe(USUAL)} (in the last panel no flow sensors, too). Tested in runs by operators whose "
+        f"Each panel varies one condition; the others are the usual ones: {describe(USUAL)} (in the last panel also no flow sensors). Tested in runs by operators whose "
         "work the networks were not trained on. Dotted line: what the thesis reached in its task, with networks learnt from a simulation."
     )
     return Figure("Accuracy over amount and quality of the measured data", see, data, draw)
@@ -144,7 +151,7 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             "What was done.",
         ),
         Paragraph(
-            f"With {describe(USUAL)}, the end-effector stays within {median(usual)} of the exact run in half of the test runs and within "
+            f"Under the usual conditions ({describe(USUAL)}), the end-effector stays within {median(usual)} of the exact run in half of the test runs and within "
             f"{worst(usual)} in all of them, over a minute without any correction; in the thesis' task within "
             f"{1e3 * usual.scenarios['task']:.0f} mm. Logs of other operators, as long and as good, lead to medians of "
             f"{' and '.join(median(o) for o in others)} (worst {' and '.join(worst(o) for o in others)}): smaller differences than "
@@ -154,7 +161,7 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
         Paragraph(
             "Coverage of the operating range first: networks learnt from operators who use only part of the joystick travel have errors of "
             "metres when others use all of it, even if the log is as long. Then flow sensors: flows reconstructed from joint angles omit the flow that "
-            f"compresses the oil. Sensor noise matters less: the median is {median(quiet)} without noise, {median(loud)} with noise of 1 % of the "
+            f"compresses the oil. Sensor noise: the median is {median(quiet)} without noise, {median(loud)} with noise of 1 % of the "
             f"range, {median(deaf)} with 3 %.",
             "What matters most.",
         ),

@@ -18,7 +18,7 @@ from polydraulic.thesis.beyond import (
 )
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure, printed_mm
-from polydraulic.thesis.report.figures.draw import canvas, name_of
+from polydraulic.thesis.report.figures.draw import STYLES, canvas, name_of
 from polydraulic.thesis.report.figures.volumes import volumes
 from polydraulic.thesis.three_links import SCENARIOS, three_link_study
 
@@ -39,7 +39,7 @@ def by_scenario(lab: Lab) -> Figure:
 
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 1, width=8.0, height=3.4)
-        _bars(axes[0, 0], table, list(SCENARIOS))
+        _bars(axes[0, 0], table, list(SCENARIOS), ["0.6", STYLES["polynomial"][0], STYLES["ours"][0]])
         axes[0, 0].set_ylabel("largest end-effector error [mm]")
         return figure
 
@@ -134,8 +134,9 @@ def by_operator(lab: Lab) -> Figure:
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 1, width=8.0, height=3.6)
         axis = axes[0, 0]
-        for name in table.names[1:]:
-            axis.semilogx(table[name], 100.0 * share, label=name)
+        for kind in BY_OPERATORS:
+            color = STYLES[kind][0] if kind in STYLES else "0.4"
+            axis.semilogx(table[name_of(kind)], 100.0 * share, label=name_of(kind), color=color)
         axis.axhline(95.0, color="0.6", linestyle="--")
         axis.set_xlabel("largest end-effector error of a run [mm]")
         axis.set_ylabel("runs with a smaller error [%]")
@@ -147,10 +148,10 @@ def by_operator(lab: Lab) -> Figure:
     return Figure("End-effector errors of random operators", see, {"": table}, draw)
 
 
-def _bars(axis: "matplotlib.axes.Axes", table: Table, labels: list[str]) -> None:
+def _bars(axis: "matplotlib.axes.Axes", table: Table, labels: list[str], colors: list[str]) -> None:
     places, width = np.arange(len(labels)), 0.8 / len(table.names)
-    for k, name in enumerate(table.names):
-        axis.bar(places + (k - 0.5 * (len(table.names) - 1)) * width, table[name], width, label=name)
+    for k, (name, color) in enumerate(zip(table.names, colors, strict=True)):
+        axis.bar(places + (k - 0.5 * (len(colors) - 1)) * width, table[name], width, label=name, color=color)
     axis.set_yscale("log")
     axis.set_xticks(places, labels)
     axis.grid(alpha=0.3, axis="y", which="both")
