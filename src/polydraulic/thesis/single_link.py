@@ -70,7 +70,7 @@ class BoomStudy:
 
     def _boom_models(self, name: str, **settings: Any) -> BoomModels:
         def grow() -> BoomModels:
-            self.lab.say(f"grow networks: {name}")
+            self.lab.say("grow networks of the boom")
             return fit_boom(self.machine, np.random.default_rng(SEED), **settings)
 
         return BoomModels(*self.lab.computed.models(name, grow))

@@ -29,7 +29,7 @@ from polydraulic.simulation.runs import arrange
 
 CLOCK = thread_time if os.name == "posix" else perf_counter  # Windows counts a thread's time in ticks of 16 ms
 TURNS = 31
-TURNED = f"medians of {TURNS} turns, ratios with quartiles"  # what tables say of their times
+TURNED = f"medians of {TURNS} interleaved repetitions, ratios with quartiles"  # what tables say of their times
 
 T = TypeVar("T")
 
