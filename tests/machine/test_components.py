@@ -10,12 +10,13 @@ from scipy.integrate import solve_ivp
 
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
+from polydraulic.flow.record import from_vector, to_vector
 from polydraulic.machine.actuator import friction_torque, lever_arm, prepare_cylinder
 from polydraulic.machine.hose import line_step, prepare_line
 from polydraulic.machine.linkage import end_effector, end_effector_printed
 from polydraulic.machine.pilot import pilot_step, prepare_pilot
 from polydraulic.machine.plant import prepare
-from polydraulic.machine.state import from_vector, initial_state, to_vector
+from polydraulic.machine.state import initial_state
 from polydraulic.machine.valve import orifice_flow, orifices, prepare_valve
 
 

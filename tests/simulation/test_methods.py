@@ -6,13 +6,14 @@ import pytest
 from polydraulic import load_scenario, random_operator, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import exact_flow
+from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import Links, State
 from polydraulic.parameters.scenario import Scenario, scenario_names
 from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Constant, Piecewise
 from polydraulic.simulation.events import edges_of, new_log
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import METHODS
 from polydraulic.simulation.solvers.right_hand_side import held_at_stops, rates, resting
 from polydraulic.simulation.solvers.rosenbrock import DONE, run_rosenbrock

@@ -114,7 +114,7 @@ def sample_series(
     return _table(columns, "series", relief)
 
 
-CIRCUITS = {"boom": sample_boom, "series": sample_series}
+SAMPLERS = {"boom": sample_boom, "series": sample_series}
 
 
 def boom_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray) -> FlowSample:

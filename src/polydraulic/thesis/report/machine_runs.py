@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
+from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure
