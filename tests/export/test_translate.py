@@ -47,7 +47,7 @@ def library(folder, *kernels):
     for kernel, examples in kernels:
         program.entry(kernel.__name__, kernel, examples)
     prototypes = "".join(f"{f.prototype};\n" for f in program.functions.values() if "static" not in f.prototype)
-    text = f"{INCLUDES}\n{program.structs()}\n{prototypes}\n{program.code()}"
+    text = f"{INCLUDES}\n{program.scope.structs()}\n{prototypes}\n{program.code()}"
     (folder / "k.c").write_text(text)
     command = ["gcc", *STRICT, "-O2", "-ffp-contract=off", "-shared", "-fPIC", "k.c", "-lm", "-o", "k.so"]
     subprocess.run(command, check=True, cwd=folder)
@@ -143,8 +143,8 @@ def test_a_pointer_stands_for_a_copy_only_where_nothing_changes():
     program = Program()
     program.entry("f", _read, [Large(Pair(1.0, 2.0), Pair(3.0, 4.0), 5, np.ones((2, 3)))])
     assert "const Large *again = p;" in program.code()
-    assert "double static_;" in program.structs()
-    assert "double a; /* first */" in program.structs()
+    assert "double static_;" in program.scope.structs()
+    assert "double a; /* first */" in program.scope.structs()
 
 
 def _read(p: Large) -> float:
@@ -353,7 +353,7 @@ def test_examples_without_counterpart_are_named():
     with pytest.raises(InputError, match="argument 0.one.a: a str, which has no counterpart"):
         Program().entry("f", _read, [Large(Pair("a", 1.0), Pair(1.0, 1.0), 1, np.zeros((2, 2)))])
     with pytest.raises(InputError, match="x_a is not a number"):
-        Program().data(Pair(math.nan, 1.0), "x")
+        Program().scope.data(Pair(math.nan, 1.0), "x")
 
 
 # Types
@@ -383,14 +383,14 @@ def test_types_are_those_that_numba_infers(machine, flow):
     for function in program.functions.values():
         if function.python is flow_step:  # numba has an overload in its place
             continue
-        arguments = tuple(numba_type(p.type, program.layouts) for p in function.parameters)
+        arguments = tuple(numba_type(p.type, program.scope.layouts) for p in function.parameters)
         ir = compiler.run_frontend(function.python)
         target.typing_context.refresh()
         found = typed_passes.type_inference_stage(target.typing_context, target.target_context, ir, arguments, None)
-        assert types.unliteral(found.return_type) == numba_type(function.result, program.layouts), function.name
+        assert types.unliteral(found.return_type) == numba_type(function.result, program.scope.layouts), function.name
         inferred = {name.split(".")[0]: types.unliteral(kind) for name, kind in found.typemap.items()}
         for name, kind in function.locals.items():
             if name in inferred and name != "_":
-                assert numba_type(kind, program.layouts) == inferred[name], f"{function.name}: {name}"
+                assert numba_type(kind, program.scope.layouts) == inferred[name], f"{function.name}: {name}"
                 compared += 1
     assert compared > 300

@@ -148,10 +148,10 @@ def machine_c(
         "n_waiting": str(max(1, *delays)),
         "delays": ", ".join(map(str, delays)),
         "free": ", ".join("false" if link in locked else "true" for link in LINKS),
-        "structs": program.structs(),
+        "structs": program.scope.structs(),
         "prototypes": f"{start.prototype};\n{advance.prototype};",
         "code": program.code(),
-        "data": program.data(parts, f"{name}_parameters"),
+        "data": program.scope.data(parts, f"{name}_parameters"),
     }
     files = {
         file: Template((_TEMPLATES / f"machine{file}.txt").read_text(encoding="utf-8")).substitute(fill)
