@@ -31,7 +31,7 @@ from polydraulic.export.translate.values import (
     WORD,
     Value,
     as_float,
-    literal,
+    literal_value,
     plain,
     shown,
 )
@@ -115,7 +115,7 @@ class Expressions:
         """Translate; `whole` says that nothing else in the same expression reads arrays, so that a call may write."""
         match node:
             case ast.Constant(value=bool() | int() | float()):
-                return literal(node.value)
+                return literal_value(node.value)
             case ast.Name(id=name):
                 return self._name(node, name)
             case ast.Attribute():
@@ -167,7 +167,7 @@ class Expressions:
     def _attribute(self, node: ast.Attribute) -> Value:
         constant = self.known(node)
         if isinstance(constant, int | float):
-            return literal(constant)
+            return literal_value(constant)
         owner = self.value(node.value)
         if not isinstance(owner.type, Struct):
             self.refuse(node, f"{ast.unparse(node)}: {owner.type} has no fields")
@@ -186,7 +186,7 @@ class Expressions:
                     self.refuse(
                         node, "the arrays in this field differ in length; keep the length in a field of its own"
                     )
-                return literal(length)
+                return literal_value(length)
         array = self.value(node.value)
         if not isinstance(array.type, Array):
             self.refuse(node, f"{ast.unparse(node.value)} is no array; give the fields of a named tuple by name")

@@ -61,7 +61,7 @@ def shown(kind: Type) -> str:
     return kind.name if isinstance(kind, Scalar) else f"an array of {kind.element.name}, {kind.shape}"
 
 
-def literal(value: Any) -> Value:
+def literal_value(value: Any) -> Value:
     """A number as C text that reads back exactly."""
     text = number(value)
     return Value(text, kind_of(value), UNARY if text.startswith("-") else WORD)

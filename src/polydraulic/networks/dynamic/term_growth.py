@@ -27,7 +27,7 @@ _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
-def grow(frame: Frame, spans: Sequence[Span], horizon: int) -> Iterator[Terms]:
+def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int) -> Iterator[Terms]:
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -69,7 +69,7 @@ def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int)
     members, weights = [], []
     for left_out in blocks_of(spans, _MEMBERS):
         rest = without(spans, left_out) or spans
-        for member in grow(frame, rest, horizon):
+        for member in grow_terms(frame, rest, horizon):
             if len(member.coef) >= n_term:
                 break
         members.append(member)

@@ -11,7 +11,7 @@ from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure
-from polydraulic.thesis.report.figures.draw import canvas, finish, over_time, run_table, time_panel
+from polydraulic.thesis.report.figures.draw import canvas, columns_of_runs, finish, over_time, time_panel
 from polydraulic.thesis.three_links import three_link_study
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _PAIR = ("swing", "stick")
 _ALL = ("boom", "swing", "stick")
 
 
-def quantity(
+def quantity_figure(
     scenario: str,
     name: str,
     title: str,
@@ -56,7 +56,7 @@ def effector(scenario: str, title: str, see: str, kinds: Sequence[str], *, limit
                 axis.set_xlabel("time [s]")
             return figure
 
-        return Figure(title, see, {"": run_table(runs, EFFECTOR)}, draw)
+        return Figure(title, see, {"": columns_of_runs(runs, EFFECTOR)}, draw)
 
     return make
 
@@ -136,7 +136,7 @@ def eps_study(lab: Lab) -> Figure:
     return Figure(
         "Task: swing input flow with three convergence bounds",
         "The larger the bound, the wider the band in which the iterative flow jumps about; the networks' flow is smooth, and off.",
-        {"": run_table(named, ["swing.q_in"])},
+        {"": columns_of_runs(named, ["swing.q_in"])},
         draw,
     )
 
@@ -152,12 +152,12 @@ def scenario_figures(
 ) -> dict[str, MakeFigure]:
     """The eight figures of a run in chapter 5, numbered from `first` on, with what to see in each."""
     makers = [
-        quantity(scenario, "q_in", f"{name}: input flows", see["q_in"], kinds),
-        quantity(scenario, "q_out", f"{name}: output flows", see["q_out"], kinds),
-        quantity(scenario, "p_in", f"{name}: input line pressures", see["p_in"], kinds),
-        quantity(scenario, "p_out", f"{name}: output line pressures", see["p_out"], kinds),
-        quantity(scenario, "angle", f"{name}: joint displacements", see["angle"], kinds, links=_ALL),
-        quantity(scenario, "rate", f"{name}: joint velocities", see["rate"], kinds, links=_ALL),
+        quantity_figure(scenario, "q_in", f"{name}: input flows", see["q_in"], kinds),
+        quantity_figure(scenario, "q_out", f"{name}: output flows", see["q_out"], kinds),
+        quantity_figure(scenario, "p_in", f"{name}: input line pressures", see["p_in"], kinds),
+        quantity_figure(scenario, "p_out", f"{name}: output line pressures", see["p_out"], kinds),
+        quantity_figure(scenario, "angle", f"{name}: joint displacements", see["angle"], kinds, links=_ALL),
+        quantity_figure(scenario, "rate", f"{name}: joint velocities", see["rate"], kinds, links=_ALL),
         effector(scenario, f"{name}: end-effector", see["effector"], kinds),
         effector_error(scenario, f"{name}: end-effector error", see["error"], ("polynomial", "ours")),
     ]

@@ -10,7 +10,7 @@ from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Chapter, Content, Figure, Grid, Ours, result
 from polydraulic.thesis.report.differences import compared
 from polydraulic.thesis.report.figures.chapter_5 import in_field, map_figure
-from polydraulic.thesis.report.machine_runs import effector, effector_error, quantity
+from polydraulic.thesis.report.machine_runs import effector, effector_error, quantity_figure
 from polydraulic.thesis.three_links import ThreeLinkStudy, three_link_study
 
 _SMALLER = (
@@ -125,22 +125,22 @@ CHAPTER = Chapter(
     content,
     {
         "6-1": limited_map,
-        "6-2": quantity("sine", "q_in", f"{_SINE}: input flows",
+        "6-2": quantity_figure("sine", "q_in", f"{_SINE}: input flows",
                         "Swing and stick stay below the limit in our sine; networks that know it err no less there.",
                         _TWICE, limited=True),
-        "6-3": quantity("sine", "angle", f"{_SINE}: joint displacements",
+        "6-3": quantity_figure("sine", "angle", f"{_SINE}: joint displacements",
                         "The boom's pump is above its limit: networks that do not know it lift the boom too far.", _TWICE, links=_LINKS, limited=True),
-        "6-4": quantity("sine", "rate", f"{_SINE}: joint velocities",
+        "6-4": quantity_figure("sine", "rate", f"{_SINE}: joint velocities",
                         "Without the limit in its training data the boom moves a little too fast while the limit acts.", _TWICE, links=_LINKS, limited=True),
         "6-5": effector("sine", f"{_SINE}: end-effector (printed as Fig 7-5)", "Where it is.", _TWICE, limited=True),
         "6-6": effector_error("sine", f"{_SINE}: end-effector error (printed as Fig 7-6)",
                               "Left and right: the thesis' setting without and with the limit in its training data.",
                               ("polynomial", "polynomial with limit"), limited=True),
-        "6-7": quantity("task", "q_in", f"{_TASK}: input flows",
+        "6-7": quantity_figure("task", "q_in", f"{_TASK}: input flows",
                         "Networks that know the limit err more while the stick works alone: one a section has to follow the limit's kink, too.", _TWICE, limited=True),
-        "6-8": quantity("task", "angle", f"{_TASK}: joint displacements",
+        "6-8": quantity_figure("task", "angle", f"{_TASK}: joint displacements",
                         "The boom gains from knowing the limit; the stick loses more, in section B.", _TWICE, links=_LINKS, limited=True),
-        "6-9": quantity("task", "rate", f"{_TASK}: joint velocities",
+        "6-9": quantity_figure("task", "rate", f"{_TASK}: joint velocities",
                         "From 3 to 7 s the stick is too slow with the network that knows the limit.", _TWICE, links=_LINKS, limited=True),
         "6-10": effector("task", f"{_TASK}: end-effector", "Where it is.", _TWICE, limited=True),
         "6-11": effector_error("task", f"{_TASK}: end-effector error",

@@ -9,7 +9,7 @@ from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 from polydraulic.thesis.adaptation_study import SENSORS, torque_limit_study, worn_pump_study
 from polydraulic.thesis.cache import Lab
-from polydraulic.thesis.measured import JUDGES, SWEEPS, USUAL, Conditions, Outcome, describe, outcomes
+from polydraulic.thesis.measured import JUDGES, SWEEPS, USUAL, Conditions, Outcome, conditions_in_words, outcomes
 from polydraulic.thesis.report.catalog import Chapter, Content, Figure, Grid, result
 from polydraulic.thesis.report.figures.draw import canvas
 from polydraulic.thesis.three_links import SCENARIOS
@@ -44,7 +44,7 @@ def content(lab: Lab) -> Content:
     changes = {name: _change(lab, name) for name in _ADAPTATION}
     rows = [
         [
-            describe(c),
+            conditions_in_words(c),
             str(o.rows),
             " / ".join(f"{o.flow_rms[link]:.1f}" for link in LINKS),
             f"{1e3 * o.median:.0f}",
@@ -70,7 +70,7 @@ def content(lab: Lab) -> Content:
 def _numbers(usual: Outcome, changes: dict[str, Table]) -> list[dict[str, Any]]:
     limit, worn = changes["torque limit"], changes["worn pumps"]
     judged = "median over judges of the largest end-effector error"
-    what = f"learnt from sensors ({describe(USUAL)})"
+    what = f"learnt from sensors ({conditions_in_words(USUAL)})"
     return [
         result("ours.measured.median_m", "8", f"median of the largest end-effector errors of {len(JUDGES)} operators, {what}", "m", usual.median),
         result("ours.measured.worst_m", "8", f"worst of {len(JUDGES)} operators, {what}", "m", usual.worst),
@@ -110,7 +110,7 @@ def what_data_buy(lab: Lab) -> Figure:
         return figure
 
     see = (
-        f"Each panel changes one thing of: {describe(USUAL)} (the last one leaves out flow sensors, too). Judged by operators whom the networks never saw; the dotted line is "
+        f"Each panel changes one thing of: {conditions_in_words(USUAL)} (the last one leaves out flow sensors, too). Judged by operators whom the networks never saw; the dotted line is "
         "what the thesis reached in its task with networks learnt from a simulation."
     )
     return Figure("How much data of what quality buys what accuracy", see, data, draw)
@@ -132,7 +132,7 @@ def _text(found: dict[Conditions, Outcome]) -> str:
     relief valves included; sensors with noise and dropouts read spools, port pressures and flows; networks are learnt from nothing
     else, on top of the pumps' flow, the relief setting and the deadband. They go into the machine and drive it with the voltages of
     operators whom they never saw.</p>
-    <p><strong>What an engineer can take from it.</strong> {describe(USUAL)}: half of the operators stay within
+    <p><strong>What an engineer can take from it.</strong> {conditions_in_words(USUAL)}: half of the operators stay within
     {1e3 * usual.median:.0f} mm and all of them within {1e3 * usual.worst:.0f} mm over a minute without any correction, the task within
     {1e3 * usual.scenarios["task"]:.0f} mm. Logs of other operators, as long and as good, lead to
     {" and ".join(median(o) for o in others)} (the worst within {" and ".join(f"{1e3 * o.worst:.0f} mm" for o in others)}): what differs
