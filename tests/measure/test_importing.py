@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
-from polydraulic.measure.checks.findings import KINDS
+from polydraulic.measure.findings import KINDS
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from polydraulic.cli.app import app
+from polydraulic.cli.application import app
 from polydraulic.errors import InputError
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import pytest
 from polydraulic.measure.channels import Channel
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.clock import Clock, ClockedRows
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 
 N = 2000
 WAVE = 50.0 + 20.0 * np.sin(np.arange(N) / 50.0) + np.random.default_rng(0).normal(0.0, 0.1, N)

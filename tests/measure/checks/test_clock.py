@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic.measure.checks.clock import Clock
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import LogBlock
 
 

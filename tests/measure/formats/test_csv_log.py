@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic.measure import open_log
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 
 
 def test_dates_are_times(tmp_path):

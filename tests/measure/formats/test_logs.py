@@ -8,7 +8,7 @@ import pytest
 from helpers.logs_made import MAP, UNITS, healthy, write_csv
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import BLOCK
 from polydraulic.tables import read_table
 

@@ -1,7 +1,7 @@
 import numpy as np
 
 from polydraulic.measure import open_log
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 
 
 def test_matrices_are_signals_by_column(tmp_path):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import SHOWN, Findings
+from polydraulic.measure.findings import SHOWN, Findings
 
 
 def test_rows_that_follow_each_other_are_one_span_across_blocks():
