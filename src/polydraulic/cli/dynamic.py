@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.app import app
+from polydraulic.cli.application import app
 
 
 @app.command()

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import MachineOption, app
+from polydraulic.cli.application import MachineOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import counted, print_differences, steps
 
@@ -177,13 +177,13 @@ def sample(
     """
     import numpy as np
 
-    from polydraulic.flow.database import CIRCUITS
+    from polydraulic.flow.database import SAMPLERS
     from polydraulic.parameters.load import load_machine
     from polydraulic.tables import write_table
 
-    if circuit not in CIRCUITS:
-        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(CIRCUITS)}")
-    table = CIRCUITS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+    if circuit not in SAMPLERS:
+        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
+    table = SAMPLERS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
     write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
 

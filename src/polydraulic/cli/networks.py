@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import app
+from polydraulic.cli.application import app
 from polydraulic.errors import InputError
 from polydraulic.terminal import stages
 

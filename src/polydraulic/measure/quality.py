@@ -8,7 +8,7 @@ from polydraulic.files import write_text
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
-from polydraulic.measure.checks.findings import Finding
+from polydraulic.measure.findings import Finding
 from polydraulic.measure.flows import flow_statement
 from polydraulic.measure.importing import Imported
 from polydraulic.measure.log_units import Conversion
@@ -121,7 +121,7 @@ def _coverage_data(found: Coverage, units: dict[str, Conversion]) -> dict[str, A
 
 
 def _page(imported: Imported, told: Told) -> str:
-    from polydraulic.measure.checks.quality_plots import coverage_svg, signals_svg
+    from polydraulic.measure.quality_plots import coverage_svg, signals_svg
 
     findings = list(imported.findings)
     errors = sum(f.level == "error" for f in findings)
