@@ -22,16 +22,14 @@ TESTED_ELSEWHERE = {
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
     "flow/training/train.py": ("flow/test_polynomial.py", "a script; what it has written is tested"),
-    "identification/machine_card.py": (
-        "identification/test_machine_judging.py",
-        "the card of the machine learnt there",
-    ),
+    "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
+    "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
+    "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
     "identification/run_plot.py": ("identification/test_runs.py", "pictures of the runs made there"),
     "identification/validity.py": ("identification/test_model_card.py", "what the card says is held to new data"),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
     "measure/formats/parquet_log.py": ("measure/formats/test_logs.py", "every format gives the same table"),
-    "networks/intervals.py": ("networks/growth/test_regressor.py", "intervals of estimators, held to their coverage"),
     "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
     "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
     "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
@@ -55,7 +53,6 @@ SHARED_NAMES = {
     "content": "each chapter's, asked for by the report",
     "integrate": "a solver's, chosen by the method of `simulate`",
     "record": "of runs as logs, and of a step in a row: the kernel's name leaves as C",
-    "half_width": "of intervals: from residuals alone, or from what a fit knows of them",
 }
 
 
