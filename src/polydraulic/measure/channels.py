@@ -6,6 +6,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
+from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
 from polydraulic.measure.log_units import conversion, quantity
 from polydraulic.parameters.keys import check_keys
@@ -16,7 +17,7 @@ BETWEEN = ("linear", "hold")
 RESERVED = ("time", "segment")  # columns that every imported table has
 SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
 _MAP = {"raster", "interval", "channel", "flow"}
-_CHANNEL = {"source", "name", "role", "unit", "raster", "between", "range", "sign"}
+_CHANNEL = {"source", "name", "role", "unit", "raster", "between", "range", "sign", "dates"}
 _FLOW = {"name", "position", "area", "pressure", "compliance", "window", "role"}
 
 
@@ -42,6 +43,8 @@ class Channel:
         Plausible range in `unit`; a value beyond it is none.
     sign : int
         -1 turns the channel round.
+    dates : str or None
+        Of the time: how its dates are written, one of `ORDERS`; None where the log tells.
     """
 
     source: str
@@ -53,6 +56,7 @@ class Channel:
     low: float = -inf
     high: float = inf
     sign: int = 1
+    dates: str | None = None
 
 
 @dataclass(frozen=True)
@@ -220,8 +224,11 @@ def _channel(item: Any, where: str) -> Channel:
     if role == "time":
         if found.si != "s":
             raise InputError(f"unit of {where} = {unit!r}: time needs a unit of time")
-        check_keys(item, {"source", "role", "unit", "raster"}, (), f"the time {where}")
-        return Channel(source, "time", role, unit, _raster(item, where))
+        check_keys(item, {"source", "role", "unit", "raster", "dates"}, (), f"the time {where}")
+        dates = text(item["dates"], f"dates of {where}", ORDERS) if "dates" in item else None
+        return Channel(source, "time", role, unit, _raster(item, where), dates=dates)
+    if "dates" in item:
+        raise InputError(f"dates of {where}: only the channel of the time has dates")
     name = text(item.get("name", source), f"name of {where}")
     if name in RESERVED:
         raise InputError(f"name of {where} = {name!r}: the table has a column of this name already; choose another")

@@ -92,7 +92,7 @@ def import_log(
         A file that is no log, a channel that it does not have, a place that cannot be written.
     """
     table_ending(out)
-    with open_log(path) as log:
+    with open_log(path, dates=channels.time.dates if channels.time else None) as log:
         groups = _groups(log, channels)
         findings = _names_and_units(log, channels)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
@@ -148,8 +148,9 @@ class _Merged:
         self, log: Log, channels: ChannelMap, groups: dict[int, list[Channel]], findings: Findings, resampler: Resampler
     ) -> None:
         time = channels.time
-        factor = 1.0 if log.own_clock or time is None else conversion(time.unit).factor
         source = None if log.own_clock or time is None else time.source
+        kind = log.signal(source).kind if source is not None else ""
+        factor = 1.0 if source is None or time is None or kind else conversion(time.unit).factor
         declared = None if log.own_clock or time is None else time.raster
         self.resampler = resampler
         self.place = {c.source: n for n, c in enumerate(channels.used)}
@@ -159,7 +160,7 @@ class _Merged:
         self.sources: list[Iterator[ClockedRows]] = []
         for group, members in groups.items():
             name = source or (f"group {group}" if len(groups) > 1 else "")
-            clock = Clock(name, factor, declared, channels.interval, findings)
+            clock = Clock(name, factor, declared, channels.interval, findings, kind == "stamp")
             checks = [ChannelCheck(c, clock, findings) for c in members]
             self.clocks.append(clock)
             self.of_group.append(checks)
@@ -221,7 +222,8 @@ def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
     for channel in used:
         if channel.source in log.duplicates:
             findings.add("duplicate", channel.source)
-        given = log.signal(channel.source).unit
+        signal = log.signal(channel.source)
+        given = "" if channel is channels.time and signal.kind else signal.unit
         if given and given != channel.unit:
             try:
                 same = conversion(given)[:2] == conversion(channel.unit)[:2]

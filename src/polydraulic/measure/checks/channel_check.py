@@ -41,7 +41,7 @@ class ChannelCheck:
         self.conversion = conversion(channel.unit)
         self.raster = channel.raster or np.nan
         self.count, self.low, self.high, self.mean, self.square = 0, inf, -inf, 0.0, 0.0
-        self.given, self.implausible = 0, 0
+        self.given, self.implausible, self.seen = 0, 0, 0
         self.envelope, self.runs = Envelope(), ValueRuns()
         self.crc = 0
         self.lost = 0.0
@@ -60,6 +60,7 @@ class ChannelCheck:
         there = np.flatnonzero(np.isfinite(raw))
         value = c.sign * raw[there]
         self.given += len(value)
+        self.seen += len(raw)
         self.crc = zlib.crc32(raw[there].tobytes(), self.crc)
         if sum(map(len, self._kept)) < _KEPT:
             self._kept.append(value[:: max(1, len(value) // 2000)])
@@ -115,7 +116,8 @@ class ChannelCheck:
         """Note what is known only when all rows have been seen."""
         c, f = self.channel, self.findings
         if self.given == 0:
-            f.add("empty", c.source)
+            if self.seen:  # rows without a time were not looked at
+                f.add("empty", c.source)
             return
         if self.implausible > _MOST * self.given:
             self._wrong_unit(np.concatenate(self._kept))

@@ -14,11 +14,29 @@ BLOCK = 1 << 16  # rows
 
 
 class Signal(NamedTuple):
-    """A signal of a log: its name, its unit as the log gives it (empty if it gives none), its group."""
+    """A signal of a log.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        As the log gives it; empty if it gives none.
+    group : int
+        Signals of one group have common rows.
+    kind : str
+        ``"stamp"`` for dates, ``"clock"`` for times of day, ``"elapsed"`` for durations: these come in s, whatever a map says.
+    beside : str
+        Of a date or a time of day that stands alone: the signal that holds the other one, and is read with it.
+    doubt : str
+        A date that can be read in two ways, where nothing in the log says which.
+    """
 
     name: str
     unit: str
     group: int
+    kind: str = ""
+    beside: str = ""
+    doubt: str = ""
 
 
 class LogBlock(NamedTuple):
@@ -59,6 +77,8 @@ class Log:
         Each name once: the first where the file has it more than once.
     duplicates : list of str
         Names that the file has more than once.
+    also : dict from str to Signal
+        Other names that signals go by, such as the header's own text.
     own_clock : bool
         Whether every group has a time of its own (MDF), in s.
     read : function (group, names, time, findings) -> iterator of Block
@@ -72,6 +92,7 @@ class Log:
     read: Reader = field(repr=False)
     duplicates: list[str] = field(default_factory=list)
     close: Callable[[], None] = field(default=lambda: None, repr=False)
+    also: dict[str, Signal] = field(default_factory=dict, repr=False)
 
     def __enter__(self) -> "Log":
         return self
@@ -84,6 +105,8 @@ class Log:
         for signal in self.signals:
             if signal.name == name:
                 return signal
+        if name in self.also:
+            return self.also[name]
         names = [s.name for s in self.signals]
         shown = f"{names[:30]}" + (f" and {len(names) - 30} more" if len(names) > 30 else "")
         raise InputError(f"{self.path}: no channel {name!r}; the log has {shown}")

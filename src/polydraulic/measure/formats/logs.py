@@ -8,13 +8,15 @@ from polydraulic.measure.formats.log import Log
 ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat")
 
 
-def open_log(path: str | Path) -> Log:
+def open_log(path: str | Path, *, dates: str | None = None) -> Log:
     """Open a log: CSV (plain or .gz), Parquet, MDF4, MAT v5 or v7.3.
 
     Parameters
     ----------
     path : str or Path
         A CSV header may carry units as ``name [unit]``, or in a line of their own below it.
+    dates : str, optional
+        ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates of a CSV log that can be read in two ways.
 
     Raises
     ------
@@ -34,5 +36,7 @@ def open_log(path: str | Path) -> Log:
     elif ending == ".mat":
         from polydraulic.measure.formats.mat_log import open_mat as opener
     else:
-        from polydraulic.measure.formats.csv_log import open_csv as opener
+        from polydraulic.measure.formats.csv_log import open_csv
+
+        return open_csv(path, dates)
     return opener(path)
