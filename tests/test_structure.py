@@ -13,6 +13,7 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
     "cli/": ("test_cli.py", "commands are tested as a user calls them, whatever module they are in"),
+    "columns/": ("measure/formats/test_csv_log.py", "files of all kinds are opened, and read as a whole"),
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
     "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
@@ -29,7 +30,8 @@ TESTED_ELSEWHERE = {
     "identification/validity.py": ("identification/test_model_card.py", "what the card says is held to new data"),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
-    "measure/formats/parquet_log.py": ("measure/formats/test_logs.py", "every format gives the same table"),
+    "measure/formats/parquet_log.py": ("measure/formats/test_csv_log.py", "in one list with text files"),
+    "parameters/recording.py": ("parameters/test_scenario.py", "recordings are scenarios"),
     "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
     "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
     "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),

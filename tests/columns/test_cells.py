@@ -25,7 +25,12 @@ def test_numbers_of_any_kind(column, values, bad):
 
 def test_times_of_every_type_are_seconds():
     stamps = pa.array(["2024-01-01 12:00:00.000", "2024-01-01 12:00:00.250"]).cast(pa.timestamp("ms"))
-    for column in (stamps, stamps.cast(pa.timestamp("us")), stamps.cast(pa.time32("ms")), pa.array([10, 260], pa.duration("ms"))):
+    for column in (
+        stamps,
+        stamps.cast(pa.timestamp("us")),
+        stamps.cast(pa.time32("ms")),
+        pa.array([10, 260], pa.duration("ms")),
+    ):
         found, places = numbers(column)
         assert np.diff(found) == pytest.approx([0.25], abs=1e-6)
         assert places.size == 0

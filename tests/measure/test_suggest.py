@@ -1,5 +1,7 @@
 import re
 
+import pytest
+
 from polydraulic.measure import suggest_channels
 
 
@@ -15,3 +17,23 @@ def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path
         "boom_speed_deg_per_sec": "deg/s", "force_lift_MN": "MN", "engine_speed_rps": "rev/s", "p_A": "", "lever": "V", "x_mm": "m",
     }  # fmt: skip
     assert text.count("from its name: the log itself does not tell") == 3
+
+
+@pytest.mark.parametrize(
+    ("header", "first", "step", "unit"),
+    [
+        ("Zeitstempel", 1_711_850_398_000, 10, "ms"),
+        ("timestamp", 1_711_850_398_000_000, 10_000, "us"),
+        ("t", 1_711_850_398_000_000_000, 10_000_000, "ns"),
+        ("Time", 1_711_850_398, 1, "s"),
+        ("Elapsed Time (ms)", 0, 10, "ms"),
+        ("time_us", 0, 10_000, "us"),
+        ("time", 0, 1, "s"),
+    ],
+)
+def test_the_time_and_its_unit_are_seen(tmp_path, header, first, step, unit):
+    log = tmp_path / "log.csv"
+    log.write_text(f"p,{header}\n" + "".join(f"{k % 7},{first + k * step}\n" for k in range(50)))
+    text = suggest_channels(log)
+    assert f'role = "time"\nunit = "{unit}"\n' in text
+    assert f'raster = "{"1 s" if step == 1 else "10 ms"}"' in text

@@ -12,7 +12,12 @@ from polydraulic.terminal import counted, stages, steps
 
 @app.command("import")
 def import_(
-    log: Annotated[Path, typer.Argument(help="Log: .csv, .csv.gz, .parquet, .mf4 (MDF4) or .mat (v5, v7.3).")],
+    log: Annotated[
+        list[str],
+        typer.Argument(
+            help="Log: .csv, .csv.gz, .parquet, .mf4 (MDF4) or .mat (v5, v7.3); several files of one campaign, or a pattern in quotes."
+        ),
+    ],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,
     out: Annotated[
         Path | None, typer.Option(help="Table to write, .parquet or .csv (SI); with --suggest the channel map.")
@@ -21,6 +26,10 @@ def import_(
     report: Annotated[
         Path | None, typer.Option(help="Quality report, .html; beside the table if not given. Its data as .json.")
     ] = None,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Exit with 1 if the log has errors, such as values beyond a range of the map."),
+    ] = False,
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
 
@@ -29,6 +38,8 @@ def import_(
     Example: `polydraulic import log.mf4 --channels map.toml --out table.parquet`
 
     - A first channel map, to be gone through: `polydraulic import --suggest log.mf4 --out map.toml`
+
+    - A campaign: `polydraulic import "day1_*.csv" --channels map.toml --out table.parquet --strict`
     """
     from polydraulic.files import write_text
     from polydraulic.measure.channels import load_channels
@@ -61,10 +72,14 @@ def import_(
     for found in told.deadbands:
         print(found.statement(imported.shown.get(found.input)))
     if imported.n_row == 0:
-        raise InputError(f"{log}: no row of a table came of it; {page} says why")
+        raise InputError(f"{imported.source}: no row of a table came of it; {page} says why")
     print(
         f"{out}: {imported.n_row} rows in {imported.n_segment} segment(s); {page}: {len(imported.findings)} finding(s)"
     )
+    errors = sum(finding.level == "error" for finding in imported.findings)
+    if strict and errors:
+        print(f"--strict: {errors} error(s) above")
+        raise typer.Exit(1)
 
 
 @app.command()

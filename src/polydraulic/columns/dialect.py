@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from polydraulic.columns.header import names_and_units, unit_line
 from polydraulic.columns.source import HEAD, Scan
-from polydraulic.columns.timestamps import kind_of
+from polydraulic.columns.timestamps import time_kind
 from polydraulic.errors import InputError
 
 BLANKS = "blanks"  # as a delimiter: any run of blanks or tabs
@@ -156,7 +156,7 @@ def _clean(cell: str, delimiter: str) -> float:
         return 1.0
     if cell.lower() in _MISSING:
         return 0.7
-    if kind_of([cell]):
+    if time_kind([cell]):
         return 1.1 if delimiter != BLANKS else 0.9
     return 0.5 if "," not in cell else 0.2
 
@@ -192,7 +192,7 @@ def _heads(row: Sequence[str]) -> bool:
 
 
 def _value(cell: str) -> bool:
-    return is_number(cell) or bool(kind_of([cell]))
+    return is_number(cell) or bool(time_kind([cell]))
 
 
 def _commented_header(texts: Sequence[str], first: int, delimiter: str, row: Sequence[str]) -> list[str] | None:

@@ -37,7 +37,7 @@ class LocalClock:
 
     def __init__(self, name: str, of_day: bool, notes: Notes) -> None:
         self.name, self.of_day, self.notes = name, of_day, notes
-        self._last = np.nan
+        self._past = np.full(2, np.nan)
         self._shift = 0.0
 
     def times(self, given: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -46,13 +46,14 @@ class LocalClock:
         if place.size == 0:
             return given
         t = given[place]
-        before = np.concatenate([[self._last], t[:-1]])
+        past = np.concatenate([self._past, t])
+        before, earlier = past[1:-1], past[:-2]
         after = np.concatenate([t[1:], t[-1:]])  # of the last row nothing is known yet
-        self._last = float(t[-1])
+        self._past = past[-2:]
         fall, stays = before - t, before - after
         midnight = self.of_day & (fall > _FALL) & (stays > _FALL) & (before < DAY)
         back = (np.abs(fall - HOUR) < _NEAR) & (stays > 0.5 * HOUR) & (stays < _FALL)
-        ahead = (np.abs(fall + HOUR) < _NEAR) & (after - before > 0.5 * HOUR)
+        ahead = (np.abs(fall + HOUR) < _NEAR) & (after - before > 0.5 * HOUR) & ~(t - earlier < 0.5 * HOUR)
         self.notes.add_rows("midnight", self.name, rows[place[midnight]])
         told = "set back by an hour: what follows is taken an hour later"
         self.notes.add_rows("clock change", self.name, rows[place[back]], told)

@@ -30,7 +30,7 @@ class Scan(NamedTuple):
     quote: bool
 
 
-def scan(path: Path) -> Scan:
+def scan_bytes(path: Path) -> Scan:
     """Look at all bytes of a file: its encoding, and which marks it holds.
 
     A letter of another encoding may come late, so that the lines at the beginning do not settle it.
@@ -113,7 +113,7 @@ class Source(BufferedIOBase):
 
     def __init__(self, path: Path, encoding: str, begin: int, blanks: bool) -> None:
         self._raw = path.open("rb")
-        self._file = cast(BinaryIO, gzip.open(self._raw)) if path.suffix == ".gz" else self._raw
+        self._file = cast(BinaryIO, gzip.GzipFile(fileobj=self._raw)) if path.suffix == ".gz" else self._raw
         self._size = max(1, path.stat().st_size)
         chunks = iter(lambda: self._file.read(CHUNK), b"")
         self._chunks = chunks if encoding == "utf-8" else _narrow(chunks, encoding)

@@ -10,7 +10,7 @@ from polydraulic.columns.cells import MISSING, OFF, ON, all_switches, text_numbe
 _ENGLISH = (",", ".")  # thousands, decimal
 
 
-class Reading(NamedTuple):
+class Notation(NamedTuple):
     """How the numbers of a column are written.
 
     Attributes
@@ -131,41 +131,41 @@ class Evidence:
             self.switches += int(pc.sum(pc.is_in(lower, pa.array([*ON, *OFF]))).as_py() or 0)
             self.words += len(bare) - count(bare, r"^[+-]?[0-9]+(?:[eEdD][+-]?[0-9]+)?$")
 
-    def reading(self, usual: str) -> Reading:
+    def reading(self, usual: str) -> Notation:
         """Decide; `usual` is the decimal mark of the file where a column does not tell."""
         found = self._reading(usual)
         return found._replace(mixed=self.seen["." if found.decimal == "," else ","])
 
-    def _reading(self, usual: str) -> Reading:
+    def _reading(self, usual: str) -> Notation:
         n_number = sum(self.decimal.values()) + sum(self.three.values()) + sum(self.certain.values())
         n_number += self.bare_small + self.bare_large
         if self.switches and self.switches == self.words and n_number == 0:
-            return Reading(switch=True, kind="on and off")
+            return Notation(switch=True, kind="on and off")
         comma = self.decimal[","] + self.certain["."]
         point = self.decimal["."] + self.certain[","]
         if comma and point:
             mark = "," if comma > point else "."
-            return Reading(mark, kind="decimal mark", detail=f"{comma} with a comma, {point} with a point")
+            return Notation(mark, kind="decimal mark", detail=f"{comma} with a comma, {point} with a point")
         if comma or point:
             mark, other = (",", ".") if comma else (".", ",")
             grouped = self.three[other] + self.certain[other]
             if not grouped:
-                return Reading(mark)
+                return Notation(mark)
             example = self.example.get(other)
             such = f"{grouped} of them" + (f", such as {example!r}" if example else "")
-            return Reading(mark, other, kind="thousands", detail=f"{such}; the decimal mark is {mark!r}")
+            return Notation(mark, other, kind="thousands", detail=f"{such}; the decimal mark is {mark!r}")
         if self.three[","] and self.three["."]:
             n = {m: self.three[m] for m in ",."}
             detail = f"{n[',']} with a comma, {n['.']} with a point, each before three digits"
-            return Reading(usual, kind="decimal mark", detail=detail)
+            return Notation(usual, kind="decimal mark", detail=detail)
         mark = "," if self.three[","] else "." if self.three["."] else usual
         if self.three[mark] and self.bare_small and not self.bare_large:
             detail = f"such as {self.example[mark]!r} beside numbers without {mark!r}"
-            return Reading(mark, kind="doubtful numbers", detail=detail)
-        return Reading(mark)
+            return Notation(mark, kind="doubtful numbers", detail=detail)
+        return Notation(mark)
 
 
-def survey(blocks: Iterable[dict[str, Any]], columns: Iterable[str], usual: str) -> dict[str, Reading]:
+def survey(blocks: Iterable[dict[str, Any]], columns: Iterable[str], usual: str) -> dict[str, Notation]:
     """One reading for each column, from all blocks of cells."""
     evidence = {name: Evidence() for name in columns}
     for block in blocks:
@@ -174,17 +174,17 @@ def survey(blocks: Iterable[dict[str, Any]], columns: Iterable[str], usual: str)
     return {name: seen.reading(usual) for name, seen in evidence.items()}
 
 
-class Column:
+class TextColumn:
     """A column of texts, block by block; the whole of it is looked at where words for on and off come before any number.
 
     Parameters
     ----------
-    reading : Reading
-    whole : function () -> Reading
+    reading : Notation
+    whole : function () -> Notation
         Looks at the whole column.
     """
 
-    def __init__(self, reading: Reading, whole: Callable[[], Reading]) -> None:
+    def __init__(self, reading: Notation, whole: Callable[[], Notation]) -> None:
         self.reading, self.whole = reading, whole
         self._settled = reading.switch or bool(reading.kind)
 

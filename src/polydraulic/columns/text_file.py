@@ -10,9 +10,9 @@ import numpy as np
 from polydraulic.columns.dialect import BLANKS, Dialect, find_dialect
 from polydraulic.columns.local_clock import LocalClock, Notes
 from polydraulic.columns.rows import Silent, cell_blocks
-from polydraulic.columns.source import Scan, scan
-from polydraulic.columns.survey import Column, Reading, survey
-from polydraulic.columns.timestamps import DateOrder, doubt, has_time_of_day, has_zone, kind_of, seconds
+from polydraulic.columns.source import Scan, scan_bytes
+from polydraulic.columns.survey import Notation, TextColumn, survey
+from polydraulic.columns.timestamps import DateOrder, doubt, has_time_of_day, has_zone, seconds, time_kind
 
 
 class NumberBlock(NamedTuple):
@@ -64,7 +64,7 @@ class TextFile:
 
     def __init__(self, path: str | Path, dates: str | None = None) -> None:
         self.path, self.dates = Path(path), dates
-        self._scan: Scan = scan(self.path)
+        self._scan: Scan = scan_bytes(self.path)
         self.dialect: Dialect = find_dialect(self.path, self._scan)
         end = self.dialect.n_column
         self.names, self.units = self.dialect.names[:end], self.dialect.units[:end]
@@ -82,7 +82,7 @@ class TextFile:
 
     def kind(self, name: str) -> str:
         """``"stamp"`` or ``"clock"`` for a column of dates or of times of day, otherwise an empty text."""
-        return kind_of(self._sample(name))
+        return time_kind(self._sample(name))
 
     def zoned(self, name: str) -> bool:
         """Whether times of a column say their zone."""
@@ -91,7 +91,7 @@ class TextFile:
     def date_beside(self, name: str) -> str | None:
         """The column with the dates to a column of times of day, or the other way round; None if there is none."""
         kind, place = self.kind(name), self.place(name)
-        if kind == "stamp" and has_time_of_day(self._sample(name)) or not kind:
+        if not kind or (kind == "stamp" and has_time_of_day(self._sample(name))):
             return None
         for beside in (place - 1, place + 1):
             if 0 <= beside < len(self.names):
@@ -117,7 +117,7 @@ class TextFile:
         wanted : sequence of str
             Names of columns.
         time : str or None
-            Column of the time. Dates, and times of day with the dates in the column beside it, are read as s.
+            TextColumn of the time. Dates, and times of day with the dates in the column beside it, are read as s.
         notes : Notes
             Takes what is wrong with lines, numbers and local clocks.
 
@@ -139,35 +139,35 @@ class TextFile:
             at = None if clock is None else clock.times(block.cells, block.rows)
             yield NumberBlock(block.rows, at, values, text, block.done)
 
-    def column(self, name: str, notes: Notes) -> Column:
+    def column(self, name: str, notes: Notes) -> TextColumn:
         """Return the reader of one column's numbers."""
         return self._columns({name: self.place(name)}, notes)[name]
 
-    def _columns(self, places: dict[str, int], notes: Notes) -> dict[str, Column]:
+    def _columns(self, places: dict[str, int], notes: Notes) -> dict[str, TextColumn]:
         readings = self._readings(places)
         for name, reading in readings.items():
             if reading.kind:
                 notes.add(reading.kind, name, reading.detail)
 
-        def whole(name: str) -> Reading:
+        def whole(name: str) -> Notation:
             found = self._survey({name: places[name]})[name]
             if found.kind:
                 notes.add(found.kind, name, found.detail)
             return found
 
-        return {name: Column(reading, lambda n=name: whole(n)) for name, reading in readings.items()}  # type: ignore[misc]
+        return {name: TextColumn(reading, lambda n=name: whole(n)) for name, reading in readings.items()}  # type: ignore[misc]
 
-    def _readings(self, places: dict[str, int]) -> dict[str, Reading]:
+    def _readings(self, places: dict[str, int]) -> dict[str, Notation]:
         """One reading a column; the whole file is looked at only where marks in it leave a doubt."""
         comma = self._comma and (self.dialect.delimiter != "," or self._quote)
         if not comma:
             if self.dialect.delimiter in (",", BLANKS) or not self._point:
-                return dict.fromkeys(places, Reading())
+                return dict.fromkeys(places, Notation())
             doubtful = self._doubtful(places, ".")
-            return dict.fromkeys(places, Reading()) | self._survey(doubtful)
+            return dict.fromkeys(places, Notation()) | self._survey(doubtful)
         if not self._point:
             doubtful = self._doubtful(places, ",")
-            return dict.fromkeys(places, Reading(",")) | self._survey(doubtful)
+            return dict.fromkeys(places, Notation(",")) | self._survey(doubtful)
         return self._survey(places)
 
     def _doubtful(self, places: dict[str, int], mark: str) -> dict[str, int]:
@@ -181,7 +181,7 @@ class TextFile:
                 found[name] = place
         return found
 
-    def _survey(self, places: dict[str, int]) -> dict[str, Reading]:
+    def _survey(self, places: dict[str, int]) -> dict[str, Notation]:
         if not places:
             return {}
         usual = "," if self._comma and self.dialect.delimiter != "," else "."
@@ -217,7 +217,7 @@ class _Time:
         self.places = [file.place(n) for n in (date, clock) if n is not None]
         self.place = file.place(name)
         self.order = file.dates
-        self.numbers: Column | None = None
+        self.numbers: TextColumn | None = None
         if not self.kind:
             self.numbers = file.column(name, notes)
             return

@@ -23,7 +23,7 @@ _CLOCK = rf"^(?P<sign>-?){_OF_DAY}$"
 _SHORT = r"^(?P<m>\d{1,2}):(?P<s>\d{1,2}[.,]\d+)$"  # minutes and seconds, as Excel writes them
 
 
-def kind_of(cells: Iterable[str]) -> str:
+def time_kind(cells: Iterable[str]) -> str:
     """What texts are: ``"stamp"`` (a date, mostly with a time), ``"clock"`` (a time of day), or nothing of it: an empty text."""
     given = [cell.strip() for cell in cells if cell.strip()]
     for kind, patterns in (("stamp", (_STAMP,)), ("clock", (_CLOCK, _SHORT))):
@@ -88,7 +88,7 @@ def seconds(cells: Any, kind: str, order: str | None = None) -> np.ndarray:
     ----------
     cells : Arrow array of string
     kind : str
-        As `kind_of` says: ``"stamp"`` gives seconds since 1970 (of UTC where the text has a zone), ``"clock"`` seconds of the day.
+        As `time_kind` says: ``"stamp"`` gives seconds since 1970 (of UTC where the text has a zone), ``"clock"`` seconds of the day.
     order : str, optional
         One of `ORDERS`, for dates with slashes or dashes whose year stands last.
     """

@@ -32,6 +32,10 @@ KINDS = {
     ),
     "files overlap": ("error", "files of one campaign with the same times; what was recorded already is left out"),
     "file repeats": ("error", "files with the same rows as another one; left out"),
+    "units of files": (
+        "error",
+        "files of one campaign give different units; that of the map was taken for all of them",
+    ),
     "gap": ("warning", "no row for longer than samples may be apart; the table has a new segment after it"),
     "irregular": ("warning", "intervals between samples differ by more than a quarter of the usual one"),
     "raster": ("error", "samples come at another interval than the map says"),

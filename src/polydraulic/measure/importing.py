@@ -4,7 +4,7 @@ The table has the columns ``time``, ``segment`` and one for each input and outpu
 them are known; rows of one segment follow each other without a gap.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -18,8 +18,8 @@ from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.checks.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
+from polydraulic.measure.formats.campaign import expand, open_campaign
 from polydraulic.measure.formats.log import Log
-from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import Conversion, conversion
 from polydraulic.measure.resample import Resampler
 from polydraulic.tables import Table, table_ending, table_writer
@@ -67,14 +67,19 @@ class Imported:
 
 
 def import_log(
-    path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = lambda done, total: None
+    path: str | Path | Sequence[str | Path],
+    channels: ChannelMap,
+    out: str | Path,
+    *,
+    progress: Progress = lambda done, total: None,
 ) -> Imported:
-    """Read a log through a channel map and write the table that comes of it.
+    """Read a log, or several files of one campaign, through a channel map and write the table that comes of it.
 
     Parameters
     ----------
-    path : str or Path
-        A log; see `open_log`.
+    path : str, Path or sequence of them
+        A log; see `open_log`. Several files, or patterns such as ``day1_*.csv``, are joined in the order of their times; gaps between
+        them stay gaps. Rows are counted on from file to file.
     channels : ChannelMap
         From `load_channels`.
     out : str or Path
@@ -92,9 +97,10 @@ def import_log(
         A file that is no log, a channel that it does not have, a place that cannot be written.
     """
     table_ending(out)
-    with open_log(path, dates=channels.time.dates if channels.time else None) as log:
+    findings = Findings()
+    with _opened(path, channels, findings) as log:
         groups = _groups(log, channels)
-        findings = _names_and_units(log, channels)
+        _names_and_units(log, channels, findings)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
         flows = FlowStream([c.name for c in channels.used], channels.flows, channels.raster)
         units = {"time": "s", "segment": "1", **{c.name: conversion(c.unit).si for c in channels.used}}
@@ -216,8 +222,14 @@ def _groups(log: Log, channels: ChannelMap) -> dict[int, list[Channel]]:
     return groups
 
 
-def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
-    findings = Findings()
+def _opened(path: str | Path | Sequence[str | Path], channels: ChannelMap, findings: Findings) -> Log:
+    time = channels.time
+    factor = 1.0 if time is None else conversion(time.unit).factor
+    dates = None if time is None else time.dates
+    return open_campaign(expand(path), None if time is None else time.source, factor, dates, findings)
+
+
+def _names_and_units(log: Log, channels: ChannelMap, findings: Findings) -> None:
     used = [*channels.used, *([channels.time] if channels.time is not None and not log.own_clock else [])]
     for channel in used:
         if channel.source in log.duplicates:
@@ -233,7 +245,6 @@ def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
             if not same:
                 detail = f"the log says {given!r}, the map {channel.unit!r}"
                 findings.add("unit", channel.source, detail)
-    return findings
 
 
 def _copies(checks: list[ChannelCheck], findings: Findings) -> None:

@@ -1,7 +1,7 @@
 """A first channel map for a log: what can be seen in the log is filled in, what only its owner knows is asked for."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import ceil, floor, inf, log10
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +11,7 @@ import numpy as np
 from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
+from polydraulic.measure.formats.campaign import expand
 from polydraulic.measure.formats.log import Log, Signal
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion
@@ -54,13 +55,15 @@ class _Seen(NamedTuple):
     held: float
 
 
-def suggest_channels(path: str | Path, *, progress: Callable[[int, int], None] = lambda done, total: None) -> str:
+def suggest_channels(
+    path: str | Path | Sequence[str | Path], *, progress: Callable[[int, int], None] = lambda done, total: None
+) -> str:
     """Text of a first channel map for a log, as TOML.
 
     Parameters
     ----------
-    path : str or Path
-        A log; see `open_log`. It is read once, for the ranges.
+    path : str, Path or sequence of them
+        A log; see `open_log`. It is read once, for the ranges; of several files, which hold the same channels, all of them.
     progress : function (done, total), optional
 
     Raises
@@ -68,15 +71,20 @@ def suggest_channels(path: str | Path, *, progress: Callable[[int, int], None] =
     InputError
         A file that is no log.
     """
-    with open_log(path) as log:
+    paths = expand(path)
+    with open_log(paths[0]) as log:
         time = None if log.own_clock else _time_of(log)
         unit = "s" if time is None else _unit_of_time(log, time)
         in_doubt = time is not None and any(s.doubt for s in log.signals if s.name in (time.name, time.beside))
         if in_doubt:  # intervals are the same in either order, but for midnights
-            with open_log(path, dates=ORDERS[0]) as either:
+            with open_log(paths[0], dates=ORDERS[0]) as either:
                 seen = _look(either, time, unit, progress)
         else:
             seen = _look(log, time, unit, progress)
+        for more in paths[1:]:
+            with open_log(more, dates=ORDERS[0] if in_doubt else None) as another:
+                again = _look(another, time, unit, progress)
+            seen = {name: _wider(old, again.get(name)) for name, old in seen.items()}
         lines_of_time = [] if time is None else _time_lines(log, time, unit)
     used = [
         s
@@ -164,6 +172,11 @@ def _look(log: Log, time: Signal | None, unit: str, progress: Callable[[int, int
                 seen[name] = _merge(seen[name], clock, block.values[name])
             progress(int(1000 * (number + block.done) / len(groups)), 1000)
     return seen
+
+
+def _wider(a: _Seen, b: _Seen | None) -> _Seen:
+    """What was seen in two files."""
+    return a if b is None else a._replace(low=min(a.low, b.low), high=max(a.high, b.high), n=a.n + b.n)
 
 
 def _merge(before: _Seen, clock: np.ndarray | None, value: np.ndarray) -> _Seen:

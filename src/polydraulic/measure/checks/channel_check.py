@@ -15,6 +15,7 @@ from polydraulic.measure.log_units import conversion, same_kind
 # A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
 _SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the range, of the usual difference
 _MOST, _NEARLY_ALL = 0.5, 0.95
+_PEAK = 1.0  # of the range: what is no farther beyond it may be a peak that the range cuts
 _KEPT = 20_000  # values kept to try other units on
 
 
@@ -41,6 +42,7 @@ class ChannelCheck:
         self.conversion = conversion(channel.unit)
         self.raster = channel.raster or np.nan
         self.count, self.low, self.high, self.mean, self.square = 0, inf, -inf, 0.0, 0.0
+        self.farthest = 0.0  # beyond the range
         self.given, self.implausible, self.seen = 0, 0, 0
         self.envelope, self.runs = Envelope(), ValueRuns()
         self.crc = 0
@@ -68,6 +70,11 @@ class ChannelCheck:
         self.implausible += int(outside.sum())
         if outside.any():
             detail = f"range [{c.low:g}, {c.high:g}] {c.unit}, such as {value[outside][0]:.6g}"
+            self.farthest = max(
+                self.farthest, float(np.max(np.maximum(c.low - value[outside], value[outside] - c.high)))
+            )
+            if self.farthest <= _PEAK * (c.high - c.low):
+                detail += "; none is far beyond it: if these are peaks of the signal, the range is too narrow: widen it"
             f.add_rows("implausible", name, rows.rows[there[outside]], detail)
         there, value = there[~outside], value[~outside]
         if c.between == "linear":

@@ -8,8 +8,8 @@ import numpy as np
 
 from polydraulic.columns.cells import is_time, numbers
 from polydraulic.columns.local_clock import LocalClock
-from polydraulic.columns.survey import Column, Reading, survey
-from polydraulic.columns.timestamps import kind_of, seconds
+from polydraulic.columns.survey import Notation, TextColumn, survey
+from polydraulic.columns.timestamps import seconds, time_kind
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, once
@@ -86,13 +86,13 @@ class _Texts:
     def __init__(self, path: Path, name: str, kind: str, findings: Findings) -> None:
         self.kind = kind
 
-        def whole() -> Reading:
+        def whole() -> Notation:
             found = survey(({name: _plain(batch.column(0))} for batch in _batches(path, [name])), [name], ".")[name]
             if found.kind:
                 findings.add(found.kind, name, found.detail)
             return found
 
-        self.column = Column(Reading(), whole)
+        self.column = TextColumn(Notation(), whole)
 
     def numbers(self, column: Any) -> tuple[np.ndarray, np.ndarray]:
         cells = _plain(column)
@@ -133,7 +133,7 @@ def _kind(path: Path, field: Any) -> str:
     if not _is_text(field.type):
         return ""
     batch = next(_batches(path, [field.name]), None)
-    return "" if batch is None else kind_of(c for c in _plain(batch.column(0))[:_SAMPLE].to_pylist() if c is not None)
+    return "" if batch is None else time_kind(c for c in _plain(batch.column(0))[:_SAMPLE].to_pylist() if c is not None)
 
 
 def _said(error: Exception) -> str:
