@@ -72,7 +72,7 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     said = next((n for n, text in enumerate(texts) if re.match(r"^\s*sep=.\s*$", text)), None)
     told = texts[said].strip()[4:] if said is not None else ("\t" if re.match(r"^\s*sep=\t", texts[0]) else None)
     plain = [n for n, text in enumerate(texts) if text.strip() and n != said and not text.lstrip().startswith(_COMMENT)]
-    delimiter = told or _delimiter([texts[n] for n in plain])
+    delimiter = told or (_delimiter([texts[n] for n in plain]) if plain else ",")
     if delimiter != ";":
         plain = [n for n in plain if not texts[n].startswith(";")]
     if not plain:
