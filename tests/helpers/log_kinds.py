@@ -116,6 +116,7 @@ def parquet_tables():
         "durations": (pa.table({"time": pa.array(ms, pa.duration("ms")), "p": p}), READ),
         "times of day": (pa.table({"time": pa.array(ms.astype(np.int32), pa.time32("ms")), "p": p}), READ),
         "times as texts": (pa.table({"time": [f"2024-03-31 {clock(t, 40000.0)}" for t in TIME], "p": p}), READ),
+        "03/04/2024 as texts": (pa.table({"time": [f"03/04/2024 {clock(t, 40000.0)}" for t in TIME], "p": p}), REFUSED),
         "ns since 1970 as 64-bit integers": (pa.table({"time": day * 1_000_000, "p": p}), READ),
         "the least or largest 64-bit integer": (pa.table({"time": TIME, "p": sentinel}), ("text",)),
         "on and off as texts": (pa.table({"time": TIME, "p": ["on" if i % 7 < 3 else "off" for i in range(60)]}), ("on and off",)),

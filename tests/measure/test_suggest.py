@@ -37,3 +37,16 @@ def test_the_time_and_its_unit_are_seen(tmp_path, header, first, step, unit):
     text = suggest_channels(log)
     assert f'role = "time"\nunit = "{unit}"\n' in text
     assert f'raster = "{"1 s" if step == 1 else "10 ms"}"' in text
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_dates_in_doubt_are_asked_for(tmp_path, ending):
+    import pyarrow as pa
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    table = pa.table({"time": [f"03/04/2024 10:00:{k:02d}" for k in range(50)], "p": [float(k % 7) for k in range(50)]})
+    (pa.csv.write_csv if ending == "csv" else pa.parquet.write_table)(table, tmp_path / f"log.{ending}")
+    text = suggest_channels(tmp_path / f"log.{ending}")
+    assert '# "03/04/2024 10:00:00" can be read in two ways; say which:\n# dates = "dd/mm/yyyy"\n' in text
+    assert 'raster = "1 s"' in text

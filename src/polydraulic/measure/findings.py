@@ -22,7 +22,7 @@ KINDS = {
     "overlap": ("error", "rows from times that were recorded already; left out"),
     "impossible time": (
         "error",
-        "times before 1980 or after 2100: the logger's clock was not set, or its unit is another; kept",
+        "times before 1980 or after 2100: the logger's clock was not set, or its unit is another; those beyond any calendar are left out",
     ),
     "midnight": ("warning", "times of day pass midnight; taken as those of the next day"),
     "clock change": ("warning", "times step by an hour: the clock was changed, as for summer time"),

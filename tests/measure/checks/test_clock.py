@@ -96,9 +96,12 @@ def test_a_log_without_a_clock_counts_rows():
     ],
 )
 def test_times_that_cannot_be_are_named(begin, factor, named):
-    kept, _, findings, _ = checked(begin + STEADY / factor, factor=factor)
+    times = begin + STEADY / factor
+    if begin > 1e17:  # beyond any calendar: left out, so that one that can be is wanted
+        times[0] = 0.0
+    kept, _, findings, _ = checked(times, factor=factor)
     assert ("impossible time" in dict(findings)) == named
-    assert len(kept) == (1 if begin > 1e17 else 100)  # ns in a double: all of them are one time
+    assert len(kept) == (1 if begin > 1e17 else 100)
 
 
 def test_rows_from_before_a_clock_was_set_are_named():

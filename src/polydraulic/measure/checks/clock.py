@@ -13,6 +13,7 @@ _IRREGULAR = 0.25  # of the raster
 _SHARE = 0.01  # of the intervals that may be irregular
 _FROM, _TO = 315_532_800.0, 4_102_444_800.0  # s since 1970: 1980 and 2100
 _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
+_FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
 
 
@@ -99,9 +100,9 @@ class Clock:
         time, rows, f = self._times(block), block.rows, self.findings
         good = np.isfinite(time)
         f.add_rows("no time", self.name, rows[~good])
-        place = np.flatnonzero(good)
+        self._impossible(rows[good], time[good])
+        place = np.flatnonzero(good & (np.abs(time) < _FAR))
         t = time[place]
-        self._impossible(rows[place], t)
         before = np.concatenate([[self.last], t[:-1]])
         after = np.concatenate([t[1:], [following]])
         jump = (t > after) & (after > before) & (t > before)  # goes ahead of its neighbours alone

@@ -16,7 +16,7 @@ def open_log(path: str | Path, *, dates: str | None = None) -> Log:
     path : str or Path
         A CSV header may carry units as ``name [unit]``, or in a line of their own below it.
     dates : str, optional
-        ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates of a CSV log that can be read in two ways.
+        ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates as texts that can be read in two ways.
 
     Raises
     ------
@@ -30,8 +30,10 @@ def open_log(path: str | Path, *, dates: str | None = None) -> Log:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     if ending == ".parquet":
-        from polydraulic.measure.formats.parquet_log import open_parquet as opener
-    elif ending == ".mf4":
+        from polydraulic.measure.formats.parquet_log import open_parquet
+
+        return open_parquet(path, dates)
+    if ending == ".mf4":
         from polydraulic.measure.formats.mdf_log import open_mdf as opener
     elif ending == ".mat":
         from polydraulic.measure.formats.mat_log import open_mat as opener

@@ -9,7 +9,7 @@ import numpy as np
 from polydraulic.columns.cells import is_time, numbers
 from polydraulic.columns.local_clock import LocalClock
 from polydraulic.columns.survey import Notation, TextColumn, survey
-from polydraulic.columns.timestamps import seconds, time_kind
+from polydraulic.columns.timestamps import DateOrder, doubt, seconds, time_kind
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, once
@@ -17,7 +17,7 @@ from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, once
 _SAMPLE = 200  # cells that tell whether texts are times
 
 
-def open_parquet(path: Path) -> Log:
+def open_parquet(path: Path, dates: str | None = None) -> Log:
     """Open a Parquet log; see `polydraulic.measure.formats.logs.open_log`."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -30,14 +30,26 @@ def open_parquet(path: Path) -> Log:
     if n_row == 0:
         raise InputError(f"{path}: the log has no rows")
     kinds = {f.name: _kind(path, f) for f in schema if not pa.types.is_nested(f.type)}
-    signals, twice = once([Signal(f.name, _unit(f), 0, kinds[f.name]) for f in schema if f.name in kinds])
+    orders = {
+        f.name: _order(path, f.name, kinds[f.name], dates) for f in schema if f.name in kinds and _is_text(f.type)
+    }
+    doubts = {name: "" if order.settled else order.example for name, order in orders.items()}
+    signals, twice = once(
+        [Signal(f.name, _unit(f), 0, kinds[f.name], doubt=doubts.get(f.name, "")) for f in schema if f.name in kinds]
+    )
     if not signals:
         raise InputError(f"{path}: the log has no columns of single values; it has {schema.names}")
 
     def read(group: int, wanted: Sequence[str], time: str | None, findings: Findings) -> Iterator[LogBlock]:
         begun = 0
         names = list(dict.fromkeys([*([time] if time else []), *wanted]))
-        texts = {name: _Texts(path, name, kinds[name], findings) for name in names if _is_text(schema.field(name).type)}
+        texts = {
+            name: _Texts(path, name, kinds[name], orders[name], findings)
+            for name in names
+            if _is_text(schema.field(name).type)
+        }
+        if time in texts:
+            texts[time].refuse_doubt(path)
         local = None
         if (
             time
@@ -83,8 +95,8 @@ def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:
 class _Texts:
     """A column of texts: times, or numbers."""
 
-    def __init__(self, path: Path, name: str, kind: str, findings: Findings) -> None:
-        self.kind = kind
+    def __init__(self, path: Path, name: str, kind: str, order: DateOrder, findings: Findings) -> None:
+        self.name, self.kind, self.order = name, kind, order
 
         def whole() -> Notation:
             found = survey(({name: _plain(batch.column(0))} for batch in _batches(path, [name])), [name], ".")[name]
@@ -94,12 +106,29 @@ class _Texts:
 
         self.column = TextColumn(Notation(), whole)
 
+    def refuse_doubt(self, path: Path) -> None:
+        """Raise an error if the dates can be read in two ways."""
+        if not self.order.settled:
+            raise doubt(path, self.name, self.order.example)
+
     def numbers(self, column: Any) -> tuple[np.ndarray, np.ndarray]:
         cells = _plain(column)
         if not self.kind:
             return self.column.numbers(cells)
-        found = seconds(cells, self.kind)
+        found = seconds(cells, self.kind, self.order.order)
         return found, np.flatnonzero(~np.isfinite(found) & cells.is_valid().to_numpy(zero_copy_only=False))
+
+
+def _order(path: Path, name: str, kind: str, dates: str | None) -> DateOrder:
+    """What the dates of a column of texts tell about their order; `dates` if that is said."""
+    found = DateOrder()
+    found.order = dates
+    if kind == "stamp" and dates is None:
+        for batch in _batches(path, [name]):
+            found.look(_plain(batch.column(0)))
+            if found.settled:
+                break
+    return found
 
 
 def _plain(column: Any) -> Any:
