@@ -15,11 +15,11 @@ from polydraulic.identification.model_card import write_card
 from polydraulic.identification.table_fit import TableFit
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.quality_plots import coverage_svg
-from polydraulic.measure.log_units import Conversion
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
+from polydraulic.units import Conversion
 
 HEADS = (
     "network",

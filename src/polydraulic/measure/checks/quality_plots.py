@@ -8,7 +8,7 @@ import numpy as np
 
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.coverage import Coverage
-from polydraulic.measure.log_units import Conversion
+from polydraulic.units import Conversion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
