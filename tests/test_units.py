@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from polydraulic import units
 from polydraulic.errors import InputError
-from polydraulic.unit_table import BASE, DOUBTFUL, DOUBTFUL_ALONE, KINDS
-from polydraulic.units import FACTORS, kind_of, near, read_unit
+from polydraulic.unit_table import BASE, DOUBTFUL_ALONE
+from polydraulic.units import FACTORS, near, read_unit, unit_kind
 
 PAIRS = [(si, unit) for si, same in FACTORS.items() for unit in same]
 PSI = 6894.757293168361
@@ -150,12 +150,6 @@ def test_what_can_be_read_in_several_ways_is_refused_with_the_choices(text):
     assert CHOICES[text][0] in said
 
 
-def test_every_doubtful_text_is_refused():
-    for text in (*DOUBTFUL, *DOUBTFUL_ALONE):
-        with pytest.raises(InputError, match="can be read in several ways; write "):
-            read_unit(text)
-
-
 def test_a_mass_on_an_area_is_the_technical_atmosphere_where_pressure_is_known():
     assert read_unit("kg/cm2", kind="Pa")[:3] == (98066.5, 0.0, "Pa")
     assert read_unit("lb/in2", kind="Pa").factor == pytest.approx(PSI, rel=1e-15)
@@ -217,28 +211,9 @@ def test_products_are_read_by_their_parts_or_refused(parts):
         found = read_unit(text)
     except InputError:
         return
-    by_base = {si: kind_of(si).base for si in FACTORS}
+    by_base = {si: unit_kind(si).base for si in FACTORS}
     assert len(by_base[found.si]) == len(BASE)
     assert np.isfinite(found.factor)
-
-
-def test_text_of_any_length_is_answered_at_once():
-    import time
-
-    begin = time.perf_counter()
-    for text in (
-        "m^" * 50_000,
-        "(" * 100_000,
-        "a/" * 50_000,
-        "m²" * 30,
-        "x" * 59 + "(",
-        " " * 59 + "g",
-        "deg " * 15,
-        "_" * 60,
-    ):
-        with pytest.raises(InputError):
-            read_unit(text)
-    assert time.perf_counter() - begin < 5.0
 
 
 @given(st.sampled_from(PAIRS), st.floats(-1e9, 1e9))
@@ -286,31 +261,6 @@ def test_factors_keep_their_bits(unit):
 )  # fmt: skip
 def test_factors_are_those_of_the_definitions(unit, exact):
     assert read_unit(unit).factor == float(exact)
-
-
-def test_si_units_have_factor_one_and_the_base_that_the_table_says():
-    for kind in KINDS:
-        assert read_unit(kind.si)[:3] == (1.0, 0.0, kind.si), kind.name
-        letters = " ".join(
-            f"{letter}^{power:g}"
-            for letter, power in zip(BASE, kind.base, strict=True)
-            if 0 < abs(power) <= 3 and power == int(power)
-        )
-        if kind.si not in ("J", "m3/Pa", "m3/s/Pa", "V/s", "m3/s/Pa^0.5", "Pa^0.5"):
-            assert read_unit(letters).si == kind.si, letters
-
-
-def test_names_of_the_table_are_of_one_unit_each():
-    names = [name for kind in KINDS for texts in kind.symbols.values() for name in texts.split()]
-    assert len(names) == len(set(names))
-    assert len({kind.name for kind in KINDS}) == len({kind.si for kind in KINDS}) == len(KINDS)
-    for kind in KINDS:
-        for unit in (*kind.offered, *kind.products):
-            assert read_unit(unit).si == kind.si, unit
-        for factor, texts in kind.symbols.items():
-            for name in texts.split():
-                if name not in DOUBTFUL_ALONE:
-                    assert read_unit(name)[::2] == (factor, kind.si), name
 
 
 def test_unknown_unit_names_the_choices():

@@ -24,7 +24,7 @@ BASE = ("kg", "m", "s", "A", "K", "rad")
 Exponents = tuple[float, ...]  # of the units in `BASE`
 
 
-class Kind(NamedTuple):
+class UnitKind(NamedTuple):
     """One thing that is measured.
 
     Attributes
@@ -53,18 +53,18 @@ class Kind(NamedTuple):
 
 def _kind(
     name: str, si: str, base: str, offered: str = "", symbols: dict[float, str] | None = None, products: str = ""
-) -> Kind:
+) -> UnitKind:
     """A row of the table; `base` as in ``"kg m-1 s-2"``, `offered` and `products` apart by commas."""
     powers = dict.fromkeys(BASE, 0.0)
     for part in base.split():
         letters = part.rstrip("-0123456789.")
         powers[letters] = float(part[len(letters) :] or 1.0)
     lists = [tuple(text.split(", ")) if text else () for text in (offered, products)]
-    return Kind(name, si, tuple(powers.values()), lists[0], symbols or {}, lists[1])
+    return UnitKind(name, si, tuple(powers.values()), lists[0], symbols or {}, lists[1])
 
 
 # Where two kinds have the same base units, products are of the first.
-KINDS: tuple[Kind, ...] = (
+KINDS: tuple[UnitKind, ...] = (
     _kind("number", "1", "", "%", {
         1.0: "count counts", 0.01: "% pct percent Prozent", 1e-3: "‰ permille Promille", 1e-6: "ppm",
     }),

@@ -26,7 +26,7 @@ from polydraulic.unit_table import (
     LOGARITHMIC,
     ZEROS,
     Exponents,
-    Kind,
+    UnitKind,
 )
 
 Value = TypeVar("Value", float, np.ndarray)
@@ -157,7 +157,7 @@ def from_si(value: Value, unit: str) -> Value:
     return read_unit(unit).from_si(value)
 
 
-def kind_of(si: str) -> Kind:
+def unit_kind(si: str) -> UnitKind:
     """The kind that an SI unit of the table measures."""
     return _KIND_OF[si]
 

@@ -6,7 +6,6 @@ import subprocess
 import numpy as np
 import pytest
 
-import polydraulic.export.machine as exported
 from helpers import c_machine
 from polydraulic import load_scenario, simulate
 from polydraulic._kernel import driver
@@ -20,10 +19,11 @@ from polydraulic.export.machine import (
     prepared,
 )
 from polydraulic.flow import FLOW_KINDS
+from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
@@ -243,7 +243,6 @@ def test_the_name_of_a_machine_may_be_part_of_those_of_kernels(machine, tmp_path
     c_machine.compiled(files, tmp_path, "-shared", "-fPIC")
 
 
-def test_tables_that_are_too_large_for_a_c_file_are_refused(machine, monkeypatch):
-    monkeypatch.setattr(exported, "MOST_NUMBERS", 100)
+def test_tables_that_are_too_large_for_a_c_file_are_refused(machine):
     with pytest.raises(InputError, match=r"flow 'exact' holds \d+ numbers; a C file takes up to 100: make it smaller"):
-        machine_c(machine, "exact")
+        machine_c(machine, "exact", most_numbers=100)

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from helpers.unit_page import BEGIN, END, PAGE, listed
 from polydraulic.errors import InputError
 from polydraulic.measure.log_units import conversion, need, quantity, same_kind, says_pressure
 from polydraulic.unit_grammar import MOST_NAMES
@@ -133,14 +132,3 @@ def test_a_missing_library_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "asammdf", None)
     with pytest.raises(InputError, match=r"asammdf is not installed.*pip install 'polydraulic\[measure\]'"):
         need("asammdf")
-
-
-def test_the_page_lists_the_units_that_are_read():
-    text = PAGE.read_text()
-    assert BEGIN + listed() + END in text, "run python tests/helpers/unit_page.py"
-    rows = [
-        line.split(" | ") for line in text.partition(BEGIN)[2].partition(END)[0].splitlines() if line.count(" | ") == 2
-    ]
-    for _, si, others in rows[1:]:
-        for unit in re.findall("`(.*?)`", others):
-            assert conversion(unit).si == si.strip("`"), unit

@@ -74,13 +74,13 @@ voltage_column = "v"
     ("old", "new", "message"),
     [
         ("sine", "square", r"voltage.boom.kind = 'square': must be one of \['constant'"),
-        ("amplitude", "amplitud", "unknown key voltage.boom.amplitud"),
-        ("voltage.boom", "voltage.bucket", "unknown key voltage.bucket"),
+        ("amplitude", "amplitud", "unknown key 'amplitud' in voltage.boom"),
+        ("voltage.boom", "voltage.bucket", "unknown key 'bucket' in voltage"),
         ('"stick"', '"bucket"', "locked = .*must be a list of"),
         ("value = 2.0, unit = \"s\"", "value = 0.0, unit = \"s\"", "duration = 0.0 s: must be finite and above 0"),
         ('unit = "V"', 'unit = "psi"', "voltage.boom.amplitude has unit 'psi'"),
-        ('title = "mine"', "", "missing key title"),
-        ('title = "mine"', 'title = "mine"\ncolour = 1', "unknown key colour"),
+        ('title = "mine"', "", "missing key 'title'"),
+        ('title = "mine"', 'title = "mine"\ncolour = 1', "unknown key 'colour'"),
     ],
 )  # fmt: skip
 def test_bad_scenarios_are_one_clear_error(written, old, new, message):
@@ -90,7 +90,7 @@ def test_bad_scenarios_are_one_clear_error(written, old, new, message):
 
 
 def test_only_pilot_and_start_may_change(written):
-    with pytest.raises(InputError, match=r"unknown key change.boom.valve; allowed here: \['initial', 'pilot'\]"):
+    with pytest.raises(InputError, match=r"unknown key 'valve' in change.boom; allowed here: \['initial', 'pilot'\]"):
         written(BASIC + "[change.boom.valve]\n")
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import MachineOption, app
+from polydraulic.cli.application import MachineOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import counted, print_differences, steps
 
@@ -177,13 +177,13 @@ def sample(
     """
     import numpy as np
 
-    from polydraulic.flow.database import CIRCUITS
+    from polydraulic.flow.database import SAMPLERS
     from polydraulic.parameters.load import load_machine
     from polydraulic.tables import write_table
 
-    if circuit not in CIRCUITS:
-        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(CIRCUITS)}")
-    table = CIRCUITS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+    if circuit not in SAMPLERS:
+        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
+    table = SAMPLERS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
     write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
 
@@ -217,8 +217,6 @@ def export_machine(
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
     plant = load_machine(machine)
     if to == "c":
-        for path in write_c(plant, build_flow(flow, plant), out, name=name, dt=dt):
-            print(path)
+        print(write_c(plant, build_flow(flow, plant), out, name=name, dt=dt))
         return
-    written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
-    print(f"{written.path}: {', '.join(written.binaries) or 'no compiler found, sources only: importers compile them'}")
+    print(export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross))

@@ -15,16 +15,17 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
+from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
 from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, served_links
+from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_vector
 from polydraulic.machine.linkage import tip
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import Links, State, from_vector, initial_state
+from polydraulic.machine.state import Links, State, initial_state
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
-from polydraulic.simulation.loop import N_RECORD, at_rest, reasonable, record
-from polydraulic.simulation.runs import CIRCUIT_COLUMNS, FLOW_COLUMNS, STATE_COLUMNS
+from polydraulic.simulation.loop import at_rest, reasonable, record
 from polydraulic.simulation.step import machine_step
 
 DIVERGED = 4  # beside the flow model's OK, NOT_CONVERGED and OUT_OF_DOMAIN
@@ -39,13 +40,6 @@ class Prepared(NamedTuple):
     plant: Plant
     geometry: Geometry
     start: State
-
-
-class Output(NamedTuple):
-    """A value that the exported machine gives after each step."""
-
-    name: str
-    unit: str
 
 
 @kernel
@@ -77,15 +71,19 @@ def machine_advance(
     return step.flows.status
 
 
-def outputs() -> list[Output]:
-    """What stands in a row, in its order."""
-    by_link = [Output(f"{link}.{name}", unit) for name, unit in STATE_COLUMNS + FLOW_COLUMNS for link in LINKS]
-    by_circuit = [Output(f"{c}.{name}", unit) for c in ("boom", "series") for name, unit in CIRCUIT_COLUMNS]
-    rest = [Output("series.p_between", "Pa"), *(Output(f"{c}.q_stored", "m3/s") for c in ("boom", "series"))]
-    return [*by_link, *by_circuit, *rest, *(Output(f"effector.{axis}", "m") for axis in "xyz")]
+def outputs() -> list[Column]:
+    """What the exported machine gives after each step, in its order: a recorded row, and the tip."""
+    return [*COLUMNS, *(Column(name, "m") for name in EFFECTOR)]
 
 
-def prepared(machine: Machine, flow: Any, *, dt: float = 5e-3, locked: Collection[str] = ()) -> Prepared:
+def prepared(
+    machine: Machine,
+    flow: Any,
+    *,
+    dt: float = 5e-3,
+    locked: Collection[str] = (),
+    most_numbers: int = MOST_NUMBERS,
+) -> Prepared:
     """Collect the numbers of a step, from the same preparation as `simulate`.
 
     Parameters
@@ -95,6 +93,8 @@ def prepared(machine: Machine, flow: Any, *, dt: float = 5e-3, locked: Collectio
     dt : float, s
     locked : collection of str
         Links whose joints are held.
+    most_numbers : int
+        That tables of the flow model may hold.
 
     Raises
     ------
@@ -109,15 +109,21 @@ def prepared(machine: Machine, flow: Any, *, dt: float = 5e-3, locked: Collectio
     if missing:
         raise InputError(f"flow {flow_name(model)!r} does not serve {', '.join(missing)}; give locked={missing}")
     numbers = _count(model)
-    if numbers > MOST_NUMBERS:
+    if numbers > most_numbers:
         raise InputError(
-            f"flow {flow_name(model)!r} holds {numbers} numbers; a C file takes up to {MOST_NUMBERS}: make it smaller"
+            f"flow {flow_name(model)!r} holds {numbers} numbers; a C file takes up to {most_numbers}: make it smaller"
         )
     return Prepared(model, prepare(machine, dt, locked), machine.geometry, initial_state(machine))
 
 
 def machine_c(
-    machine: Machine, flow: Any, *, name: str = "machine", dt: float = 5e-3, locked: Collection[str] = ()
+    machine: Machine,
+    flow: Any,
+    *,
+    name: str = "machine",
+    dt: float = 5e-3,
+    locked: Collection[str] = (),
+    most_numbers: int = MOST_NUMBERS,
 ) -> dict[str, str]:
     """Texts of the C files by file name.
 
@@ -132,6 +138,8 @@ def machine_c(
         Time step; part of the numbers, so that it cannot change later.
     locked : collection of str
         Links whose joints are held, and whose voltages are ignored.
+    most_numbers : int
+        That tables of the flow model may hold: 4 MB of text.
 
     Raises
     ------
@@ -140,7 +148,7 @@ def machine_c(
     """
     if c_name(name) != name:
         raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
-    parts = prepared(machine, flow, dt=dt, locked=locked)
+    parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
     kind = flow_name(parts.model)
     memory, row = np.zeros(FLOW_KINDS[kind].n_memory(parts.model)), np.zeros(len(outputs()))
     own = ("machine", "init", "step", "advance", "init_with", "step_with", "parameters")
@@ -158,10 +166,10 @@ def machine_c(
         "n_waiting": str(max(1, *delays)),
         "delays": ", ".join(map(str, delays)),
         "free": ", ".join("false" if link in locked else "true" for link in LINKS),
-        "structs": program.structs(),
+        "structs": program.scope.structs(),
         "prototypes": f"{start.prototype};\n{advance.prototype};",
         "code": program.code(),
-        "data": program.data(parts, f"{name}_parameters"),
+        "data": program.scope.data(parts, f"{name}_parameters"),
     }
     files = {
         file: Template((_TEMPLATES / f"machine{file}.txt").read_text(encoding="utf-8")).substitute(fill)
@@ -183,32 +191,38 @@ def machine_size(machine: Machine, flow: Any, *, dt: float = 5e-3) -> int:
     return len(outputs()) + n_memory + len(LINKS) * max(1, *_delays(machine, dt)) + 2
 
 
-def export_machine(machine: Machine, flow: Any, folder: str | Path, **options: Any) -> list[Path]:
+def export_machine(
+    machine: Machine,
+    flow: Any,
+    folder: str | Path,
+    *,
+    name: str = "machine",
+    dt: float = 5e-3,
+    locked: Collection[str] = (),
+) -> Exported:
     """Write the files of `machine_c` into a folder.
 
     Parameters
     ----------
-    machine, flow
+    machine, flow, name, dt, locked
         As for `machine_c`.
     folder : str or Path
-    **options
-        ``name``, ``dt``, ``locked``, as for `machine_c`.
 
     Returns
     -------
-    list of Path
-        The files written.
+    Exported
+        The header that a program includes, and the other files.
 
     Raises
     ------
     InputError
         As `machine_c`, or if the folder cannot be written.
     """
-    paths = []
-    for file, text in machine_c(machine, flow, **options).items():
-        paths.append(Path(folder) / file)
-        write_text(paths[-1], text)
-    return paths
+    texts = machine_c(machine, flow, name=name, dt=dt, locked=locked)
+    files = {Path(folder) / file: text for file, text in texts.items()}
+    for path, text in files.items():
+        write_text(path, text)
+    return Exported(tuple(files))
 
 
 def _delays(machine: Machine, dt: float) -> list[int]:

@@ -8,9 +8,10 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.measure.log_units import conversion, quantity, says_pressure
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
 from polydraulic.unit_table import ATMOSPHERE, KINDS
-from polydraulic.units import Conversion, kind_of
+from polydraulic.units import Conversion, unit_kind
 
 ROLES = ("input", "output", "time", "ignore")
 BETWEEN = ("linear", "hold")
@@ -160,7 +161,7 @@ def load_channels(path: str | Path) -> ChannelMap:
 
 def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     """Check what a channel map's file holds; see `load_channels`."""
-    keys(data, _MAP, {"raster", "channel"}, "")
+    check_keys(data, _MAP, {"raster", "channel"})
     raster = duration(data["raster"], "raster")
     flows = tuple(_flow(item, f"flow {n}") for n, item in enumerate(_tables(data, "flow"), 1))
     pressures = {flow.pressure for flow in flows}
@@ -186,18 +187,6 @@ def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     return found
 
 
-def keys(data: Any, allowed: set[str], needed: set[str], where: str) -> None:
-    """Check that a table has the keys that it needs and no others."""
-    if not isinstance(data, Mapping):
-        raise InputError(f"{where or 'file'} must be a table, not {data!r}")
-    of = f" in {where}" if where else ""
-    unknown, missing = sorted(set(data) - allowed), sorted(needed - set(data))
-    if unknown:
-        raise InputError(f"unknown key {unknown[0]!r}{of}; allowed here: {sorted(allowed)}")
-    if missing:
-        raise InputError(f"missing key {missing[0]!r}{of}; needed here: {sorted(needed)}")
-
-
 def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGEST) -> float:
     """Read a time such as ``"10 ms"`` and check its range, in s."""
     seconds = quantity(value, "s", where)
@@ -215,7 +204,7 @@ def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
     return value
 
 
-def limits(value: Any, where: str) -> tuple[float, float]:
+def low_and_high(value: Any, where: str) -> tuple[float, float]:
     """Check a range ``[low, high]``."""
     good = isinstance(value, list) and len(value) == 2
     good = good and all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in value)
@@ -243,7 +232,7 @@ def _atmosphere(data: Mapping[str, Any]) -> float | None:
 
 
 def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
-    keys(item, _CHANNEL, {"source", "role"}, where)
+    check_keys(item, _CHANNEL, {"source", "role"}, where)
     source = text(item["source"], f"source in {where}")
     where = f"channel {source!r}"
     role = text(item["role"], f"role of {where}", ROLES)
@@ -261,20 +250,20 @@ def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
     if role == "time":
         if found.si != "s":
             raise InputError(f"unit of {where} = {unit!r}: time needs a unit of time")
-        keys(item, {"source", "role", "unit", "raster"}, set(), f"the time {where}")
+        check_keys(item, {"source", "role", "unit", "raster"}, (), f"the time {where}")
         return Channel(source, "time", role, unit, "s", _raster(item, where))
     if why and "unit" not in item:
         raise InputError(
-            f'{where} has no unit, but {why} says {kind_of(kind).name}: give its unit, or unit = "" for plain numbers'
+            f'{where} has no unit, but {why} says {unit_kind(kind).name}: give its unit, or unit = "" for plain numbers'
         )
     if why and found.si != kind and (unit.strip() or "kind" in item):
         raise InputError(
-            f"unit of {where} = {unit!r} measures {kind_of(found.si).name}, but {why} says {kind_of(kind).name}: give a unit such as "
-            f"{(kind_of(kind).offered or (kind,))[-1]!r}, or what is measured as kind = {kind_of(found.si).name!r}"
+            f"unit of {where} = {unit!r} measures {unit_kind(found.si).name}, but {why} says {unit_kind(kind).name}: give a unit such as "
+            f"{(unit_kind(kind).offered or (kind,))[-1]!r}, or what is measured as kind = {unit_kind(found.si).name!r}"
         )
     if name in RESERVED:
         raise InputError(f"name of {where} = {name!r}: the table has a column of this name already; choose another")
-    low, high = limits(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
+    low, high = low_and_high(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
     between = text(item.get("between", "linear"), f"between of {where}", BETWEEN)
     sign = item.get("sign", 1)
     if isinstance(sign, bool) or sign not in (1, -1):
@@ -298,7 +287,7 @@ def _raster(item: Mapping[str, Any], where: str) -> float | None:
 
 
 def _flow(item: Any, where: str) -> FlowChannel:
-    keys(item, _FLOW, {"name", "position", "area"}, where)
+    check_keys(item, _FLOW, {"name", "position", "area"}, where)
     name = text(item["name"], f"name in {where}")
     where = f"flow {name!r}"
     if name in RESERVED:

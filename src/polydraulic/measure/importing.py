@@ -16,7 +16,7 @@ from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.checks.excerpt import Excerpt
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
 from polydraulic.measure.formats.log import Log
 from polydraulic.measure.formats.logs import open_log
@@ -24,7 +24,7 @@ from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
 from polydraulic.tables import Table, table_ending, table_writer
 from polydraulic.unit_table import ATMOSPHERE
-from polydraulic.units import Conversion, kind_of
+from polydraulic.units import Conversion, unit_kind
 
 Progress = Callable[[int, int], None]
 STEPS = 1000  # of the progress
@@ -239,7 +239,7 @@ def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: F
     if of_log is not None and of_log.si == "Pa" != found.si and channel.kind != found.si:
         raise InputError(
             f"{log.path}: channel {channel.source!r} is a pressure in {given!r}, but the map's unit {channel.unit!r} measures "
-            f"{kind_of(found.si).name}: give a unit of pressure, or what is measured as kind = {kind_of(found.si).name!r}"
+            f"{unit_kind(found.si).name}: give a unit of pressure, or what is measured as kind = {unit_kind(found.si).name!r}"
         )
     if found.absolute and channels.atmosphere is None:
         findings.add("atmosphere", channel.source, f"{ATMOSPHERE / 1e5:g} bar were taken from {channel.unit!r}")

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, Signal
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion, says_pressure
-from polydraulic.units import kind_of
+from polydraulic.units import unit_kind
 
 _TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
@@ -149,7 +149,7 @@ def _unit_line(signal: Signal) -> str:
         return f'unit = ""  # the log says {_text(signal.unit)}: {_text(str(error))[1:-1]}'
     line = f"unit = {_text(signal.unit)}"
     if pressure and found.si != "Pa":  # a sensor that is logged as it is
-        line += f'\nkind = "{kind_of(found.si).name}"  # its name says pressure, its unit does not'
+        line += f'\nkind = "{unit_kind(found.si).name}"  # its name says pressure, its unit does not'
     return line
 
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.schema import Cylinder, Machine, Quantity
 
 Tree = TypeVar("Tree", bound=tuple)
@@ -90,17 +91,11 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | None = None) -> Tree:
     """Build a named tuple from nested dicts; keys that are missing are taken from `base`, if one is given."""
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: {where or 'file'} must be a table, not {data!r}")
     hints = get_type_hints(cls, include_extras=True)
-    unknown = [key for key in data if key not in hints]
-    if unknown:
-        raise InputError(f"{path}: unknown key {where}{unknown[0]}; allowed here: {sorted(hints)}")
+    check_keys(data, hints, hints if base is None else (), where.rstrip("."), str(path))
     values = {}
     for key, hint in hints.items():
         if key not in data:
-            if base is None:
-                raise InputError(f"{path}: missing key {where}{key}; {cls.__name__} needs {sorted(hints)}")
             values[key] = getattr(base, key)
         elif isinstance(hint, type) and issubclass(hint, tuple):
             part = None if base is None else getattr(base, key)
@@ -123,9 +118,9 @@ def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int
     except InputError as error:
         raise InputError(f"{path}: {key}: {error}") from error
     if known.si != quantity.unit:
-        allowed = [*units.FACTORS[quantity.unit], *units.kind_of(quantity.unit).products]
+        allowed = [*units.FACTORS[quantity.unit], *units.unit_kind(quantity.unit).products]
         raise InputError(
-            f"{path}: {key} has unit {unit!r}; allowed: {allowed}, or another unit of {units.kind_of(quantity.unit).name}"
+            f"{path}: {key} has unit {unit!r}; allowed: {allowed}, or another unit of {units.unit_kind(quantity.unit).name}"
         )
     if size:
         if not isinstance(value, list) or (size > 0 and len(value) != size) or not value:
@@ -152,9 +147,7 @@ def _switch(item: Any, key: str, path: Path) -> bool:
 
 
 def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
-    if not isinstance(item, dict) or set(item) != needed:
-        shown = sorted(item) if isinstance(item, dict) else repr(item)
-        raise InputError(f"{path}: {key} has {shown}; it needs exactly {sorted(needed)}")
+    check_keys(item, needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
         raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a text")

@@ -8,9 +8,10 @@ import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.schema import LINKS
 from polydraulic.plotting.run_figure import CIRCUIT, moving_links
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance, in_field_units
+from polydraulic.simulation.trajectory import effector_distance, in_field_units
 from polydraulic.tables import Table
 
 MAX_FRAMES = 20_000

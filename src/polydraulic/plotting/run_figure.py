@@ -9,8 +9,9 @@ import numpy as np
 from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
-from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance, in_field_units
+from polydraulic.flow.record import EFFECTOR
+from polydraulic.parameters.schema import CIRCUITS, LINKS
+from polydraulic.simulation.trajectory import effector_distance, in_field_units
 from polydraulic.tables import Table
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ PANELS = (
     Panel("pressure", "p_in", "p_pump", "pump"),
     Panel("angle", "angle"),
 )
-CIRCUIT = {"swing": "series", "boom": "boom", "stick": "series"}
+CIRCUIT = {link: circuit for circuit, links in CIRCUITS.items() for link in links}
 # The first run lies broad and pale below the others.
 FIRST = ("#9ec5e8", 3.5)
 OTHERS = ("#e07a1f", "#2f8f4e", "#b5367a", "#5b4bb5", "#7a6a3a")

@@ -6,6 +6,7 @@ import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.tables import Table
 
 # What the field reads these columns in.
@@ -18,7 +19,6 @@ FIELD_UNITS = {
     "V": "V",
     "s": "s",
 }
-EFFECTOR = ("effector.x", "effector.y", "effector.z")
 
 
 class Difference(NamedTuple):

@@ -1,7 +1,7 @@
 import numpy as np
 
 from polydraulic.networks.dynamic.lagged_terms import frame_of, run_terms
-from polydraulic.networks.dynamic.term_growth import grow, grow_average
+from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 
 READS = [(0, 1), (0, 2), (1, 1), (1, 2)]
 TRUE = {(0, 0, 0), (3, 0, 0), (4, 0, 0), (2, 0, 0), (2, 2, 0)}
@@ -15,10 +15,10 @@ def noisy(n=300, noise=0.02):
     return np.column_stack([u, y + rng.normal(scale=noise, size=n)]), y
 
 
-def grown(signals, n_term, horizon=16, spans=None):
+def grown(signals, n_term, horizon=16, spans=None, **options):
     spans = [(2, len(signals))] if spans is None else spans
     frame = frame_of(signals, 1, READS, spans, 0.1)
-    return frame, next(terms for terms in grow(frame, spans, horizon) if len(terms.coef) >= n_term)
+    return frame, next(terms for terms in grow_terms(frame, spans, horizon, **options) if len(terms.coef) >= n_term)
 
 
 def own(terms):
@@ -43,10 +43,10 @@ def test_terms_of_a_noisy_system_are_found_by_how_they_run():
 def test_growth_ends_where_nothing_is_left_or_rows_are_few():
     signals, _ = noisy(noise=0.0)
     frame = frame_of(signals, 1, READS, [(2, 300)], 0.1)
-    assert own(list(grow(frame, [(2, 300)], 8))[-1]) >= TRUE
-    assert len(list(grow(frame, [(2, 300)], 8))) < 20
-    assert len(list(grow(frame, [(2, 22)], 8))[-1].coef) <= 4
-    assert len(list(grow(frame, [(2, 4)], 8))) == 1
+    assert own(list(grow_terms(frame, [(2, 300)], 8))[-1]) >= TRUE
+    assert len(list(grow_terms(frame, [(2, 300)], 8))) < 20
+    assert len(list(grow_terms(frame, [(2, 22)], 8))[-1].coef) <= 4
+    assert len(list(grow_terms(frame, [(2, 4)], 8))) == 1
 
 
 def test_an_average_hangs_less_on_a_few_rows():
@@ -66,10 +66,9 @@ def test_what_never_changes_does_no_harm():
     assert np.isfinite(grown(signals, 2)[1].coef).all()
 
 
-def test_of_many_lagged_values_only_those_in_the_polynomial_are_multiplied(monkeypatch):
+def test_of_many_lagged_values_only_those_in_the_polynomial_are_multiplied():
     signals, _ = noisy()
-    monkeypatch.setattr("polydraulic.networks.dynamic.term_growth._ALL_PAIRS", 3)
-    _, terms = grown(signals, 12)
+    _, terms = grown(signals, 12, all_pairs=3)
     seen = set()
     for *factors, d in terms.factors.tolist():
         a, b = factors

@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from polydraulic.export.c.source import to_c
+from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable, free_name
-from polydraulic.export.fmu.package import WrittenFmu, write_fmu
+from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.model_bundle import Bundle, bundle
+from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.table import UNBOUNDED
+from polydraulic.pages.html import bullets, document, table
 
 _STOP, _ROWS = 1.0, 101
 
@@ -26,7 +29,7 @@ def export_fmu(
     name: str | None = None,
     compiler: str | None = None,
     cross: bool = False,
-) -> WrittenFmu:
+) -> Exported:
     """Write models as an FMU for model exchange and co-simulation, with sources and a binary for this machine.
 
     Parameters
@@ -46,8 +49,8 @@ def export_fmu(
 
     Returns
     -------
-    WrittenFmu
-        Its `binaries` are empty without a compiler: the FMU then holds sources, which the importer has to compile.
+    Exported
+        As `write_fmu`.
 
     Raises
     ------
@@ -62,8 +65,9 @@ def export_fmu(
     folder = f"extra/org.polydraulic/{whole.name}" if version == 3 else "documentation/reference"
     extra = {f"{folder}_in.csv": inputs, f"{folder}_ref.csv": results}
     return write_fmu(
-        what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross
-    )
+        what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross,
+        notes=dynamic_notes(models),
+    )  # fmt: skip
 
 
 def describe_networks(whole: Bundle) -> FmuDescription:
@@ -157,30 +161,18 @@ def _csv(names: Sequence[str], rows: np.ndarray) -> str:
 
 def _page(whole: Bundle, what: FmuDescription) -> str:
     """Documentation: variables with units and limits, networks by region."""
-    rows = "\n".join(
-        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in (
-            v.name, v.kind, v.unit, "" if v.low is None else f"{v.low:.6g}", "" if v.high is None else f"{v.high:.6g}",
-            v.description)) + "</tr>"
+    rows = [
+        [v.name, v.kind, v.unit, *("" if end is None else f"{end:.6g}" for end in (v.low, v.high)), v.description]
         for v in what.variables
-    )  # fmt: skip
-    models = "\n".join(
-        f"<li>{escape(str(m.output))}: {len(m.networks)} network(s), {m.n_coefficients} coefficients</li>"
-        for m in whole.models
+    ]
+    models = (
+        f"{model.output}: {len(model.networks)} network(s), {model.n_coefficients} coefficients"
+        for model in whole.models
     )
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{escape(what.name)}</title>
-<style>body{{font-family:sans-serif;max-width:60em;margin:2em auto}}td,th{{padding:.2em .7em;text-align:left;border-bottom:1px solid #ccc}}</style>
-</head><body>
-<h1>{escape(what.name)}</h1>
-<p>{escape(what.description)}. Outputs follow from the inputs at the same time; there are no states and no events.</p>
-<table><tr><th>variable</th><th>kind</th><th>unit</th><th>lowest</th><th>highest</th><th></th></tr>
-{rows}
-</table>
+    body = f"""<p>{escape(what.description)}. Outputs follow from the inputs at the same time; there are no states and no events.</p>
+{table("", ["variable", "kind", "unit", "lowest", "highest", "meaning"], rows)}
 <h2>Networks</h2>
-<ul>
-{models}
-</ul>
+{bullets(models)}
 <p>Derivatives are exact. They are 0 where an input lies outside of the domain or an output at its bounds. If an input is not
-a number, the outputs are not numbers either and the domain is {np.finfo(np.float64).max:.3g}.</p>
-</body></html>
-"""
+a number, the outputs are not numbers either and the domain is {np.finfo(np.float64).max:.3g}.</p>"""
+    return document(what.name, body)

@@ -4,7 +4,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from polydraulic.errors import InputError
 from polydraulic.unit_table import BASE
-from polydraulic.units import FACTORS, from_si, kind_of, read_unit
+from polydraulic.units import FACTORS, from_si, read_unit, unit_kind
 
 _DISPLAYED = {"Pa": "bar", "m3/s": "l/min", "m": "mm", "rad": "deg", "rad/s": "deg/s"}
 
@@ -23,7 +23,7 @@ def unit_element(unit: str) -> Element:
         return found
     if offset != 0.0:
         return found
-    base = dict(zip(BASE, kind_of(si).base, strict=True))
+    base = dict(zip(BASE, unit_kind(si).base, strict=True))
     if all(exponent == int(exponent) for exponent in base.values()):  # FMI has no roots
         exponents = {name: str(int(exponent)) for name, exponent in base.items() if exponent}
         SubElement(found, "BaseUnit", exponents | ({} if factor == 1.0 else {"factor": repr(factor)}))

@@ -8,8 +8,8 @@ import numpy as np
 from polydraulic.measure.channels import Channel
 from polydraulic.measure.checks.clock import JOIN, Clock, ClockedRows
 from polydraulic.measure.checks.envelope import Envelope
-from polydraulic.measure.checks.findings import Findings
 from polydraulic.measure.checks.run_lengths import ValueRuns
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.log_units import conversion, same_kind
 from polydraulic.units import Conversion
 

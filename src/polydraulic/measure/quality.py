@@ -1,7 +1,6 @@
 """The quality report of an imported log: what is wrong with it and what it can tell; as a page and as JSON."""
 
 import json
-from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,20 +8,14 @@ from polydraulic.files import write_text
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
-from polydraulic.measure.checks.findings import Finding
+from polydraulic.measure.findings import Finding
 from polydraulic.measure.flows import flow_statement
 from polydraulic.measure.importing import Imported
+from polydraulic.pages.html import Cell, bullets, document, table
 from polydraulic.unit_table import ATMOSPHERE
 from polydraulic.units import Conversion
 
 SCHEMA = 1
-_STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 68rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
-table { border-collapse: collapse; margin: 1rem 0; } th, td { text-align: left; padding: .25rem .7rem; border-bottom: 1px solid #ddd; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; } th { border-bottom: 2px solid #888; }
-.error { color: #a11; font-weight: 600; } .warning { color: #960; font-weight: 600; } .good { color: #171; font-weight: 600; }
-svg { max-width: 100%; height: auto; } .note { color: #666; }
-"""
 
 
 class Told(NamedTuple):
@@ -145,7 +138,7 @@ def _coverage_data(found: Coverage, units: dict[str, Conversion]) -> dict[str, A
 
 
 def _page(imported: Imported, told: Told) -> str:
-    from polydraulic.measure.checks.quality_plots import coverage_svg, signals_svg
+    from polydraulic.measure.quality_plots import coverage_svg, signals_svg
 
     findings = list(imported.findings)
     errors = sum(f.level == "error" for f in findings)
@@ -155,17 +148,11 @@ def _page(imported: Imported, told: Told) -> str:
         else f'<p class="{"error" if errors else "warning"}">{errors} error(s), {len(findings) - errors} warning(s).</p>'
     )
     first, last = imported.span
-    shown, table = imported.shown, imported.excerpt
-    whole = (
-        "all rows" if len(table) == imported.n_row else f"{len(table)} of {imported.n_row} rows, from all over the log"
-    )
-    deadbands = _list([d.statement(shown.get(d.input)) for d in told.deadbands])
-    flows = _list([flow_statement(flow, imported.channels.raster) for flow in imported.channels.flows])
-    return f"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Quality of {escape(imported.source.name)}</title>
-<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head><body>
-<h1>Quality of {escape(imported.source.name)}</h1>
-{verdict}
+    shown, read = imported.shown, len(imported.excerpt)
+    whole = "all rows" if read == imported.n_row else f"{read} of {imported.n_row} rows, from all over the log"
+    deadbands = bullets([d.statement(shown.get(d.input)) for d in told.deadbands])
+    flows = bullets([flow_statement(flow, imported.channels.raster) for flow in imported.channels.flows])
+    body = f"""{verdict}
 <p>{last - first:.4g} s of log, from {first:.6g} s to {last:.6g} s. The table has {imported.n_row} rows every {imported.channels.raster:g} s in
 {imported.n_segment} segment(s) without a gap.</p>
 <h2>What was found</h2>
@@ -182,38 +169,29 @@ def _page(imported: Imported, told: Told) -> str:
 {flows or "<p>None asked for.</p>"}
 <h3>Coverage of the inputs</h3>
 {_coverage(told.coverage, shown)}
-{coverage_svg(told.coverage, shown) if told.coverage is not None and told.coverage.pairs else ""}
-</body></html>
-"""
+{coverage_svg(told.coverage, shown) if told.coverage is not None and told.coverage.pairs else ""}"""
+    return document(f"Quality of {imported.source.name}", body)
 
 
 def _findings(findings: list[Finding]) -> str:
-    rows = []
+    rows: list[list[str | Cell]] = []
     for f in findings:
         spans = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in f.rows)
-        of = f.channel or "log"
-        text = str(f).partition(": ")[2]
-        rows.append(
-            f'<tr><td class="{f.level}">{escape(f.kind)}</td><td>{escape(of)}</td><td class="number">{f.count or ""}</td>'
-            f"<td>{spans}{', ...' if len(f.rows) == 20 else ''}</td><td>{escape(text)}</td></tr>"
-        )
-    if not rows:
-        return "<p>Nothing.</p>"
-    head = "<tr><th>what</th><th>channel</th><th>rows</th><th>which</th><th>meaning</th></tr>"
-    return f"<table><thead>{head}</thead><tbody>\n{chr(10).join(rows)}\n</tbody></table>"
+        more = ", ..." if len(f.rows) == 20 else ""
+        kind, count = Cell(f.kind, f.level), Cell(str(f.count or ""), "number")
+        rows.append([kind, f.channel or "log", count, spans + more, str(f).partition(": ")[2]])
+    return table("", ["what", "channel", "rows", "which", "meaning"], rows) if rows else "<p>Nothing.</p>"
 
 
 def _channels(checks: list[ChannelCheck]) -> str:
     names = ("source", "column", "role", "unit", "every s", "values", "smallest", "mean", "largest", "deviation")
-    rows = []
+    rows: list[list[str | Cell]] = []
     for check in checks:
         s = _statistics(check)
         numbers = (s[key] for key in ("raster_s", "values", "low", "mean", "high", "deviation"))
-        texts = (s[key] for key in ("source", "name", "role", "unit"))
-        cells = "".join(f"<td>{escape(str(t))}</td>" for t in texts)
-        rows.append(f"<tr>{cells}{''.join(f'<td class=number>{_number(v)}</td>' for v in numbers)}</tr>")
-    head = "".join(f"<th>{name}</th>" for name in names)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{chr(10).join(rows)}\n</tbody></table>"
+        texts = (str(s[key]) for key in ("source", "name", "role", "unit"))
+        rows.append([*texts, *(Cell(_number(value), "number") for value in numbers)])
+    return table("", names, rows)
 
 
 def _coverage(found: Coverage | None, units: dict[str, Conversion]) -> str:
@@ -223,11 +201,7 @@ def _coverage(found: Coverage | None, units: dict[str, Conversion]) -> str:
         f"<p>{found.visited} of {found.cells} cells of the box of all inputs (four levels each) hold a row. The box is the "
         "range that each input has in the table.</p>"
     )
-    return text + (_list(found.statements(units)[:15]) or "<p>No holes in the maps of two inputs.</p>")
-
-
-def _list(items: list[str]) -> str:
-    return "<ul>" + "".join(f"<li>{escape(item)}</li>" for item in items) + "</ul>" if items else ""
+    return text + (bullets(found.statements(units)[:15]) or "<p>No holes in the maps of two inputs.</p>")
 
 
 def _number(value: Any) -> str:
