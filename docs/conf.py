@@ -16,6 +16,9 @@ PACKAGES = [
     "polydraulic",
     *(f"polydraulic.{name}" for name in "networks flow measure identification export plotting".split()),
 ]
+PUBLIC = {
+    package: sorted(getattr(importlib.import_module(package), "__all__", []), key=str.lower) for package in PACKAGES
+}
 
 # the pages below each page; a page that nobody names goes below background
 NAVIGATION = {
@@ -51,6 +54,14 @@ autodoc_typehints = "none"  # the docstrings say types, with shapes and units
 autosummary_ignore_module_all = False
 numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False
+numpydoc_xref_param_type = True  # of types in docstrings, those that are public become links
+numpydoc_xref_ignore = "all"
+numpydoc_xref_aliases = {
+    name: f"{package}.{name}"
+    for package in PACKAGES
+    for name in PUBLIC[package]
+    if name[0].isupper() and not name.isupper()
+}
 nitpicky = True
 nitpick_ignore_regex = [("py:obj", r".*"), ("py:class", r".*")]
 
@@ -71,14 +82,20 @@ copybutton_exclude = ".linenos, .gp, .go"
 
 
 def _write_reference(folder: Path) -> None:
-    """Write a page for each public package, from which autosummary makes one for each of its names."""
+    """Write a page for each public package, from which autosummary makes one for each of its names; remove those of names that went."""
     folder.mkdir(exist_ok=True)
-    for package in PACKAGES:
-        names = getattr(importlib.import_module(package), "__all__", [])
-        listed = "\n".join(f"   {name}" for name in sorted(names, key=str.lower))
-        text = f"{package}\n{'=' * len(package)}\n\n.. automodule:: {package}\n   :no-members:\n\n.. autosummary::\n   :toctree: .\n\n{listed}\n"
+    pages = {}
+    for package, names in PUBLIC.items():
+        title, listed = f"{package}\n{'=' * len(package)}", "\n".join(f"   {name}" for name in names)
+        summary = f".. autosummary::\n   :toctree: .\n\n{listed}"
+        pages[package] = f"{title}\n\n.. automodule:: {package}\n   :no-members:\n\n{summary}\n"
+    wanted = {*pages, *(f"{package}.{name}" for package, names in PUBLIC.items() for name in names)}
+    for page in folder.glob("*.rst"):
+        if page.stem not in wanted:
+            page.unlink()
+    for package, text in pages.items():
         page = folder / f"{package}.rst"
-        if not page.exists() or page.read_text() != text:  # an untouched page is not built anew
+        if not page.exists() or page.read_text() != text:  # an untouched page is not read anew
             page.write_text(text)
 
 

@@ -70,10 +70,10 @@ RUN = [page for page in PAGES if any(language in ("python", "sh") for language, 
 @pytest.mark.parametrize(
     "page", [pytest.param(p, id=_name(p), marks=[] if p.stem in QUICK else pytest.mark.slow) for p in RUN]
 )
-def test_python_and_commands_in_the_pages_run(page, tmp_path, monkeypatch):
-    """All blocks of a page one after the other, in an empty folder."""
+def test_python_and_commands_in_the_pages_run(page, tmp_path, monkeypatch, capfd):
+    """All blocks of a page one after the other, in an empty folder; what a page says is printed is, up to its numbers."""
     monkeypatch.chdir(tmp_path)
-    names = {}
+    names, printed = {}, set()
     for language, block in _blocks(page):
         named = re.match(r"(?:#|/\*) (\w+\.(?:toml|c))\b", block)
         if named:  # a file that the reader is to write
@@ -83,6 +83,15 @@ def test_python_and_commands_in_the_pages_run(page, tmp_path, monkeypatch):
         elif language == "sh":
             for line in block.replace("\\\n", " ").splitlines():
                 _run(line, monkeypatch)
+            printed |= {_without_numbers(said) for said in capfd.readouterr().out.splitlines()}
+        elif language == "text" and _name(page) not in LESS:
+            for said in block.splitlines():
+                assert said.strip() == "..." or _without_numbers(said) in printed, said
+
+
+def _without_numbers(line):
+    """A line with all numbers alike: their last digits may differ between machines."""
+    return re.sub(r"-?\d[\d.]*(?:e[+-]\d+)?", "#", " ".join(line.split()))
 
 
 def _run(line, monkeypatch):
