@@ -91,7 +91,7 @@ def by_flow_model(lab: Lab) -> Figure:
     shown = [kind for kind in FLOWS if kind not in ("exact", "direct")]
     table = Table(
         {
-            "time": np.array([cost[kind].time for kind in shown]),
+            "time": np.array([cost[kind].time.median for kind in shown]),
             **{name: 1e3 * np.array([errors[kind][name] for kind in shown]) for name in SCENARIOS},
         },
         {"time": "of exact", **dict.fromkeys(SCENARIOS, "mm")},
