@@ -1,9 +1,9 @@
 """Ratios of run times on a clock of our own, with load on the machine whenever a test wants it."""
 
 import pytest
-from polydraulic.thesis import timing
 
 from polydraulic import build_flow, load_scenario
+from polydraulic.thesis import timing
 from polydraulic.thesis.timing import Ratio, Turns, in_turn, time_runs, timed
 
 
