@@ -25,7 +25,7 @@ def test_the_machine_follows_its_own_log(machine, windows):
     assert [round(float(w.time[0]), 6) for w in windows] == [0.0, 5.0, 10.0, 15.0]
     assert all(w.run.shape == w.measured.shape == (250, 3) for w in windows)
     for drift in drifts(machine, windows):
-        assert 0.0 < drift.median <= drift.largest < (300.0 if drift.name == "tip" else 3.0)
+        assert 0.0 < drift.median <= drift.largest < (0.3 if drift.name == "tip" else np.radians(3.0))
         assert drift.moved > 5.0 * drift.median
 
 
@@ -66,12 +66,17 @@ def test_why_it_is_not_known(machine):
 def test_the_picture_shows_joints_and_drift(windows):
     figure = plot_replay(windows)
     assert [axis.get_ylabel() for axis in figure.axes] == [
-        "swing [deg]",
-        "boom [deg]",
-        "stick [deg]",
+        "swing angle [deg]",
+        "boom angle [deg]",
+        "stick angle [deg]",
         "run - measured\n[deg]",
     ]
     assert len(figure.axes[1].lines) == 3 * len(windows)
+    assert figure.axes[-1].get_xlabel() == "time of the log [s]"
+    dated = plot_replay(windows, units="si", began=1.7e9)
+    assert dated.axes[-1].get_xlabel() == "date and time"
+    assert str(dated.axes[0].lines[0].get_xdata()[0]) == "2023-11-14T22:13:20.000000"
+    assert dated.axes[0].lines[0].get_ydata() == pytest.approx(windows[0].measured[:, 0])
     with pytest.raises(InputError, match="there is no window to show"):
         plot_replay([])
 

@@ -11,12 +11,20 @@ from polydraulic import load_models, save_models
 from polydraulic.errors import InputError
 from polydraulic.identification import machine_fit, machine_judging, model_card
 from polydraulic.identification.log_replay import Drift
-from polydraulic.identification.machine_card import HEADS, kept, machine_coverage, summary, write_machine_card
+from polydraulic.identification.machine_card import (
+    drift_rows,
+    heads,
+    kept,
+    machine_coverage,
+    summary,
+    write_machine_card,
+)
 from polydraulic.identification.machine_fit import Known, by_port, learn
 from polydraulic.identification.machine_judging import as_judged, judging_rows, learn_and_judge, one_sided
 from polydraulic.identification.validity import validity
 from polydraulic.parameters.schema import LINKS
 from polydraulic.tables import Table
+from polydraulic.units import CUBIC_INCH
 
 OUTPUTS = ["boom.q_in", "swing.q_in", "stick.q_in", "swing.k_out", "boom.k_out", "stick.k_out"]
 
@@ -99,13 +107,21 @@ def test_rows_at_the_relief_setting_say_nothing(machine, log, known, monkeypatch
     assert learn(machine, other)[0] == learn(machine, log)[0]
 
 
-def test_a_table_in_the_units_of_the_field(learnt):
+def test_a_table_in_the_units_asked_for(learnt):
     rows = summary(learnt.fits)
     assert [row[0] for row in rows] == OUTPUTS
     training = learnt.fits[0].model.training
-    assert float(rows[0][HEADS.index("rms [l/min]")]) == pytest.approx(6e4 * training["held_out_flow_rms"], abs=0.006)
+    assert float(rows[0][heads().index("rms [l/min]")]) == pytest.approx(6e4 * training["held_out_flow_rms"], rel=0.006)
     share = 100.0 * training["held_out_flow_rms"] / training["pump_flow"]
-    assert float(rows[0][HEADS.index("of the pump")].rstrip("%")) == pytest.approx(share, abs=0.006)
+    assert float(rows[0][heads().index("of the pump")].rstrip("%")) == pytest.approx(share, abs=0.006)
+
+    field = summary(learnt.fits, "field")
+    assert float(field[0][heads("field").index("rms [in3/s]")]) == pytest.approx(
+        training["held_out_flow_rms"] / CUBIC_INCH, rel=0.006
+    )
+    drift = [Drift("boom", "rad", np.radians(0.5), np.inf, 0.5), Drift("tip", "m", 0.012, 0.5, 2.0)]
+    assert drift_rows(drift) == [["boom", "0.50 deg", "diverged", "28.65 deg"], ["tip", "12 mm", "500 mm", "2000 mm"]]
+    assert drift_rows(drift, "si")[1] == ["tip", "0.012 m", "0.500 m", "2.000 m"]
 
 
 def test_a_model_file_reads_another_log_by_itself(learnt, tmp_path):
@@ -137,13 +153,13 @@ def test_the_card_holds_all_networks_and_the_holes(machine, learnt, log, tmp_pat
     assert list(covered) == OUTPUTS
     assert covered["boom.q_in"].found.box["boom.p_in"] == (0.0, machine.pumps.relief)
     assert 0.1 < covered["swing.q_in"].share < 1.0
-    drift = [Drift("boom", "deg", 0.1, np.inf, 20.0)]  # one run left all reason
+    drift = [Drift("boom", "rad", 0.1, np.inf, 20.0)]  # one run diverged
     card = write_machine_card(machine, learnt, log, "log.parquet", tmp_path / "card.html", drift, "run so & so")
     assert [model["output"].split(" ")[0] for model in card["models"]] == OUTPUTS
     assert {column["name"] for column in card["data"]["columns"]} >= {"boom.travel", "stick.spool", "series.q_passed"}
     assert [c["output"] for c in card["data"]["coverage"]] == OUTPUTS
     assert any("no rows with" in hole and "bar" in hole for c in card["data"]["coverage"] for hole in c["holes"])
-    assert card["data"]["drift"] == [{"name": "boom", "unit": "deg", "median": 0.1, "largest": None, "moved": 20.0}]
+    assert card["data"]["drift"] == [{"name": "boom", "unit": "rad", "median": 0.1, "largest": None, "moved": 20.0}]
     assert json.loads((tmp_path / "card.card.json").read_text()) == card
     page = (tmp_path / "card.html").read_text()
     for text in (

@@ -68,10 +68,12 @@ def test_pictures_show_measured_next_to_simulated(fitted):
     models = fitted[1]
     runs = run_on(models, LOG, SPANS)
     figure = plot_runs(models, runs)
-    assert [axis.get_ylabel() for axis in figure.axes] == ["y [Pa]", "z [m]"]
+    assert [axis.get_ylabel() for axis in figure.axes] == ["y [bar]", "z [mm]"]
     measured, free = figure.axes[0].lines
     assert np.isnan(measured.get_xdata()).sum() == 1  # no line from one run to the next
-    assert np.array_equal(free.get_ydata()[:148], runs[0].free[:148])
+    assert free.get_ydata()[:148] == pytest.approx(runs[0].free[:148] / 1e5)
+    assert [axis.get_ylabel() for axis in plot_runs(models, runs, units="si").axes] == ["y [Pa]", "z [m]"]
+    assert plot_runs(models, runs, began=1.7e9).axes[-1].get_xlabel() == "date and time"
     assert not figure.axes[0].collections  # no interval where none is stated
     models[0].training.update({"interval_half_widths": [0.1], "free_run_rows": 148})
     figure = plot_separately(models[0], runs[0])

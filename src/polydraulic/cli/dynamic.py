@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from polydraulic.cli.app import app
+from polydraulic.cli.app import METRIC, UnitsOption, app
 from polydraulic.errors import InputError
+from polydraulic.terminal import progress_bar
 
 if TYPE_CHECKING:
     from polydraulic.networks.model.model import Model
@@ -28,6 +29,7 @@ def run(
             help="Begin anew from measured outputs after so many seconds; never within a segment if not given."
         ),
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Run a dynamic model on a log: from measured inputs and its own answers, next to what was measured.
 
@@ -36,9 +38,13 @@ def run(
     Example: `polydraulic run pressure.json log.parquet --plot run.svg`
 
     - As a predictor of the next second: `polydraulic run pressure.json log.parquet --every 1 --out second.parquet`
+
+    What comes next: `polydraulic check pressure.json --data log.parquet` says whether the model still holds;
+    `polydraulic export` writes it as C code or FMU.
     """
     import numpy as np
 
+    from polydraulic.display import amount, began
     from polydraulic.identification.log_rows import rows_for
     from polydraulic.identification.run_plot import plot_runs
     from polydraulic.identification.runs import run_on, run_table
@@ -52,21 +58,29 @@ def run(
         table_ending(out)
     if plot is not None:
         picture_ending(plot)
-    models, table = load_models(model), read_table(log)
-    rows = rows_for(models, table)
-    horizon = None if every is None else _rows(every, rows.raster)
-    runs = run_on(models, table, spans_of(rows.segments, np.ones(len(table), dtype=bool)), horizon)
-    if out is not None:
-        write_table(run_table(models, runs, table), out)
-    if plot is not None:
-        save_figure(plot_runs(models, runs), plot)
+    with progress_bar("run") as progress:
+        progress(f"read {log}", 0, 3)
+        models, table = load_models(model), read_table(log)
+        rows = rows_for(models, table)
+        horizon = None if every is None else _rows(every, rows.raster)
+        progress("free runs, compiled once after an installation", 1, 3)
+        runs = run_on(models, table, spans_of(rows.segments, np.ones(len(table), dtype=bool)), horizon)
+        progress("write", 2, 3)
+        if out is not None:
+            write_table(run_table(models, runs, table), out)
+        if plot is not None:
+            save_figure(plot_runs(models, runs, units=units, began=began(table)), plot)
     print(
         f"{runs[0].n_run} free run(s) of up to {runs[0].longest} rows, {len(runs[0].row)} of {len(table)} rows answered"
     )
     for found, answered in zip(models, runs, strict=True):
         for name, values in (("free run", answered.free), ("one step", answered.one_step)):
             r2, rms, largest = errors_of(answered.measured, values)
-            print(f"{found.output}, {name}: R2 {r2:.4f}, rms {rms:.4g}, largest {largest:.4g}")
+            unit = found.output.unit
+            print(
+                f"{found.output.name}, {name}: R2 {r2:.4f}, rms {amount(rms, unit, units)}, "
+                f"largest {amount(largest, unit, units)}"
+            )
 
 
 def _rows(seconds: float, raster: float | None) -> int:

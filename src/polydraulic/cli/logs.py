@@ -1,13 +1,14 @@
 """Commands of measured logs: import, record, fit-machine, replay."""
 
+from itertools import count
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import MachineOption, app
+from polydraulic.cli.app import METRIC, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import counted, print_table, steps
+from polydraulic.terminal import print_table, progress_bar
 
 
 @app.command("import")
@@ -21,6 +22,7 @@ def import_(
     report: Annotated[
         Path | None, typer.Option(help="Quality report, .html; beside the table if not given. Its data as .json.")
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
 
@@ -29,6 +31,9 @@ def import_(
     Example: `polydraulic import log.mf4 --channels map.toml --out table.parquet`
 
     - A first channel map, to be gone through: `polydraulic import --suggest log.mf4 --out map.toml`
+
+    What comes next: look at the quality report in a browser and mend the map; then `polydraulic fit` learns from the table,
+    `polydraulic fit-machine` the pump and valves of a whole machine.
     """
     from polydraulic.files import write_text
     from polydraulic.measure.channels import load_channels
@@ -39,8 +44,8 @@ def import_(
     if suggest:
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
-        with counted("read") as progress:
-            text = suggest_channels(log, progress=progress)
+        with progress_bar("read") as progress:
+            text = suggest_channels(log, progress=lambda done, total: progress(log.name, done, total))
         if out is None:
             print(text, end="")
         else:
@@ -53,13 +58,14 @@ def import_(
     if page.suffix != ".html":
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
-    with counted("import") as progress:
-        imported = import_log(log, given, out, progress=progress)
-    told = write_quality(imported, page)
+    with progress_bar("import") as progress:
+        imported = import_log(log, given, out, progress=lambda done, total: progress(log.name, done, total))
+        progress("deadbands, coverage, quality report", 0, 1)
+        told = write_quality(imported, page, units=units)
     for finding in imported.findings:
         print(f"{finding.level}: {finding}")
     for found in told.deadbands:
-        print(found.statement(imported.shown.get(found.input)))
+        print(found.statement(imported.shown(units).get(found.input)))
     if imported.n_row == 0:
         raise InputError(f"{log}: no row of a table came of it; {page} says why")
     print(
@@ -80,6 +86,8 @@ def record(
     """Simulate, and write what sensors would have recorded: noise, digits, delay, dropouts, drift, rasters.
 
     Example: `polydraulic record random:1:600 random:2:600 --sensors sensors.toml --out log.mf4`
+
+    What comes next: `polydraulic import --suggest log.mf4 --out map.toml`, as with a log of a real machine.
     """
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
@@ -90,8 +98,10 @@ def record(
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
     what = [load_scenario(name) for name in scenario]
-    with steps("record", len(what)) as progress:
-        n = write_log(plant, what, bench, out, dt=dt, progress=progress)
+    with progress_bar("record") as progress:
+        progress("compile (once after an installation)", 0, len(what))
+        begun = count()
+        n = write_log(plant, what, bench, out, dt=dt, progress=lambda name: progress(name, next(begun), len(what)))
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
 
 
@@ -105,6 +115,7 @@ def fit_machine(
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: coverage, errors, intervals, proofs, equations.")
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
@@ -118,13 +129,15 @@ def fit_machine(
     - Drive the machine with it: `polydraulic simulate task --flow polynomial --model machine.json --plot task.svg`
 
     - Does it hold on another day's log? `polydraulic check machine.json --data later.parquet`
+
+    What comes next: `polydraulic replay later.parquet --model machine.json` runs the machine against another log.
     """
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.identification.log_replay import COMPARED, against_log
     from polydraulic.identification.machine_card import (
         DRIFT_HEADS,
-        HEADS,
         drift_rows,
+        heads,
         kept,
         summary,
         write_machine_card,
@@ -142,24 +155,25 @@ def fit_machine(
     needed = ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
     read = read_table(table, needed, optional=["segment", *COMPARED])
     log = by_port(Known.of(plant), read)
-    with steps("fit-machine", 14) as progress:
-        learnt = learn_and_judge(plant, log, progress)
-        progress("run against the log")
+    with progress_bar("fit-machine") as progress:
+        begun = count()
+        learnt = learn_and_judge(plant, log, lambda output: progress(output, next(begun), 14))
+        progress("run against the log, compiled once after an installation", 12, 14)
         flow = build_flow("polynomial", plant, models=learnt.without)
         told, drift = against_log(plant, flow, read, learnt.held)
         save_models(learnt.models, out)
         if card is not None:
-            progress("card")
-            write_machine_card(plant, learnt, log, table.name, card, drift, told)
+            progress("card", 13, 14)
+            write_machine_card(plant, learnt, log, table.name, card, drift, told, units=units)
     print(
         f"{learnt.held.sum()} of {len(log)} rows held out, every fifth block of time; errors as flows, where a valve is open:"
     )
-    print_table(HEADS, summary(learnt.fits))
+    print_table(heads(units), summary(learnt.fits, units))
     if remark := kept(learnt.fits):
         print(remark)
     print(told + (":" if drift else ""))
     if drift:
-        print_table(DRIFT_HEADS, drift_rows(drift))
+        print_table(DRIFT_HEADS, drift_rows(drift, units))
     for statement in one_sided(log, Known.of(plant)):
         print(f"warning: {statement}")
 
@@ -177,6 +191,7 @@ def replay(
     plot: Annotated[
         Path | None, typer.Option(help="Picture of the first windows to write, .svg, .png or .pdf.")
     ] = None,
+    units: UnitsOption = METRIC,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Run a machine against a log of the real one, and say how far joints and tip drift.
@@ -187,7 +202,10 @@ def replay(
     Example: `polydraulic replay later.parquet --model machine.json --plot replay.svg`
 
     - What the sensors alone make of it, on a log of `record`: `polydraulic replay later.parquet --flow exact`
+
+    What comes next: where joints drift apart, mend masses and friction of the parameter set, or learn from a longer log.
     """
+    from polydraulic.display import began
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.identification.log_replay import DRIVEN, drifts, plot_replay
     from polydraulic.identification.log_replay import replay as run
@@ -204,11 +222,16 @@ def replay(
     plant = load_machine(machine)
     log = read_table(table, ["time", *DRIVEN])
     options: dict[str, Any] = {"models": [found for path in model for found in load_models(path)]} if model else {}
-    with counted("replay") as progress:
-        windows = run(plant, build_flow(flow, plant, **options), log, seconds=seconds, progress=progress)
-    if not windows:
-        raise InputError(f"{table}: no piece of {seconds:g} s without a gap; choose shorter windows by --seconds")
-    if plot is not None:
-        save_figure(plot_replay(windows), plot)
+    with progress_bar("replay") as progress:
+        progress(f"flow model {flow}, compiled once after an installation", 0, 1)
+        chosen = build_flow(flow, plant, **options)
+        windows = run(
+            plant, chosen, log, seconds=seconds, progress=lambda done, total: progress("windows", done, total)
+        )
+        if not windows:
+            raise InputError(f"{table}: no piece of {seconds:g} s without a gap; choose shorter windows by --seconds")
+        if plot is not None:
+            progress(f"draw {plot}", 0, 1)
+            save_figure(plot_replay(windows, units=units, began=began(log)), plot)
     print(f"{len(windows)} windows of {seconds:g} s, each begun from the measured state; largest distance in a window:")
-    print_table(DRIFT_HEADS, drift_rows(drifts(plant, windows)))
+    print_table(DRIFT_HEADS, drift_rows(drifts(plant, windows), units))

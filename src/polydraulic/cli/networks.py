@@ -1,14 +1,15 @@
 """Commands of networks: fit, check, export, verify."""
 
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import app
+from polydraulic.cli.app import METRIC, UnitsOption, app
 from polydraulic.cli.dynamic import say_how_dynamic
 from polydraulic.errors import InputError
-from polydraulic.terminal import stages, steps
+from polydraulic.terminal import progress_bar
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +25,7 @@ def fit(
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     edges: Annotated[
         list[str] | None,
-        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit; repeat for more."),
+        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit, as in the table; repeat for more."),
     ] = None,
     regions: Annotated[
         int, typer.Option(help="Without edges: find regions in the data, this many at most; 1 for a single network.")
@@ -54,6 +55,7 @@ def fit(
     longest_lag: Annotated[
         int | None, typer.Option(help="With --dynamic: how many rows ago may be read, at most; 8 if not given.", min=1)
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Learn polynomial networks from a table.
 
@@ -71,8 +73,12 @@ def fit(
 
     - With memory: `polydraulic fit log.parquet --inputs valve --outputs pressure --dynamic --out pressure.json --card pressure.html`;
     `polydraulic run pressure.json log.parquet --plot run.svg` shows it running.
+
+    What comes next: `polydraulic check` proves where the outputs can go and judges the model by new data, `polydraulic export` writes it
+    as C code, FMU or ONNX.
     """
     from polydraulic.identification.model_card import write_card
+    from polydraulic.identification.shown import shown_fit
     from polydraulic.identification.table_fit import fit_table, with_deadbands
     from polydraulic.networks.growth.regressor import AbductiveRegressor
     from polydraulic.networks.model.model_file import save_models
@@ -90,7 +96,9 @@ def fit(
     borders = _edges(edges or [])
     if dynamic:
         given = {"--edges": borders, "--regions": regions != 1, "--bounds": limits, "--deadbands": deadbands}
-        _fit_dynamic(table, names, targets, out, card, settings, longest_lag or 8, [o for o in given if given[o]])
+        _fit_dynamic(
+            table, names, targets, out, card, settings, longest_lag or 8, [o for o in given if given[o]], units
+        )
         return
     if longest_lag is not None:
         raise InputError("--longest-lag goes with --dynamic")
@@ -99,12 +107,16 @@ def fit(
         borders, statements = with_deadbands(borders, data, names, targets)
         print("\n".join(statements))
     estimator = AbductiveRegressor(**settings, output_bounds="data" if limits is None else (limits[0], limits[1]))
-    with steps("fit", 2 * len(targets)) as progress:
-        fits = fit_table(data, names, targets, estimator, borders, regions, progress)
-    save_models([found.model for found in fits], out)
-    if card is not None:
-        write_card(fits, data, table.name, card)
-    for found in fits:
+    with progress_bar("fit") as progress:
+        begun, pieces = count(), 2 * len(targets) + 1
+        fits = fit_table(
+            data, names, targets, estimator, borders, regions, lambda what: progress(what, next(begun), pieces)
+        )
+        save_models([found.model for found in fits], out)
+        if card is not None:
+            progress("card: proofs and pictures", pieces - 1, pieces)
+            write_card(fits, data, table.name, card, units=units)
+    for found in (shown_fit(fit, units) for fit in fits):
         print(
             f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
             f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}, largest {found.largest:.4g}"
@@ -113,11 +125,12 @@ def fit(
 
 def _fit_dynamic(
     table: Path, inputs: list[str], outputs: list[str], out: Path, card: Path | None, settings: dict[str, Any],
-    longest_lag: int, given: list[str],
+    longest_lag: int, given: list[str], units: str,
 ) -> None:  # fmt: skip
     """Fit one dynamic model of all outputs."""
     from polydraulic.identification.dynamic_fit import fit_log, statements
     from polydraulic.identification.model_card import write_card
+    from polydraulic.identification.shown import shown_fit
     from polydraulic.networks.growth.regressor import AbductiveRegressor
     from polydraulic.networks.model.model_file import save_models
     from polydraulic.tables import read_table
@@ -126,12 +139,13 @@ def _fit_dynamic(
         raise InputError(f"{given[0]} goes with static models; a dynamic one has a single region and the data's range")
     data = read_table(table, [*inputs, *outputs], optional=["time", "segment"])
     estimator = AbductiveRegressor(**settings) if settings else None
-    with stages("fit") as progress:
+    with progress_bar("fit") as progress:
         fits = fit_log(data, inputs, outputs, estimator, longest_lag, progress)
-    save_models([found.model for found in fits], out)
-    if card is not None:
-        write_card(fits, data, table.name, card)
-    for found in fits:
+        save_models([found.model for found in fits], out)
+        if card is not None:
+            progress("card: proofs and pictures", 0, 1)
+            write_card(fits, data, table.name, card, units=units)
+    for found in (shown_fit(fit, units) for fit in fits):
         print(found.model.output)
         for statement in statements(found):
             print(f"  {statement}")
@@ -142,18 +156,22 @@ def check(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
     within: Annotated[
         str | None,
-        typer.Option("--range", help="LOW,HIGH: is it proved that no output leaves this range? In the output's unit."),
+        typer.Option(
+            "--range",
+            help="LOW,HIGH: is it proved that no output leaves this range? In the unit of the model file, or with a unit: '0,170 l/min'.",
+        ),
     ] = None,
     box: Annotated[
         list[str] | None,
         typer.Option(
-            help="COLUMN=LOW,HIGH: only in this part of the inputs; repeat for more. The domain if not given."
+            help="COLUMN=LOW,HIGH: only in this part of the inputs; repeat for more. The domain if not given. Units as for --range."
         ),
     ] = None,
     boxes: Annotated[int, typer.Option(help="Sub-boxes a region that the proof may take.", min=1)] = 20000,
     data: Annotated[
         Path | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Prove where the outputs of a model can go, anywhere in its domain or a box: a proof, not a sample.
 
@@ -163,53 +181,59 @@ def check(
     With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
     no longer holds. Dynamic models run on their own through the new log, begun anew as often as when they were fitted.
 
-    Example: `polydraulic check q_in.json --range 0,0.0028`
+    Example: `polydraulic check q_in.json --range "0,170 l/min"`
 
     - A year later: `polydraulic check q_in.json --data this_year.parquet`
+
+    What comes next: a model that does not hold any more is fitted again, with the new rows; `polydraulic export` writes one that does.
     """
+    from polydraulic.identification.shown import said_of_bounds, said_of_range
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.networks.proof.bounds import check_range, model_bounds
 
     if data is not None:
         if within is not None or box:
             raise InputError("--data judges a model by measurements; --range and --box go with a proof")
-        _judge(load_models(model), data)
+        _judge(load_models(model), data, units)
         return
-    limits = None if within is None else _numbers(within, "--range", 2)
     proved, models = True, load_models(model)
+    limits = [None if within is None else _ends(within, "--range", found.output.unit) for found in models]
+    places = [_box(box or [], found) for found in models]
     say_how_dynamic(models)
-    for found in models:
-        place = _box(box or [], found)
-        if limits is not None:
-            answer = check_range(found, limits[0], limits[1], place, max_boxes=boxes)
-            print(answer)
+    for k, (found, place, ends) in enumerate(zip(models, places, limits, strict=True)):
+        with progress_bar("check") as progress:
+            progress(f"proof of {found.output.name}", k, len(models))
+            answer = None if ends is None else check_range(found, ends[0], ends[1], place, max_boxes=boxes)
+            bounds = model_bounds(found, place, max_boxes=boxes) if ends is None else None
+        if answer is not None:
+            print(said_of_range(found, answer, units))
             proved = proved and answer.holds is True
-            continue
-        bounds = model_bounds(found, place, max_boxes=boxes)
-        print(f"{found.output}: proved range {bounds.low:.6g} to {bounds.high:.6g}")
-        for name, region in zip(found.region_names(), bounds.regions, strict=True):
-            if region is None:
-                continue
-            print(f"  {name}: {region.low:.6g} to {region.high:.6g}, slopes")
-            for variable, (low, high) in zip(found.inputs, region.slopes, strict=True):
-                print(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
+        if bounds is not None:
+            print("\n".join(said_of_bounds(found, bounds, units)))
     if not proved:
         raise typer.Exit(1)
 
 
-def _judge(models: "list[Model]", data: Path) -> None:
+def _judge(models: "list[Model]", data: Path, units: str) -> None:
     """Say whether models hold on a table."""
+    from polydraulic.display import shown_table
     from polydraulic.identification.machine_judging import as_judged
+    from polydraulic.identification.shown import shown_model
     from polydraulic.identification.validity import run_validity, validity
     from polydraulic.tables import read_table
 
-    table, holds = read_table(data), True
-    static, dynamic = ([model for model in models if (model.dynamics is None) == how] for how in (True, False))
-    judged = [validity(model, as_judged(model, table)) for model in static]
-    judged += run_validity(dynamic, table) if dynamic else []
+    with progress_bar("check") as progress:
+        progress(f"read {data}", 0, 2)
+        table, holds = read_table(data), True
+        progress("errors on the new data", 1, 2)
+        static, dynamic = ([model for model in models if (model.dynamics is None) == how] for how in (True, False))
+        judged = [validity(shown_model(model, units), shown_table(as_judged(model, table), units)) for model in static]
+        if dynamic:
+            judged += run_validity([shown_model(model, units) for model in dynamic], shown_table(table, units))
     for model, found in zip([*static, *dynamic], judged, strict=True):
+        read = shown_model(model, units)
         holds &= found.holds
-        print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")
+        print(f"{read.output}: {'holds' if found.holds else 'does not hold any more'}")
         for statement in found.statements:
             print(f"  {statement}")
         for region in found.regions:
@@ -241,7 +265,7 @@ def export(
 
     - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`
 
-    `polydraulic verify` compares all of these with the package.
+    What comes next: `polydraulic verify` compares all of these with the package.
     """
     from polydraulic.export.targets import export_models, is_file
     from polydraulic.networks.model.model_file import load_models
@@ -249,7 +273,9 @@ def export(
     models = load_models(model)
     if name is None and len(models) > 1 and not is_file(to, out):
         name = model.stem
-    written = export_models(models, to, out, name=name, real=real, cross=cross)
+    with progress_bar("export") as progress:
+        progress(f"{to} to {out}", 0, 1)
+        written = export_models(models, to, out, name=name, real=real, cross=cross)
     for path in written.paths:
         print(path)
     for note in written.notes:
@@ -269,12 +295,14 @@ def verify(
     code is 1 if a target of double precision does not agree to rounding.
 
     Example: `polydraulic verify q_in.json`
+
+    What comes next: `polydraulic export q_in.json --to fmi3 --out q_in.fmu`, with what was verified.
     """
     from polydraulic.export.verify import agreement_table, verify_models
     from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
-    with stages("verify") as progress:
+    with progress_bar("verify") as progress:
         found, not_tried = verify_models(models, points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
     say_how_dynamic(models)
@@ -301,6 +329,19 @@ def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
     return values
 
 
+def _ends(text: str, option: str, unit: str) -> list[float]:
+    """Two numbers in `unit`, from numbers in it or from numbers with a unit of the same kind."""
+    from polydraulic.units import from_si, si_unit, to_si
+
+    numbers, _, other = text.strip().partition(" ")
+    found = _numbers(numbers, option, 2)
+    if not other:
+        return found
+    if si_unit(other) != si_unit(unit):
+        raise InputError(f"{option} {text!r}: is in {other!r}, the model in {unit!r}; give a unit of that kind")
+    return [from_si(to_si(value, other), unit) for value in found]
+
+
 def _edges(texts: list[str]) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for text in texts:
@@ -316,5 +357,6 @@ def _box(texts: list[str], model: "Model") -> "np.ndarray":
         name, _, ends = text.partition("=")
         if name.strip() not in names:
             raise InputError(f"--box {text!r}: the model of {model.output.name!r} reads {names}")
-        found[names.index(name.strip())] = _numbers(ends, f"--box {name}", 2)
+        place = names.index(name.strip())
+        found[place] = _ends(ends, f"--box {name}", model.inputs[place].unit)
     return found

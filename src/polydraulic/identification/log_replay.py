@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
 from polydraulic.identification.machine_fit import UNITS
 from polydraulic.machine.linkage import end_effector
@@ -40,7 +40,7 @@ class Window(NamedTuple):
     time : (n_row,) array, s
         Of the log.
     measured, run : (n_row, 3) array, rad
-        Angles, links in the order of `LINKS`; of a run that leaves all reason, nan from there on.
+        Angles, links in the order of `LINKS`; nan from where a run diverges.
     """
 
     time: np.ndarray
@@ -55,9 +55,9 @@ class Drift(NamedTuple):
     ----------
     name : str
     unit : str
-        Of the numbers.
+        SI unit of the numbers.
     median, largest : float
-        Of the windows' largest distances; infinite where a run leaves all reason.
+        Of the windows' largest distances; infinite where a run diverges.
     moved : float
         Median of how far the measured one moves in a window.
     """
@@ -139,7 +139,7 @@ def replay(
 
 
 def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
-    """How far joints (deg) and tip (mm) drift in windows from `replay`."""
+    """How far joints (rad) and tip (m) drift in windows from `replay`."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
     tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
@@ -147,10 +147,10 @@ def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
     tip_moved = [np.linalg.norm(measured - measured[0], axis=1).max() for measured, _ in tips]
     found = []
     for name, unit, far, way in [
-        *((link, "deg", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
-        ("tip", "mm", np.array(tip_apart), np.array(tip_moved)),
+        *((link, "rad", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
+        ("tip", "m", np.array(tip_apart), np.array(tip_moved)),
     ]:
-        far, way = units.from_si(np.nan_to_num(far, nan=np.inf), unit), units.from_si(way, unit)
+        far = np.nan_to_num(far, nan=np.inf)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
 
@@ -181,13 +181,17 @@ def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tu
     )
 
 
-def plot_replay(windows: list[Window]) -> "Figure":
+def plot_replay(windows: list[Window], *, units: str = DEFAULT, began: float = 0.0) -> "Figure":
     """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
 
     Parameters
     ----------
     windows : list of Window
         The first ones are shown.
+    units : str
+        ``"metric"``, ``"field"`` or ``"si"``.
+    began : float, s since 1970
+        When the log's time was zero, if that is known: times are dates then.
 
     Raises
     ------
@@ -198,24 +202,25 @@ def plot_replay(windows: list[Window]) -> "Figure":
 
     if not windows:
         raise InputError("there is no window to show")
+    unit, label = shown_unit("rad", units), ""
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     *axes, below = figure.subplots(4, 1, sharex=True)
     for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
         for number, window in enumerate(windows[:_SHOWN]):
-            time = window.time
-            measured, run = (units.from_si(angles[:, place], "deg") for angles in (window.measured, window.run))
+            time, label = time_axis(window.time, began)
+            measured, run = (shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
             names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
             axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
             axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])
-            axis.plot(time[0], run[0], "o", color="#e07a1f", markersize=4.0, label=names[2])
+            axis.plot(time[:1], run[:1], "o", color="#e07a1f", markersize=4.0, label=names[2])
             below.plot(time, run - measured, color=_COLORS[place], linewidth=0.9, label=link if number == 0 else None)
-        axis.set_ylabel(f"{link} [deg]")
+        axis.set_ylabel(with_unit(f"{link} angle", unit))
         axis.grid(alpha=0.3)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
-    below.set_ylabel("run - measured\n[deg]")
+    below.set_ylabel(f"run - measured\n[{unit}]")
     below.grid(alpha=0.3)
     below.legend(ncols=3, fontsize="small", frameon=False, loc="upper left")
-    below.set_xlabel("time of the log [s]")
+    below.set_xlabel(label if label.startswith("date") else "time of the log [s]")
     return figure
 
 

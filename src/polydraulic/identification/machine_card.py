@@ -1,4 +1,4 @@
-"""What a machine learnt from a log is worth: a table in the field's units, where the log has been, and the model card of it all."""
+"""What a machine learnt from a log is worth: a table of errors, where the log has been, and the model card of it all."""
 
 import base64
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, number, shown, shown_unit, with_unit
 from polydraulic.identification.log_replay import Drift
 from polydraulic.identification.machine_fit import Known
 from polydraulic.identification.machine_judging import LearntMachine, judging_rows
@@ -21,17 +21,8 @@ from polydraulic.pages.html import table as html_table
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 
-HEADS = (
-    "network",
-    "regions",
-    "rms [l/min]",
-    "of the pump",
-    "largest [l/min]",
-    "R2",
-    "in 90% intervals",
-)
 DRIFT_HEADS = ("joint", "median", "largest", "moved")
-_FIELD = {"m": "mm", "Pa": "bar", "Pa^0.5": "bar^0.5", "m3/s": "l/min"}  # of maps: what logs are written in
+_DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
 _HOLES = 3  # of a map that are named
 
 
@@ -48,14 +39,20 @@ class Covered(NamedTuple):
         return sum(pair.share for pair in self.found.pairs) / len(self.found.pairs)
 
 
-def summary(fits: Sequence[TableFit]) -> list[list[str]]:
-    """Texts under `HEADS`: errors of all networks on the blocks held out, as flows in l/min; of an outlet at the measured pressure."""
+def heads(units: str = DEFAULT) -> tuple[str, ...]:
+    """Heads of the columns of `summary`."""
+    rms, largest = (with_unit(name, shown_unit("m3/s", units)) for name in ("rms", "largest"))
+    return ("network", "regions", rms, "of the pump", largest, "R2", "in 90% intervals")
+
+
+def summary(fits: Sequence[TableFit], units: str = DEFAULT) -> list[list[str]]:
+    """Texts under `heads`: errors of all networks on the blocks held out, as flows; of an outlet at the measured pressure."""
     rows = []
     for fit in fits:
         training: Any = fit.model.training
-        rms, largest = (units.from_si(training[f"held_out_flow_{what}"], "l/min") for what in ("rms", "largest"))
+        rms, largest = (shown(training[f"held_out_flow_{what}"], "m3/s", units) for what in ("rms", "largest"))
         share = training["held_out_flow_rms"] / training["pump_flow"]
-        texts = [f"{rms:.2f}", f"{share:.2%}", f"{largest:.1f}", f"{fit.r2:.4f}", f"{fit.covered:.0%}"]
+        texts = [number(rms, 3), f"{share:.2%}", number(largest, 3), f"{fit.r2:.4f}", f"{fit.covered:.0%}"]
         rows.append([fit.model.output.name, str(len(fit.model.networks)), *texts])
     return rows
 
@@ -70,12 +67,14 @@ def kept(fits: Sequence[TableFit]) -> str:
     )
 
 
-def drift_rows(found: Sequence[Drift]) -> list[list[str]]:
+def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
     """Texts under `DRIFT_HEADS`."""
-    digits = {"deg": 2, "mm": 0}
-    return [
-        [d.name, *(f"{value:.{digits[d.unit]}f} {d.unit}" for value in (d.median, d.largest, d.moved))] for d in found
-    ]
+    rows = []
+    for drift in found:
+        unit = shown_unit(drift.unit, units)
+        values = (shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
+        rows.append([drift.name, *("diverged" if v == inf else f"{v:.{_DECIMALS[unit]}f} {unit}" for v in values)])
+    return rows
 
 
 def operating_box(machine: Machine, link: str) -> dict[str, tuple[float, float]]:
@@ -124,6 +123,8 @@ def write_machine_card(
     path: str | Path,
     drift: Sequence[Drift],
     windows: str,
+    *,
+    units: str = DEFAULT,
 ) -> dict[str, Any]:
     """Write the model card of all six networks; see `write_card`.
 
@@ -142,37 +143,44 @@ def write_machine_card(
         Of the machine run against its log; may be empty.
     windows : str
         In words what it was run over, or why it was not.
+    units : str
+        Of the page: ``"metric"``, ``"field"`` or ``"si"``.
     """
     covered = machine_coverage(machine, learnt.models, log)
     facts = {
         "coverage": [
-            {"output": c.output, "rows": c.rows, "share": c.share, "holes": c.found.statements(_conversions(log))}
+            {
+                "output": c.output,
+                "rows": c.rows,
+                "share": c.share,
+                "holes": c.found.statements(_conversions(log, units)),
+            }
             for c in covered
         ],
         "windows": windows,
         "drift": [
-            # JSON knows no infinity: a run that left all reason
+            # JSON knows no infinity: a run that diverged
             {name: None if value == inf else value for name, value in d._asdict().items()}
             for d in drift
         ],
     }
-    maps = "\n".join(_map(c, _conversions(log)) for c in covered)
-    page = f"""{html_table("Errors on the blocks of time held out, as flows", HEADS, summary(learnt.fits))}
+    maps = "\n".join(_map(c, _conversions(log, units)) for c in covered)
+    page = f"""{html_table("Errors on the blocks of time held out, as flows", heads(units), summary(learnt.fits, units))}
 <p>Rows with an open valve; of an outlet, k_out, the error as a flow at the measured pressure. At the relief setting an inlet's flow falls from
-all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. The models themselves are in SI. {escape(kept(learnt.fits)).capitalize()}</p>
+all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. {escape(kept(learnt.fits)).capitalize()}</p>
 <h3>The machine run against its log</h3>
 <p>{escape(windows).capitalize()}.</p>
-{html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(drift)) if drift else ""}
+{html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(drift, units)) if drift else ""}
 <h3>Where the log has been</h3>
 <p>In the operating box: a spool from where its valve opens to its end, pressures up to the relief setting, all of the pump's flow. White is
 where nothing was seen; the largest holes are framed.</p>
 {maps}"""
-    return write_card(learnt.fits, log, source, path, (facts, page))
+    return write_card(learnt.fits, log, source, path, (facts, page), units=units)
 
 
-def coverage_picture(covered: Covered, log: Table) -> str:
-    """Maps of one network's inputs as SVG, in mm, bar and l/min."""
-    return coverage_svg(covered.found, _conversions(log))
+def coverage_picture(covered: Covered, log: Table, units: str = DEFAULT) -> str:
+    """Maps of one network's inputs as SVG."""
+    return coverage_svg(covered.found, _conversions(log, units))
 
 
 def _map(covered: Covered, conversions: dict[str, Conversion]) -> str:
@@ -183,10 +191,10 @@ def _map(covered: Covered, conversions: dict[str, Conversion]) -> str:
 <figure><img src="data:image/svg+xml;base64,{picture}" alt=""></figure>"""
 
 
-def _conversions(log: Table) -> dict[str, Conversion]:
+def _conversions(log: Table, units: str) -> dict[str, Conversion]:
     found = {}
     for name in log.names:
-        if log.unit(name) in _FIELD:
-            field = _FIELD[log.unit(name)]
-            found[name] = Conversion(units.to_si(1.0, field), 0.0, log.unit(name), field)
+        own, read = log.unit(name), shown_unit(log.unit(name), units)
+        if own != "":
+            found[name] = Conversion(1.0 / shown(1.0, own, units), 0.0, own, read)
     return found

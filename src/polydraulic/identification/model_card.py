@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, began, dated, moment, shown, shown_table, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
 from polydraulic.identification.dynamic_fit import DynamicFit, remarks
 from polydraulic.identification.run_plot import plot_separately
+from polydraulic.identification.shown import region_names, shown_fit
 from polydraulic.identification.table_fit import TableFit, unit_after
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.plot import draw_network
@@ -34,6 +36,8 @@ def write_card(
     source: str,
     path: str | Path,
     seen: tuple[dict[str, Any], str] | None = None,
+    *,
+    units: str = DEFAULT,
 ) -> dict[str, Any]:
     """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
 
@@ -49,6 +53,8 @@ def write_card(
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
     seen : (dict, str), optional
         What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the models' inputs if not given.
+    units : str
+        Of the page: ``"metric"``, ``"field"`` or ``"si"``; columns in units of their own stay. The JSON has the units of the table.
 
     Returns
     -------
@@ -63,20 +69,23 @@ def write_card(
     path = Path(path)
     if path.suffix.lower() != ".html":
         raise InputError(f"{path}: a model card ends in .html")
-    entries, shown = seen or ({}, _coverage_of(_inputs(fits), table))
+    read = [shown_fit(found, units) for found in fits]
+    entries, picture = seen or ({}, _coverage_of(_inputs(read), shown_table(table, units)))
+    data = _data(fits, table, source)
     card: dict[str, Any] = {
         "schema": SCHEMA,
-        "data": _data(fits, table, source) | entries,
+        "data": data | entries,
         "models": [_facts(found.model) for found in fits],
     }
-    sections = "\n".join(
-        _section(found, facts) if isinstance(found, TableFit) else _dynamic_section(found, facts)
-        for found, facts in zip(fits, card["models"], strict=True)
-    )
+    sections = []
+    for found, now, facts in zip(fits, read, card["models"], strict=True):
+        told = _shown_facts(facts, found.model, now.model, units)
+        sections.append(_section(now, told) if isinstance(now, TableFit) else _dynamic_section(now, told))
     body = f"""<h2>Data</h2>
-{_columns(card["data"])}
-{shown}
-{sections}"""
+{_columns(data, units)}
+{picture}
+{_said_of_units(fits, read)}
+{"".join(sections)}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
     write_text(path, document(f"Model card: {source}", body))
     return card
@@ -109,7 +118,10 @@ def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> d
         "held_out": fits[0].model.training["held_out"],
     }
     if "time" in table.names:
-        found["seconds"] = float(table["time"].max() - table["time"].min())
+        first, last = (float(end) + began(table) for end in (table["time"].min(), table["time"].max()))
+        found["seconds"] = last - first
+        if dated(first):
+            found |= {"first": first, "last": last}  # s since 1970
     if "segment" in table.names:
         found["segments"] = len(np.unique(table["segment"]))
     return found
@@ -147,6 +159,44 @@ def _facts(model: Model) -> dict[str, Any]:
     }
 
 
+def _shown_facts(facts: dict[str, Any], model: Model, read: Model, units: str) -> dict[str, Any]:
+    """The facts of a model as its page shows them; what is proved is proved of the model itself."""
+    unit, names = model.output.unit, dict(zip(model.region_names(), region_names(read), strict=True))
+
+    def moved(entry: dict[str, Any]) -> dict[str, Any]:
+        return entry | {key: shown(entry[key], unit, units) for key in ("proved_low", "proved_high")}
+
+    regions = [moved(region) | {"region": names[region["region"]]} for region in facts["regions"]]
+    memory = {"largest_steps": list(read.dynamics.step)} if read.dynamics else {}
+    return (
+        moved(facts)
+        | memory
+        | {
+            "output": str(read.output),
+            "domain": read.domain().tolist(),
+            "regions": regions,
+            "training": read.training,
+        }
+    )
+
+
+def _said_of_units(fits: Sequence[TableFit | DynamicFit], read: Sequence[TableFit | DynamicFit]) -> str:
+    """That the page shows other units than the model file has, if so."""
+    pairs = [
+        (own.unit, now.unit)
+        for fit, other in zip(fits, read, strict=True)
+        for own, now in zip(
+            (*fit.model.inputs, fit.model.output), (*other.model.inputs, other.model.output), strict=True
+        )
+    ]
+    changed = dict.fromkeys(f"{now} for {own}" for own, now in pairs if own != now)
+    return (
+        f"<p>Shown in {escape(', '.join(changed))}; the model file and its exports work in the units of the table.</p>"
+        if changed
+        else ""
+    )
+
+
 def _section(found: TableFit, facts: dict[str, Any]) -> str:
     model, training = found.model, facts["training"]
     unit = escape(unit_after(model.output))
@@ -167,7 +217,7 @@ def _section(found: TableFit, facts: dict[str, Any]) -> str:
 {facts["proved_low"]:.6g} to {facts["proved_high"]:.6g}{unit}, whatever the inputs.</p>
 {html_table("Errors on the rows held out", ["region", "rows", *_heads("rms", "largest", model=model)], regions)}
 {_domain(model, facts)}
-{html_table("Proved range by region", ["region", "low", "high"], proved)}
+{html_table("Proved range by region", ["region", *_heads("low", "high", model=model)], proved)}
 {_picture(_errors(found.model, found.held.y, found.held.predicted))}
 {_what_it_is(model)}"""
 
@@ -221,12 +271,20 @@ def _heads(*names: str, model: Model) -> list[str]:
     return [str(Variable(name, model.output.unit)) for name in names]
 
 
-def _columns(data: dict[str, Any]) -> str:
-    rows = [[c["name"], c["unit"], f"{c['low']:.6g}", f"{c['high']:.6g}"] for c in data["columns"]]
+def _columns(data: dict[str, Any], units: str) -> str:
+    rows = [
+        [
+            c["name"],
+            shown_unit(c["unit"], units),
+            *(f"{shown(c[end], c['unit'], units):.6g}" for end in ("low", "high")),
+        ]
+        for c in data["columns"]
+    ]
     spans = "".join(
         f", {data[key]:.6g} {word}" for key, word in (("seconds", "s"), ("segments", "segment(s)")) if key in data
     )
-    caption = f"{data['source']}: {data['rows']} rows{spans}; held out: {data['held_out']}"
+    days = f", {moment(data['first'])} to {moment(data['last'])}" if "first" in data else ""
+    caption = f"{data['source']}: {data['rows']} rows{spans}{days}; held out: {data['held_out']}"
     return html_table(caption, ["column", "unit", "low", "high"], rows)
 
 
@@ -248,7 +306,8 @@ def _coverage(inputs: Sequence[str], table: Table) -> Any:
             axis = axes[row, column]
             if len(names) == 1:
                 axis.hist(table[names[0]], bins=_BINS)
-                axis.set_xlabel(names[0])
+                axis.set_xlabel(with_unit(names[0], table.unit(names[0])))
+                axis.set_ylabel("rows")
             elif column > row:
                 axis.set_axis_off()
             else:
@@ -257,8 +316,8 @@ def _coverage(inputs: Sequence[str], table: Table) -> Any:
                 axis.pcolormesh(
                     xs, ys, np.where(counts > 0.0, np.log10(np.maximum(counts, 1.0)), np.nan).T, rasterized=True
                 )
-                axis.set_xlabel(names[column], fontsize="small")
-                axis.set_ylabel(names[row + 1], fontsize="small")
+                axis.set_xlabel(with_unit(names[column], table.unit(names[column])), fontsize="small")
+                axis.set_ylabel(with_unit(names[row + 1], table.unit(names[row + 1])), fontsize="small")
     return figure
 
 
@@ -271,9 +330,10 @@ def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
     left, right = figure.subplots(1, 2)
     left.plot(y, predicted, ",", rasterized=True)
     left.set_xlabel(f"measured {model.output}")
-    left.set_ylabel("predicted")
+    left.set_ylabel(f"predicted {model.output}")
     right.hist(error, bins=60)
     right.set_xlabel(str(Variable("error", model.output.unit)))
+    right.set_ylabel("rows")
     right.set_yscale("log")
     return figure
 
@@ -284,7 +344,7 @@ def _networks(model: Model, shown: int) -> Any:
     height = max(2.0, 0.36 * len(model.inputs))
     figure = Figure(figsize=(8.0, height * shown), layout="constrained")
     axes = figure.subplots(shown, 1, squeeze=False)
-    for axis, network, name in zip(axes[:, 0], model.networks, model.region_names(), strict=False):
+    for axis, network, name in zip(axes[:, 0], model.networks, region_names(model), strict=False):
         draw_network(axis, network, model.inputs, model.output)
         axis.set_title(name, fontsize="small")
     return figure

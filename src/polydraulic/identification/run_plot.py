@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, time_axis
 from polydraulic.identification.runs import DynamicRun
+from polydraulic.identification.shown import shown_model, shown_run
 from polydraulic.networks.model.model import Model
 
 if TYPE_CHECKING:
@@ -16,7 +18,9 @@ _MEASURED, _ON_ITS_OWN = "#9ec5e8", "#e07a1f"  # as runs of the machine are draw
 _SHOWN = 6  # runs that have a panel of their own
 
 
-def plot_runs(models: Sequence[Model], runs: Sequence[DynamicRun]) -> "Figure":
+def plot_runs(
+    models: Sequence[Model], runs: Sequence[DynamicRun], *, units: str = DEFAULT, began: float = 0.0
+) -> "Figure":
     """All runs on one axis of time, one panel an output.
 
     Parameters
@@ -24,15 +28,21 @@ def plot_runs(models: Sequence[Model], runs: Sequence[DynamicRun]) -> "Figure":
     models : sequence of Model
     runs : sequence of DynamicRun
         From `run_on`, one a model.
+    units : str
+        ``"metric"``, ``"field"`` or ``"si"``; outputs in units of their own stay.
+    began : float, s since 1970
+        When the log's time was zero, if that is known: times are dates then.
     """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 0.8 + 2.4 * len(runs)), layout="constrained")
     axes = figure.subplots(len(runs), 1, squeeze=False, sharex=True)[:, 0]
-    for axis, model, run in zip(axes, models, runs, strict=True):
-        _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run))
+    label = ""
+    for axis, own, answered in zip(axes, models, runs, strict=True):
+        model, run = shown_model(own, units), shown_run(answered, own.output.unit, units)
+        label = _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run), began)
         axis.set_ylabel(str(model.output))
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
     return figure
 
@@ -48,24 +58,27 @@ def plot_separately(model: Model, run: DynamicRun) -> "Figure":
     for axis, number in zip(axes, shown, strict=True):
         _draw(axis, run, run.number == number, _half_width(model, run))
         axis.set_ylabel(str(model.output), fontsize="small")
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel(time_axis(run.time)[1])
     _legend(figure, axes[0])
     return figure
 
 
-def _draw(axis: "Axes", run: DynamicRun, shown: np.ndarray, half_width: float | None) -> None:
+def _draw(axis: "Axes", run: DynamicRun, shown: np.ndarray, half_width: float | None, began: float = 0.0) -> str:
+    """Draw rows of a run; returns the label of the axis of time."""
     time, number = run.time[shown], run.number[shown]
     # no line from one run to the next
     ends = np.flatnonzero(np.diff(number)) + 1
     time, measured, free = (np.insert(values, ends, np.nan) for values in (time, run.measured[shown], run.free[shown]))
+    at, label = time_axis(time, began)
     if half_width is not None:
         axis.fill_between(
-            time, free - half_width, free + half_width, color=_ON_ITS_OWN, alpha=0.15, linewidth=0.0, rasterized=True
+            at, free - half_width, free + half_width, color=_ON_ITS_OWN, alpha=0.15, linewidth=0.0, rasterized=True
         )
-    axis.plot(time, measured, color=_MEASURED, linewidth=2.0, label="measured")
-    axis.plot(time, free, color=_ON_ITS_OWN, linewidth=1.0, label="free run")
+    axis.plot(at, measured, color=_MEASURED, linewidth=2.0, label="measured")
+    axis.plot(at, free, color=_ON_ITS_OWN, linewidth=1.0, label="free run")
     axis.margins(x=0.01)
     axis.grid(alpha=0.3)
+    return label
 
 
 def _half_width(model: Model, run: DynamicRun) -> float | None:
