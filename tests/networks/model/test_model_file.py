@@ -29,7 +29,7 @@ def test_reading_gives_what_was_written(tmp_path):
 
 
 def test_files_follow_the_published_schema():
-    schema = json.loads((files("polydraulic.networks") / "model.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((files("polydraulic.networks.model") / "model.schema.json").read_text(encoding="utf-8"))
     Draft202012Validator.check_schema(schema)
     validator = Draft202012Validator(schema)
     perceptron = PerceptronRegressor(hidden_units=2, max_iter=2, n_starts=1).fit(X, Y).to_model()
