@@ -47,7 +47,7 @@ SYSTEMS: dict[str, dict[str, str]] = {
     "si": {},
 }
 _DATED = 5e8  # s, November 1985: times above count from 1970, since no log runs for sixteen years
-_LONG = 1e7  # numbers below are written out
+_LONG = 1e9  # numbers below are written out
 # what columns of a machine's runs and logs measure, by the last part of their names
 QUANTITIES = {
     "voltage": "joystick",

@@ -12,6 +12,7 @@ import polydraulic
 from polydraulic.cli import app
 from polydraulic.parameters.scenario import scenario_names
 
+COMMANDS = [c.name or c.callback.__name__.replace("_", "-") for c in app.registered_commands]
 SOURCES = str(Path(polydraulic.__file__).parents[1])
 
 
@@ -43,7 +44,7 @@ def test_the_help_names_first_steps_and_all_commands(call):
     code, out, _ = call("--help")
     assert code == 0
     assert "polydraulic simulate task --plot task.svg" in re.sub(r"\s+", " ", out)
-    assert all(re.search(rf"\b{name}\b", out) for name in ("simulate", "fit", "train", "--install-completion"))
+    assert all(re.search(rf"(?<![\w-]){name}\s", out) for name in [*COMMANDS, "--version", "--install-completion"])
 
 
 def test_bash_completes_commands_options_and_values():
@@ -55,25 +56,27 @@ def test_bash_completes_commands_options_and_values():
     assert complete("polydraulic simulate task --flow po") == ["polynomial"]
 
 
-def test_bash_takes_the_script():
+def test_bash_takes_the_script(tmp_path):
     """The script that `--show-completion` prints, in a bash of its own: it offers what the command line answers."""
-    program = f'exec {sys.executable} -c "from polydraulic.cli import app; app(prog_name=\'polydraulic\')" "$@"'
-    script = f"""
-polydraulic() {{ ( {program} ) }}
+    program = tmp_path / "polydraulic"
+    program.write_text(f"#!{sys.executable}\nfrom polydraulic.cli import app\napp(prog_name='polydraulic')\n")
+    program.chmod(0o755)
+    script = """
 source <(_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION=1 polydraulic --show-completion bash)
 complete -p polydraulic
 COMP_WORDS=(polydraulic anim); COMP_CWORD=1
 _polydraulic_completion polydraulic
-echo "offered: ${{COMPREPLY[@]}}"
+echo "offered: ${COMPREPLY[@]}"
 """
     found = subprocess.run(
-        ["bash", "-c", script], env=os.environ | {"PYTHONPATH": SOURCES}, capture_output=True, text=True, check=False
+        ["bash", "-c", script],
+        env=os.environ | {"PYTHONPATH": SOURCES, "PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert "-F _polydraulic_completion" in found.stdout, found.stderr
     assert "offered: animate" in found.stdout, found.stderr
-
-
-COMMANDS = [c.name or c.callback.__name__.replace("_", "-") for c in app.registered_commands]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

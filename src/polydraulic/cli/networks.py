@@ -79,7 +79,7 @@ def fit(
     """
     from polydraulic.identification.model_card import write_card
     from polydraulic.identification.shown import shown_fit
-    from polydraulic.identification.table_fit import fit_table, with_deadbands
+    from polydraulic.identification.table_fit import fit_table, unit_after, with_deadbands
     from polydraulic.networks.growth.regressor import AbductiveRegressor
     from polydraulic.networks.model.model_file import save_models
     from polydraulic.tables import read_table
@@ -119,7 +119,8 @@ def fit(
     for found in (shown_fit(fit, units) for fit in fits):
         print(
             f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
-            f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}, largest {found.largest:.4g}"
+            f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}{unit_after(found.model.output)}, "
+            f"largest {found.largest:.4g}{unit_after(found.model.output)}"
         )
 
 

@@ -202,8 +202,7 @@ def _section(found: TableFit, facts: dict[str, Any]) -> str:
     unit = escape(unit_after(model.output))
     widths = training["interval_half_widths"]
     interval = (
-        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g}{unit} by region "
-        f"hold for {found.covered:.1%} of the rows they were not set by"
+        f"{training['interval_level']:.0%} intervals of plus or minus {_span(widths)}{unit} hold for {found.covered:.1%} of the rows they were not set by"
         if widths
         else "too few rows were held out to state intervals"
     )
@@ -220,6 +219,12 @@ def _section(found: TableFit, facts: dict[str, Any]) -> str:
 {html_table("Proved range by region", ["region", *_heads("low", "high", model=model)], proved)}
 {_picture(_errors(found.model, found.held.y, found.held.predicted))}
 {_what_it_is(model)}"""
+
+
+def _span(widths: Sequence[float]) -> str:
+    """Half widths of intervals in words."""
+    low, high = (f"{end(widths):.4g}" for end in (min, max))
+    return low if low == high else f"{low} to {high} by region"
 
 
 def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
@@ -290,7 +295,7 @@ def _columns(data: dict[str, Any], units: str) -> str:
 
 def _coverage_of(inputs: Sequence[str], table: Table) -> str:
     return f"""{_picture(_coverage(inputs, table))}
-<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>"""
+<p>Where the rows lie, for every pair of inputs: the brighter, the more rows, white where nothing was seen.</p>"""
 
 
 def _coverage(inputs: Sequence[str], table: Table) -> Any:
