@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.identification.shown import region_names, said_of_bounds, said_of_range, shown_fit, shown_model
+from polydraulic.identification.shown import region_names, said_of_bounds, said_of_range, shown_model
 from polydraulic.identification.table_fit import fit_table
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.proof.bounds import check_range, model_bounds
@@ -18,7 +18,7 @@ def fit():
     q = 0.2 * x * (1.0 + 1e-8 * p) + 1e-7 * t * (x > 0.005) + rng.normal(0.0, 1e-6, 400)
     table = Table({"x": x, "p": p, "t": t, "q": q}, {"x": "m", "p": "Pa", "t": "degC", "q": "m3/s"})
     estimator = AbductiveRegressor(max_layers=2)
-    return fit_table(table, ["x", "p", "t"], ["q"], estimator, {"x": [0.005]})[0]
+    return fit_table(table, ["x", "p", "t"], ["q"], estimator=estimator, edges={"x": [0.005]}).outputs[0]
 
 
 @pytest.mark.parametrize(("units", "scales"), [("metric", (1e-3, 1e5, 1e-3 / 60)), ("field", (INCH, PSI, CUBIC_INCH))])
@@ -51,7 +51,10 @@ def test_si_and_units_of_ones_own_change_nothing(fit):
 
 
 def test_errors_and_rows_of_a_fit(fit):
-    read = shown_fit(fit)
+    read = fit.shown()
+    assert str(fit).startswith("q [l/min]: 2 network(s)")
+    assert f"rms {6e4 * fit.rms:.4g} l/min" in fit.text()
+    assert "m3/s" in fit.text("si")
     assert read.rms == pytest.approx(6e4 * fit.rms)
     assert read.held.y == pytest.approx(6e4 * fit.held.y)
     assert read.held.X[:, 1] == pytest.approx(1e-5 * fit.held.X[:, 1])

@@ -309,11 +309,7 @@ def export_machine(
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":
-            paths = write_c(plant, build_flow(flow, plant), out, name=name, dt=dt)
+            written = write_c(plant, build_flow(flow, plant), out, name=name, dt=dt)
         else:
             written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
-    if to == "c":
-        for path in paths:
-            print(path)
-        return
-    print(f"{written.path}: {', '.join(written.binaries) or 'no compiler found, sources only: importers compile them'}")
+    print(written)

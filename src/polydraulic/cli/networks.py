@@ -1,20 +1,17 @@
 """Commands of networks: fit, check, export, verify."""
 
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from polydraulic.cli.app import METRIC, UnitsOption, app
-from polydraulic.cli.dynamic import say_how_dynamic
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
 if TYPE_CHECKING:
-    import numpy as np
-
-    from polydraulic.networks.model.model import Model
+    from polydraulic.identification.dynamic_fit import DynamicFit
+    from polydraulic.identification.table_fit import TableFit
 
 
 @app.command()
@@ -25,7 +22,7 @@ def fit(
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     edges: Annotated[
         list[str] | None,
-        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit, as in the table; repeat for more."),
+        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the unit of the table; repeat for more."),
     ] = None,
     regions: Annotated[
         int, typer.Option(help="Without edges: find regions in the data, this many at most; 1 for a single network.")
@@ -55,6 +52,7 @@ def fit(
     longest_lag: Annotated[
         int | None, typer.Option(help="With --dynamic: how many rows ago may be read, at most; 8 if not given.", min=1)
     ] = None,
+    boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
     units: UnitsOption = METRIC,
 ) -> None:
     """Learn polynomial networks from a table.
@@ -77,79 +75,48 @@ def fit(
     What comes next: `polydraulic check` proves where the outputs can go and judges the model by new data, `polydraulic export` writes it
     as C code, FMU or ONNX.
     """
-    from polydraulic.identification.model_card import write_card
-    from polydraulic.identification.shown import shown_fit
-    from polydraulic.identification.table_fit import fit_table, unit_after, with_deadbands
+    from polydraulic.identification.dynamic_fit import fit_dynamic
+    from polydraulic.identification.model_card import card_ending, write_card
+    from polydraulic.identification.table_fit import fit_table
     from polydraulic.networks.growth.regressor import AbductiveRegressor
     from polydraulic.networks.model.model_file import save_models
-    from polydraulic.tables import read_table
 
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
-    if card is not None and card.suffix.lower() != ".html":
-        raise InputError(f"{card}: a model card ends in .html")
+    if card is not None:
+        card_ending(card)
     settings: dict[str, Any] = {} if layers is None else {"max_layers": layers}
     settings |= {} if cpm is None else {"cpm": cpm}
     if prior is not None:
         words = prior in ("adaptive", "half-variance")
         settings["prior_variance"] = prior if words else _numbers(prior, "--prior", 1)[0]
-    limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
+    limits = None if bounds is None else _ends(bounds, "--bounds")
     borders = _edges(edges or [])
     if dynamic:
         given = {"--edges": borders, "--regions": regions != 1, "--bounds": limits, "--deadbands": deadbands}
-        _fit_dynamic(
-            table, names, targets, out, card, settings, longest_lag or 8, [o for o in given if given[o]], units
-        )
-        return
-    if longest_lag is not None:
+        if static := [option for option in given if given[option]]:
+            raise InputError(
+                f"{static[0]} goes with static models; a dynamic one has a single region and the data's range"
+            )
+    elif longest_lag is not None:
         raise InputError("--longest-lag goes with --dynamic")
-    data = read_table(table, [*names, *targets], optional=["time", "segment"])
-    if deadbands:
-        borders, statements = with_deadbands(borders, data, names, targets)
-        print("\n".join(statements))
-    estimator = AbductiveRegressor(**settings, output_bounds="data" if limits is None else (limits[0], limits[1]))
-    with progress_bar("fit") as progress:
-        begun, pieces = count(), 2 * len(targets) + 1
-        fits = fit_table(
-            data, names, targets, estimator, borders, regions, lambda what: progress(what, next(begun), pieces)
-        )
-        save_models([found.model for found in fits], out)
-        if card is not None:
-            progress("card: proofs and pictures", pieces - 1, pieces)
-            write_card(fits, data, table.name, card, units=units)
-    for found in (shown_fit(fit, units) for fit in fits):
-        print(
-            f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
-            f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}{unit_after(found.model.output)}, "
-            f"largest {found.largest:.4g}{unit_after(found.model.output)}"
-        )
-
-
-def _fit_dynamic(
-    table: Path, inputs: list[str], outputs: list[str], out: Path, card: Path | None, settings: dict[str, Any],
-    longest_lag: int, given: list[str], units: str,
-) -> None:  # fmt: skip
-    """Fit one dynamic model of all outputs."""
-    from polydraulic.identification.dynamic_fit import fit_log, statements
-    from polydraulic.identification.model_card import write_card
-    from polydraulic.identification.shown import shown_fit
-    from polydraulic.networks.growth.regressor import AbductiveRegressor
-    from polydraulic.networks.model.model_file import save_models
-    from polydraulic.tables import read_table
-
-    if given:
-        raise InputError(f"{given[0]} goes with static models; a dynamic one has a single region and the data's range")
-    data = read_table(table, [*inputs, *outputs], optional=["time", "segment"])
+    if limits is not None:
+        settings["output_bounds"] = limits
     estimator = AbductiveRegressor(**settings) if settings else None
+    found: TableFit | DynamicFit
     with progress_bar("fit") as progress:
-        fits = fit_log(data, inputs, outputs, estimator, longest_lag, progress)
-        save_models([found.model for found in fits], out)
+        if dynamic:
+            found = fit_dynamic(
+                table, names, targets, estimator=estimator, longest_lag=longest_lag or 8, progress=progress
+            )
+        else:
+            found = fit_table(
+                table, names, targets, edges=borders, max_regions=regions, deadbands=deadbands, estimator=estimator,
+                progress=progress,
+            )  # fmt: skip
+        save_models(found.models, out)
         if card is not None:
-            progress("card: proofs and pictures", 0, 1)
-            write_card(fits, data, table.name, card, units=units)
-    for found in (shown_fit(fit, units) for fit in fits):
-        print(found.model.output)
-        for statement in statements(found):
-            print(f"  {statement}")
+            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+    print(found.text(units))
 
 
 @app.command()
@@ -188,60 +155,21 @@ def check(
 
     What comes next: a model that does not hold any more is fitted again, with the new rows; `polydraulic export` writes one that does.
     """
-    from polydraulic.identification.shown import said_of_bounds, said_of_range
+    from polydraulic.identification.model_check import check_models
     from polydraulic.networks.model.model_file import load_models
-    from polydraulic.networks.proof.bounds import check_range, model_bounds
 
-    if data is not None:
-        if within is not None or box:
-            raise InputError("--data judges a model by measurements; --range and --box go with a proof")
-        _judge(load_models(model), data, units)
-        return
-    proved, models = True, load_models(model)
-    limits = [None if within is None else _ends(within, "--range", found.output.unit) for found in models]
-    places = [_box(box or [], found) for found in models]
-    say_how_dynamic(models)
-    for k, (found, place, ends) in enumerate(zip(models, places, limits, strict=True)):
-        with progress_bar("check") as progress:
-            progress(f"proof of {found.output.name}", k, len(models))
-            answer = None if ends is None else check_range(found, ends[0], ends[1], place, max_boxes=boxes)
-            bounds = model_bounds(found, place, max_boxes=boxes) if ends is None else None
-        if answer is not None:
-            print(said_of_range(found, answer, units))
-            proved = proved and answer.holds is True
-        if bounds is not None:
-            print("\n".join(said_of_bounds(found, bounds, units)))
-    if not proved:
-        raise typer.Exit(1)
-
-
-def _judge(models: "list[Model]", data: Path, units: str) -> None:
-    """Say whether models hold on a table."""
-    from polydraulic.display import shown_table
-    from polydraulic.identification.machine_judging import as_judged
-    from polydraulic.identification.shown import shown_model
-    from polydraulic.identification.validity import run_validity, validity
-    from polydraulic.tables import read_table
-
+    if data is not None and (within is not None or box):
+        raise InputError("--data judges a model by measurements; --range and --box go with a proof")
+    models = load_models(model)
+    outputs = dict.fromkeys(found.output.unit for found in models)
+    limits = None if within is None else _in_unit(within, "--range", list(outputs))
+    read = {variable.name: variable.unit for found in models for variable in found.inputs}
     with progress_bar("check") as progress:
-        progress(f"read {data}", 0, 2)
-        table, holds = read_table(data), True
-        progress("errors on the new data", 1, 2)
-        static, dynamic = ([model for model in models if (model.dynamics is None) == how] for how in (True, False))
-        judged = [validity(shown_model(model, units), shown_table(as_judged(model, table), units)) for model in static]
-        if dynamic:
-            judged += run_validity([shown_model(model, units) for model in dynamic], shown_table(table, units))
-    for model, found in zip([*static, *dynamic], judged, strict=True):
-        read = shown_model(model, units)
-        holds &= found.holds
-        print(f"{read.output}: {'holds' if found.holds else 'does not hold any more'}")
-        for statement in found.statements:
-            print(f"  {statement}")
-        for region in found.regions:
-            if region["rows"]:
-                sizes = f"rms {region['rms']:.4g}, largest {region['largest']:.4g}"
-                print(f"    {region['region']}: {region['rows']} rows, {sizes}")
-    if not holds:
+        found = check_models(
+            models, data=data, limits=limits, box=_box(box or [], read), max_boxes=boxes, units=units, progress=progress
+        )
+    print(found)
+    if not found.holds:
         raise typer.Exit(1)
 
 
@@ -277,11 +205,7 @@ def export(
     with progress_bar("export") as progress:
         progress(f"{to} to {out}", 0, 1)
         written = export_models(models, to, out, name=name, real=real, cross=cross)
-    for path in written.paths:
-        print(path)
-    for note in written.notes:
-        print(f"note: {note}")
-    say_how_dynamic(models)
+    print(written)
 
 
 @app.command()
@@ -300,13 +224,15 @@ def verify(
     What comes next: `polydraulic export q_in.json --to fmi3 --out q_in.fmu`, with what was verified.
     """
     from polydraulic.export.verify import agreement_table, verify_models
+    from polydraulic.networks.model.lag_words import dynamic_notes
     from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
     with progress_bar("verify") as progress:
         found, not_tried = verify_models(models, points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
-    say_how_dynamic(models)
+    for note in dynamic_notes(models):
+        print(f"note: {note}")
     if not all(agreement.holds for agreement in found):
         raise typer.Exit(1)
 
@@ -330,17 +256,24 @@ def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
     return values
 
 
-def _ends(text: str, option: str, unit: str) -> list[float]:
-    """Two numbers in `unit`, from numbers in it or from numbers with a unit of the same kind."""
-    from polydraulic.units import from_si, si_unit, to_si
+def _ends(text: str, option: str) -> tuple[float, float]:
+    low, high = _numbers(text, option, 2)
+    return low, high
 
-    numbers, _, other = text.strip().partition(" ")
-    found = _numbers(numbers, option, 2)
-    if not other:
-        return found
-    if si_unit(other) != si_unit(unit):
-        raise InputError(f"{option} {text!r}: is in {other!r}, the model in {unit!r}; give a unit of that kind")
-    return [from_si(to_si(value, other), unit) for value in found]
+
+def _in_unit(text: str, option: str, own: list[str]) -> tuple[float, float]:
+    """Two numbers in the unit of a model file, `own`, from numbers in it or from numbers with a unit of the same kind."""
+    from polydraulic.units import si_unit, to_si
+
+    numbers, _, unit = text.strip().partition(" ")
+    low, high = _ends(numbers, option)
+    if not unit:
+        return low, high
+    if len(own) > 1:
+        raise InputError(f"{option} {text!r}: the models of the file are in {own}; give numbers without a unit")
+    if own[0] not in (unit, si_unit(unit)):
+        raise InputError(f"{option} {text!r}: is in {unit!r}, the model in {own[0]!r}; give a unit of that kind")
+    return (low, high) if own[0] == unit else (to_si(low, unit), to_si(high, unit))
 
 
 def _edges(texts: list[str]) -> dict[str, list[float]]:
@@ -351,13 +284,9 @@ def _edges(texts: list[str]) -> dict[str, list[float]]:
     return found
 
 
-def _box(texts: list[str], model: "Model") -> "np.ndarray":
-    """The model's domain, with the ends that are given in their place."""
-    names, found = [variable.name for variable in model.inputs], model.domain()
+def _box(texts: list[str], read: dict[str, str]) -> dict[str, tuple[float, float]]:
+    found = {}
     for text in texts:
         name, _, ends = text.partition("=")
-        if name.strip() not in names:
-            raise InputError(f"--box {text!r}: the model of {model.output.name!r} reads {names}")
-        place = names.index(name.strip())
-        found[place] = _ends(ends, f"--box {name}", model.inputs[place].unit)
+        found[name.strip()] = _in_unit(ends, f"--box {name}", [read.get(name.strip(), "")])
     return found

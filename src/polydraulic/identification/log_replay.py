@@ -4,15 +4,21 @@ The joysticks of the log drive it; nothing else of the log is seen after the sta
 flow model and parameter set (masses, friction, lines) together.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, shown, shown_unit, time_axis, with_unit
+from polydraulic.display import DEFAULT, began, shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
-from polydraulic.identification.machine_fit import UNITS
+from polydraulic.flow.dispatch import build_flow
+from polydraulic.identification.arguments import Progress, machine_of, models_of, table_of
+from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
+from polydraulic.networks.model.model import Model
+from polydraulic.pages.text import text_table
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.tables import Table
@@ -21,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SECONDS = 10.0
+DRIFT_HEADS = ("joint", "median", "largest", "moved")
 COMPARED = tuple(f"{link}.{what}" for link in LINKS for what in ("voltage", "angle"))
 DRIVEN = (*COMPARED, *(f"{link}.{what}" for link in LINKS for what in ("spool", "p_a", "p_b")))
 _UNITS = UNITS | {"voltage": "V", "angle": "rad"}
@@ -28,6 +35,7 @@ _DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
 _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
 _ROWS_NEAR = 5
+_DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
 _SHOWN = 6  # windows of the picture
 _COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5")  # of swing, boom, stick
 
@@ -69,43 +77,101 @@ class Drift(NamedTuple):
     moved: float
 
 
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A machine run against a log; ``str()`` says how far it drifts.
+
+    Attributes
+    ----------
+    windows : list of Window
+    drifts : list of Drift
+        Of swing, boom, stick and the tip.
+    seconds : float
+        Length of a window.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times are dates themselves.
+    """
+
+    windows: list[Window] = field(repr=False)
+    drifts: list[Drift]
+    seconds: float
+    began: float = 0.0
+
+    def text(self, units: str = DEFAULT) -> str:
+        """How far it drifts, in a table."""
+        head = (
+            f"{len(self.windows)} windows of {self.seconds:g} s, each begun from the measured state; "
+            "largest distance in a window:"
+        )
+        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts, units))])
+
+    def __str__(self) -> str:
+        return self.text()
+
+
 def replay(
-    machine: Machine,
-    flow: Any,
-    log: Table,
+    log: Table | str | Path,
+    machine: Machine | str | Path = "cat215b",
+    flow: Any = "polynomial",
     *,
+    models: Sequence[Model] | str | Path | None = None,
     seconds: float = SECONDS,
     rows: np.ndarray | None = None,
-    progress: Callable[[int, int], object] | None = None,
-) -> list[Window]:
-    """Run a machine over windows of a log, each begun from the measured state.
+    progress: Progress | None = None,
+) -> Replay:
+    """Run a machine over windows of a log of the real one, each begun from the measured state.
 
     Angle and rate at the start come from a parabola through the rows within 0.1 s of it, spools and pressures from its row.
     Windows follow each other; gaps of up to 0.1 s are bridged by straight lines, longer ones end a piece.
 
     Parameters
     ----------
-    machine : Machine
+    log : Table, str or Path
+        Or its file: ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
+    machine : Machine, str or Path
+        Or a parameter set by its name or file.
     flow : str or flow model
         As for `simulate`.
-    log : Table
-        ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
+    models : sequence of Model, str or Path, optional
+        Networks for the flow models ``"polynomial"`` and ``"neural"``, or their file; those of the package if not given.
     seconds : float
         Length of a window.
     rows : (n_row,) array of bool, optional
         Which rows may be in a window; all if not given.
-    progress : function (done, n_window), optional
+    progress : function (what, done, total), optional
 
     Returns
     -------
-    list of Window
-        None where no piece of the log is long enough.
+    Replay
 
     Raises
     ------
     InputError
-        A column is missing or in another unit, times that do not rise, or a window of no length.
+        A column is missing or in another unit, times that do not rise, a window of no length, no piece of the log as long as a window,
+        or models of another flow model.
     """
+    if models is not None and flow not in ("polynomial", "neural"):
+        raise InputError(f"models go with the flow models 'polynomial' and 'neural', not with {flow!r}")
+    table, source = table_of(log, ["time", *DRIVEN])
+    plant = machine_of(machine)
+    if isinstance(flow, str):
+        flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
+    windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
+    if not windows:
+        raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
+    return Replay(windows, drifts(plant, windows), seconds, began(table))
+
+
+def replayed(
+    machine: Machine,
+    flow: Any,
+    log: Table,
+    *,
+    seconds: float = SECONDS,
+    rows: np.ndarray | None = None,
+    progress: Progress | None = None,
+) -> list[Window]:
+    """Windows of `replay`; none where no piece of the log is long enough."""
     for name in ("time", *DRIVEN):
         si = _UNITS[name.split(".")[-1]]
         if len(log[name]) and log.unit(name) not in ("", si):
@@ -127,8 +193,9 @@ def replay(
             voltage[number, :, place] = np.interp(late, time, log[f"{link}.voltage"])
         x0[number] = _state(log, begin)
     columns = [f"{link}.angle" for link in LINKS]
+    tell = None if progress is None else (lambda done, total: progress("replay", done, total))
     batch = simulate_batch(
-        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=progress
+        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=tell
     )  # after the dead time
     windows = []
     for number, begin in enumerate(begins):
@@ -139,7 +206,7 @@ def replay(
 
 
 def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
-    """How far joints (rad) and tip (m) drift in windows from `replay`."""
+    """How far joints (rad) and tip (m) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
     tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
@@ -153,6 +220,16 @@ def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
         far = np.nan_to_num(far, nan=np.inf)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
+
+
+def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
+    """Texts under `DRIFT_HEADS`."""
+    rows = []
+    for drift in found:
+        unit = shown_unit(drift.unit, units)
+        values = (shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
+        rows.append([drift.name, *("diverged" if v == np.inf else f"{v:.{_DECIMALS[unit]}f} {unit}" for v in values)])
+    return rows
 
 
 def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
@@ -171,7 +248,7 @@ def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tu
     missing = [name for name in COMPARED if name not in log.names]
     if missing:
         return f"not run against the log: it has no {missing[0]}", []
-    windows = replay(machine, flow, log, rows=rows)
+    windows = replayed(machine, flow, log, rows=rows)
     if not windows:
         return f"not run against the log: no piece of {SECONDS:g} s without a gap in the blocks held out", []
     return (
@@ -181,33 +258,24 @@ def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tu
     )
 
 
-def plot_replay(windows: list[Window], *, units: str = DEFAULT, began: float = 0.0) -> "Figure":
+def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
 
     Parameters
     ----------
-    windows : list of Window
-        The first ones are shown.
+    found : Replay
+        Its first windows are shown, over dates where the log has dates.
     units : str
         ``"metric"``, ``"field"`` or ``"si"``.
-    began : float, s since 1970
-        When the log's time was zero, if that is known: times are dates then.
-
-    Raises
-    ------
-    InputError
-        If there is no window.
     """
     from matplotlib.figure import Figure
 
-    if not windows:
-        raise InputError("there is no window to show")
     unit, label = shown_unit("rad", units), ""
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     *axes, below = figure.subplots(4, 1, sharex=True)
     for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
-        for number, window in enumerate(windows[:_SHOWN]):
-            time, label = time_axis(window.time, began)
+        for number, window in enumerate(found.windows[:_SHOWN]):
+            time, label = time_axis(window.time, found.began)
             measured, run = (shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
             names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
             axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
@@ -220,7 +288,7 @@ def plot_replay(windows: list[Window], *, units: str = DEFAULT, began: float = 0
     below.set_ylabel(f"run - measured\n[{unit}]")
     below.grid(alpha=0.3)
     below.legend(ncols=3, fontsize="small", frameon=False, loc="upper left")
-    below.set_xlabel(label if label.startswith("date") else "time of the log [s]")
+    below.set_xlabel(label)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""What a machine learnt from a log is worth: a table of errors, where the log has been, and the model card of it all."""
+"""Where the log of a machine has been, and what a model card says of the machine as a whole."""
 
 import base64
 from collections.abc import Sequence
@@ -7,12 +7,12 @@ from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polydraulic.display import DEFAULT, number, shown, shown_unit, with_unit
-from polydraulic.identification.log_replay import Drift
-from polydraulic.identification.machine_fit import Known
-from polydraulic.identification.machine_judging import LearntMachine, judging_rows
-from polydraulic.identification.model_card import write_card
-from polydraulic.identification.table_fit import TableFit
+from polydraulic.display import DEFAULT
+from polydraulic.identification.arguments import machine_of, models_of, table_of
+from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
+from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
+from polydraulic.identification.machine_log import MEASURED, Known, by_port, judging_rows
+from polydraulic.identification.shown import conversion_of
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.quality_plots import coverage_svg
 from polydraulic.measure.log_units import Conversion
@@ -21,60 +21,42 @@ from polydraulic.pages.html import table as html_table
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 
-DRIFT_HEADS = ("joint", "median", "largest", "moved")
-_DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
 _HOLES = 3  # of a map that are named
 
 
 class Covered(NamedTuple):
-    """How much of its operating box the log has shown a network: the rows that say something of it, and their coverage."""
+    """How much of its operating box the log has shown a network: the rows that say something of it, and their coverage.
+
+    Attributes
+    ----------
+    output : str
+    rows : int
+    found : Coverage
+        In SI.
+    read : dict from input to unit
+        SI units of the inputs.
+    """
 
     output: str
     rows: int
     found: Coverage
+    read: dict[str, str]
 
     @property
     def share(self) -> float:
         """Of the cells of all maps of pairs that hold a row."""
         return sum(pair.share for pair in self.found.pairs) / len(self.found.pairs)
 
+    def holes(self, units: str = DEFAULT) -> list[str]:
+        """Where the log has not been, in words, the largest hole first."""
+        return self.found.statements(self._conversions(units))
 
-def heads(units: str = DEFAULT) -> tuple[str, ...]:
-    """Heads of the columns of `summary`."""
-    rms, largest = (with_unit(name, shown_unit("m3/s", units)) for name in ("rms", "largest"))
-    return ("network", "regions", rms, "of the pump", largest, "R2", "in 90% intervals")
+    def to_svg(self, units: str = DEFAULT) -> str:
+        """Maps of all pairs of inputs, holes framed."""
+        return coverage_svg(self.found, self._conversions(units))
 
-
-def summary(fits: Sequence[TableFit], units: str = DEFAULT) -> list[list[str]]:
-    """Texts under `heads`: errors of all networks on the blocks held out, as flows; of an outlet at the measured pressure."""
-    rows = []
-    for fit in fits:
-        training: Any = fit.model.training
-        rms, largest = (shown(training[f"held_out_flow_{what}"], "m3/s", units) for what in ("rms", "largest"))
-        share = training["held_out_flow_rms"] / training["pump_flow"]
-        texts = [number(rms, 3), f"{share:.2%}", number(largest, 3), f"{fit.r2:.4f}", f"{fit.covered:.0%}"]
-        rows.append([fit.model.output.name, str(len(fit.model.networks)), *texts])
-    return rows
-
-
-def kept(fits: Sequence[TableFit]) -> str:
-    """Sentence on networks that are those learnt without the rows held out; empty if there are none."""
-    names = [fit.model.output.name for fit in fits if fit.model.training["learnt_from"] != "all rows"]
-    return (
-        f"learnt without the rows held out, since learning from all rows ended worse: {', '.join(names)}"
-        if names
-        else ""
-    )
-
-
-def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
-    """Texts under `DRIFT_HEADS`."""
-    rows = []
-    for drift in found:
-        unit = shown_unit(drift.unit, units)
-        values = (shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
-        rows.append([drift.name, *("diverged" if v == inf else f"{v:.{_DECIMALS[unit]}f} {unit}" for v in values)])
-    return rows
+    def _conversions(self, units: str) -> dict[str, Conversion]:
+        return {name: conversion_of(unit, units) for name, unit in self.read.items()}
 
 
 def operating_box(machine: Machine, link: str) -> dict[str, tuple[float, float]]:
@@ -89,17 +71,27 @@ def operating_box(machine: Machine, link: str) -> dict[str, tuple[float, float]]
     }
 
 
-def machine_coverage(machine: Machine, models: Sequence[Model], log: Table) -> list[Covered]:
+def machine_coverage(
+    table: Table | str | Path, models: Sequence[Model] | str | Path, machine: Machine | str | Path = "cat215b"
+) -> list[Covered]:
     """Where a log has been, network by network, in the operating box of the machine.
 
     Parameters
     ----------
-    machine : Machine
-    models : sequence of Model
-        From `learn_and_judge`.
-    log : Table
-        From `by_port`.
+    table : Table, str or Path
+        Or its file, an imported log, as for `fit_machine`.
+    models : sequence of Model, str or Path
+        Of `fit_machine`, or their file.
+    machine : Machine, str or Path
+        Or a parameter set by its name or file.
     """
+    plant = machine_of(machine)
+    log, _ = table_of(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
+    return _covered(plant, models_of(models), by_port(Known.of(plant), log))
+
+
+def _covered(machine: Machine, models: Sequence[Model], log: Table) -> list[Covered]:
+    """The same of what circuits see."""
     known, found = Known.of(machine), []
     box: dict[str, tuple[float, float]] = {}
     for link in LINKS:
@@ -111,90 +103,40 @@ def machine_coverage(machine: Machine, models: Sequence[Model], log: Table) -> l
             names.append(f"{output.split('.')[0]}.root_p_out")
         keep = judging_rows(output, log, known)
         rows = Table({name: log[name][keep] for name in names}, log.units)
-        found.append(Covered(output, int(keep.sum()), coverage(rows, names, {name: box[name] for name in names})))
+        seen = coverage(rows, names, {name: box[name] for name in names})
+        found.append(Covered(output, int(keep.sum()), seen, {name: log.unit(name) for name in names}))
     return found
 
 
-def write_machine_card(
-    machine: Machine,
-    learnt: LearntMachine,
-    log: Table,
-    source: str,
-    path: str | Path,
-    drift: Sequence[Drift],
-    windows: str,
-    *,
-    units: str = DEFAULT,
-) -> dict[str, Any]:
-    """Write the model card of all six networks; see `write_card`.
-
-    Parameters
-    ----------
-    machine : Machine
-    learnt : LearntMachine
-        From `learn_and_judge`.
-    log : Table
-        From `by_port`, what they were learnt from.
-    source : str
-        Where the log came from.
-    path : str or Path
-        ``.html``.
-    drift : sequence of Drift
-        Of the machine run against its log; may be empty.
-    windows : str
-        In words what it was run over, or why it was not.
-    units : str
-        Of the page: ``"metric"``, ``"field"`` or ``"si"``.
-    """
-    covered = machine_coverage(machine, learnt.models, log)
+def machine_facts(fit: MachineFit, units: str = DEFAULT) -> tuple[dict[str, Any], str]:
+    """What a card says of a machine and its log as a whole: entries of the JSON, in SI but for texts, and HTML."""
+    covered = _covered(fit.machine, fit.models, fit.table)
     facts = {
-        "coverage": [
-            {
-                "output": c.output,
-                "rows": c.rows,
-                "share": c.share,
-                "holes": c.found.statements(_conversions(log, units)),
-            }
-            for c in covered
-        ],
-        "windows": windows,
+        "coverage": [{"output": c.output, "rows": c.rows, "share": c.share, "holes": c.holes(units)} for c in covered],
+        "windows": fit.windows,
         "drift": [
             # JSON knows no infinity: a run that diverged
             {name: None if value == inf else value for name, value in d._asdict().items()}
-            for d in drift
+            for d in fit.drifts
         ],
     }
-    maps = "\n".join(_map(c, _conversions(log, units)) for c in covered)
-    page = f"""{html_table("Errors on the blocks of time held out, as flows", heads(units), summary(learnt.fits, units))}
+    maps = "\n".join(_map(c, units) for c in covered)
+    page = f"""{html_table("Errors on the blocks of time held out, as flows", heads(units), summary(fit.outputs, units))}
 <p>Rows with an open valve; of an outlet, k_out, the error as a flow at the measured pressure. At the relief setting an inlet's flow falls from
-all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. {escape(kept(learnt.fits)).capitalize()}</p>
+all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. {escape(kept(fit.outputs)).capitalize()}</p>
 <h3>The machine run against its log</h3>
-<p>{escape(windows).capitalize()}.</p>
-{html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(drift, units)) if drift else ""}
+<p>{escape(fit.windows).capitalize()}.</p>
+{html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(fit.drifts, units)) if fit.drifts else ""}
 <h3>Where the log has been</h3>
 <p>In the operating box: a spool from where its valve opens to its end, pressures up to the relief setting, all of the pump's flow. White is
 where nothing was seen; the largest holes are framed.</p>
 {maps}"""
-    return write_card(learnt.fits, log, source, path, (facts, page), units=units)
+    return facts, page
 
 
-def coverage_picture(covered: Covered, log: Table, units: str = DEFAULT) -> str:
-    """Maps of one network's inputs as SVG."""
-    return coverage_svg(covered.found, _conversions(log, units))
-
-
-def _map(covered: Covered, conversions: dict[str, Conversion]) -> str:
-    holes = covered.found.statements(conversions)
+def _map(covered: Covered, units: str) -> str:
+    holes = covered.holes(units)
     named = f": {escape('; '.join(holes[:_HOLES]))}" if holes else ""
-    picture = base64.b64encode(coverage_svg(covered.found, conversions).encode()).decode()
+    picture = base64.b64encode(covered.to_svg(units).encode()).decode()
     return f"""<p><b>{escape(covered.output)}</b>, {covered.rows} rows, {covered.share:.0%} of the cells{named}.</p>
 <figure><img src="data:image/svg+xml;base64,{picture}" alt=""></figure>"""
-
-
-def _conversions(log: Table, units: str) -> dict[str, Conversion]:
-    found = {}
-    for name in log.names:
-        own, read = log.unit(name), shown_unit(log.unit(name), units)
-        if own != "":
-            found[name] = Conversion(1.0 / shown(1.0, own, units), 0.0, own, read)
-    return found

@@ -13,10 +13,14 @@ from polydraulic.display import DEFAULT, began, dated, moment, shown, shown_tabl
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
-from polydraulic.identification.dynamic_fit import DynamicFit, remarks
+from polydraulic.identification.arguments import Progress, steps_of
+from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
+from polydraulic.identification.judging import OutputFit, unit_after
+from polydraulic.identification.machine_card import machine_facts
+from polydraulic.identification.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
-from polydraulic.identification.shown import region_names, shown_fit
-from polydraulic.identification.table_fit import TableFit, unit_after
+from polydraulic.identification.shown import region_names, shown_model
+from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.plot import draw_network
 from polydraulic.networks.proof.bounds import model_bounds
@@ -30,31 +34,41 @@ _BINS = 20  # of the coverage map
 _EFFORT = 200  # sub-boxes a region, of the proofs
 
 
+def card_ending(path: str | Path) -> Path:
+    """Path of a card, or an InputError."""
+    path = Path(path)
+    if path.suffix.lower() != ".html":
+        raise InputError(f"{path}: a model card ends in .html")
+    return path
+
+
 def write_card(
-    fits: Sequence[TableFit | DynamicFit],
-    table: Table,
-    source: str,
+    fit: TableFit | DynamicFit | MachineFit,
     path: str | Path,
-    seen: tuple[dict[str, Any], str] | None = None,
     *,
+    source: str | None = None,
+    max_boxes: int = _EFFORT,
+    shown: int = _SHOWN,
     units: str = DEFAULT,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
+    """Write the card of what was fitted: a page that needs nothing else, and JSON beside it.
 
     Parameters
     ----------
-    fits : sequence of Fit or of DynamicFit
-        From `fit_table` or `fit_log`.
-    table : Table
-        What they were fitted to.
-    source : str
-        Where the table came from, as it shall stand in the card.
+    fit : TableFit, DynamicFit or MachineFit
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
-    seen : (dict, str), optional
-        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the models' inputs if not given.
+    source : str, optional
+        Where the data came from, as it shall stand in the card; the name of their file if not given.
+    max_boxes : int
+        Sub-boxes a region that the proofs may take.
+    shown : int
+        Regions of a model, whose networks are drawn and written out.
     units : str
         Of the page: ``"metric"``, ``"field"`` or ``"si"``; columns in units of their own stay. The JSON has the units of the table.
+    progress : function (what, done, total), optional
+        Called as each model begins.
 
     Returns
     -------
@@ -66,35 +80,36 @@ def write_card(
     InputError
         Another ending, or a place that cannot be written.
     """
-    path = Path(path)
-    if path.suffix.lower() != ".html":
-        raise InputError(f"{path}: a model card ends in .html")
-    read = [shown_fit(found, units) for found in fits]
-    entries, picture = seen or ({}, _coverage_of(_inputs(read), shown_table(table, units)))
-    data = _data(fits, table, source)
-    card: dict[str, Any] = {
-        "schema": SCHEMA,
-        "data": data | entries,
-        "models": [_facts(found.model) for found in fits],
-    }
-    sections = []
-    for found, now, facts in zip(fits, read, card["models"], strict=True):
-        told = _shown_facts(facts, found.model, now.model, units)
-        sections.append(_section(now, told) if isinstance(now, TableFit) else _dynamic_section(now, told))
+    path, source = card_ending(path), fit.source if source is None else source
+    if isinstance(fit, MachineFit):
+        entries, seen = machine_facts(fit, units)
+    else:
+        entries, seen = {}, _coverage_of(_inputs(fit.models), shown_table(fit.table, units))
+    data, facts, sections = _data(fit.models, fit.table, source), [], []
+    outputs: Sequence[OutputFit | DynamicOutputFit] = fit.outputs
+    begin = steps_of(progress, len(outputs))
+    for found in outputs:
+        begin(f"card: {found.model.output.name}, proofs and pictures")
+        facts.append(_facts(found.model, max_boxes))
+        read, told = found.shown(units), _shown_facts(facts[-1], found.model, units)
+        sections.append(
+            _section(read, told, shown) if isinstance(read, OutputFit) else _dynamic_section(read, told, shown)
+        )
+    card: dict[str, Any] = {"schema": SCHEMA, "data": data | entries, "models": facts}
     body = f"""<h2>Data</h2>
 {_columns(data, units)}
-{picture}
-{_said_of_units(fits, read)}
+{seen}
+{_said_of_units(fit.models, units)}
 {"".join(sections)}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
     write_text(path, document(f"Model card: {source}", body))
     return card
 
 
-def _inputs(fits: Sequence[TableFit | DynamicFit]) -> list[str]:
+def _inputs(models: Sequence[Model]) -> list[str]:
     """Columns that any of the models reads; of dynamic ones those that none of them predicts."""
-    outputs = {found.model.output.name for found in fits}
-    read = [name for found in fits for name in _signals(found.model)]
+    outputs = {model.output.name for model in models}
+    read = [name for model in models for name in _signals(model)]
     return [name for name in dict.fromkeys(read) if name not in outputs]
 
 
@@ -104,9 +119,9 @@ def _signals(model: Model) -> list[str]:
     return [lag.signal for lag in model.dynamics.lags]
 
 
-def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> dict[str, Any]:
+def _data(models: Sequence[Model], table: Table, source: str) -> dict[str, Any]:
     """Rows, columns with their ranges, how rows were held out."""
-    names = [*_inputs(fits), *(found.model.output.name for found in fits)]
+    names = [*_inputs(models), *(model.output.name for model in models)]
     columns = [
         {"name": name, "unit": table.unit(name), "low": float(table[name].min()), "high": float(table[name].max())}
         for name in names
@@ -115,7 +130,7 @@ def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> d
         "source": source,
         "rows": len(table),
         "columns": columns,
-        "held_out": fits[0].model.training["held_out"],
+        "held_out": models[0].training["held_out"],
     }
     if "time" in table.names:
         first, last = (float(end) + began(table) for end in (table["time"].min(), table["time"].max()))
@@ -127,9 +142,9 @@ def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> d
     return found
 
 
-def _facts(model: Model) -> dict[str, Any]:
+def _facts(model: Model, max_boxes: int) -> dict[str, Any]:
     """What is known of one model: errors, intervals, proved bounds, domain."""
-    bounds = model_bounds(model, max_boxes=_EFFORT)
+    bounds = model_bounds(model, max_boxes=max_boxes)
     regions = [
         {"region": name, "proved_low": region.low, "proved_high": region.high}
         for name, region in zip(model.region_names(), bounds.regions, strict=True)
@@ -159,45 +174,32 @@ def _facts(model: Model) -> dict[str, Any]:
     }
 
 
-def _shown_facts(facts: dict[str, Any], model: Model, read: Model, units: str) -> dict[str, Any]:
+def _shown_facts(facts: dict[str, Any], model: Model, units: str) -> dict[str, Any]:
     """The facts of a model as its page shows them; what is proved is proved of the model itself."""
-    unit, names = model.output.unit, dict(zip(model.region_names(), region_names(read), strict=True))
+    read, unit = shown_model(model, units), model.output.unit
+    names = dict(zip(model.region_names(), region_names(read), strict=True))
 
     def moved(entry: dict[str, Any]) -> dict[str, Any]:
         return entry | {key: shown(entry[key], unit, units) for key in ("proved_low", "proved_high")}
 
-    regions = [moved(region) | {"region": names[region["region"]]} for region in facts["regions"]]
-    memory = {"largest_steps": list(read.dynamics.step)} if read.dynamics else {}
-    return (
-        moved(facts)
-        | memory
-        | {
-            "output": str(read.output),
-            "domain": read.domain().tolist(),
-            "regions": regions,
-            "training": read.training,
-        }
-    )
+    found = moved(facts) | {
+        "output": str(read.output),
+        "domain": read.domain().tolist(),
+        "regions": [moved(region) | {"region": names[region["region"]]} for region in facts["regions"]],
+        "training": read.training,
+    }
+    return found | ({"largest_steps": list(read.dynamics.step)} if read.dynamics else {})
 
 
-def _said_of_units(fits: Sequence[TableFit | DynamicFit], read: Sequence[TableFit | DynamicFit]) -> str:
+def _said_of_units(models: Sequence[Model], units: str) -> str:
     """That the page shows other units than the model file has, if so."""
-    pairs = [
-        (own.unit, now.unit)
-        for fit, other in zip(fits, read, strict=True)
-        for own, now in zip(
-            (*fit.model.inputs, fit.model.output), (*other.model.inputs, other.model.output), strict=True
-        )
-    ]
-    changed = dict.fromkeys(f"{now} for {own}" for own, now in pairs if own != now)
-    return (
-        f"<p>Shown in {escape(', '.join(changed))}; the model file and its exports work in the units of the table.</p>"
-        if changed
-        else ""
-    )
+    used = [variable.unit for model in models for variable in (*model.inputs, model.output)]
+    changed = dict.fromkeys(f"{shown_unit(unit, units)} for {unit}" for unit in used if shown_unit(unit, units) != unit)
+    told = f"Shown in {', '.join(changed)}; the model file and its exports work in the units of the table."
+    return f"<p>{escape(told)}</p>" if changed else ""
 
 
-def _section(found: TableFit, facts: dict[str, Any]) -> str:
+def _section(found: OutputFit, facts: dict[str, Any], most: int) -> str:
     model, training = found.model, facts["training"]
     unit = escape(unit_after(model.output))
     widths = training["interval_half_widths"]
@@ -218,7 +220,7 @@ def _section(found: TableFit, facts: dict[str, Any]) -> str:
 {_domain(model, facts)}
 {html_table("Proved range by region", ["region", *_heads("low", "high", model=model)], proved)}
 {_picture(_errors(found.model, found.held.y, found.held.predicted))}
-{_what_it_is(model)}"""
+{_what_it_is(model, most)}"""
 
 
 def _span(widths: Sequence[float]) -> str:
@@ -227,7 +229,7 @@ def _span(widths: Sequence[float]) -> str:
     return low if low == high else f"{low} to {high} by region"
 
 
-def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
+def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], most: int) -> str:
     model, unit = found.model, unit_after(found.model.output)
     rows = [
         [name, *(f"{value:.4g}" for kind in errors for value in kind)]
@@ -254,7 +256,7 @@ def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
 Shaded: the intervals.</p>
 {_picture(_errors(model, found.held.measured, found.held.free))}
 {_domain(model, facts)}
-{_what_it_is(model)}"""
+{_what_it_is(model, most)}"""
 
 
 def _domain(model: Model, facts: dict[str, Any]) -> str:
@@ -262,12 +264,12 @@ def _domain(model: Model, facts: dict[str, Any]) -> str:
     return html_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], rows)
 
 
-def _what_it_is(model: Model) -> str:
-    shown = min(len(model.networks), _SHOWN)
-    more = "" if shown == len(model.networks) else f"<p>The first {shown} of {len(model.networks)} regions.</p>"
-    text = to_text(model) if len(model.networks) <= _SHOWN else "See the model file: more regions than fit here."
+def _what_it_is(model: Model, most: int) -> str:
+    drawn = min(len(model.networks), most)
+    more = "" if drawn == len(model.networks) else f"<p>The first {drawn} of {len(model.networks)} regions.</p>"
+    text = to_text(model) if len(model.networks) <= most else "See the model file: more regions than fit here."
     return f"""<h3>What it is</h3>
-{more}{_picture(_networks(model, shown))}
+{more}{_picture(_networks(model, drawn))}
 <pre>{escape(text)}</pre>"""
 
 
@@ -343,12 +345,12 @@ def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
     return figure
 
 
-def _networks(model: Model, shown: int) -> Any:
+def _networks(model: Model, drawn: int) -> Any:
     from matplotlib.figure import Figure
 
     height = max(2.0, 0.36 * len(model.inputs))
-    figure = Figure(figsize=(8.0, height * shown), layout="constrained")
-    axes = figure.subplots(shown, 1, squeeze=False)
+    figure = Figure(figsize=(8.0, height * drawn), layout="constrained")
+    axes = figure.subplots(drawn, 1, squeeze=False)
     for axis, network, name in zip(axes[:, 0], model.networks, region_names(model), strict=False):
         draw_network(axis, network, model.inputs, model.output)
         axis.set_title(name, fontsize="small")

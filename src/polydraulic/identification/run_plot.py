@@ -1,13 +1,12 @@
 """Free runs drawn: measured and simulated over time, one panel an output."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, time_axis
-from polydraulic.identification.runs import DynamicRun
-from polydraulic.identification.shown import shown_model, shown_run
+from polydraulic.display import DEFAULT, began, time_axis
+from polydraulic.identification.runs import DynamicRun, ModelRuns
+from polydraulic.identification.shown import shown_model
 from polydraulic.networks.model.model import Model
 
 if TYPE_CHECKING:
@@ -18,29 +17,24 @@ _MEASURED, _ON_ITS_OWN = "#9ec5e8", "#e07a1f"  # as runs of the machine are draw
 _SHOWN = 6  # runs that have a panel of their own
 
 
-def plot_runs(
-    models: Sequence[Model], runs: Sequence[DynamicRun], *, units: str = DEFAULT, began: float = 0.0
-) -> "Figure":
+def plot_runs(found: ModelRuns, *, units: str = DEFAULT) -> "Figure":
     """All runs on one axis of time, one panel an output.
 
     Parameters
     ----------
-    models : sequence of Model
-    runs : sequence of DynamicRun
-        From `run_on`, one a model.
+    found : ModelRuns
+        From `run_models`; over dates where its log has dates.
     units : str
         ``"metric"``, ``"field"`` or ``"si"``; outputs in units of their own stay.
-    began : float, s since 1970
-        When the log's time was zero, if that is known: times are dates then.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10.0, 0.8 + 2.4 * len(runs)), layout="constrained")
-    axes = figure.subplots(len(runs), 1, squeeze=False, sharex=True)[:, 0]
+    figure = Figure(figsize=(10.0, 0.8 + 2.4 * len(found.runs)), layout="constrained")
+    axes = figure.subplots(len(found.runs), 1, squeeze=False, sharex=True)[:, 0]
     label = ""
-    for axis, own, answered in zip(axes, models, runs, strict=True):
-        model, run = shown_model(own, units), shown_run(answered, own.output.unit, units)
-        label = _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run), began)
+    for axis, own, answered in zip(axes, found.models, found.runs, strict=True):
+        model, run = shown_model(own, units), answered.shown(own.output.unit, units)
+        label = _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run), began(found.log))
         axis.set_ylabel(str(model.output))
     axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
@@ -55,10 +49,11 @@ def plot_separately(model: Model, run: DynamicRun) -> "Figure":
     shown = np.sort(np.argsort(-length, kind="stable")[:_SHOWN])
     figure = Figure(figsize=(8.0, 0.6 + 1.7 * len(shown)), layout="constrained")
     axes = figure.subplots(len(shown), 1, squeeze=False, sharey=True)[:, 0]
+    label = ""
     for axis, number in zip(axes, shown, strict=True):
-        _draw(axis, run, run.number == number, _half_width(model, run))
+        label = _draw(axis, run, run.number == number, _half_width(model, run))
         axis.set_ylabel(str(model.output), fontsize="small")
-    axes[-1].set_xlabel(time_axis(run.time)[1])
+    axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
     return figure
 

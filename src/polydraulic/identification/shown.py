@@ -1,4 +1,4 @@
-"""Models, fits and runs as they are shown: in units that people read, still models, fits and runs.
+"""Models as they are shown: in units that people read, and still models.
 
 A network works on normalized variables, so that another unit only scales its normalizers, domain and bounds. What comes out is for
 pages, pictures and printed lines; files, exports and proofs are of the model itself.
@@ -6,20 +6,16 @@ pages, pictures and printed lines; files, exports and proofs are of the model it
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from polydraulic.display import DEFAULT, shown, shown_unit
-from polydraulic.identification.dynamic_fit import DynamicFit, RunErrors
-from polydraulic.identification.runs import DynamicRun
-from polydraulic.identification.table_fit import Errors, TableFit
+from polydraulic.measure.log_units import Conversion
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import Partition, Split, box_name
 from polydraulic.networks.model.table import UNBOUNDED, Network
 from polydraulic.networks.proof.bounds import Leaving, ModelBounds, RangeCheck, range_sentence
-
-Fit = TypeVar("Fit", bound=TableFit | DynamicFit)
 
 
 def shown_model(model: Model, units: str = DEFAULT) -> Model:
@@ -53,31 +49,9 @@ def region_names(model: Model) -> list[str]:
     return [box_name(box, [str(variable) for variable in model.inputs]) for box in model.region_boxes()]
 
 
-def shown_fit(fit: Fit, units: str = DEFAULT) -> Fit:
-    """A fit whose model, errors and rows held out are as they are shown."""
-    model, unit = shown_model(fit.model, units), fit.model.output.unit
-    if isinstance(fit, TableFit):
-        X = _columns(fit.held.X, [variable.unit for variable in fit.model.inputs], units)
-        y, predicted = (shown(values, unit, units) for values in (fit.held.y, fit.held.predicted))
-        return fit._replace(
-            model=model,
-            rms=shown(fit.rms, unit, units),
-            largest=shown(fit.largest, unit, units),
-            half_widths=[shown(width, unit, units) for width in fit.half_widths],
-            held=fit.held._replace(X=X, y=y, predicted=predicted),
-        )
-    return fit._replace(
-        model=model,
-        errors=_run_errors(fit.errors, unit, units),
-        others={name: _run_errors(other, unit, units) for name, other in fit.others.items()},
-        half_width=shown(fit.half_width, unit, units),
-        held=shown_run(fit.held, unit, units),
-    )
-
-
-def shown_run(run: DynamicRun, unit: str, units: str = DEFAULT) -> DynamicRun:
-    """A run of an output in `unit` as it is shown."""
-    return run._replace(**{name: shown(getattr(run, name), unit, units) for name in ("measured", "free", "one_step")})
+def conversion_of(unit: str, units: str = DEFAULT) -> Conversion:
+    """How a column in `unit` converts to what it is shown in, for what is said of deadbands and coverage."""
+    return Conversion(1.0 / shown(1.0, unit, units), 0.0, unit, shown_unit(unit, units))
 
 
 def said_of_bounds(model: Model, bounds: ModelBounds, units: str = DEFAULT) -> list[str]:
@@ -113,7 +87,7 @@ def said_of_range(model: Model, answer: RangeCheck, units: str = DEFAULT) -> str
             leaving=tuple(
                 Leaving(
                     names[found.region],
-                    _columns(found.point[None], [variable.unit for variable in model.inputs], units)[0],
+                    shown_columns(found.point[None], [variable.unit for variable in model.inputs], units)[0],
                     shown(found.value, unit, units),
                 )
                 for found in answer.leaving
@@ -123,12 +97,9 @@ def said_of_range(model: Model, answer: RangeCheck, units: str = DEFAULT) -> str
     )
 
 
-def _columns(X: np.ndarray, read: Sequence[str], units: str) -> np.ndarray:
+def shown_columns(X: np.ndarray, read: Sequence[str], units: str) -> np.ndarray:
+    """Columns of (n_row, n_column) in the units `read` as they are shown."""
     return np.column_stack([shown(X[:, k], unit, units) for k, unit in enumerate(read)])
-
-
-def _run_errors(errors: RunErrors, unit: str, units: str) -> RunErrors:
-    return RunErrors(*(Errors(e.r2, shown(e.rms, unit, units), shown(e.largest, unit, units)) for e in errors))
 
 
 def _network(network: Network, read: Sequence[str], given: str, units: str) -> Network:

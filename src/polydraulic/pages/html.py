@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 from typing import NamedTuple
 
-_WIDE = 4  # columns from which a table becomes a list of entries on a narrow screen
+_MANY, _LONG = 5, 40  # columns, and characters in a cell, from which a row does not fit on a narrow screen
 
 
 class Cell(NamedTuple):
@@ -46,11 +46,12 @@ def document(title: str, body: str, *, top: str = "") -> str:
 
 
 def table(title: str, header: Sequence[str], rows: Sequence[Sequence[str | Cell]]) -> str:
-    """Return a table; a caption if there is a title. On narrow screens a row of many cells becomes a list of them."""
+    """Return a table; a caption if there is a title. On narrow screens a row that does not fit becomes a list of its cells."""
     caption = f"<caption>{escape(title)}</caption>" if title else ""
     head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
     body = "\n".join("<tr>" + "".join(map(_cell, header, row)) + "</tr>" for row in rows)
-    look = ' class="wide"' if len(header) >= _WIDE else ""
+    long = any(len(cell.text if isinstance(cell, Cell) else cell) > _LONG for row in rows for cell in row)
+    look = ' class="wide"' if len(header) >= _MANY or (len(header) > 2 and long) else ""
     return f"<table{look}>{caption}<thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
 
 

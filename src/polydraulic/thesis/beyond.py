@@ -27,7 +27,7 @@ from polydraulic.thesis.three_links import (
     points_with_faces,
     section_errors,
 )
-from polydraulic.thesis.timing import time_runs
+from polydraulic.thesis.timing import Ratio, time_runs
 
 N_OPERATORS, OPERATOR_SECONDS = 200, 60.0
 FLOWS = ("exact", "iterative", "stiff", "tlm", "lookup", "polynomial", "ours", "direct", "neural")
@@ -92,7 +92,7 @@ def _climb(study: ThreeLinkStudy, models: list[Model], *, relief: bool) -> Rung:
 class Cost(NamedTuple):
     """A flow model's time a step as a share of that of exact, and the bytes of its arrays."""
 
-    time: float
+    time: Ratio
     memory: int
 
 
@@ -102,10 +102,11 @@ def costs(study: ThreeLinkStudy) -> dict[str, Cost]:
     def measured() -> dict[str, Any]:
         study.lab.say("run times of every flow model")
         models = {kind: study.flow(kind) for kind in FLOWS}
-        seconds = time_runs(study.machine(), models, load_scenario("task"))
-        return {kind: [seconds[kind] / seconds["exact"], table_bytes(models[kind])] for kind in FLOWS}
+        times = time_runs(study.machine(), models, load_scenario("task"))
+        return {kind: [times.ratio(kind, "exact"), table_bytes(models[kind])] for kind in FLOWS}
 
-    return {kind: Cost(*values) for kind, values in study.lab.computed.data("costs", measured).items()}
+    found = study.lab.computed.data("costs", measured)
+    return {kind: Cost(Ratio(*time), memory) for kind, (time, memory) in found.items()}
 
 
 def tip_errors(study: ThreeLinkStudy) -> dict[str, dict[str, float]]:

@@ -7,11 +7,11 @@ import numpy as np
 from polydraulic import units
 from polydraulic.flow.database import PRESSURE_HIGH
 from polydraulic.thesis.historical import outlet_conductances
-from polydraulic.thesis.report.catalog import Ours
+from polydraulic.thesis.report.catalog import Computed
 from polydraulic.thesis.three_links import SectionErrors, ThreeLinkStudy, section_errors
 
 
-def map_numbers(study: ThreeLinkStudy) -> dict[str, Ours]:
+def map_numbers(study: ThreeLinkStudy) -> dict[str, Computed]:
     """Numbers of section 5.2, of networks in the thesis' setting."""
     machine = study.machine()
     most = units.from_si(machine.pumps.series_flow, "in3/s")
@@ -25,28 +25,30 @@ def map_numbers(study: ThreeLinkStudy) -> dict[str, Ours]:
     upper = c.X[:, 0] > 0.5 * (opens + shut)
     swing_c = float(np.abs(c.swing[upper]).max())
     outlets = {link: _outlet_error(study, link) for link in ("swing", "stick")}
-    differs = "largest of many random points, faces included; the orifice areas are not printed"
-    smooth = "at 4000 psi for a flow; the known borders cut our curves into parts that a cubic fits"
+    differs = "largest at many random points, edges included; the thesis does not print its orifice areas"
+    smooth = "flows at 4000 psi; within each region the curve is smooth enough for a cubic"
     return {
-        "multi.maps.A_error_in3_s": Ours(float(max(np.abs(a.swing).max(), np.abs(a.stick).max()))),
-        "multi.maps.B_stick_error_typical_in3_s": Ours(typical, "95 % of the errors away from 0.188 and 0.376 in"),
-        "multi.maps.B_stick_error_typical_percent": Ours(100.0 * typical / most),
-        "multi.maps.B_stick_error_at_0376_in3_s": Ours(at_shut, differs),
-        "multi.maps.B_stick_error_at_0376_percent": Ours(100.0 * at_shut / most),
-        "multi.maps.C_swing_error_max_in3_s": Ours(swing_c, f"from 0.282 to 0.376 in; {differs}"),
-        "multi.maps.C_swing_error_max_percent": Ours(100.0 * swing_c / most),
-        "multi.maps.swing_Qpop_error_max": Ours(outlets["swing"].q_pop, smooth),
-        "multi.maps.swing_Qo_error_max_in3_s": Ours(outlets["swing"].flow, smooth),
-        "multi.maps.swing_Qo_error_percent": Ours(outlets["swing"].percent),
-        "multi.maps.stick_Qpop_error_max": Ours(outlets["stick"].q_pop, smooth),
-        "multi.maps.stick_Qo_error_max_in3_s": Ours(outlets["stick"].flow, smooth),
-        "multi.maps.stick_Qo_error_percent": Ours(outlets["stick"].percent),
-        "multi.maps.eps_used_for_section_D_maps": Ours(
-            0.0, "our maps are exact: the closed form needs no convergence bound"
+        "multi.maps.A_error_in3_s": Computed(float(max(np.abs(a.swing).max(), np.abs(a.stick).max()))),
+        "multi.maps.B_stick_error_typical_in3_s": Computed(
+            typical, "95 % of the errors away from 0.188 and 0.376 in are smaller"
         ),
-        "database.Qo_max_swing_in3_s": Ours(outlets["swing"].highest),
-        "database.Qo_max_stick_in3_s": Ours(outlets["stick"].highest),
-        "database.Q_max_swing_stick_in3_s": Ours(most),
+        "multi.maps.B_stick_error_typical_percent": Computed(100.0 * typical / most),
+        "multi.maps.B_stick_error_at_0376_in3_s": Computed(at_shut, differs),
+        "multi.maps.B_stick_error_at_0376_percent": Computed(100.0 * at_shut / most),
+        "multi.maps.C_swing_error_max_in3_s": Computed(swing_c, f"from 0.282 to 0.376 in; {differs}"),
+        "multi.maps.C_swing_error_max_percent": Computed(100.0 * swing_c / most),
+        "multi.maps.swing_Qpop_error_max": Computed(outlets["swing"].q_pop, smooth),
+        "multi.maps.swing_Qo_error_max_in3_s": Computed(outlets["swing"].flow, smooth),
+        "multi.maps.swing_Qo_error_percent": Computed(outlets["swing"].percent),
+        "multi.maps.stick_Qpop_error_max": Computed(outlets["stick"].q_pop, smooth),
+        "multi.maps.stick_Qo_error_max_in3_s": Computed(outlets["stick"].flow, smooth),
+        "multi.maps.stick_Qo_error_percent": Computed(outlets["stick"].percent),
+        "multi.maps.eps_used_for_section_D_maps": Computed(
+            0.0, "the maps are computed in closed form, which needs no convergence bound"
+        ),
+        "database.Qo_max_swing_in3_s": Computed(outlets["swing"].highest),
+        "database.Qo_max_stick_in3_s": Computed(outlets["stick"].highest),
+        "database.Q_max_swing_stick_in3_s": Computed(most),
     }
 
 

@@ -10,7 +10,7 @@ from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure
-from polydraulic.thesis.report.figures.draw import canvas, finish, over_time, run_table, time_panel
+from polydraulic.thesis.report.figures.draw import canvas, finish, name_of, over_time, run_table, time_panel
 from polydraulic.thesis.three_links import three_link_study
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ MakeFigure = Callable[[Lab], Figure]
 
 _PAIR = ("swing", "stick")
 _ALL = ("boom", "swing", "stick")
+_ALIKE = 5.0  # ratio of the largest errors up to which panels side by side share one scale
 
 
 def quantity(
@@ -69,12 +70,19 @@ def effector_error(scenario: str, title: str, see: str, kinds: Sequence[str], *,
 
         def draw() -> "matplotlib.figure.Figure":
             figure, axes = canvas(1, len(kinds), width=5.4 * len(kinds), height=3.0)
+            sizes = [float(table[f"{name_of(kind)} distance"].max()) for kind in kinds]
+            alike = max(sizes) < _ALIKE * min(sizes)
             for axis, kind in zip(axes[0], kinds, strict=True):
                 for name in ("X", "Y", "Z", "distance"):
                     wide = name == "distance"
-                    axis.plot(table["time"], table[f"{kind} {name}"], "k-" if wide else "-", label=name, linewidth=1.6 if wide else 1.0)  # fmt: skip
-                finish(axis, "[m]", f"{kind} less exact")
+                    axis.plot(table["time"], table[f"{name_of(kind)} {name}"], "k-" if wide else "-", label=name, linewidth=1.6 if wide else 1.0)  # fmt: skip
+                finish(
+                    axis, "end-effector error [m]", f"{name_of(kind)} minus exact{'' if alike else '; scales differ'}"
+                )
                 axis.set_xlabel("time [s]")
+            if alike:
+                for axis in axes[0, 1:]:
+                    axis.sharey(axes[0, 0])
             return figure
 
         return Figure(title, see, {"": table}, draw)
@@ -88,8 +96,8 @@ def error_table(runs: Mapping[str, Table]) -> Table:
     columns = {"time": exact["time"]}
     for kind, run in runs.items():
         if kind != "exact":
-            columns |= {f"{kind} {axis[-1].upper()}": run[axis] - exact[axis] for axis in EFFECTOR}
-            columns[f"{kind} distance"] = effector_distance(exact, run)
+            columns |= {f"{name_of(kind)} {axis[-1].upper()}": run[axis] - exact[axis] for axis in EFFECTOR}
+            columns[f"{name_of(kind)} distance"] = effector_distance(exact, run)
     return Table(columns, {"time": "s", **dict.fromkeys(list(columns)[1:], "m")})
 
 
@@ -105,7 +113,7 @@ def voltages(scenario: str, title: str, see: str) -> MakeFigure:
             figure, axes = canvas(1, 1, width=8.0, height=2.8)
             for name in columns:
                 axes[0, 0].plot(table["time"], table[name], label=name.split(".")[0])
-            finish(axes[0, 0], "[V]", "")
+            finish(axes[0, 0], "lever voltage [V]", "")
             axes[0, 0].set_xlabel("time [s]")
             return figure
 
@@ -134,7 +142,7 @@ def eps_study(lab: Lab) -> Figure:
 
     return Figure(
         "Task: swing input flow with three convergence bounds",
-        "The larger the bound, the wider the band in which the iterative flow jumps about; the networks' flow is smooth, and off.",
+        "The larger the convergence bound eps, the wider the band in which the iterative flow jumps; the flow of the networks is smooth, with an offset.",
         {"": run_table(named, ["swing.q_in"])},
         draw,
     )

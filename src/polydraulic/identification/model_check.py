@@ -1,0 +1,148 @@
+"""Models checked: where they can go, by a proof; or whether they still hold, by new measurements."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.display import DEFAULT, amount
+from polydraulic.errors import InputError
+from polydraulic.identification.arguments import Progress, models_of, steps_of, table_of
+from polydraulic.identification.machine_log import as_judged
+from polydraulic.identification.shown import region_names, said_of_bounds, said_of_range, shown_model
+from polydraulic.identification.validity import Validity, run_validity, validity
+from polydraulic.networks.model.lag_words import dynamic_notes
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.proof.bounds import ModelBounds, RangeCheck, check_range, model_bounds
+from polydraulic.tables import Table
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """What was found of models; ``str()`` says it.
+
+    Attributes
+    ----------
+    models : list of Model
+        Static ones first where they were judged by data.
+    found : sequence of ModelBounds, of RangeCheck, or of Validity
+        One a model: proved bounds; whether it stays in a range; whether it holds on data.
+    notes : list of str
+        What a proof of dynamic models is about.
+    units : str
+        Of what is said.
+    """
+
+    models: list[Model]
+    found: Sequence[ModelBounds | RangeCheck | Validity]
+    notes: list[str]
+    units: str = DEFAULT
+
+    @property
+    def holds(self) -> bool:
+        """Whether every model is proved to stay in the range, or holds on the data; true where neither was asked."""
+        return all(isinstance(one, ModelBounds) or one.holds is True for one in self.found)
+
+    def __str__(self) -> str:
+        parts = [f"note: {note}" for note in self.notes]
+        for model, one in zip(self.models, self.found, strict=True):
+            if isinstance(one, ModelBounds):
+                parts += said_of_bounds(model, one, self.units)
+            elif isinstance(one, RangeCheck):
+                parts.append(said_of_range(model, one, self.units))
+            else:
+                parts += _validity_lines(model, one, self.units)
+        return "\n".join(parts)
+
+
+def check_models(
+    models: Sequence[Model] | str | Path,
+    *,
+    data: Table | str | Path | None = None,
+    limits: tuple[float, float] | None = None,
+    box: Mapping[str, tuple[float, float]] | None = None,
+    max_boxes: int = 20000,
+    units: str = DEFAULT,
+    progress: Progress | None = None,
+) -> Check:
+    """Prove where models can go, anywhere in their domain or a box; or judge them by data that they have not seen.
+
+    Parameters
+    ----------
+    models : sequence of Model, str or Path
+        Or the model file.
+    data : Table, str or Path, optional
+        Or its file: new measurements. Models are judged next to what was stated when they were fitted; dynamic ones run on their own
+        through it, begun anew as often as then; those of a machine read an imported log.
+    limits : (low, high), optional
+        Is it proved that no output leaves this range, in the output's unit? The proved ranges of outputs and slopes if not given.
+    box : mapping from input name to (low, high), optional
+        Only in this part of the inputs, in their units; the domain of those that are not named.
+    max_boxes : int
+        Sub-boxes a region that the proof may take.
+    units : str
+        Of what is said: ``"metric"``, ``"field"`` or ``"si"``; what is in units of its own stays.
+    progress : function (what, done, total), optional
+        Called as each model begins.
+
+    Returns
+    -------
+    Check
+
+    Raises
+    ------
+    InputError
+        Data together with limits or a box; an input that a model does not read; as `validity`, `run_validity`, `check_range`.
+    """
+    some = models_of(models)
+    if data is not None:
+        if limits is not None or box:
+            raise InputError("data judge models by measurements; limits and a box go with a proof: give one of them")
+        table, _ = table_of(data)
+        begin = steps_of(progress, len(some))
+        static, dynamic = ([model for model in some if (model.dynamics is None) == how] for how in (True, False))
+        judged = []
+        for model in static:
+            begin(f"{model.output.name} on the new data")
+            judged.append(validity(model, as_judged(model, table), units))
+        if dynamic:
+            begin("free runs through the new data")
+            judged += run_validity(dynamic, table, units)
+        return Check([*static, *dynamic], judged, [], units)
+    places = [_place(model, box or {}) for model in some]
+    begin = steps_of(progress, len(some))
+    proved: list[ModelBounds | RangeCheck] = []
+    for model, place in zip(some, places, strict=True):
+        begin(f"proof of {model.output.name}")
+        proved.append(
+            model_bounds(model, place, max_boxes=max_boxes)
+            if limits is None
+            else check_range(model, *limits, place, max_boxes=max_boxes)
+        )
+    return Check(some, proved, dynamic_notes(some), units)
+
+
+def _place(model: Model, box: Mapping[str, tuple[float, float]]) -> np.ndarray:
+    """The model's domain, with the ends that are given in their place."""
+    names, found = [variable.name for variable in model.inputs], model.domain()
+    for name, ends in box.items():
+        if name not in names:
+            raise InputError(f"box names the input {name!r}; the model of {model.output.name!r} reads {names}")
+        found[names.index(name)] = ends
+    return found
+
+
+def _validity_lines(model: Model, found: Validity, units: str) -> list[str]:
+    verdict, read, unit = (
+        "holds" if found.holds else "does not hold any more",
+        shown_model(model, units),
+        model.output.unit,
+    )
+    lines = [f"{read.output}: {verdict}", *(f"  {statement}" for statement in found.statements)]
+    names = dict(zip(model.region_names(), region_names(read), strict=True))
+    for region in found.regions:
+        if region["rows"]:
+            sizes = f"rms {amount(region['rms'], unit, units)}, largest {amount(region['largest'], unit, units)}"
+            lines.append(f"    {names[region['region']]}: {region['rows']} rows, {sizes}")
+    return lines
