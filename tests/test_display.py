@@ -84,7 +84,8 @@ def test_times_of_logs_with_a_date_are_dates():
     assert (moment(noon), moment(75.25)) == ("2026-03-01 12:00:00", "75.25 s")
     seconds = np.array([0.0, np.nan, 1.5])
     at, label = time_axis(seconds, noon)
-    assert label == "date and time"
+    assert label == "time of day, 2026-03-01"
+    assert time_axis(np.array([0.0, 90000.0]), noon)[1] == "date and time, 2026-03-01 to 2026-03-02"
     assert str(at[2]) == "2026-03-01T12:00:01.500000"
     assert np.isnat(at[1])
     at, label = time_axis(seconds)

@@ -164,6 +164,8 @@ def time_axis(seconds: np.ndarray, began: float = 0.0) -> tuple[Any, str]:
         When the log's time was zero; 0 if that is not known.
     """
     at = seconds + began
-    if at.size and dated(float(np.nanmin(at))):
-        return (1e6 * at).astype("datetime64[us]"), "date and time"
-    return seconds, "time [s]"
+    if not (at.size and dated(float(np.nanmin(at)))):
+        return seconds, "time [s]"
+    dates = (1e6 * at).astype("datetime64[us]")
+    first, last = (str(np.datetime64(end, "D")) for end in (np.nanmin(dates), np.nanmax(dates)))
+    return dates, f"time of day, {first}" if first == last else f"date and time, {first} to {last}"

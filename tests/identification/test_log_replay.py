@@ -94,7 +94,7 @@ def test_the_picture_shows_joints_and_drift(found):
     ]
     assert figure.axes[-1].get_xlabel() == "time [s]"
     dated = plot_replay(replace(found, began=1.7e9), units="si")
-    assert dated.axes[-1].get_xlabel() == "date and time"
+    assert dated.axes[-1].get_xlabel() == "time of day, 2023-11-14"
     assert str(dated.axes[0].lines[0].get_xdata()[0]) == "2023-11-14T22:13:20.000000"
     assert dated.axes[0].lines[0].get_ydata() == pytest.approx(found.windows[0].measured[:, 0])
     assert len(figure.axes[1].lines) == 3 * len(found.windows)

@@ -121,7 +121,7 @@ def test_pictures_show_measured_next_to_simulated(fitted):
     assert free.get_ydata()[:148] == pytest.approx(runs[0].free[:148] / 1e5)
     si = plot_runs(ModelRuns(models, runs, Table(LOG.columns, LOG.units, {"began": 1.7e9})), units="si")
     assert [axis.get_ylabel() for axis in si.axes] == ["y [Pa]", "z [m]"]
-    assert si.axes[-1].get_xlabel() == "date and time"
+    assert si.axes[-1].get_xlabel() == "time of day, 2023-11-14"
     assert not figure.axes[0].collections  # no interval where none is stated
     models[0].training.update({"interval_half_widths": [0.1], "free_run_rows": 148})
     figure = plot_separately(models[0], runs[0])

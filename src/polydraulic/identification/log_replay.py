@@ -287,7 +287,9 @@ def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
     below.set_ylabel(f"run - measured\n[{unit}]")
     below.grid(alpha=0.3)
-    below.legend(ncols=3, fontsize="small", frameon=False, loc="upper left")
+    below.legend(
+        ncols=3, fontsize="small", frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1
+    )
     below.set_xlabel(label)
     return figure
 
