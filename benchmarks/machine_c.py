@@ -17,7 +17,8 @@ import numpy as np
 from polydraulic import load_machine, load_scenario
 from polydraulic.export.fmu.machine import export_machine_fmu
 from polydraulic.export.machine import export_machine, outputs
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.flow.record import N_RECORD
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.thesis.timing import in_turn
 from show import left_out, show

@@ -18,11 +18,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from polydraulic.flow import exact_flow
+from polydraulic.flow.record import N_RECORD, to_vector
 from polydraulic.machine.plant import prepare
-from polydraulic.machine.state import initial_state, to_vector
+from polydraulic.machine.state import initial_state
 from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.events import edges_of, new_log
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import step_voltages
 from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
 from polydraulic.simulation.solvers.rosenbrock_step import RODAS, new_work

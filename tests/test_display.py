@@ -4,24 +4,20 @@ import numpy as np
 import pytest
 
 from polydraulic import units
-from polydraulic.cli.app import METRIC
+from polydraulic.cli.application import METRIC
 from polydraulic.display import (
     DEFAULT,
     SYSTEMS,
     amount,
-    began,
+    as_shown,
     moment,
-    number,
-    quantity,
-    shown,
-    shown_column,
-    shown_table,
+    quantity_of,
+    readable,
     shown_unit,
     time_axis,
     with_unit,
 )
 from polydraulic.errors import InputError
-from polydraulic.tables import Table
 
 
 def test_every_unit_shown_measures_the_same_as_the_si_unit_it_stands_for():
@@ -54,7 +50,7 @@ def test_another_system_is_named():
 
 
 def test_numbers_are_written_out_where_they_can_be():
-    assert [number(value) for value in (0.0, 12345.6, 1e-9, -3.0e6, 2.5e9)] == [
+    assert [readable(value) for value in (0.0, 12345.6, 1e-9, -3.0e6, 2.5e9)] == [
         "0",
         "12350",
         "1e-09",
@@ -63,20 +59,10 @@ def test_numbers_are_written_out_where_they_can_be():
     ]
 
 
-def test_tables_are_shown_column_by_column():
-    table = Table({"p": np.array([1e5, 2e5]), "q": np.ones(2)}, {"p": "Pa", "q": "gal"}, {"source": "log"})
-    values, unit = shown_column(table, "p", "metric")
-    assert (values.tolist(), unit) == ([1.0, 2.0], "bar")
-    read = shown_table(table)
-    assert (read["p"].tolist(), read["q"].tolist()) == ([1.0, 2.0], [1.0, 1.0])
-    assert (read.units, read.info) == ({"p": "bar", "q": "gal"}, {"source": "log"})
-    assert shown(2e5, "Pa", "metric") == 2.0
-
-
 def test_labels_name_the_quantity():
-    assert with_unit(quantity("boom.p_pump"), "bar") == "pump pressure [bar]"
+    assert with_unit(quantity_of("boom.p_pump"), "bar") == "pump pressure [bar]"
     assert with_unit("share", "1") == with_unit("share", "") == "share"
-    assert quantity("temperature") == "temperature"
+    assert quantity_of("temperature") == "temperature"
 
 
 def test_times_of_logs_with_a_date_are_dates():
@@ -90,5 +76,4 @@ def test_times_of_logs_with_a_date_are_dates():
     assert np.isnat(at[1])
     at, label = time_axis(seconds)
     assert (at is seconds, label) == (True, "time [s]")
-    assert began(Table({}, {}, {"began": noon})) == noon
-    assert began(Table({}, {})) == began(Table({}, {}, {"began": "noon"})) == 0.0
+    assert as_shown(2e5, "Pa", "metric") == 2.0

@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.tables import Table
 from polydraulic.units import from_si
 
 Value = TypeVar("Value", float, np.ndarray)
@@ -95,25 +94,13 @@ def shown_unit(unit: str, units: str = DEFAULT) -> str:
     return SYSTEMS[checked_units(units)].get(unit, unit)
 
 
-def shown(value: Value, unit: str, units: str = DEFAULT) -> Value:
+def as_shown(value: Value, unit: str, units: str = DEFAULT) -> Value:
     """A value in `unit` as it is shown; scalar or array of any shape."""
     other = shown_unit(unit, units)
     return value if other == unit else from_si(value, other)
 
 
-def shown_column(table: Table, name: str, units: str = DEFAULT) -> tuple[np.ndarray, str]:
-    """A column, (n_row,), as it is shown, and its unit."""
-    unit = table.unit(name)
-    return shown(table[name], unit, units), shown_unit(unit, units)
-
-
-def shown_table(table: Table, units: str = DEFAULT) -> Table:
-    """A table with all columns as they are shown: to be read, not to compute with."""
-    columns = {name: shown(values, table.unit(name), units) for name, values in table.columns.items()}
-    return Table(columns, {name: shown_unit(table.unit(name), units) for name in table.names}, dict(table.info))
-
-
-def number(value: float, digits: int = 4) -> str:
+def readable(value: float, digits: int = 4) -> str:
     """A number of so many digits, without a power of ten where it can be written out."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if "e+" in text and abs(value) < _LONG else text
@@ -122,7 +109,7 @@ def number(value: float, digits: int = 4) -> str:
 def amount(value: float, unit: str, units: str = DEFAULT, *, digits: int = 4) -> str:
     """A value in `unit` as it is shown, with its unit: ``"143.2 bar"``."""
     other = shown_unit(unit, units)
-    text = number(shown(float(value), unit, units), digits)
+    text = readable(as_shown(float(value), unit, units), digits)
     return text if other in ("", "1") else f"{text} {other}"
 
 
@@ -131,7 +118,7 @@ def with_unit(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit not in ("", "1") else name
 
 
-def quantity(column: str) -> str:
+def quantity_of(column: str) -> str:
     """What a column of a run measures, in words: ``"pump pressure"`` for ``boom.p_pump``; the column's name if that is not known."""
     return QUANTITIES.get(column.rpartition(".")[2], column)
 
@@ -141,16 +128,10 @@ def dated(seconds: float) -> bool:
     return bool(seconds >= _DATED)
 
 
-def began(table: Table) -> float:
-    """When the times of a log were zero, in s since 1970; 0 if that is not known, or the times themselves are dates."""
-    found = table.info.get("began", 0.0)
-    return float(found) if isinstance(found, int | float) else 0.0
-
-
 def moment(seconds: float) -> str:
     """A time of a log in words: its date where it has one, else its seconds."""
     if not dated(seconds):
-        return f"{number(seconds, 6)} s"
+        return f"{readable(seconds, 6)} s"
     return datetime.fromtimestamp(seconds, UTC).strftime("%Y-%m-%d %H:%M:%S")
 
 

@@ -62,7 +62,7 @@ def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 def print_differences(differences: "Mapping[str, Difference]", units: str) -> None:
     """What a run differs by from the exact one: every link that moves, the pumps and the tip."""
-    from polydraulic.display import shown, shown_unit
+    from polydraulic.display import as_shown, shown_unit
     from polydraulic.parameters.schema import LINKS
 
     names = [f"{link}.{quantity}" for link in LINKS for quantity in ("angle", "rate", "q_in", "p_in")]
@@ -70,7 +70,7 @@ def print_differences(differences: "Mapping[str, Difference]", units: str) -> No
     rows = []
     for name in (name for name in names if name in differences):
         d = differences[name]
-        largest, rms, final = (f"{shown(value, d.unit, units):.4g}" for value in (d.largest, d.rms, d.final))
+        largest, rms, final = (f"{as_shown(value, d.unit, units):.4g}" for value in (d.largest, d.rms, d.final))
         unit = shown_unit(d.unit, units)
         rows.append(["tip" if name == "effector.distance" else name, largest, f"{d.time:.2f} s", rms, final, unit])
     print("differences from exact:")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.app import METRIC, UnitsOption, app
+from polydraulic.cli.application import METRIC, UnitsOption, app
 from polydraulic.terminal import progress_bar
 
 

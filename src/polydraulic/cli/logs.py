@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.app import METRIC, MachineOption, UnitsOption, app
+from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -37,8 +37,8 @@ def import_(
     """
     from polydraulic.files import write_text
     from polydraulic.measure.channels import load_channels
-    from polydraulic.measure.checks.quality import write_quality
     from polydraulic.measure.importing import import_log
+    from polydraulic.measure.quality import write_quality
     from polydraulic.measure.suggest import suggest_channels
 
     if suggest:

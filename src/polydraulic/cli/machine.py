@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import METRIC, MachineOption, UnitsOption, app
+from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import print_differences, progress_bar
 
@@ -79,7 +79,7 @@ def simulate(
     `polydraulic scenarios` lists the scenarios that come with the package. What comes next: `polydraulic animate` shows the linkage
     move, `polydraulic record` writes what sensors would have measured, `polydraulic export-machine` writes C code and FMUs.
     """
-    from polydraulic.display import number as number_of
+    from polydraulic.display import readable
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
@@ -137,7 +137,7 @@ def simulate(
     )
     simulated = float(runs[flow]["time"][-1])
     print(
-        f"{how}; {simulated:g} s computed in {seconds:.3g} s, {number_of(simulated / seconds, 2)} times as fast as real time"
+        f"{how}; {simulated:g} s computed in {seconds:.3g} s, {readable(simulated / seconds, 2)} times as fast as real time"
     )
     print("\n".join(run_summary(runs[flow], units)))
     if flow != "exact":
@@ -237,15 +237,15 @@ def sample(
     """
     import numpy as np
 
-    from polydraulic.flow.database import CIRCUITS
+    from polydraulic.flow.database import SAMPLERS
     from polydraulic.parameters.load import load_machine
     from polydraulic.tables import write_table
 
-    if circuit not in CIRCUITS:
-        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(CIRCUITS)}")
+    if circuit not in SAMPLERS:
+        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
     with progress_bar("sample") as progress:
         progress(f"{rows} points of the {circuit} circuit", 0, 2)
-        table = CIRCUITS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+        table = SAMPLERS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
         progress(f"write {out}", 1, 2)
         write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")

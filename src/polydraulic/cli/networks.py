@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.app import METRIC, UnitsOption, app
+from polydraulic.cli.application import METRIC, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 

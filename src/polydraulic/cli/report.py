@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.app import MachineOption, app
+from polydraulic.cli.application import MachineOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 

@@ -10,13 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.base import BaseEstimator
 
-from polydraulic.display import DEFAULT, shown
+from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import Progress, check_columns, table_of
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
-from polydraulic.identification.shown import shown_model
 from polydraulic.networks.dynamic.dynamic_regressor import DynamicRegressor
 from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.networks.dynamic.lag_selection import Choice
@@ -27,6 +26,7 @@ from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.lag_words import lags_in_words
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
+from polydraulic.networks.model.shown_model import shown_model
 from polydraulic.networks.model.table import Network, Node
 from polydraulic.tables import Table
 
@@ -74,7 +74,7 @@ class DynamicOutputFit(NamedTuple):
             model=shown_model(self.model, units),
             errors=RunErrors(*(kind.shown(unit, units) for kind in self.errors)),
             others={name: RunErrors(*(kind.shown(unit, units) for kind in of)) for name, of in self.others.items()},
-            half_width=shown(self.half_width, unit, units),
+            half_width=as_shown(self.half_width, unit, units),
             held=self.held.shown(unit, units),
         )
 

@@ -4,11 +4,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, amount, shown, shown_unit, with_unit
-from polydraulic.identification.shown import shown_columns, shown_model
+from polydraulic.display import DEFAULT, amount, as_shown, shown_unit, with_unit
 from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import region_of
+from polydraulic.networks.model.shown_model import shown_columns, shown_model
 
 LEVEL = 0.9  # of the intervals
 
@@ -22,7 +22,7 @@ class Errors(NamedTuple):
 
     def shown(self, unit: str, units: str = DEFAULT) -> "Errors":
         """The errors of an output in `unit` as they are shown."""
-        return Errors(self.r2, shown(self.rms, unit, units), shown(self.largest, unit, units))
+        return Errors(self.r2, as_shown(self.rms, unit, units), as_shown(self.largest, unit, units))
 
 
 class HeldOut(NamedTuple):
@@ -63,13 +63,13 @@ class OutputFit(NamedTuple):
         unit, held = self.model.output.unit, self.held
         return self._replace(
             model=shown_model(self.model, units),
-            rms=shown(self.rms, unit, units),
-            largest=shown(self.largest, unit, units),
-            half_widths=[shown(width, unit, units) for width in self.half_widths],
+            rms=as_shown(self.rms, unit, units),
+            largest=as_shown(self.largest, unit, units),
+            half_widths=[as_shown(width, unit, units) for width in self.half_widths],
             held=held._replace(
                 X=shown_columns(held.X, [variable.unit for variable in self.model.inputs], units),
-                y=shown(held.y, unit, units),
-                predicted=shown(held.predicted, unit, units),
+                y=as_shown(held.y, unit, units),
+                predicted=as_shown(held.predicted, unit, units),
             ),
         )
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, began, shown, shown_unit, time_axis, with_unit
+from polydraulic.display import DEFAULT, as_shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.identification.arguments import Progress, machine_of, models_of, table_of
@@ -21,7 +21,7 @@ from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.batch import simulate_batch
-from polydraulic.tables import Table
+from polydraulic.tables import Table, began
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -227,7 +227,7 @@ def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
     rows = []
     for drift in found:
         unit = shown_unit(drift.unit, units)
-        values = (shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
+        values = (as_shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
         rows.append([drift.name, *("diverged" if v == np.inf else f"{v:.{_DECIMALS[unit]}f} {unit}" for v in values)])
     return rows
 
@@ -276,7 +276,7 @@ def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
         for number, window in enumerate(found.windows[:_SHOWN]):
             time, label = time_axis(window.time, found.began)
-            measured, run = (shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
+            measured, run = (as_shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
             names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
             axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
             axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])

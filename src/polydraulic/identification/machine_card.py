@@ -12,10 +12,9 @@ from polydraulic.identification.arguments import machine_of, models_of, table_of
 from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
 from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
 from polydraulic.identification.machine_log import MEASURED, Known, by_port, judging_rows
-from polydraulic.identification.shown import conversion_of
 from polydraulic.measure.checks.coverage import Coverage, coverage
-from polydraulic.measure.checks.quality_plots import coverage_svg
-from polydraulic.measure.log_units import Conversion
+from polydraulic.measure.log_units import Conversion, conversion_shown
+from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
 from polydraulic.parameters.schema import LINKS, Machine
@@ -56,7 +55,7 @@ class Covered(NamedTuple):
         return coverage_svg(self.found, self._conversions(units))
 
     def _conversions(self, units: str) -> dict[str, Conversion]:
-        return {name: conversion_of(unit, units) for name, unit in self.read.items()}
+        return {name: conversion_shown(unit, units) for name, unit in self.read.items()}
 
 
 def operating_box(machine: Machine, link: str) -> dict[str, tuple[float, float]]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, number, shown, shown_unit, with_unit
+from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_unit
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.identification.arguments import Progress, machine_of, steps_of, table_of
 from polydraulic.identification.judging import OutputFit
@@ -162,9 +162,9 @@ def summary(outputs: Sequence[OutputFit], units: str = DEFAULT) -> list[list[str
     rows = []
     for found in outputs:
         training: Any = found.model.training
-        rms, largest = (shown(training[f"held_out_flow_{what}"], "m3/s", units) for what in ("rms", "largest"))
+        rms, largest = (as_shown(training[f"held_out_flow_{what}"], "m3/s", units) for what in ("rms", "largest"))
         share = training["held_out_flow_rms"] / training["pump_flow"]
-        texts = [number(rms, 3), f"{share:.2%}", number(largest, 3), f"{found.r2:.4f}", f"{found.covered:.0%}"]
+        texts = [readable(rms, 3), f"{share:.2%}", readable(largest, 3), f"{found.r2:.4f}", f"{found.covered:.0%}"]
         rows.append([found.model.output.name, str(len(found.model.networks)), *texts])
     return rows
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, began, dated, moment, shown, shown_table, shown_unit, with_unit
+from polydraulic.display import DEFAULT, as_shown, dated, moment, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
@@ -19,14 +19,14 @@ from polydraulic.identification.judging import OutputFit, unit_after
 from polydraulic.identification.machine_card import machine_facts
 from polydraulic.identification.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
-from polydraulic.identification.shown import region_names, shown_model
 from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.shown_model import region_names, shown_model
 from polydraulic.networks.plot import draw_network
 from polydraulic.networks.proof.bounds import model_bounds
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
-from polydraulic.tables import Table
+from polydraulic.tables import Table, began, shown_table
 
 SCHEMA = 1
 _SHOWN = 12  # regions whose network is drawn and written out
@@ -180,7 +180,7 @@ def _shown_facts(facts: dict[str, Any], model: Model, units: str) -> dict[str, A
     names = dict(zip(model.region_names(), region_names(read), strict=True))
 
     def moved(entry: dict[str, Any]) -> dict[str, Any]:
-        return entry | {key: shown(entry[key], unit, units) for key in ("proved_low", "proved_high")}
+        return entry | {key: as_shown(entry[key], unit, units) for key in ("proved_low", "proved_high")}
 
     found = moved(facts) | {
         "output": str(read.output),
@@ -283,7 +283,7 @@ def _columns(data: dict[str, Any], units: str) -> str:
         [
             c["name"],
             shown_unit(c["unit"], units),
-            *(f"{shown(c[end], c['unit'], units):.6g}" for end in ("low", "high")),
+            *(f"{as_shown(c[end], c['unit'], units):.6g}" for end in ("low", "high")),
         ]
         for c in data["columns"]
     ]

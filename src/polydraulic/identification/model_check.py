@@ -6,15 +6,22 @@ from pathlib import Path
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, amount
+from polydraulic.display import DEFAULT, amount, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import Progress, models_of, steps_of, table_of
 from polydraulic.identification.machine_log import as_judged
-from polydraulic.identification.shown import region_names, said_of_bounds, said_of_range, shown_model
 from polydraulic.identification.validity import Validity, run_validity, validity
 from polydraulic.networks.model.lag_words import dynamic_notes
-from polydraulic.networks.model.model import Model
-from polydraulic.networks.proof.bounds import ModelBounds, RangeCheck, check_range, model_bounds
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.shown_model import ends_in, region_names, shown_columns, shown_model
+from polydraulic.networks.proof.bounds import (
+    Leaving,
+    ModelBounds,
+    RangeCheck,
+    check_range,
+    model_bounds,
+    range_sentence,
+)
 from polydraulic.tables import Table
 
 
@@ -48,9 +55,9 @@ class Check:
         parts = [f"note: {note}" for note in self.notes]
         for model, one in zip(self.models, self.found, strict=True):
             if isinstance(one, ModelBounds):
-                parts += said_of_bounds(model, one, self.units)
+                parts += _bounds_lines(model, one, self.units)
             elif isinstance(one, RangeCheck):
-                parts.append(said_of_range(model, one, self.units))
+                parts.append(_range_line(model, one, self.units))
             else:
                 parts += _validity_lines(model, one, self.units)
         return "\n".join(parts)
@@ -131,6 +138,49 @@ def _place(model: Model, box: Mapping[str, tuple[float, float]]) -> np.ndarray:
             raise InputError(f"box names the input {name!r}; the model of {model.output.name!r} reads {names}")
         found[names.index(name)] = ends
     return found
+
+
+def _bounds_lines(model: Model, bounds: ModelBounds, units: str) -> list[str]:
+    """Proved ranges of a model's output and slopes, in lines as they are shown."""
+    read, unit = shown_model(model, units), model.output.unit
+
+    def span(low: float, high: float) -> str:
+        return f"{as_shown(low, unit, units):.6g} to {as_shown(high, unit, units):.6g}"
+
+    lines = [f"{read.output}: proved range {span(bounds.low, bounds.high)}"]
+    for name, region in zip(region_names(read), bounds.regions, strict=True):
+        if region is None:
+            continue
+        lines.append(f"  {name}: {span(region.low, region.high)}, slopes")
+        for variable, ends in zip(model.inputs, region.slopes, strict=True):
+            low, high = (as_shown(end, unit, units) / as_shown(1.0, variable.unit, units) for end in ends)
+            lines.append(
+                f"    by {Variable(variable.name, shown_unit(variable.unit, units))!s:28s} {low:12.5g} to {high:12.5g}"
+            )
+    return lines
+
+
+def _range_line(model: Model, answer: RangeCheck, units: str) -> str:
+    """Whether a model stays in a range, in a sentence as it is shown."""
+    read, unit = shown_model(model, units), model.output.unit
+    names = dict(zip(model.region_names(), region_names(read), strict=True))
+    return range_sentence(
+        read,
+        answer._replace(
+            low=as_shown(answer.low, unit, units),
+            high=as_shown(answer.high, unit, units),
+            asked=ends_in(answer.asked, unit, units),
+            leaving=tuple(
+                Leaving(
+                    names[found.region],
+                    shown_columns(found.point[None], [variable.unit for variable in model.inputs], units)[0],
+                    as_shown(found.value, unit, units),
+                )
+                for found in answer.leaving
+            ),
+            undecided=tuple(names[region] for region in answer.undecided),
+        ),
+    )
 
 
 def _validity_lines(model: Model, found: Validity, units: str) -> list[str]:

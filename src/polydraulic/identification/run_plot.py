@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, began, time_axis
+from polydraulic.display import DEFAULT, time_axis
 from polydraulic.identification.runs import DynamicRun, ModelRuns
-from polydraulic.identification.shown import shown_model
 from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.shown_model import shown_model
+from polydraulic.tables import began
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

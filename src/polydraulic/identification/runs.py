@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, amount, shown
+from polydraulic.display import DEFAULT, amount, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.judging import errors_of
@@ -53,7 +53,9 @@ class DynamicRun(NamedTuple):
 
     def shown(self, unit: str, units: str = DEFAULT) -> "DynamicRun":
         """The run of an output in `unit` as it is shown."""
-        measured, free, one_step = (shown(values, unit, units) for values in (self.measured, self.free, self.one_step))
+        measured, free, one_step = (
+            as_shown(values, unit, units) for values in (self.measured, self.free, self.one_step)
+        )
         return self._replace(measured=measured, free=free, one_step=one_step)
 
 

@@ -12,7 +12,7 @@ from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import Progress, check_columns, steps_of, table_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
-from polydraulic.identification.shown import conversion_of
+from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import BLOCKS, FOLD, held_rows
 from polydraulic.networks.model.model import Model, Variable
@@ -51,7 +51,7 @@ class TableFit:
 
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""
-        deadbands = [d.statement(conversion_of(self.table.unit(d.input), units)) for d in self.deadbands]
+        deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
         return "\n".join([*deadbands, *(found.text(units) for found in self.outputs)])
 
     def __str__(self) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.measure.log_units import conversion, quantity
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
 
 ROLES = ("input", "output", "time", "ignore")
@@ -144,7 +145,7 @@ def load_channels(path: str | Path) -> ChannelMap:
 
 def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     """Check what a channel map's file holds; see `load_channels`."""
-    keys(data, _MAP, {"raster", "channel"}, "")
+    check_keys(data, _MAP, {"raster", "channel"})
     raster = duration(data["raster"], "raster")
     channels = tuple(_channel(item, f"channel {n}") for n, item in enumerate(_tables(data, "channel"), 1))
     flows = tuple(_flow(item, f"flow {n}") for n, item in enumerate(_tables(data, "flow"), 1))
@@ -169,18 +170,6 @@ def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     return found
 
 
-def keys(data: Any, allowed: set[str], needed: set[str], where: str) -> None:
-    """Check that a table has the keys that it needs and no others."""
-    if not isinstance(data, Mapping):
-        raise InputError(f"{where or 'file'} must be a table, not {data!r}")
-    of = f" in {where}" if where else ""
-    unknown, missing = sorted(set(data) - allowed), sorted(needed - set(data))
-    if unknown:
-        raise InputError(f"unknown key {unknown[0]!r}{of}; allowed here: {sorted(allowed)}")
-    if missing:
-        raise InputError(f"missing key {missing[0]!r}{of}; needed here: {sorted(needed)}")
-
-
 def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGEST) -> float:
     """Read a time such as ``"10 ms"`` and check its range, in s."""
     seconds = quantity(value, "s", where)
@@ -198,7 +187,7 @@ def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
     return value
 
 
-def limits(value: Any, where: str) -> tuple[float, float]:
+def low_and_high(value: Any, where: str) -> tuple[float, float]:
     """Check a range ``[low, high]``."""
     good = isinstance(value, list) and len(value) == 2
     good = good and all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in value)
@@ -215,7 +204,7 @@ def _tables(data: Mapping[str, Any], key: str) -> list[Any]:
 
 
 def _channel(item: Any, where: str) -> Channel:
-    keys(item, _CHANNEL, {"source", "role"}, where)
+    check_keys(item, _CHANNEL, {"source", "role"}, where)
     source = text(item["source"], f"source in {where}")
     where = f"channel {source!r}"
     role = text(item["role"], f"role of {where}", ROLES)
@@ -231,12 +220,12 @@ def _channel(item: Any, where: str) -> Channel:
     if role == "time":
         if found.si != "s":
             raise InputError(f"unit of {where} = {unit!r}: time needs a unit of time")
-        keys(item, {"source", "role", "unit", "raster"}, set(), f"the time {where}")
+        check_keys(item, {"source", "role", "unit", "raster"}, (), f"the time {where}")
         return Channel(source, "time", role, unit, _raster(item, where))
     name = text(item.get("name", source), f"name of {where}")
     if name in RESERVED:
         raise InputError(f"name of {where} = {name!r}: the table has a column of this name already; choose another")
-    low, high = limits(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
+    low, high = low_and_high(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
     between = text(item.get("between", "linear"), f"between of {where}", BETWEEN)
     sign = item.get("sign", 1)
     if isinstance(sign, bool) or sign not in (1, -1):
@@ -249,7 +238,7 @@ def _raster(item: Mapping[str, Any], where: str) -> float | None:
 
 
 def _flow(item: Any, where: str) -> FlowChannel:
-    keys(item, _FLOW, {"name", "position", "area"}, where)
+    check_keys(item, _FLOW, {"name", "position", "area"}, where)
     name = text(item["name"], f"name in {where}")
     where = f"flow {name!r}"
     if name in RESERVED:

@@ -17,7 +17,7 @@ from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.checks.excerpt import Excerpt
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
 from polydraulic.measure.formats.log import Log
 from polydraulic.measure.formats.logs import open_log

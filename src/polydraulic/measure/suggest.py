@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, Signal
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion

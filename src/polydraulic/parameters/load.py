@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.schema import Cylinder, Machine, Quantity
 
 Tree = TypeVar("Tree", bound=tuple)
@@ -90,17 +91,11 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | None = None) -> Tree:
     """Build a named tuple from nested dicts; keys that are missing are taken from `base`, if one is given."""
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: {where or 'file'} must be a table, not {data!r}")
     hints = get_type_hints(cls, include_extras=True)
-    unknown = [key for key in data if key not in hints]
-    if unknown:
-        raise InputError(f"{path}: unknown key {where}{unknown[0]}; allowed here: {sorted(hints)}")
+    check_keys(data, hints, hints if base is None else (), where.rstrip("."), str(path))
     values = {}
     for key, hint in hints.items():
         if key not in data:
-            if base is None:
-                raise InputError(f"{path}: missing key {where}{key}; {cls.__name__} needs {sorted(hints)}")
             values[key] = getattr(base, key)
         elif isinstance(hint, type) and issubclass(hint, tuple):
             part = None if base is None else getattr(base, key)
@@ -144,9 +139,7 @@ def _switch(item: Any, key: str, path: Path) -> bool:
 
 
 def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
-    if not isinstance(item, dict) or set(item) != needed:
-        shown = sorted(item) if isinstance(item, dict) else repr(item)
-        raise InputError(f"{path}: {key} has {shown}; it needs exactly {sorted(needed)}")
+    check_keys(item, needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
         raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a string")

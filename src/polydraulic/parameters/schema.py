@@ -10,6 +10,7 @@ from math import inf
 from typing import Annotated, NamedTuple
 
 LINKS = ("swing", "boom", "stick")
+CIRCUITS = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a pump feeds
 N_KNOT = 6
 
 

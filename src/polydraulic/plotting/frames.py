@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, shown, shown_column, shown_unit
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.schema import LINKS
 from polydraulic.plotting.run_figure import CIRCUIT, moving_links
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
-from polydraulic.tables import Table
+from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.tables import Table, shown_column
 
 MAX_FRAMES = 20_000
 
@@ -106,6 +107,6 @@ def _channels(tables: list[Table], links: list[str], units: str) -> list[Plotted
         add("pumps and tip", f"{circuit} pump pressure", f"{circuit}.p_pump")
     add("pumps and tip", "tip height", "effector.z")
     if len(tables) > 1:
-        apart = [shown(effector_distance(tables[0], table), "m", units) for table in tables]
+        apart = [as_shown(effector_distance(tables[0], table), "m", units) for table in tables]
         found.append(PlottedChannel("pumps and tip", "tip from first", shown_unit("m", units), apart))
     return found

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, shown, shown_column, shown_unit, with_unit
+from polydraulic.display import DEFAULT, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
-from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
-from polydraulic.tables import Table
+from polydraulic.flow.record import EFFECTOR
+from polydraulic.parameters.schema import CIRCUITS, LINKS
+from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.tables import Table, shown_column
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +36,7 @@ PANELS = (
     Panel("pressure", "p_in", "p_pump", "full: inlet, dashed: pump"),
     Panel("angle", "angle", shared=False),  # links work in different ranges
 )
-CIRCUIT = {"swing": "series", "boom": "boom", "stick": "series"}
+CIRCUIT = {link: circuit for circuit, links in CIRCUITS.items() for link in links}
 # The first run lies broad and pale below the others.
 FIRST = ("#9ec5e8", 3.5)
 OTHERS = ("#e07a1f", "#2f8f4e", "#b5367a", "#5b4bb5", "#7a6a3a")
@@ -136,7 +137,7 @@ def _draw_effector(axis: "Axes", runs: Mapping[str, Table], units: str) -> None:
     if others:
         for number, table in enumerate(others, start=1):
             color, width = line_style(number)
-            distance = shown(effector_distance(reference, table), "m", units)
+            distance = as_shown(effector_distance(reference, table), "m", units)
             axis.plot(table["time"], distance, color=color, linewidth=width)
         axis.set_ylabel(with_unit(f"tip from\n{next(iter(runs))}", shown_unit("m", units)))
         axis.set_ylim(bottom=0.0)

@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, amount, number
-from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.trajectory import EFFECTOR
+from polydraulic.display import DEFAULT, amount, readable
+from polydraulic.flow.record import EFFECTOR
+from polydraulic.parameters.schema import CIRCUITS, LINKS
 from polydraulic.tables import Table
 
 _PORTS = (("p_a", "A"), ("p_b", "B"))
-_CIRCUITS = ("boom", "series")
 # conditions that begin with the one event and end with the other, and what is said of the time in between
 _LASTING = {
     "pump relief opens": ("pump relief closes", "pump relief valve open"),
@@ -63,7 +62,7 @@ def warnings(run: Table) -> list[str]:
     for begins, (ends, words) in _LASTING.items():
         for link in dict.fromkeys(where for _, where, what in events if what in (begins, ends)):
             begun, lasted = _lasting([(t, what) for t, where, what in events if where == link], begins, ends, last)
-            found.append(f"{link}: {words} for {number(lasted, 3)} s in all, first at {begun:.2f} s")
+            found.append(f"{link}: {words} for {readable(lasted, 3)} s in all, first at {begun:.2f} s")
     if dropped := info.get("events_dropped", 0):
         found.append(f"{dropped} more events than are listed: the times above are too short")
     return found
@@ -76,7 +75,7 @@ def _pressures(run: Table, units: str) -> Iterator[str]:
         if sides:
             name, side = max(sides, key=lambda of: float(run[of[0]].max()))
             yield _peak(run, name, f"{link} {side}", units)
-    for circuit in _CIRCUITS:
+    for circuit in CIRCUITS:
         if f"{circuit}.p_pump" in run.names:
             yield _peak(run, f"{circuit}.p_pump", f"{circuit} pump", units)
 

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.tables import Table
-
-EFFECTOR = ("effector.x", "effector.y", "effector.z")
 
 
 class Difference(NamedTuple):

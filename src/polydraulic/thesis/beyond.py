@@ -11,12 +11,13 @@ from polydraulic.flow.dispatch import build_flow
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.lookup import table_bytes
 from polydraulic.flow.polynomial import shipped_models
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.proof.bounds import check_range
 from polydraulic.parameters.scenario import load_scenario, random_operator
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.runs import simulate
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
+from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, fit_boom
 from polydraulic.thesis.historical import grow_outlets, grow_series
 from polydraulic.thesis.three_links import (

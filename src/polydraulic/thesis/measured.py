@@ -122,7 +122,7 @@ def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
     n_jobs = min(len(missing), cpu_count()) or 1
     made = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_made)(lab.machine, c) for c in missing)
     for number, c in enumerate(missing, 1):
-        lab.say(f"learn from measurements, {number} of {len(missing)}: {describe(c)}")
+        lab.say(f"learn from measurements, {number} of {len(missing)}: {conditions_in_words(c)}")
         lab.computed.data(keys[c], lambda: next(made))
     return [Outcome(*lab.computed.data(keys[c], list)) for c in conditions]
 
@@ -133,7 +133,7 @@ def _made(machine: Machine, conditions: Conditions) -> list[Any]:
     return [len(log), *_judged(machine, learn(machine, log))]
 
 
-def describe(conditions: Conditions) -> str:
+def conditions_in_words(conditions: Conditions) -> str:
     """Conditions in words."""
     c = conditions
     words = [f"{c.minutes:g} min", f"sensor noise {100.0 * c.noise:g} %", f"joystick travel {100.0 * c.stroke:g} %"]

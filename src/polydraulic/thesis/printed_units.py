@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from polydraulic.display import shown_column
-from polydraulic.tables import Table
+from polydraulic.tables import Table, shown_column
 
 
 def in_field_units(table: Table, name: str) -> tuple[np.ndarray, str]:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.channels import duration, keys, limits, text
+from polydraulic.measure.channels import duration, low_and_high, text
 from polydraulic.measure.log_units import conversion
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
 from polydraulic.tables import Table
 
@@ -105,7 +106,7 @@ def load_sensors(path: str | Path) -> Bench:
 
 
 def _bench(data: Any) -> Bench:
-    keys(data, _FILE, {"sensor"}, "")
+    check_keys(data, _FILE, {"sensor"})
     items = data["sensor"]
     if not isinstance(items, list) or not items:
         raise InputError("sensor must be a list of tables; begin each with [[sensor]]")
@@ -121,7 +122,7 @@ def _bench(data: Any) -> Bench:
 
 
 def _sensor(item: Any, where: str) -> Sensor:
-    keys(item, _SENSOR, {"column", "unit", "raster"}, where)
+    check_keys(item, _SENSOR, {"column", "unit", "raster"}, where)
     column = text(item["column"], f"column of {where}")
     where = f"sensor {item.get('name', column)!r}"
     if not isinstance(item["unit"], str):
@@ -142,7 +143,7 @@ def _sensor(item: Any, where: str) -> Sensor:
     def seconds(key: str, default: str) -> float:
         return duration(item.get(key, default), f"{key} of {where}", low=0.0)
 
-    low, high = limits(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
+    low, high = low_and_high(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
     return Sensor(
         column,
         text(item.get("name", column), f"name of {where}"),

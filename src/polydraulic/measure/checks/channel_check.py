@@ -9,8 +9,8 @@ import numpy as np
 from polydraulic.measure.channels import Channel
 from polydraulic.measure.checks.clock import JOIN, Clock, ClockedRows
 from polydraulic.measure.checks.envelope import Envelope
-from polydraulic.measure.checks.findings import Findings
 from polydraulic.measure.checks.run_lengths import ValueRuns
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.log_units import Conversion, conversion, same_kind
 
 # A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
@@ -142,7 +142,7 @@ class ChannelCheck:
             self.findings.add("unit by values", c.source, f"the map says {c.unit!r}; it could be {' or '.join(others)}")
 
 
-def between(check: ChannelCheck, unit: Conversion, value: Any) -> Any:
+def value_in(check: ChannelCheck, unit: Conversion, value: Any) -> Any:
     """A value of a channel, in the unit of the log, in another one."""
     return unit.from_si(check.conversion.to_si(value))
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 
 BLOCK = 1 << 16  # rows
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import build_flow, flow_name, served_links
+from polydraulic.flow.record import N_STATE, to_vector
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import N_STATE, initial_state, to_vector
+from polydraulic.machine.state import initial_state
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.runs import check_links, n_steps, step_voltages

@@ -10,7 +10,7 @@ from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Figure, Grid, Paragraph, printed_mm, result
 from polydraulic.thesis.report.differences import compared
 from polydraulic.thesis.report.figures.chapter_5 import in_field, map_figure
-from polydraulic.thesis.report.figures.machine_runs import effector, effector_error, quantity
+from polydraulic.thesis.report.figures.machine_runs import effector, effector_error, quantity_figure
 from polydraulic.thesis.three_links import ThreeLinkStudy, three_link_study
 
 _SMALLER = "networks trained without the limit, against the exact flow with it; the limit acts less than in the thesis, see above"
@@ -140,22 +140,22 @@ CHAPTER = Chapter(
     content,
     {
         "6-1": limited_map,
-        "6-2": quantity("sine", "q_in", f"{_SINE}: input flows",
+        "6-2": quantity_figure("sine", "q_in", f"{_SINE}: input flows",
                         "In this sine the pump of swing and stick stays below the limit, and training with the limit does not reduce the error.",
                         _TWICE, limited=True),
-        "6-3": quantity("sine", "angle", f"{_SINE}: joint displacements",
+        "6-3": quantity_figure("sine", "angle", f"{_SINE}: joint displacements",
                         "The boom's pump is above the limit: networks trained without the limit lift the boom too far.", _TWICE, links=_LINKS, limited=True),
-        "6-4": quantity("sine", "rate", f"{_SINE}: joint velocities",
+        "6-4": quantity_figure("sine", "rate", f"{_SINE}: joint velocities",
                         "While the limit acts, the boom is slightly too fast with networks trained without it.", _TWICE, links=_LINKS, limited=True),
         "6-5": effector("sine", f"{_SINE}: end-effector (printed as Fig 7-5)", "Position of the end-effector.", _TWICE, limited=True),
         "6-6": effector_error("sine", f"{_SINE}: end-effector error (printed as Fig 7-6)",
                               "Thesis' setting. Left: trained without the limit; right: with it.",
                               ("polynomial", "polynomial with limit"), limited=True),
-        "6-7": quantity("task", "q_in", f"{_TASK}: input flows",
+        "6-7": quantity_figure("task", "q_in", f"{_TASK}: input flows",
                         "While the stick works alone, errors are larger with the limit in the training data: the one network of the section has to represent one more kink.", _TWICE, limited=True),
-        "6-8": quantity("task", "angle", f"{_TASK}: joint displacements",
+        "6-8": quantity_figure("task", "angle", f"{_TASK}: joint displacements",
                         "With the limit in the training data the boom's error is smaller, but the stick's is larger by more, in section B.", _TWICE, links=_LINKS, limited=True),
-        "6-9": quantity("task", "rate", f"{_TASK}: joint velocities",
+        "6-9": quantity_figure("task", "rate", f"{_TASK}: joint velocities",
                         "From 3 to 7 s the stick is too slow with the network trained with the limit.", _TWICE, links=_LINKS, limited=True),
         "6-10": effector("task", f"{_TASK}: end-effector", "Position of the end-effector.", _TWICE, limited=True),
         "6-11": effector_error("task", f"{_TASK}: end-effector error",

@@ -9,7 +9,16 @@ from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 from polydraulic.thesis.adaptation_study import SENSORS, torque_limit_study, worn_pump_study
 from polydraulic.thesis.cache import Lab
-from polydraulic.thesis.measured import JUDGE_SECONDS, JUDGES, SWEEPS, USUAL, Conditions, Outcome, describe, outcomes
+from polydraulic.thesis.measured import (
+    JUDGE_SECONDS,
+    JUDGES,
+    SWEEPS,
+    USUAL,
+    Conditions,
+    Outcome,
+    conditions_in_words,
+    outcomes,
+)
 from polydraulic.thesis.report.catalog import Chapter, Content, Figure, Grid, Paragraph, printed_mm, result
 from polydraulic.thesis.report.figures.draw import canvas
 from polydraulic.thesis.three_links import SCENARIOS
@@ -71,14 +80,16 @@ def content(lab: Lab) -> Content:
 
 def _named(conditions: Conditions) -> str:
     """What differs from the usual conditions."""
-    usual = describe(USUAL).split(", ")
-    return ", ".join(word for word in describe(conditions).split(", ") if word not in usual) or ", ".join(usual)
+    usual = conditions_in_words(USUAL).split(", ")
+    return ", ".join(word for word in conditions_in_words(conditions).split(", ") if word not in usual) or ", ".join(
+        usual
+    )
 
 
 def _numbers(usual: Outcome, changes: dict[str, Table]) -> list[dict[str, Any]]:
     limit, worn = changes["torque limit"], changes["worn pumps"]
     judged = "median over test runs of the largest end-effector error"
-    what = f"networks learnt from sensor readings ({describe(USUAL)})"
+    what = f"networks learnt from sensor readings ({conditions_in_words(USUAL)})"
     return [
         result("polydraulic.measured.median_m", "8", f"median of the largest end-effector errors of {len(JUDGES)} test runs, {what}", "m", usual.median),
         result("polydraulic.measured.worst_m", "8", f"worst of {len(JUDGES)} test runs, {what}", "m", usual.worst),
@@ -120,7 +131,7 @@ def what_data_buy(lab: Lab) -> Figure:
         return figure
 
     see = (
-        f"Each panel varies one condition; the others are the usual ones: {describe(USUAL)} (in the last panel also no flow sensors). Tested in runs by operators whose "
+        f"Each panel varies one condition; the others are the usual ones: {conditions_in_words(USUAL)} (in the last panel also no flow sensors). Tested in runs by operators whose "
         "work the networks were not trained on. Dotted line: what the thesis reached in its task, with networks learnt from a simulation."
     )
     return Figure("Accuracy over amount and quality of the measured data", see, data, draw)
@@ -151,7 +162,7 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             "What was done.",
         ),
         Paragraph(
-            f"Under the usual conditions ({describe(USUAL)}), the end-effector stays within {median(usual)} of the exact run in half of the test runs and within "
+            f"Under the usual conditions ({conditions_in_words(USUAL)}), the end-effector stays within {median(usual)} of the exact run in half of the test runs and within "
             f"{worst(usual)} in all of them, over a minute without any correction; in the thesis' task within "
             f"{1e3 * usual.scenarios['task']:.0f} mm. Logs of other operators, as long and as good, lead to medians of "
             f"{' and '.join(median(o) for o in others)} (worst {' and '.join(worst(o) for o in others)}): smaller differences than "

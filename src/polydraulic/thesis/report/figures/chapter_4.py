@@ -62,7 +62,7 @@ def _maps(
     return Figure(title, see, dict(zip(names, tables, strict=True)), draw)
 
 
-def orifices(lab: Lab) -> Figure:
+def orifice_conductances(lab: Lab) -> Figure:
     """Fig 4-1, inset: orifice conductances over spool travel."""
     valve, knots = lab.machine.boom.valve, np.array(lab.machine.spool.knots)
     unit = "in3/s/psi^0.5"
@@ -138,7 +138,7 @@ def pressure_errors(lab: Lab) -> Figure:
     )
 
 
-def input_flow(lab: Lab) -> Figure:
+def input_flow_map(lab: Lab) -> Figure:
     """Fig 4-8: input flow."""
     study = boom_study(lab)
     see = "Zero in the deadband, the whole pump flow once the bypass is shut."
@@ -301,7 +301,7 @@ _FOLLOW = "Line pressures follow from the flows; only the flows are learnt."
 _AVERAGE = "Most of the flow error averages out in the joint motion."
 
 FIGURES: dict[str, Callable[[Lab], Figure]] = {
-    "4-1": orifices,
+    "4-1": orifice_conductances,
     "4-2": pressure_map,
     "4-3": pressure_errors,
     "4-4": _runs("single_08", _PRESSURE, f"Pump pressure in simulation, {_08}",
@@ -316,7 +316,7 @@ FIGURES: dict[str, Callable[[Lab], Figure]] = {
                   {"boom.q_in": "input flow"}),
     "4-P2": _runs("full travel", _FULL, f"Joint motion with pump-pressure networks {_WIDE}",
                   "Here the flow error is visible in the joint motion.", _JOINT),
-    "4-8": input_flow,
+    "4-8": input_flow_map,
     "4-9": output_flow,
     "4-10": networks,
     "4-11": _flow_errors(

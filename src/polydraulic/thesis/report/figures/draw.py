@@ -110,7 +110,7 @@ def finish(axis: "Axes", label: str, title: str) -> None:
     axis.legend(fontsize="small")
 
 
-def run_table(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
+def columns_of_runs(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
     """Columns of several runs side by side in the field's units: the data of a figure."""
     first = next(iter(runs.values()))
     data, units = {"time": first["time"]}, {"time": "s"}
@@ -130,4 +130,4 @@ def over_time(title: str, see: str, runs: Mapping[str, Table], columns: Mapping[
             difference_panel(axes[1, place], runs, column)
         return figure
 
-    return Catalogued(title, see, {"": run_table(runs, list(columns))}, draw)
+    return Catalogued(title, see, {"": columns_of_runs(runs, list(columns))}, draw)

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
+from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure
-from polydraulic.thesis.report.figures.draw import canvas, finish, name_of, over_time, run_table, time_panel
+from polydraulic.thesis.report.figures.draw import canvas, columns_of_runs, finish, name_of, over_time, time_panel
 from polydraulic.thesis.three_links import three_link_study
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ _ALL = ("boom", "swing", "stick")
 _ALIKE = 5.0  # ratio of the largest errors up to which panels side by side share one scale
 
 
-def quantity(
+def quantity_figure(
     scenario: str,
     name: str,
     title: str,
@@ -56,7 +57,7 @@ def effector(scenario: str, title: str, see: str, kinds: Sequence[str], *, limit
                 axis.set_xlabel("time [s]")
             return figure
 
-        return Figure(title, see, {"": run_table(runs, EFFECTOR)}, draw)
+        return Figure(title, see, {"": columns_of_runs(runs, EFFECTOR)}, draw)
 
     return make
 
@@ -143,7 +144,7 @@ def eps_study(lab: Lab) -> Figure:
     return Figure(
         "Task: swing input flow with three convergence bounds",
         "The larger the convergence bound eps, the wider the band in which the iterative flow jumps; the flow of the networks is smooth, with an offset.",
-        {"": run_table(named, ["swing.q_in"])},
+        {"": columns_of_runs(named, ["swing.q_in"])},
         draw,
     )
 
@@ -159,12 +160,12 @@ def scenario_figures(
 ) -> dict[str, MakeFigure]:
     """The eight figures of a run in chapter 5, numbered from `first` on, with what to see in each."""
     makers = [
-        quantity(scenario, "q_in", f"{name}: input flows", see["q_in"], kinds),
-        quantity(scenario, "q_out", f"{name}: output flows", see["q_out"], kinds),
-        quantity(scenario, "p_in", f"{name}: input line pressures", see["p_in"], kinds),
-        quantity(scenario, "p_out", f"{name}: output line pressures", see["p_out"], kinds),
-        quantity(scenario, "angle", f"{name}: joint displacements", see["angle"], kinds, links=_ALL),
-        quantity(scenario, "rate", f"{name}: joint velocities", see["rate"], kinds, links=_ALL),
+        quantity_figure(scenario, "q_in", f"{name}: input flows", see["q_in"], kinds),
+        quantity_figure(scenario, "q_out", f"{name}: output flows", see["q_out"], kinds),
+        quantity_figure(scenario, "p_in", f"{name}: input line pressures", see["p_in"], kinds),
+        quantity_figure(scenario, "p_out", f"{name}: output line pressures", see["p_out"], kinds),
+        quantity_figure(scenario, "angle", f"{name}: joint displacements", see["angle"], kinds, links=_ALL),
+        quantity_figure(scenario, "rate", f"{name}: joint velocities", see["rate"], kinds, links=_ALL),
         effector(scenario, f"{name}: end-effector", see["effector"], kinds),
         effector_error(scenario, f"{name}: end-effector error", see["error"], ("polynomial", "ours")),
     ]

@@ -4,12 +4,12 @@ import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polydraulic.display import DEFAULT, moment, number
+from polydraulic.display import DEFAULT, moment, readable
 from polydraulic.files import write_text
-from polydraulic.measure.checks.channel_check import ChannelCheck, between
+from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
-from polydraulic.measure.checks.findings import Finding
+from polydraulic.measure.findings import Finding
 from polydraulic.measure.flows import flow_statement
 from polydraulic.measure.importing import Imported
 from polydraulic.measure.log_units import Conversion
@@ -127,7 +127,7 @@ def _coverage_data(found: Coverage, units: dict[str, Conversion]) -> dict[str, A
 
 
 def _page(imported: Imported, told: Told, units: str) -> str:
-    from polydraulic.measure.checks.quality_plots import coverage_svg, signals_svg
+    from polydraulic.measure.quality_plots import coverage_svg, signals_svg
 
     findings = list(imported.findings)
     errors = sum(f.level == "error" for f in findings)
@@ -189,8 +189,10 @@ def _channels(checks: list[ChannelCheck], units: dict[str, Conversion]) -> str:
     rows: list[list[str | Cell]] = []
     for check in checks:
         s, unit = _statistics(check), units[check.channel.name]
-        low, mean, high = (None if s[key] is None else between(check, unit, s[key]) for key in ("low", "mean", "high"))
-        deviation = None if s["deviation"] is None else between(check, unit, s["deviation"]) - between(check, unit, 0.0)
+        low, mean, high = (None if s[key] is None else value_in(check, unit, s[key]) for key in ("low", "mean", "high"))
+        deviation = (
+            None if s["deviation"] is None else value_in(check, unit, s["deviation"]) - value_in(check, unit, 0.0)
+        )
         numbers = (s["raster_s"], s["values"], low, mean, high, deviation)
         texts = (str(s[key]) for key in ("source", "unit", "name", "role"))
         rows.append([*texts, *(Cell(_number(value), "number") for value in numbers), unit.unit])
@@ -208,4 +210,4 @@ def _coverage(found: Coverage | None, units: dict[str, Conversion]) -> str:
 
 
 def _number(value: Any) -> str:
-    return "–" if value is None else (str(value) if isinstance(value, int) else number(value, 5))
+    return "–" if value is None else (str(value) if isinstance(value, int) else readable(value, 5))

@@ -1,22 +1,10 @@
 """The quality report names each fault that is seeded in a log, with its rows, and none in a healthy one."""
 
-import json
-import re
-
 import numpy as np
 import pytest
 
-from helpers.logs_made import MAP, RASTER, UNITS, healthy, write_csv
-from polydraulic.errors import InputError
-from polydraulic.measure import import_log, load_channels, write_quality
-from polydraulic.measure.checks.findings import KINDS
-
-
-def imported(tmp_path, columns, channel_map=MAP, names=None, units=UNITS, change=lambda text: text):
-    log = write_csv(tmp_path / "log.csv", columns, names, units)
-    log.write_text(change(log.read_text()))
-    (tmp_path / "map.toml").write_text(channel_map)
-    return import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "table.parquet")
+from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
+from polydraulic.measure.findings import KINDS
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -24,16 +12,6 @@ def test_a_healthy_log_raises_nothing(tmp_path, seed):
     found = imported(tmp_path, healthy(seed))
     assert [str(f) for f in found.findings] == []
     assert (found.n_row, found.n_segment) == (3999, 1)  # the last row has no speed, nor one after it
-
-
-def lose(columns, rows):
-    return {name: np.delete(values, rows) for name, values in columns.items()}
-
-
-def put(columns, name, rows, value):
-    changed = columns[name].astype(object) if isinstance(value, str) else columns[name].copy()
-    changed[rows] = value
-    return {**columns, name: changed}
 
 
 def overlap(columns):
@@ -109,23 +87,6 @@ def test_a_seeded_fault_is_named_with_its_rows(tmp_path, fault):
         assert named[0].rows == rows
 
 
-def test_faults_stand_in_the_report(tmp_path):
-    columns = frozen(put(healthy(), "p_head", [10, 20], 999.0))
-    found = imported(tmp_path, lose(columns, slice(2000, 2050)))
-    write_quality(found, tmp_path / "quality.html")
-    data = json.loads((tmp_path / "quality.json").read_text())
-    assert [(f["kind"], f["channel"]) for f in data["findings"]] == [
-        ("implausible", "p_head"), ("gap", "time"), ("frozen", "p_head"),
-    ]  # fmt: skip
-    page = (tmp_path / "quality.html").read_text()
-    assert "1 error(s), 2 warning(s)" in page
-    assert "1000 to 1300" in page
-    assert page.count("<svg") == 2  # signals, and the map of both inputs
-    assert "http" not in re.sub(
-        r'xmlns(:\w+)?="[^"]*"|<!DOCTYPE[^>]*>|<metadata>.*?</metadata>', "", page, flags=re.DOTALL
-    )
-
-
 # faults of the file rather than of its numbers
 def test_broken_lines_are_named(tmp_path):
     def cut(text):
@@ -184,8 +145,3 @@ def test_a_held_channel_that_is_written_only_when_it_changes_is_no_fault(tmp_pat
     found = imported(tmp_path, columns, changed, units={**UNITS, "lever": ""})
     assert [str(f) for f in found.findings] == []
     assert np.array_equal(found.excerpt["lever"], level[:3999])
-
-
-def test_an_unknown_kind_is_an_error(tmp_path):
-    with pytest.raises(InputError, match="no finding is called 'odd'"):
-        imported(tmp_path, healthy()).findings.of("odd")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic.display import time_axis, with_unit
-from polydraulic.measure.checks.channel_check import ChannelCheck, between
+from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage
 from polydraulic.measure.log_units import Conversion
 
@@ -40,13 +40,13 @@ def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion],
     for axis, check in zip(axes, shown, strict=True):
         c, unit = check.channel, units[check.channel.name]
         first, last, low, high = _with_gaps(check.envelope.intervals(), check.raster)
-        low, high = (between(check, unit, values) for values in (low, high))
+        low, high = (value_in(check, unit, values) for values in (low, high))
         time, label = time_axis(np.column_stack([first, last]).ravel(), began)
         axis.fill_between(time, np.repeat(low, 2), np.repeat(high, 2), color="#2a6fb0", linewidth=0.6)
         margin = 0.3 * (check.high - check.low)
         for limit in (c.low, c.high):
             if check.low - margin <= limit <= check.high + margin:
-                axis.axhline(between(check, unit, limit), color="#c33", linewidth=0.8)
+                axis.axhline(value_in(check, unit, limit), color="#c33", linewidth=0.8)
         source = "" if c.source == c.name else f"   ({c.source})"
         axis.set_title(with_unit(c.name, unit.unit) + source, loc="left", fontsize="small", pad=2.0)
         axis.tick_params(labelsize="small")

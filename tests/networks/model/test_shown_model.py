@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from polydraulic.identification.shown import region_names, said_of_bounds, said_of_range, shown_model
 from polydraulic.identification.table_fit import fit_table
 from polydraulic.networks.growth.regressor import AbductiveRegressor
-from polydraulic.networks.proof.bounds import check_range, model_bounds
+from polydraulic.networks.model.shown_model import region_names, shown_model
 from polydraulic.tables import Table
 from polydraulic.units import CUBIC_INCH, INCH, PSI
 
@@ -48,31 +47,3 @@ def test_si_and_units_of_ones_own_change_nothing(fit):
     assert (
         fit.model.training["held_out_by_region"][0]["region"] == "x in (-inf, 0.005]"
     )  # and nothing was changed in place
-
-
-def test_errors_and_rows_of_a_fit(fit):
-    read = fit.shown()
-    assert str(fit).startswith("q [l/min]: 2 network(s)")
-    assert f"rms {6e4 * fit.rms:.4g} l/min" in fit.text()
-    assert "m3/s" in fit.text("si")
-    assert read.rms == pytest.approx(6e4 * fit.rms)
-    assert read.held.y == pytest.approx(6e4 * fit.held.y)
-    assert read.held.X[:, 1] == pytest.approx(1e-5 * fit.held.X[:, 1])
-    assert (read.r2, read.covered) == (fit.r2, fit.covered)
-
-
-def test_proofs_are_of_the_model_and_told_in_other_units(fit):
-    bounds = model_bounds(fit.model, max_boxes=50)
-    first, *lines = said_of_bounds(fit.model, bounds)
-    assert first == f"q [l/min]: proved range {6e4 * bounds.low:.6g} to {6e4 * bounds.high:.6g}"
-    by_x = next(line for line in lines if "by x [mm]" in line).split()
-    assert float(by_x[-1]) == pytest.approx(60.0 * bounds.regions[0].slopes[0, 1], rel=1e-4)  # l/min per mm
-    wide = check_range(fit.model, -1.0, 1.0, max_boxes=50)
-    assert said_of_range(fit.model, wide).startswith(
-        "q cannot leave [-60000, 60000] l/min anywhere in the box: proved range"
-    )
-    narrow = check_range(fit.model, 0.0, 1e-4, max_boxes=50)
-    told = said_of_range(fit.model, narrow)
-    assert told.startswith("q leaves [0, 6] l/min: ")
-    assert f"p = {narrow.leaving[0].point[1] / 1e5:.6g} bar" in told
-    assert "(x [mm] in (" in told
