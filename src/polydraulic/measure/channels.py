@@ -181,7 +181,7 @@ def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGES
 def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
     """Check a text that is not empty, one of `allowed` if given."""
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{where} = {value!r}: must be a text")
+        raise InputError(f"{where} = {value!r}: must be a string")
     if allowed is not None and value not in allowed:
         raise InputError(f"{where} = {value!r}: must be one of {list(allowed)}")
     return value
@@ -212,7 +212,7 @@ def _channel(item: Any, where: str) -> Channel:
         return Channel(source, source, role)
     unit = item.get("unit", "s" if role == "time" else "")
     if not isinstance(unit, str):
-        raise InputError(f"unit of {where} = {unit!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {unit!r}: must be a string, empty for plain numbers")
     try:
         found = conversion(unit)
     except InputError as error:

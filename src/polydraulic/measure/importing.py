@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.checks.channel_check import ChannelCheck
@@ -47,6 +48,8 @@ class Imported:
         Rows of segments in which no flow could be reconstructed.
     excerpt : Table
         Rows from all over the table, or all of them if they are few.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times count from 1970 themselves.
     """
 
     source: Path
@@ -58,12 +61,22 @@ class Imported:
     n_segment: int
     too_short: int
     excerpt: Table
+    began: float = 0.0
 
-    @property
-    def shown(self) -> dict[str, Conversion]:
-        """Units in which people read the columns: those of the log."""
-        found = {c.name: conversion(c.unit) for c in self.channels.used}
-        return found | {flow.name: conversion("l/min") for flow in self.channels.flows}
+    def shown(self, units: str = DEFAULT) -> dict[str, Conversion]:
+        """How the columns convert to the units that people read: those of `units`, or of the log where that system has none."""
+        found = {}
+        for name, own in [
+            *((c.name, c.unit) for c in self.channels.used),
+            *((f.name, "m3/s") for f in self.channels.flows),
+        ]:
+            si = conversion(own).si
+            if units == "si":
+                found[name] = Conversion(1.0, 0.0, si, si)
+            else:
+                read = shown_unit(si, units)
+                found[name] = conversion(own if read == si else read)
+        return found
 
 
 def import_log(
@@ -105,6 +118,7 @@ def import_log(
             "inputs": channels.of_role("input"),
             "outputs": channels.of_role("output"),
         }
+        info |= {"began": log.began} if log.began else {}
         excerpt = Excerpt(units)
         merged = _Merged(log, channels, groups, findings, resampler)
         try:
@@ -127,7 +141,7 @@ def import_log(
     _copies(merged.checks, findings)
     return Imported(
         log.path, channels, findings, merged.checks, merged.span,
-        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(),
+        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(), log.began,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.units import FACTORS
 
@@ -99,6 +100,11 @@ def conversion(unit: str) -> Conversion:
     factor = one - zero
     own = FACTORS.get(name, {})  # the package's own factors, where it has one
     return Conversion(own.get(unit, factor), zero, name, unit)
+
+
+def conversion_shown(unit: str, units: str = DEFAULT) -> Conversion:
+    """How a column in `unit` converts to what it is shown in, by a system of units of `polydraulic.display`."""
+    return Conversion(1.0 / as_shown(1.0, unit, units), 0.0, unit, shown_unit(unit, units))
 
 
 def same_kind(unit: str) -> list[str]:

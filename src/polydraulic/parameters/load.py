@@ -142,7 +142,7 @@ def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
     check_keys(item, needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
-        raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a text")
+        raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a string")
 
 
 def _check(machine: Machine, path: Path) -> None:

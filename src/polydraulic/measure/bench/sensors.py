@@ -132,7 +132,7 @@ def _sensor(item: Any, where: str) -> Sensor:
     column = text(item["column"], f"column of {where}")
     where = f"sensor {item.get('name', column)!r}"
     if not isinstance(item["unit"], str):
-        raise InputError(f"unit of {where} = {item['unit']!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {item['unit']!r}: must be a string, empty for plain numbers")
     try:
         conversion(item["unit"])
     except InputError as error:

@@ -2,6 +2,7 @@
 
 import zlib
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from polydraulic.measure.checks.clock import JOIN, Clock, ClockedRows
 from polydraulic.measure.checks.envelope import Envelope
 from polydraulic.measure.checks.run_lengths import ValueRuns
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.log_units import conversion, same_kind
+from polydraulic.measure.log_units import Conversion, conversion, same_kind
 
 # A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
 _SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the range, of the usual difference
@@ -139,6 +140,11 @@ class ChannelCheck:
         others = [u for u in same_kind(c.unit) if fits(self.conversion.from_si(conversion(u).to_si(value)))]
         if others:
             self.findings.add("unit by values", c.source, f"the map says {c.unit!r}; it could be {' or '.join(others)}")
+
+
+def value_in(check: ChannelCheck, unit: Conversion, value: Any) -> Any:
+    """A value of a channel, in the unit of the log, in another one."""
+    return unit.from_si(check.conversion.to_si(value))
 
 
 def _spikes(v: np.ndarray) -> np.ndarray:

@@ -7,6 +7,8 @@ import pytest
 
 from helpers.logs_made import MAP, healthy, write_csv
 from helpers.machine_log import machine_log
+from polydraulic.identification.log_replay import DRIVEN
+from polydraulic.identification.machine_log import MEASURED
 from polydraulic.measure.bench import sensors
 from polydraulic.measure.bench.sensors import load_sensors
 from polydraulic.tables import Table, write_table
@@ -38,8 +40,8 @@ def test_sensors_to_begin_with_read_all_that_a_machine_is_learnt_from_and_run_ag
     assert call("record --example --out s.toml")[1] == "s.toml: sensors to begin with; change them as you like\n"
     assert (tmp_path / "s.toml").read_text() == out
     read = {sensor.column for sensor in load_sensors(tmp_path / "s.toml").sensors}
-    learnt = {f"{link}.{what}" for link in ("swing", "boom", "stick") for what in machine_fit.MEASURED}
-    assert read == learnt | set(log_replay.DRIVEN)
+    learnt = {f"{link}.{what}" for link in ("swing", "boom", "stick") for what in MEASURED}
+    assert read == learnt | set(DRIVEN)
 
 
 def test_sensors_to_begin_with_explain_every_key(call):
