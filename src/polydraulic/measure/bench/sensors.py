@@ -10,7 +10,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import duration, low_and_high, text
-from polydraulic.measure.log_units import conversion
+from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
 from polydraulic.tables import Table
@@ -134,7 +134,7 @@ def _sensor(item: Any, where: str) -> Sensor:
     if not isinstance(item["unit"], str):
         raise InputError(f"unit of {where} = {item['unit']!r}: must be a string, empty for plain numbers")
     try:
-        conversion(item["unit"])
+        conversion(item["unit"], kind=_kind(column))
     except InputError as error:
         raise InputError(f"unit of {where}: {error}") from error
 
@@ -168,6 +168,10 @@ def _sensor(item: Any, where: str) -> Sensor:
     )
 
 
+def _kind(column: str) -> str:
+    return "Pa" if says_pressure(column) else ""
+
+
 class Reading:
     """What one sensor reads of runs that follow each other; its drift goes on from run to run.
 
@@ -179,7 +183,7 @@ class Reading:
 
     def __init__(self, sensor: Sensor, rng: np.random.Generator) -> None:
         self.sensor, self.rng = sensor, rng
-        self.conversion = conversion(sensor.unit)
+        self.conversion = conversion(sensor.unit, kind=_kind(sensor.column))
         self._drift = 0.0
 
     def check(self, run: Table) -> None:
