@@ -3,7 +3,9 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
-from polydraulic.tables import Table, read_table, write_table
+from polydraulic.tables import Table, began, read_table, shown_column, shown_table, write_table
+from polydraulic.thesis.printed_units import in_field_units
+from polydraulic.units import PSI
 
 TABLE = Table({"t": np.array([0.0, 0.1, 1 / 3]), "p x": np.array([1e-300, -2.0, 3e200])}, {"t": "s"}, {"n": 3})
 
@@ -89,3 +91,19 @@ def test_names_with_commas_and_quotes_come_back(tmp_path):
     again = read_table(tmp_path / "t.csv")
     assert again.names == table.names
     assert again.unit("stiff, 10 l") == "psi"
+
+
+def test_tables_are_shown_column_by_column():
+    table = Table({"p": np.array([1e5, 2e5]), "q": np.ones(2)}, {"p": "Pa", "q": "gal"}, {"source": "log"})
+    values, unit = shown_column(table, "p", "metric")
+    assert (values.tolist(), unit) == ([1.0, 2.0], "bar")
+    printed, unit = in_field_units(table, "p")
+    assert (printed[1], unit) == (2e5 / PSI, "psi")
+    read = shown_table(table)
+    assert (read["p"].tolist(), read["q"].tolist()) == ([1.0, 2.0], [1.0, 1.0])
+    assert (read.units, read.info) == ({"p": "bar", "q": "gal"}, {"source": "log"})
+
+
+def test_when_a_log_began():
+    assert began(Table({}, {}, {"began": 1.7e9})) == 1.7e9
+    assert began(Table({}, {})) == began(Table({}, {}, {"began": "noon"})) == 0.0

@@ -21,7 +21,7 @@ omega = { value = 2.0, unit = "rad/s", source = "test" }
 
 
 @pytest.fixture
-def written(tmp_path):
+def readable(tmp_path):
     def load(text):
         path = tmp_path / "mine.toml"
         path.write_text(text)
@@ -48,7 +48,7 @@ def test_changes_reach_the_machine(machine):
 
 def test_kinds_of_signal(written, tmp_path):
     (tmp_path / "stick.csv").write_text("t [s],v [V]\n0,0\n1,0.5\n3,-0.5\n")
-    scenario = written(
+    scenario = readable(
         BASIC
         + """
 [voltage.swing]
@@ -86,12 +86,12 @@ voltage_column = "v"
 def test_bad_scenarios_are_one_clear_error(written, old, new, message):
     assert old in BASIC
     with pytest.raises(InputError, match=f"mine.toml: {message}"):
-        written(BASIC.replace(old, new, 1))
+        readable(BASIC.replace(old, new, 1))
 
 
 def test_only_pilot_and_start_may_change(written):
     with pytest.raises(InputError, match=r"unknown key 'valve' in change.boom; allowed here: \['initial', 'pilot'\]"):
-        written(BASIC + "[change.boom.valve]\n")
+        readable(BASIC + "[change.boom.valve]\n")
 
 
 def test_times_must_rise():
@@ -103,7 +103,7 @@ def test_a_recording_with_gaps_is_refused(written, tmp_path):
     (tmp_path / "r.csv").write_text("t,v\n0,0\n1,nan\n")
     table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
     with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' holds nan in row 2"):
-        written(BASIC[: BASIC.index("[voltage.boom]")] + table)
+        readable(BASIC[: BASIC.index("[voltage.boom]")] + table)
 
 
 RECORDED = (
@@ -136,7 +136,7 @@ def test_a_recording_may_come_without_units_in_others_or_as_parquet(tmp_path):
         ("2.5,", "1.5,", "r.csv: signal times must rise; time 1 is 1.5 after 2.0"),
         ("2.5,", "2.0,", "r.csv: signal times must rise; time 1 is 2.0 after 2.0"),
         ("boom [V]", "boom [bar]", r"r.csv: column 'boom' has unit 'bar'; it must be one of \['V', 'mV'\]"),
-        ("time [s]", "time [h]", r"r.csv: column 'time' has unit 'h'; it must be one of \['s', 'ms'\]"),
+        ("time [s]", "time [bar]", r"r.csv: column 'time' has unit 'bar'; it must be one of \['s', 'ms'\]"),
         ("stick [V]", "arm [V]", "r.csv: no column 'stick'; the table has"),
         ("time [s]", "t [s]", "r.csv: no column 'time'"),
         ("-0.5", "", "r.csv: column 'stick' holds nan in row 2"),
@@ -155,9 +155,9 @@ def test_a_recording_in_a_scenario_file_is_converted_too(written, tmp_path):
     (tmp_path / "r.csv").write_text("t [ms],v [bar]\n0,0\n1,1\n")
     table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
     with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' has unit 'bar'"):
-        written(BASIC[: BASIC.index("[voltage.boom]")] + table)
+        readable(BASIC[: BASIC.index("[voltage.boom]")] + table)
     (tmp_path / "r.csv").write_text("t [ms],v [mV]\n0,0\n1000,500\n")
-    scenario = written(BASIC[: BASIC.index("[voltage.boom]")] + table)
+    scenario = readable(BASIC[: BASIC.index("[voltage.boom]")] + table)
     assert scenario.voltages(np.array([0.5]))[0, 1] == pytest.approx(0.25)
 
 

@@ -7,7 +7,7 @@ import typer
 
 from polydraulic.cli.application import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import stages
+from polydraulic.terminal import progress_bar
 
 
 @app.command()
@@ -25,6 +25,9 @@ def report(
     Example: `polydraulic report --chapter 4 --out report`
 
     - One figure alone: `polydraulic report --figure 5-19`
+
+    What comes next: open index.html in a browser; `docs/figures.md` lists the figures. Chapters keep the units that the thesis
+    prints.
     """
     from polydraulic.parameters.load import load_machine
     from polydraulic.thesis.report.write import write_figure, write_report
@@ -32,7 +35,7 @@ def report(
     if chapter and figure:
         raise InputError("--chapter and --figure exclude each other: a figure belongs to one chapter")
     plant = load_machine(machine)
-    with stages("report") as progress:
+    with progress_bar("report") as progress:
         if figure:
             path = write_figure(plant, out, figure, progress=progress)
         else:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.parameters.schema import Machine
@@ -33,6 +34,7 @@ def write_animation(
     path: str | Path,
     *,
     rate: float | None = None,
+    units: str = DEFAULT,
     progress: Progress = _silent,
 ) -> None:
     """Write an animation of one run or of several on top of each other, whole or not at all.
@@ -49,6 +51,8 @@ def write_animation(
         Ends in ``.gif`` or ``.html``.
     rate : float, 1/s, optional
         Frames in a second of the run; `RATES` if not given.
+    units : str
+        Of what is shown: ``"metric"``, ``"field"`` or ``"si"``.
     progress : function (frames done, frames in all), optional
 
     Raises
@@ -57,7 +61,7 @@ def write_animation(
         Another ending, no run, a table that is no trajectory, a rate that is not positive, a place that cannot be written.
     """
     ending = animation_ending(path)
-    frames, shapes = frames_of(runs, RATES[ending] if rate is None else rate), linkage_shapes(machine)
+    frames, shapes = frames_of(runs, RATES[ending] if rate is None else rate, units), linkage_shapes(machine)
     if ending == ".gif":
         write_gif(frames, shapes, path, progress)
     else:

@@ -84,7 +84,7 @@ def simulate(
         dt not positive, duration shorter than a step, a raster that is no whole number of steps, an unknown flow model, a
         scenario that moves links which the flow model does not serve.
     SimulationError
-        If the state leaves all reason, or a solver fails; says when and where.
+        If the run diverges, or a solver fails; says when and where.
     """
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}; choose one of {list(METHODS)}")
@@ -110,7 +110,7 @@ def simulate(
         done = run(*arranged) if method == "semi-implicit" else _run_runge_kutta(adapted, scenario, arranged)
         if done < n_step:
             raise SimulationError(
-                f"{scenario.name} with flow {name!r}: the rate of {_fastest(rows[0])} left all reason "
+                f"{scenario.name} with flow {name!r}: diverged, the rate of {_fastest(rows[0])} grew without bound "
                 f"at t = {done * dt:g} s; "
                 "try a smaller dt or check the flow model"
             )

@@ -59,7 +59,7 @@ class Batch:
     lowest, highest : (n_machine, n_column) array or None
         Over all steps and the start, if asked for.
     steps : (n_machine,) array of int
-        Steps made. Fewer than `info` says where a rate left all reason: later rows, final values and ranges are nan there.
+        Steps made. Fewer than `info` says where a run diverged: later rows, final values and ranges are nan there.
     not_converged, out_of_domain : (n_machine,) array of int
         Steps that did not converge, and those outside the flow model's domain.
     info : dict
