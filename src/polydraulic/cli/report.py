@@ -41,4 +41,4 @@ def report(
         else:
             rows = write_report(plant, out, chapters=chapter, progress=progress)
             path = out / "index.html"
-    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers with the computed ones")
+    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers recomputed")
