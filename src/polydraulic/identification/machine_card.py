@@ -13,12 +13,13 @@ from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
 from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
 from polydraulic.identification.machine_log import MEASURED, Known, by_port, judging_rows
 from polydraulic.measure.checks.coverage import Coverage, coverage
-from polydraulic.measure.log_units import Conversion, conversion_shown
+from polydraulic.measure.log_units import conversion_shown
 from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
+from polydraulic.units import Conversion
 
 _HOLES = 3  # of a map that are named
 

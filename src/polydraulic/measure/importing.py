@@ -21,9 +21,11 @@ from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
 from polydraulic.measure.formats.log import Log
 from polydraulic.measure.formats.logs import open_log
-from polydraulic.measure.log_units import Conversion, conversion
+from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
 from polydraulic.tables import Table, table_ending, table_writer
+from polydraulic.unit_table import ATMOSPHERE
+from polydraulic.units import Conversion, unit_kind
 
 Progress = Callable[[int, int], None]
 STEPS = 1000  # of the progress
@@ -65,17 +67,14 @@ class Imported:
 
     def shown(self, units: str = DEFAULT) -> dict[str, Conversion]:
         """How the columns convert to the units that people read: those of `units`, or of the log where that system has none."""
-        found = {}
-        for name, own in [
-            *((c.name, c.unit) for c in self.channels.used),
-            *((f.name, "m3/s") for f in self.channels.flows),
-        ]:
-            si = conversion(own).si
+        found = {c.name: self.channels.conversion(c) for c in self.channels.used}
+        found |= {flow.name: conversion("m3/s") for flow in self.channels.flows}
+        for name, own in found.items():
+            read = shown_unit(own.si, units)
             if units == "si":
-                found[name] = Conversion(1.0, 0.0, si, si)
-            else:
-                read = shown_unit(si, units)
-                found[name] = conversion(own if read == si else read)
+                found[name] = Conversion(1.0, 0.0, own.si, own.si)
+            elif read != own.si:
+                found[name] = conversion(read)
         return found
 
 
@@ -110,7 +109,7 @@ def import_log(
         findings = _names_and_units(log, channels)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
         flows = FlowStream([c.name for c in channels.used], channels.flows, channels.raster)
-        units = {"time": "s", "segment": "1", **{c.name: conversion(c.unit).si for c in channels.used}}
+        units = {"time": "s", "segment": "1", **{c.name: channels.conversion(c).si for c in channels.used}}
         units |= {flow.name: "m3/s" for flow in channels.flows}
         info = {
             "source": log.path.name,
@@ -174,7 +173,7 @@ class _Merged:
         for group, members in groups.items():
             name = source or (f"group {group}" if len(groups) > 1 else "")
             clock = Clock(name, factor, declared, channels.interval, findings)
-            checks = [ChannelCheck(c, clock, findings) for c in members]
+            checks = [ChannelCheck(c, channels.conversion(c), clock, findings) for c in members]
             self.clocks.append(clock)
             self.of_group.append(checks)
             self.checks += checks
@@ -235,17 +234,26 @@ def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
     for channel in used:
         if channel.source in log.duplicates:
             findings.add("duplicate", channel.source)
-        given = log.signal(channel.source).unit
-        if given and given != channel.unit:
-            try:
-                same = conversion(given)[:2] == conversion(channel.unit)[:2]
-                same = same and conversion(given).si == conversion(channel.unit).si
-            except InputError:
-                same = False
-            if not same:
-                detail = f"the log says {given!r}, the map {channel.unit!r}"
-                findings.add("unit", channel.source, detail)
+        _compare_units(log, channels, channel, findings)
     return findings
+
+
+def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: Findings) -> None:
+    """Note what the units of log and map say of a channel; a pressure of the log may not become anything else."""
+    given, found = log.signal(channel.source).unit, channels.conversion(channel)
+    try:
+        of_log = channels.conversion(channel, given) if given else found
+    except InputError:
+        of_log = None
+    if of_log is None or of_log[:3] != found[:3]:
+        findings.add("unit", channel.source, f"the log says {given!r}, the map {channel.unit!r}")
+    if of_log is not None and of_log.si == "Pa" != found.si and channel.kind != found.si:
+        raise InputError(
+            f"{log.path}: channel {channel.source!r} is a pressure in {given!r}, but the map's unit {channel.unit!r} measures "
+            f"{unit_kind(found.si).name}: give a unit of pressure, or what is measured as kind = {unit_kind(found.si).name!r}"
+        )
+    if found.absolute and channels.atmosphere is None:
+        findings.add("atmosphere", channel.source, f"{ATMOSPHERE / 1e5:g} bar were taken from {channel.unit!r}")
 
 
 def _copies(checks: list[ChannelCheck], findings: Findings) -> None:

@@ -12,8 +12,9 @@ from polydraulic.measure.checks.deadband import Deadband, find_deadbands
 from polydraulic.measure.findings import Finding
 from polydraulic.measure.flows import flow_statement
 from polydraulic.measure.importing import Imported
-from polydraulic.measure.log_units import Conversion
 from polydraulic.pages.html import Cell, bullets, document, table
+from polydraulic.unit_table import ATMOSPHERE
+from polydraulic.units import Conversion
 
 SCHEMA = 1
 
@@ -75,6 +76,7 @@ def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dic
         "schema": SCHEMA,
         "source": imported.source.name,
         "raster_s": channels.raster,
+        "atmosphere_Pa": _atmosphere(imported),
         "span_s": list(imported.span),
         "rows": imported.n_row,
         "segments": imported.n_segment,
@@ -95,6 +97,21 @@ def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dic
         "deadbands": [d._asdict() | {"text": d.statement(shown.get(d.input))} for d in told.deadbands],
         "coverage": None if told.coverage is None else _coverage_data(told.coverage, shown),
     }
+
+
+def _atmosphere(imported: Imported) -> float | None:
+    """What was taken from absolute pressures, Pa; None if there are none."""
+    given = imported.channels.atmosphere
+    absolute = any(check.conversion.absolute for check in imported.checks)
+    return None if not absolute else ATMOSPHERE if given is None else given
+
+
+def _pressures(imported: Imported) -> str:
+    taken = _atmosphere(imported)
+    if taken is None:
+        return ""
+    whose = "the standard atmosphere" if imported.channels.atmosphere is None else "as the map says"
+    return f"The table has gauge pressures: {taken / 1e5:.6g} bar were taken from absolute ones ({whose}). "
 
 
 def _statistics(check: ChannelCheck) -> dict[str, Any]:
@@ -148,7 +165,7 @@ def _page(imported: Imported, told: Told, units: str) -> str:
 {_findings(findings)}
 <h2>Channels</h2>
 {_channels(imported.checks, shown)}
-<p class="note">Smallest and largest value over time; red lines are the plausible range where it is near.</p>
+<p class="note">{_pressures(imported)}Smallest and largest value over time; red lines are the plausible range where it is near.</p>
 {signals_svg(imported.checks, shown, imported.began)}
 <h2>What it can tell</h2>
 <p class="note">From {whole}.</p>

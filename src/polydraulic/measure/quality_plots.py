@@ -9,7 +9,7 @@ import numpy as np
 from polydraulic.display import time_axis, with_unit
 from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage
-from polydraulic.measure.log_units import Conversion
+from polydraulic.units import Conversion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -113,21 +113,29 @@ def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int
     """Return one entry in SI: a float, or a tuple of `size` floats (-1: any number of them)."""
     _entry(item, key, path, {"value", "unit", "source"})
     unit, value = item["unit"], item["value"]
-    if unit not in units.FACTORS[quantity.unit]:
-        raise InputError(f"{path}: {key} has unit {unit!r}; allowed: {sorted(units.FACTORS[quantity.unit])}")
+    try:
+        known = units.read_unit(unit, kind=quantity.unit)
+    except InputError as error:
+        raise InputError(f"{path}: {key}: {error}") from error
+    if known.si != quantity.unit:
+        allowed = [*units.FACTORS[quantity.unit], *units.unit_kind(quantity.unit).products]
+        raise InputError(
+            f"{path}: {key} has unit {unit!r}; allowed: {allowed}, or another unit of {units.unit_kind(quantity.unit).name}"
+        )
     if size:
         if not isinstance(value, list) or (size > 0 and len(value) != size) or not value:
             raise InputError(f"{path}: {key} = {value!r}: must be a list of {size if size > 0 else 'some'} numbers")
-        return tuple(_number(v, unit, quantity, f"{key}[{i}]", path) for i, v in enumerate(value))
-    return _number(value, unit, quantity, key, path)
+        return tuple(_number(v, known, quantity, f"{key}[{i}]", path) for i, v in enumerate(value))
+    return _number(value, known, quantity, key, path)
 
 
-def _number(value: Any, unit: str, quantity: Quantity, key: str, path: Path) -> float:
+def _number(value: Any, unit: units.Conversion, quantity: Quantity, key: str, path: Path) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{path}: {key} = {value!r}: must be a number")
-    si = units.to_si(float(value), unit)
+    si = unit.to_si(float(value))
     if not isfinite(si) or not quantity.allows(si):
-        raise InputError(f"{path}: {key} = {value} {unit}: must be finite and {quantity.range} {quantity.unit}")
+        allowed = Quantity(unit.unit, *map(unit.from_si, (quantity.low, quantity.high, quantity.above)))
+        raise InputError(f"{path}: {key} = {value} {unit.unit}: must be finite and {allowed.range} {unit.unit}")
     return si
 
 

@@ -173,10 +173,16 @@ def _recorded(path: Path, time: str, voltages: list[str]) -> list[Piecewise]:
     table = read_table(path, [time, *voltages])
 
     def si(name: str, unit: str) -> np.ndarray:
-        given, allowed = table.unit(name) or unit, list(units.FACTORS[unit])
-        if given not in allowed:
-            raise InputError(f"{path}: column {name!r} has unit {given!r}; it must be one of {allowed}")
-        return units.to_si(table[name], given)
+        given = table.unit(name) or unit
+        try:
+            found = units.read_unit(given)
+        except InputError as error:
+            raise InputError(f"{path}: column {name!r}: {error}") from error
+        if found.si != unit:
+            raise InputError(
+                f"{path}: column {name!r} has unit {given!r}; it must be one of {list(units.FACTORS[unit])}"
+            )
+        return found.to_si(table[name])
 
     seconds, volts = si(time, "s"), [si(name, "V") for name in voltages]
     try:
