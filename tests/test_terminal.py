@@ -40,6 +40,21 @@ def test_progress_appears_when_a_command_takes_long_and_someone_looks(terminals,
         assert printed.err == ""
 
 
+def test_loading_is_shown_until_the_work_begins(terminals, capsys):
+    terminals(True, 3.0)
+    with terminal.loading():
+        time.sleep(0.2)
+        assert "loading" in capsys.readouterr().err
+        work()
+        printed = capsys.readouterr().err
+        assert "2/2" in printed
+        assert "loading" not in printed.split("work: first")[-1]
+    terminals(True, 0.0)
+    with terminal.loading():
+        pass
+    assert capsys.readouterr().err == ""
+
+
 def test_output_goes_past_the_bar(terminals, capsys):
     terminals(True, 3.0)
     with terminal.progress_bar("work"):

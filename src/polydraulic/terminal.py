@@ -1,8 +1,8 @@
-"""What commands show while they work, and tables of what they found."""
+"""What commands show while they work, and a table of what they found."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from threading import Timer
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,15 @@ if TYPE_CHECKING:
 
 PATIENCE = 2.0  # s since the command began, before progress is shown
 _BEGAN = time.monotonic()
+_loading = ExitStack()
+
+
+@contextmanager
+def loading() -> Iterator[None]:
+    """What is shown while a command loads what it needs, until it says itself by a `progress_bar` what it does."""
+    with _loading:
+        _loading.enter_context(_bar("loading", transient=True))
+        yield
 
 
 @contextmanager
@@ -19,6 +28,14 @@ def progress_bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
 
     The function it gives is called with what is being done, how many pieces of the work are done, and of how many.
     """
+    _loading.close()
+    with _bar(title, transient=False) as tell:
+        yield tell
+
+
+@contextmanager
+def _bar(title: str, *, transient: bool) -> Iterator[Callable[[str, int, int], None]]:
+    """A bar without an end, until it is told of one; a transient one leaves nothing behind."""
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -35,7 +52,7 @@ def progress_bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
     # what a command prints goes to its own output, not through the bar
     bar = Progress(
         text, BarColumn(24), MofNCompleteColumn(), TimeElapsedColumn(), console=console, expand=True,
-        redirect_stdout=False, redirect_stderr=False,
+        transient=transient, redirect_stdout=False, redirect_stderr=False,
     )  # fmt: skip
     task = bar.add_task(title, total=None, what=title)  # it moves to and fro until the first piece is told
     timer = Timer(max(0.0, _BEGAN + PATIENCE - time.monotonic()), bar.start)
@@ -51,18 +68,10 @@ def progress_bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
             bar.stop()
 
 
-def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Texts in columns, the first to the left, the others to the right."""
-    widths = [max(len(row[place]) for row in (heads, *rows)) for place in range(len(heads))]
-    for first, *others in (heads, *rows):
-        print(
-            "  ".join(["  " + first.ljust(widths[0]), *(t.rjust(w) for t, w in zip(others, widths[1:], strict=True))])
-        )
-
-
 def print_differences(differences: "Mapping[str, Difference]", units: str) -> None:
     """What a run differs by from the exact one: every link that moves, the pumps and the tip."""
     from polydraulic.display import as_shown, shown_unit
+    from polydraulic.pages.text import text_table
     from polydraulic.parameters.schema import LINKS
 
     names = [f"{link}.{quantity}" for link in LINKS for quantity in ("angle", "rate", "q_in", "p_in")]
@@ -74,4 +83,4 @@ def print_differences(differences: "Mapping[str, Difference]", units: str) -> No
         unit = shown_unit(d.unit, units)
         rows.append(["tip" if name == "effector.distance" else name, largest, f"{d.time:.2f} s", rms, final, unit])
     print("differences from exact:")
-    print_table(("", "largest", "at", "rms", "at the end", "unit"), rows)
+    print("\n".join(text_table(("", "largest", "at", "rms", "at the end", "unit"), rows)))

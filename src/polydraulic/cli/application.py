@@ -4,6 +4,8 @@ from typing import Annotated
 
 import typer
 
+from polydraulic.terminal import loading
+
 app = typer.Typer(
     help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.\n\n"
     "First steps: `polydraulic simulate task --plot task.svg` moves the machine that comes with the package, "
@@ -25,11 +27,13 @@ def _version(asked: bool) -> None:
 
 @app.callback()
 def options(
+    context: typer.Context,
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
     ] = False,
 ) -> None:
     """Options of the program itself; its help is that of `app`."""
+    context.with_resource(loading())
 
 
 def _checked(units: str) -> str:
