@@ -1,3 +1,5 @@
+import time
+
 import pytest
 
 from polydraulic import terminal
@@ -6,19 +8,17 @@ from polydraulic import terminal
 @pytest.mark.parametrize(("patience", "shown"), [(60.0, False), (0.0, True)])
 def test_progress_appears_only_when_work_takes_long(monkeypatch, capsys, patience, shown):
     monkeypatch.setattr(terminal, "PATIENCE", patience)
-    with terminal.steps("work", 2) as begin:
-        begin("first")
+    with terminal.progress_bar("work") as progress:
+        progress("first", 0, 2)
         if shown:
-            import time
-
             time.sleep(0.2)  # the timer's thread needs a moment
-        begin("second")
-    with terminal.counted("draw") as update:
-        update(3, 3)
-    assert ("2/2" in capsys.readouterr().err) is shown
+        progress("second", 2, 2)
+    printed = capsys.readouterr().err
+    assert ("2/2" in printed) is shown
+    assert ("second" in printed) is shown
 
 
 def test_an_error_ends_the_progress(monkeypatch):
     monkeypatch.setattr(terminal, "PATIENCE", 60.0)
-    with pytest.raises(ValueError, match="mine"), terminal.steps("work", 1):
+    with pytest.raises(ValueError, match="mine"), terminal.progress_bar("work"):
         raise ValueError("mine")

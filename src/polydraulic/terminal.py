@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from polydraulic.progress import Progress
+
 if TYPE_CHECKING:
     from polydraulic.simulation.trajectory import Difference
 
@@ -11,32 +13,10 @@ PATIENCE = 2.0  # s, before progress is shown
 
 
 @contextmanager
-def steps(title: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A progress bar; the function it gives is called as each step begins."""
-    begun = 0
-    with _bar(title, total) as update:
-
-        def begin(step: str) -> None:
-            nonlocal begun
-            update(begun, total, step)
-            begun += 1
-
-        yield begin
-        update(total, total, title)
-
-
-@contextmanager
-def stages(title: str) -> Iterator[Callable[[str, int, int], None]]:
-    """A progress bar; the function it gives is called with what begins, the number done and the number in all."""
+def progress_bar(title: str) -> Iterator[Progress]:
+    """A progress bar; what it gives is the `progress` of any function that takes long."""
     with _bar(title, 1) as update:
         yield lambda what, done, total: update(done, total, what)
-
-
-@contextmanager
-def counted(title: str) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar; the function it gives is called with the number done and the number in all."""
-    with _bar(title, 1) as update:
-        yield lambda done, total: update(done, total, title)
 
 
 @contextmanager

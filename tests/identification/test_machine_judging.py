@@ -41,12 +41,13 @@ def learnt(machine, log, said):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(machine_fit, "REGIONS", 2)
         patch.setattr(machine_fit, "ROWS", 1000)
-        return learn_and_judge(machine, log, said.append)
+        return learn_and_judge(machine, log, lambda *call: said.append(call))
 
 
 def test_errors_are_those_of_networks_that_have_not_seen_the_blocks(learnt, log, known, said):
     assert [model.output.name for model in learnt.models] == OUTPUTS
-    assert said == [f"{o}: {how}" for how in ("hold out", "all rows") for o in OUTPUTS]
+    steps = [f"{o}: {how}" for how in ("hold out", "all rows") for o in OUTPUTS]
+    assert said == [(step, done, 12) for done, step in enumerate(steps)]
     edges = np.flatnonzero(np.diff(learnt.held.astype(int)))
     assert len(edges) == 7  # twenty blocks, every fifth held out
     for fit, earlier in zip(learnt.fits, learnt.without, strict=True):

@@ -7,7 +7,7 @@ import typer
 
 from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import counted, print_table, steps
+from polydraulic.terminal import print_table, progress_bar
 
 
 @app.command("import")
@@ -39,7 +39,7 @@ def import_(
     if suggest:
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
-        with counted("read") as progress:
+        with progress_bar("read") as progress:
             text = suggest_channels(log, progress=progress)
         if out is None:
             print(text, end="")
@@ -53,7 +53,7 @@ def import_(
     if page.suffix != ".html":
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
-    with counted("import") as progress:
+    with progress_bar("import") as progress:
         imported = import_log(log, given, out, progress=progress)
     told = write_quality(imported, page)
     for finding in imported.findings:
@@ -90,7 +90,7 @@ def record(
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
     what = [load_scenario(name) for name in scenario]
-    with steps("record", len(what)) as progress:
+    with progress_bar("record") as progress:
         n = write_log(plant, what, bench, out, dt=dt, progress=progress)
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
 
@@ -142,14 +142,14 @@ def fit_machine(
     needed = ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
     read = read_table(table, needed, optional=["segment", *COMPARED])
     log = by_port(Known.of(plant), read)
-    with steps("fit-machine", 14) as progress:
+    with progress_bar("fit-machine") as progress:
         learnt = learn_and_judge(plant, log, progress)
-        progress("run against the log")
+        progress("run against the log", 12, 14)
         flow = build_flow("polynomial", plant, models=learnt.without)
         told, drift = against_log(plant, flow, read, learnt.held)
         save_models(learnt.models, out)
         if card is not None:
-            progress("card")
+            progress("card", 13, 14)
             write_machine_card(plant, learnt, log, table.name, card, drift, told)
     print(
         f"{learnt.held.sum()} of {len(log)} rows held out, every fifth block of time; errors as flows, where a valve is open:"
@@ -204,7 +204,7 @@ def replay(
     plant = load_machine(machine)
     log = read_table(table, ["time", *DRIVEN])
     options: dict[str, Any] = {"models": [found for path in model for found in load_models(path)]} if model else {}
-    with counted("replay") as progress:
+    with progress_bar("replay") as progress:
         windows = run(plant, build_flow(flow, plant, **options), log, seconds=seconds, progress=progress)
     if not windows:
         raise InputError(f"{table}: no piece of {seconds:g} s without a gap; choose shorter windows by --seconds")

@@ -7,7 +7,7 @@ import typer
 
 from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import counted, print_differences, steps
+from polydraulic.terminal import print_differences, progress_bar
 
 FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
 ScenarioArgument = Annotated[
@@ -78,11 +78,11 @@ def simulate(
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     chosen = build_flow(flow, plant, **options)
     runs = {}
-    with steps("simulate", 1 if flow == "exact" else 2) as progress:
+    with progress_bar("simulate") as progress:
         if flow != "exact":
-            progress("exact")
+            progress("exact", 0, 2)
             runs["exact"] = run(plant, "exact", what, dt=dt, raster=raster, method=method)
-        progress(flow)
+        progress(flow, len(runs), len(runs) + 1)
         runs[flow] = run(plant, chosen, what, dt=dt, raster=raster, method=method)
     info = runs[flow].info
     print(f"{what.name}: {what.title}")
@@ -133,11 +133,11 @@ def animate(
     plant, what = load_machine(machine), load_scenario(scenario)
     flows = list(dict.fromkeys(flow or ["exact"]))
     runs = {}
-    with steps("simulate", len(flows)) as progress:
-        for name in flows:
-            progress(name)
+    with progress_bar("simulate") as progress:
+        for number, name in enumerate(flows):
+            progress(name, number, len(flows))
             runs[name] = run(plant, name, what, dt=dt)
-    with counted("draw") as drawn:
+    with progress_bar("draw") as drawn:
         write_animation(runs, plant, out, rate=rate, progress=drawn)
     print(f"{out}: {what.name}, {', '.join(flows)}")
 

@@ -8,7 +8,7 @@ import typer
 from polydraulic.cli.app import app
 from polydraulic.cli.dynamic import say_how_dynamic
 from polydraulic.errors import InputError
-from polydraulic.terminal import stages, steps
+from polydraulic.terminal import progress_bar
 
 if TYPE_CHECKING:
     import numpy as np
@@ -99,7 +99,7 @@ def fit(
         borders, statements = with_deadbands(borders, data, names, targets)
         print("\n".join(statements))
     estimator = AbductiveRegressor(**settings, output_bounds="data" if limits is None else (limits[0], limits[1]))
-    with steps("fit", 2 * len(targets)) as progress:
+    with progress_bar("fit") as progress:
         fits = fit_table(data, names, targets, estimator, borders, regions, progress)
     save_models([found.model for found in fits], out)
     if card is not None:
@@ -126,7 +126,7 @@ def _fit_dynamic(
         raise InputError(f"{given[0]} goes with static models; a dynamic one has a single region and the data's range")
     data = read_table(table, [*inputs, *outputs], optional=["time", "segment"])
     estimator = AbductiveRegressor(**settings) if settings else None
-    with stages("fit") as progress:
+    with progress_bar("fit") as progress:
         fits = fit_log(data, inputs, outputs, estimator, longest_lag, progress)
     save_models([found.model for found in fits], out)
     if card is not None:
@@ -274,7 +274,7 @@ def verify(
     from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
-    with stages("verify") as progress:
+    with progress_bar("verify") as progress:
         found, not_tried = verify_models(models, points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
     say_how_dynamic(models)

@@ -7,7 +7,7 @@ import typer
 
 from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import stages
+from polydraulic.terminal import progress_bar
 
 
 @app.command()
@@ -32,7 +32,7 @@ def report(
     if chapter and figure:
         raise InputError("--chapter and --figure exclude each other: a figure belongs to one chapter")
     plant = load_machine(machine)
-    with stages("report") as progress:
+    with progress_bar("report") as progress:
         if figure:
             path = write_figure(plant, out, figure, progress=progress)
         else:

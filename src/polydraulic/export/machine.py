@@ -18,10 +18,11 @@ from polydraulic.errors import InputError
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
-from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, served_links
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
 from polydraulic.machine.linkage import tip
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, State, from_vector, initial_state
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.loop import N_RECORD, at_rest, reasonable, record
 from polydraulic.simulation.runs import CIRCUIT_COLUMNS, FLOW_COLUMNS, STATE_COLUMNS
@@ -85,7 +86,7 @@ def outputs() -> list[Output]:
     return [*by_link, *by_circuit, *rest, *(Output(f"effector.{axis}", "m") for axis in "xyz")]
 
 
-def prepared(machine: Machine, flow: Any, *, dt: float = 5e-3, locked: Collection[str] = ()) -> Prepared:
+def prepared(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3, locked: Collection[str] = ()) -> Prepared:
     """Collect the numbers of a step, from the same preparation as `simulate`.
 
     Parameters
@@ -104,7 +105,7 @@ def prepared(machine: Machine, flow: Any, *, dt: float = 5e-3, locked: Collectio
     unknown = set(locked) - set(LINKS)
     if unknown or set(locked) == set(LINKS):
         raise InputError(f"locked = {sorted(locked)}: must be some of {list(LINKS)}, and leave one free")
-    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    model = as_flow(flow, machine)
     missing = [link for link in LINKS if link not in locked and link not in served_links(model)]
     if missing:
         raise InputError(f"flow {flow_name(model)!r} does not serve {', '.join(missing)}; give locked={missing}")
@@ -117,13 +118,18 @@ def prepared(machine: Machine, flow: Any, *, dt: float = 5e-3, locked: Collectio
 
 
 def machine_c(
-    machine: Machine, flow: Any, *, name: str = "machine", dt: float = 5e-3, locked: Collection[str] = ()
+    machine: Machine | str | Path,
+    flow: str | FlowModel,
+    *,
+    name: str = "machine",
+    dt: float = 5e-3,
+    locked: Collection[str] = (),
 ) -> dict[str, str]:
     """Texts of the C files by file name.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     flow : str or flow model
         Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``.
     name : str
@@ -138,6 +144,7 @@ def machine_c(
     InputError
         As `prepared`; if `name` is no C identifier; with file and line where a kernel does not translate.
     """
+    machine = as_machine(machine)
     if c_name(name) != name:
         raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
     parts = prepared(machine, flow, dt=dt, locked=locked)
@@ -170,7 +177,7 @@ def machine_c(
     return {f"{name}{file}": text for file, text in files.items()}
 
 
-def machine_size(machine: Machine, flow: Any, *, dt: float = 5e-3) -> int:
+def machine_size(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3) -> int:
     """Numbers of 8 bytes in the struct of a machine.
 
     Parameters
@@ -178,21 +185,27 @@ def machine_size(machine: Machine, flow: Any, *, dt: float = 5e-3) -> int:
     machine, flow, dt
         As for `machine_c`.
     """
-    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    model = as_flow(flow, machine)
     n_memory = FLOW_KINDS[flow_name(model)].n_memory(model)
     return len(outputs()) + n_memory + len(LINKS) * max(1, *_delays(machine, dt)) + 2
 
 
-def export_machine(machine: Machine, flow: Any, folder: str | Path, **options: Any) -> list[Path]:
+def export_machine(
+    machine: Machine | str | Path,
+    flow: str | FlowModel,
+    folder: str | Path,
+    *,
+    name: str = "machine",
+    dt: float = 5e-3,
+    locked: Collection[str] = (),
+) -> list[Path]:
     """Write the files of `machine_c` into a folder.
 
     Parameters
     ----------
-    machine, flow
+    machine, flow, name, dt, locked
         As for `machine_c`.
     folder : str or Path
-    **options
-        ``name``, ``dt``, ``locked``, as for `machine_c`.
 
     Returns
     -------
@@ -205,7 +218,7 @@ def export_machine(machine: Machine, flow: Any, folder: str | Path, **options: A
         As `machine_c`, or if the folder cannot be written.
     """
     paths = []
-    for file, text in machine_c(machine, flow, **options).items():
+    for file, text in machine_c(machine, flow, name=name, dt=dt, locked=locked).items():
         paths.append(Path(folder) / file)
         write_text(paths[-1], text)
     return paths

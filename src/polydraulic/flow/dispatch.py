@@ -5,6 +5,7 @@ look-up. To add a model: a NamedTuple, a step kernel, a builder, and one row her
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,10 @@ from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.model.table import work_size
 from polydraulic.parameters.schema import LINKS, Machine
+
+FlowModel = (
+    ExactFlow | IterativeFlow | StiffFlow | TlmFlow | LookupFlow | PolynomialFlow | NeuralFlow | PressureFlow
+)  # what builders give and `simulate` takes
 
 
 class FlowKind(NamedTuple):
@@ -169,14 +174,14 @@ def _flow_lanes_compiled(model: Any, own: Any, rows: Any, whole: Any) -> Any:
     return chosen
 
 
-def build_flow(name: str, machine: Machine, **options: Any) -> Any:
+def build_flow(name: str, machine: Machine | str | Path, **options: Any) -> FlowModel:
     """Build a flow model by name.
 
     Parameters
     ----------
     name : str
         A key of `FLOW_KINDS`.
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     **options
         Settings of that model's builder.
 
@@ -187,7 +192,13 @@ def build_flow(name: str, machine: Machine, **options: Any) -> Any:
     """
     if name not in FLOW_KINDS:
         raise InputError(f"unknown flow model {name!r}; choose one of {sorted(FLOW_KINDS)}")
-    return FLOW_KINDS[name].build(machine, **options)
+    found: FlowModel = FLOW_KINDS[name].build(machine, **options)
+    return found
+
+
+def as_flow(flow: str | FlowModel, machine: Machine) -> FlowModel:
+    """Return a flow model that is given, or build the one of that name."""
+    return build_flow(flow, machine) if isinstance(flow, str) else flow
 
 
 def flow_name(model: Any) -> str:

@@ -1,7 +1,6 @@
 """Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
 
-from collections.abc import Callable, Mapping, Sequence
-from itertools import count
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Any, NamedTuple
 
@@ -28,9 +27,9 @@ from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
 from polydraulic.networks.model.table import Network, Node
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
-Progress = Callable[[str, int, int], None]
 LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
 _FEWER = 0.1  # by which the share of rows in their intervals may fall below the level without a word
@@ -75,7 +74,7 @@ def fit_log(
     outputs: Sequence[str],
     estimator: AbductiveRegressor | None = None,
     longest_lag: int = 8,
-    progress: Progress = lambda what, done, total: None,
+    progress: Progress = quiet,
 ) -> list[DynamicFit]:
     """Fit all outputs together; they may read each other's past.
 
@@ -91,8 +90,8 @@ def fit_log(
         Of every network; chosen by free runs if not given.
     longest_lag : int
         In rows.
-    progress : function (what, done, total)
-        Called with each choice that is tried.
+    progress : Progress, optional
+        Told each choice that is tried.
 
     Returns
     -------
@@ -115,12 +114,11 @@ def fit_log(
 
     def search(targets: np.ndarray, what: str, done: int) -> DynamicRegressor:
         progress(what, done, 2)
-        tried = count(1)
 
-        def tell(choice: Choice) -> None:
-            progress(f"{what}: choice {next(tried)}, lags to {choice.longest}, {choice.error:.2f}", done, 2)
+        def tell(choice: str, tried: int, most: int) -> None:
+            progress(f"{what}: choice {tried}, {choice}", done, 2)
 
-        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, verbose=tell)
+        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, progress=tell)
         return regressor.fit(X, targets, rows.segments)
 
     judged = search(without, "hold out", 0)

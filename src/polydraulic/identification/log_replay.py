@@ -4,7 +4,6 @@ The joysticks of the log drive it; nothing else of the log is seen after the sta
 flow model and parameter set (masses, friction, lines) together.
 """
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from polydraulic.errors import InputError
 from polydraulic.identification.machine_fit import UNITS
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.tables import Table
 
@@ -76,7 +76,7 @@ def replay(
     *,
     seconds: float = SECONDS,
     rows: np.ndarray | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = quiet,
 ) -> list[Window]:
     """Run a machine over windows of a log, each begun from the measured state.
 
@@ -94,7 +94,8 @@ def replay(
         Length of a window.
     rows : (n_row,) array of bool, optional
         Which rows may be in a window; all if not given.
-    progress : function (done, n_window), optional
+    progress : Progress, optional
+        Told how many windows are done.
 
     Returns
     -------

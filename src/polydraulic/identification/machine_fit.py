@@ -4,7 +4,7 @@ What must be known is the pumps' flow and relief setting, the return pressure an
 nor pump pressures. `judged_machine` says how good the networks are.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 MEASURED = ("spool", "p_a", "p_b", "q_in", "q_out")  # of each link
@@ -98,7 +99,7 @@ def _ports(known: Known, link: str, columns: dict[str, np.ndarray]) -> dict[str,
     }
 
 
-def learn(machine: Machine, log: Table, progress: Callable[[str], None] = lambda step: None) -> list[Model]:
+def learn(machine: Machine, log: Table, progress: Progress = quiet) -> list[Model]:
     """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband.
 
     Parameters
@@ -106,24 +107,24 @@ def learn(machine: Machine, log: Table, progress: Callable[[str], None] = lambda
     machine : Machine
     log : Table
         From `by_port`.
-    progress : function of str
-        Called with each of six outputs as it begins.
+    progress : Progress, optional
+        Told each of six outputs as it begins.
     """
     rng = np.random.default_rng(_SEED)
-    models = []
+    models: list[Model] = []
     for link, (output, inputs), high in (
         ("boom", BOOM_IN, machine.pumps.boom_flow),
         ("swing", (q_in("swing"), BOTH), machine.pumps.series_flow),
         ("stick", (q_in("stick"), PASSED), machine.pumps.series_flow),
     ):
-        progress(output.name)
+        progress(output.name, len(models), 2 * len(LINKS))
         # a flow model lets nothing in at relief, whatever a network says
         below = np.flatnonzero(log[f"{link}.p_in"] < BELOW_RELIEF * machine.pumps.relief)
         rows = below[_chosen(log[f"{link}.travel"][below] > machine.spool.deadband, rng)]
         settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
         models.append(_fit(settings, log, inputs, output, rows))
     for link in LINKS:
-        progress(f"{link}.k_out")
+        progress(f"{link}.k_out", len(models), 2 * len(LINKS))
         models.append(_learn_outlet(machine, log, link, rng))
     return models
 

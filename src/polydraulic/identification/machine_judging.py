@@ -1,6 +1,5 @@
 """How good a machine learnt from a log is: networks learnt without blocks of time of it, judged by these blocks."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from polydraulic.identification.machine_fit import BELOW_RELIEF, CELL, ROOT_LEAS
 from polydraulic.identification.table_fit import HeldOut, TableFit, judged
 from polydraulic.networks.model.model import Model
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 _FOLD, _BLOCKS = 5, 20  # one of so many blocks of time is held out, and so many there are at least
@@ -44,7 +44,7 @@ class LearntMachine(NamedTuple):
         return [fit.model for fit in self.fits]
 
 
-def learn_and_judge(machine: Machine, log: Table, progress: Callable[[str], None] = lambda step: None) -> LearntMachine:
+def learn_and_judge(machine: Machine, log: Table, progress: Progress = quiet) -> LearntMachine:
     """Networks of all circuits from a log, and how good they are on blocks of time that were held out.
 
     Every fifth block of time is held out: blocks of half a minute, or twenty of a log under ten minutes. Networks are judged by
@@ -55,8 +55,8 @@ def learn_and_judge(machine: Machine, log: Table, progress: Callable[[str], None
     machine : Machine
     log : Table
         From `by_port`, with the column ``time``.
-    progress : function of str
-        Called twelve times: with each output as it begins without the rows held out, and as it begins with all.
+    progress : Progress, optional
+        Called twelve times: told each output as it begins without the rows held out, and as it begins with all.
 
     Returns
     -------
@@ -74,8 +74,8 @@ def learn_and_judge(machine: Machine, log: Table, progress: Callable[[str], None
     known = Known.of(machine)
     held = _held_out(log)
     _check_rows(log, held, known)
-    without = learn(machine, _rows(log, ~held), lambda output: progress(f"{output}: hold out"))
-    models = learn(machine, log, lambda output: progress(f"{output}: all rows"))
+    without = learn(machine, _rows(log, ~held), lambda output, done, n: progress(f"{output}: hold out", done, 2 * n))
+    models = learn(machine, log, lambda output, done, n: progress(f"{output}: all rows", n + done, 2 * n))
     return LearntMachine([_fit(machine, log, held, *pair) for pair in zip(models, without, strict=True)], without, held)
 
 

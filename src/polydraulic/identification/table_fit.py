@@ -1,6 +1,6 @@
 """Fit a table: one model an output, with its error and the coverage of its intervals on rows that were held out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil, inf
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import region_of
 from polydraulic.networks.regions.region_regressor import RegionRegressor
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 FOLD = 5  # one of so many rows, or blocks of time, is held out
@@ -68,7 +69,7 @@ def fit_table(
     estimator: AbductiveRegressor,
     edges: Mapping[str, Sequence[float]],
     max_regions: int = 1,
-    progress: Callable[[str], None] = lambda step: None,
+    progress: Progress = quiet,
 ) -> list[TableFit]:
     """Fit each output column from the input columns.
 
@@ -83,7 +84,7 @@ def fit_table(
         Regions; empty to find them, or for one network.
     max_regions : int
         Without edges, so many regions may be found.
-    progress : function of str
+    progress : Progress, optional
         Called twice an output.
 
     Raises
@@ -102,12 +103,12 @@ def fit_table(
     by_time = "time" in table.names
     held = held_out(len(table), by_time=by_time)
     fits = []
-    for output in outputs:
+    for number, output in enumerate(outputs):
         y = table[output]
         regressor = RegionRegressor(estimator, edges=by_index or None, max_regions=max_regions)
-        progress(f"{output}: hold out")
+        progress(f"{output}: hold out", 2 * number, 2 * len(outputs))
         predicted = clone(regressor).fit(X[~held], y[~held]).predict(X[held])
-        progress(f"{output}: all rows")
+        progress(f"{output}: all rows", 2 * number + 1, 2 * len(outputs))
         fitted = clone(regressor).fit(X, y)
         model = fitted.to_model([Variable(n, table.unit(n)) for n in inputs], Variable(output, table.unit(output)))
         fits.append(judged(model, HeldOut(X[held], y[held], predicted, by_time), len(y)))

@@ -201,7 +201,7 @@ def test_results_do_not_depend_on_threads(machine):
     ]
     for name in ("rows", "final", "lowest", "highest", "steps"):
         assert np.array_equal(*(getattr(batch, name) for batch in batches))
-    assert seen[-1] == (n, n)
+    assert seen[-1] == ("simulate", n, n)
     assert len(seen) == 2 * -(-n // LANES)
 
 
@@ -294,3 +294,16 @@ def test_lanes_are_vector_instructions(machine, differ):
     # the two solves of an end stop, and a root for all lanes at once; machines of their own leave a scalar version for overlaps
     assert differ or scalar <= 3
     assert "NRT_" not in fresh.inspect_llvm(fresh.signatures[0])
+
+
+def test_machines_and_scenarios_may_be_given_by_name(machine):
+    scenario = load_scenario("single_08")
+    short = {"t_end": 0.02, "keep": ["rows"]}
+    named = simulate_batch(["cat215b", machine, "cat215b"], "exact", ["single_08", scenario, "single_08"], **short)
+    assert np.array_equal(named.rows, simulate_batch([machine] * 3, "exact", scenario, **short).rows)
+    one = simulate_batch("cat215b", "exact", "single_08", **short)
+    assert np.array_equal(one.rows[0], named.rows[2])
+    with pytest.raises(InputError, match="unknown scenario 'dig'"):
+        simulate_batch(machine, "exact", "dig")
+    with pytest.raises(InputError, match="given by its name .*, not as int"):
+        simulate_batch([machine, 3], "exact", "single_08")

@@ -14,9 +14,9 @@ from polydraulic.networks.model.model_file import save_models
 from polydraulic.parameters.load import load_machine
 
 
-def say(output: str, asked: int, error: float) -> None:
+def show(what: str, asked: int, most: int) -> None:
     """Print how far a search has come."""
-    print(f"{output}: {asked} points, largest error {error:.3g} m3/s", file=sys.stderr)
+    print(f"{what}, {asked} points of {most} at most", file=sys.stderr)
 
 
 if __name__ == "__main__":
@@ -29,4 +29,4 @@ if __name__ == "__main__":
         "limited": learn_limited,
         "direct": learn_direct,
     }.items():
-        save_models(learn(machine, say), folder / f"{file}.json")
+        save_models(learn(machine, progress=show), folder / f"{file}.json")

@@ -35,7 +35,7 @@ def refine(
     bounds: tuple[float, float],
     *,
     max_iterations: int,
-    progress: Callable[[int, float], None] = lambda iteration, loss: None,
+    watch: Callable[[int, float], None] = lambda iteration, loss: None,
 ) -> tuple[list[Node], float]:
     """Lower the squared error over all coefficients that are not zero.
 
@@ -48,7 +48,7 @@ def refine(
         Of the normalized output.
     max_iterations : int
         Passes over the rows at most.
-    progress : function (iteration, loss)
+    watch : function (iteration, loss)
 
     Returns
     -------
@@ -75,7 +75,7 @@ def refine(
         raise_by = 2.0
         slow = slow + 1 if gained < _ENOUGH * here.loss else 0
         coef, here = coef - step, there
-        progress(iteration, here.loss)
+        watch(iteration, here.loss)
         if slow == _LAST_STEPS or here.loss <= 1e-24:
             break
     return _with(nodes, free, coef), here.loss
