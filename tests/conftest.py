@@ -3,7 +3,7 @@ import sys
 import pytest
 from hypothesis import settings
 
-from polydraulic import build_flow, cli, load_machine, load_scenario
+from polydraulic import build_flow, cli, load_machine, load_scenario, simulate
 
 settings.register_profile("quick", max_examples=60, deadline=None, derandomize=True)
 settings.load_profile("quick")
@@ -40,3 +40,16 @@ def call(monkeypatch, capsys, tmp_path):
         return stop.value.code or 0, printed.out, printed.err
 
     return run
+
+
+@pytest.fixture(scope="session")
+def whole(machine):
+    """The whole machine in motion, by two flow models."""
+    scenario = load_scenario("task")
+    return {name: simulate(machine, name, scenario, t_end=0.6) for name in ("exact", "iterative")}
+
+
+@pytest.fixture(scope="session")
+def boom_runs(machine):
+    scenario = load_scenario("single_08")
+    return {name: simulate(machine, name, scenario, t_end=0.2) for name in ("exact", "polynomial")}

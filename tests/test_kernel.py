@@ -1,3 +1,4 @@
+import re
 import shutil
 import subprocess
 import sys
@@ -20,7 +21,16 @@ def test_a_kernel_that_allocates_does_not_compile():
         allocates(3)
 
 
-def test_the_digest_follows_every_source(tmp_path):
+def test_kernels_above_the_digest_stand_in_one_file():
+    """numba itself sees an edit in the file of a kernel; what that kernel calls has to be in the digest."""
+    package = Path(_kernel.__file__).parent
+    paths = {path.relative_to(package) for path in package.rglob("*.py")}
+    found = {p for p in paths if re.search(r"^@(kernel|driver)\b", (package / p).read_text(), re.MULTILINE)}
+    assert Path("simulation/loop.py") in found
+    assert {p for p in found if p.parts[0] not in (*_kernel._COMPILED, "elementary.py")} == {Path("export/machine.py")}
+
+
+def test_the_digest_follows_every_source_of_kernels(tmp_path):
     package = Path(_kernel.__file__).parent
     copy = tmp_path / "polydraulic"
     shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
@@ -34,7 +44,11 @@ def test_the_digest_follows_every_source(tmp_path):
     assert before == _kernel.source_digest()
     with (copy / "machine" / "valve.py").open("a") as file:
         file.write("# edited\n")
-    assert digest() != before
+    edited = digest()
+    assert edited != before
+    with (copy / "cli" / "app.py").open("a") as file:
+        file.write("# edited\n")
+    assert digest() == edited
 
 
 def test_other_packages_keep_their_cache_folder():

@@ -1,8 +1,8 @@
 """`@kernel` and `@driver`: compiled functions whose cache notices every edit.
 
 numba's disk cache looks at the file that holds a function, not at the files of the functions it calls: an edit to
-`valve.py` would leave a stale time loop behind. Here the cache folder is named by a digest of all sources of the
-package, so that any edit starts afresh.
+`valve.py` would leave a stale time loop behind. Here the cache folder is named by a digest of every source that can
+stand in a kernel, so that an edit of any of them starts afresh. Kernels above `simulation` call these alone, and each stands in a file that numba watches.
 
 A kernel is a pure function of floats and named tuples, inlined where it is called; a driver owns arrays and loops.
 Neither may allocate (`_nrt=False` makes an allocation a compile error). With ``NUMBA_DISABLE_JIT=1`` both are
@@ -26,11 +26,17 @@ KERNEL_OPTIONS: dict[str, Any] = {**_DRIVER_OPTIONS, "forceinline": True}
 _KEEP_DAYS = 30
 
 
+# What kernels are made of: the layers up to `simulation` (parameters are types to them, constants may come from units).
+_COMPILED = ("_kernel", "elementary", "units", "parameters", "networks", "machine", "flow", "simulation")
+
+
 def source_digest() -> str:
-    """Digest of every Python source of the package: names the cache folder."""
+    """Digest of every Python source that can stand in a kernel: names the cache folder."""
     root = Path(__file__).parent
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
+        if path.relative_to(root).with_suffix("").parts[0] not in _COMPILED:
+            continue
         digest.update(path.relative_to(root).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -1,7 +1,7 @@
 from .c.source import export_c, to_c
 from .fmu.description import FmuDescription, FmuVariable
 from .fmu.machine import export_machine_fmu
-from .fmu.networks import describe_networks, export_fmu
+from .fmu.networks import export_fmu
 from .fmu.package import WrittenFmu, write_fmu
 from .formula import to_latex, to_python, to_sympy, to_text
 from .machine import export_machine, machine_c
@@ -21,7 +21,6 @@ __all__ = [
     "agreement_table",
     "bundle",
     "c_name",
-    "describe_networks",
     "export_c",
     "export_fmu",
     "export_machine",
