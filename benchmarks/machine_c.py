@@ -99,7 +99,7 @@ def compiled(machine, flow, locked, folder, flags):
 
 def imported(machine, flow, locked, folder):
     """The loop of an importer around the binary of an FMU, and the bytes of that binary and of the whole FMU."""
-    path = export_machine_fmu(machine, flow, folder / "m.fmu", version=2, name="m", locked=locked).path
+    path = export_machine_fmu(machine, flow, folder / "m.fmu", version=2, name="m", locked=locked).main
     with zipfile.ZipFile(path) as archive:
         archive.extractall(folder)
     token = re.search(r'guid="(.*?)"', (folder / "modelDescription.xml").read_text())[1]

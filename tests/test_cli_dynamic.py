@@ -55,7 +55,7 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     assert "20 free run(s) of up to 30 rows" in call("run m.json next.csv --every 0.6")[1]
     for bad, message in {
         "--every 0.001": "no less than the raster of 0.02 s",
-        "--every inf": "--every inf: must be a time",
+        "--every inf": "every = inf s: must be finite",
         "--plot r.gif": "a picture ends in",
         "--out r.txt": "ends in .csv or .parquet",
     }.items():

@@ -7,7 +7,6 @@ import pytest
 
 from helpers.logs_made import MAP, healthy, write_csv
 from helpers.machine_log import machine_log
-from polydraulic.identification import machine_fit, machine_judging, model_card
 from polydraulic.tables import Table, write_table
 
 
@@ -73,12 +72,7 @@ def test_bad_input_is_one_line_and_exit_code_2(call, files, line, message):
 
 
 @pytest.fixture
-def machine_files(tmp_path, monkeypatch):
-    monkeypatch.setattr(machine_fit, "REGIONS", 2)
-    monkeypatch.setattr(machine_fit, "ROWS", 1000)
-    monkeypatch.setattr(machine_judging, "_BLOCKS", 5)
-    monkeypatch.setattr(model_card, "_EFFORT", 2)
-    monkeypatch.setattr(model_card, "_SHOWN", 1)
+def machine_files(tmp_path):
     log = machine_log(90.0)
     write_table(log, tmp_path / "table.parquet")
     later = machine_log(20.0, seed=3)
@@ -90,7 +84,8 @@ def machine_files(tmp_path, monkeypatch):
 
 
 def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
-    code, out, _ = call("fit-machine table.parquet --out machine.json --card machine.html")
+    quick = "--regions 2 --rows 1000 --blocks 5"
+    code, out, _ = call(f"fit-machine table.parquet --out machine.json --card machine.html {quick}")
     assert code == 0
     assert "of 4501 rows held out, every fifth block of time" in out
     shares = [float(share) for share in re.findall(r"^  \w+\.\w+ .*?(\S+)%", out, re.MULTILINE)]
@@ -117,7 +112,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
         ("fit-machine later.parquet --out m.json", "record longer"),
         ("fit-machine bar.parquet --out m.json", "column 'boom.p_a' is in 'bar'"),
         ("replay silent.csv", "no column 'swing.voltage'"),
-        ("replay later.parquet --seconds 60", "no piece of 60 s without a gap; choose shorter windows by --seconds"),
+        ("replay later.parquet --seconds 60", "later.parquet: no piece of 60 s without a gap; choose shorter windows"),
         ("replay later.parquet --plot r.txt", "a picture ends in one of"),
         ("replay later.parquet --flow exact --model m.json", "--model goes with --flow polynomial or neural"),
     ],

@@ -6,9 +6,8 @@ from polydraulic import terminal
 
 
 @pytest.mark.parametrize(("patience", "shown"), [(60.0, False), (0.0, True)])
-def test_progress_appears_only_when_work_takes_long(monkeypatch, capsys, patience, shown):
-    monkeypatch.setattr(terminal, "PATIENCE", patience)
-    with terminal.progress_bar("work") as progress:
+def test_progress_appears_only_when_work_takes_long(capsys, patience, shown):
+    with terminal.progress_bar("work", patience=patience) as progress:
         progress("first", 0, 2)
         if shown:
             time.sleep(0.2)  # the timer's thread needs a moment
@@ -18,7 +17,6 @@ def test_progress_appears_only_when_work_takes_long(monkeypatch, capsys, patienc
     assert ("second" in printed) is shown
 
 
-def test_an_error_ends_the_progress(monkeypatch):
-    monkeypatch.setattr(terminal, "PATIENCE", 60.0)
-    with pytest.raises(ValueError, match="mine"), terminal.progress_bar("work"):
+def test_an_error_ends_the_progress():
+    with pytest.raises(ValueError, match="mine"), terminal.progress_bar("work", patience=60.0):
         raise ValueError("mine")

@@ -303,7 +303,9 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
     missing = [name for name in wanted if name not in units]
     if missing:
         raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}")
-    data = {name: _finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, path) for name in wanted}
+    data = {
+        name: finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, f"{path}: ") for name in wanted
+    }
     return Table(data, {name: units[name] for name in wanted}, _info_of(raw.schema))
 
 
@@ -329,11 +331,12 @@ def _numbers(column: Any, name: str, where: str) -> np.ndarray:
     return np.array(floats.to_numpy(zero_copy_only=False), dtype=np.float64)
 
 
-def _finite(values: np.ndarray, name: str, path: Path) -> np.ndarray:
+def finite(values: np.ndarray, name: str, where: str = "") -> np.ndarray:
+    """The values of a column, or an InputError that names the first one that is not finite."""
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise InputError(
-            f"{path}: column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
+            f"{where}column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
             "every value must be a finite number: drop these rows or fill them first"
         )
     return values

@@ -1,6 +1,6 @@
-"""What commands show while they work, and tables of what they found."""
+"""What commands show while they work, and a table of what they found."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -13,15 +13,15 @@ PATIENCE = 2.0  # s, before progress is shown
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Progress]:
+def progress_bar(title: str, *, patience: float = PATIENCE) -> Iterator[Progress]:
     """A progress bar; what it gives is the `progress` of any function that takes long."""
-    with _bar(title, 1) as update:
+    with _bar(title, 1, patience) as update:
         yield lambda what, done, total: update(done, total, what)
 
 
 @contextmanager
-def _bar(title: str, total: int) -> Iterator[Callable[[int, int, str], None]]:
-    """A progress bar that appears when the work takes longer than `PATIENCE`."""
+def _bar(title: str, total: int, patience: float) -> Iterator[Callable[[int, int, str], None]]:
+    """A progress bar that appears when the work takes longer than `patience` seconds."""
     from threading import Timer
 
     from rich.console import Console
@@ -34,7 +34,7 @@ def _bar(title: str, total: int) -> Iterator[Callable[[int, int, str], None]]:
     )
     bar = Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=False)
     task = bar.add_task(title, total=total, step="")
-    timer = Timer(PATIENCE, bar.start)
+    timer = Timer(patience, bar.start)
     timer.daemon = True
     timer.start()
     try:
@@ -44,15 +44,6 @@ def _bar(title: str, total: int) -> Iterator[Callable[[int, int, str], None]]:
         timer.join()
         if bar.live.is_started:
             bar.stop()
-
-
-def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Texts in columns, the first to the left, the others to the right."""
-    widths = [max(len(row[place]) for row in (heads, *rows)) for place in range(len(heads))]
-    for first, *others in (heads, *rows):
-        print(
-            "  ".join(["  " + first.ljust(widths[0]), *(t.rjust(w) for t, w in zip(others, widths[1:], strict=True))])
-        )
 
 
 def print_differences(differences: "Mapping[str, Difference]") -> None:

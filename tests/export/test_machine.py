@@ -6,7 +6,6 @@ import subprocess
 import numpy as np
 import pytest
 
-import polydraulic.export.machine as exported
 from helpers import c_machine
 from polydraulic import load_scenario, simulate
 from polydraulic._kernel import driver
@@ -243,7 +242,6 @@ def test_the_name_of_a_machine_may_be_part_of_those_of_kernels(machine, tmp_path
     c_machine.compiled(files, tmp_path, "-shared", "-fPIC")
 
 
-def test_tables_that_are_too_large_for_a_c_file_are_refused(machine, monkeypatch):
-    monkeypatch.setattr(exported, "MOST_NUMBERS", 100)
+def test_tables_that_are_too_large_for_a_c_file_are_refused(machine):
     with pytest.raises(InputError, match=r"flow 'exact' holds \d+ numbers; a C file takes up to 100: make it smaller"):
-        machine_c(machine, "exact")
+        machine_c(machine, "exact", most_numbers=100)

@@ -48,7 +48,7 @@ def test_what_is_not_a_number_gives_that_and_is_outside(exported_models):
 
 
 def test_file_with_names_units_and_domain(exported_models, tmp_path):
-    path = export_onnx(exported_models["regions"], tmp_path / "r.onnx")
+    path = export_onnx(exported_models["regions"], tmp_path / "r.onnx").main
     model = onnx.load(path)
     onnx.checker.check_model(model, full_check=True)
     assert (model.ir_version, model.opset_import[0].version) == (8, 17)

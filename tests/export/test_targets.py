@@ -13,24 +13,24 @@ from polydraulic.export import TARGETS, build, bundle, export_models
 @pytest.mark.parametrize("to", [to for to in TARGETS if to not in ("c", "onnx")])
 def test_every_target_writes_one_file_into_a_folder_or_to_a_path(to, exported_models, tmp_path):
     models = exported_models["several"]
-    first = export_models(models, to, tmp_path, name="mine").paths
-    assert [path.stem for path in first] == ["mine"]
-    second = export_models(models, to, tmp_path / f"other{first[0].suffix}").paths
-    assert second == [tmp_path / f"other{first[0].suffix}"]
+    first = export_models(models, to, tmp_path, name="mine")
+    assert [path.stem for path in first.files] == ["mine"]
+    second = export_models(models, to, tmp_path / f"other{first.main.suffix}")
+    assert second.files == (tmp_path / f"other{first.main.suffix}",)
     assert sorted(tmp_path.iterdir()) == sorted([*first, *second])
 
 
 def test_c_is_a_folder_and_names_that_change_are_told(exported_models, tmp_path):
     made = export_models(exported_models["several"], "c", tmp_path, name="3 valves")
-    assert [path.name for path in made.paths] == ["m_3_valves.h", "m_3_valves.c"]
-    assert made.notes == ["names: out put is out_put"]
+    assert [path.name for path in made] == ["m_3_valves.h", "m_3_valves.c"]
+    assert made.notes == ("names: out put is out_put",)
 
 
 @pytest.mark.parametrize("which", NAMES)
 def test_python_has_a_function_an_output(which, exported_models, tmp_path):
     models, whole = exported_models[which], bundle(exported_models[which])
     names = {}
-    exec(export_models(models, "python", tmp_path / "f.py").paths[0].read_text(), names)
+    exec(export_models(models, "python", tmp_path / "f.py").main.read_text(), names)
     X = whole.points(60)
     functions = zip(models, whole.places, whole.identifiers()[1], strict=True)
     y = [[names[name](*row) for row in X[:, list(place)].tolist()] for _, place, name in functions]
@@ -41,7 +41,7 @@ def test_sympy_module_builds_the_expressions(exported_models, tmp_path):
     sympy = pytest.importorskip("sympy")
     whole = bundle(exported_models["several"])
     names = {}
-    exec(export_models(whole.models, "sympy", tmp_path / "f.py").paths[0].read_text(), names)
+    exec(export_models(whole.models, "sympy", tmp_path / "f.py").main.read_text(), names)
     X = whole.points(60)[:40]
     X = X[whole.outside(X) == 0.0]
     function = sympy.lambdify(sympy.symbols("a b c"), names["mlp"], "numpy")

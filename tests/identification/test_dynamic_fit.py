@@ -10,10 +10,9 @@ import pytest
 from helpers.logs_with_memory import memory_log
 from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
-from polydraulic.identification.dynamic_fit import RunErrors, fit_log, statements
-from polydraulic.identification.model_card import write_card
+from polydraulic.identification import Errors, RunErrors, fit_dynamic, write_card
+from polydraulic.identification.dynamic_fit import statements
 from polydraulic.identification.runs import run_on
-from polydraulic.identification.table_fit import Errors
 from polydraulic.identification.validity import run_validity
 from polydraulic.tables import Table
 
@@ -27,8 +26,20 @@ def told():
 
 
 @pytest.fixture(scope="module")
-def fits(told):
-    return fit_log(LOG, ["u"], ["y", "z"], ONE, 1, lambda *step: told.append(step))
+def found(told):
+    def tell(*step):
+        told.append(step)
+
+    return fit_dynamic(LOG, ["u"], ["y", "z"], estimator=ONE, longest_lag=1, progress=tell)
+
+
+@pytest.fixture(scope="module")
+def fits(found):
+    return found.outputs
+
+
+def fit(table, outputs=("y",), inputs=("u",)):
+    return fit_dynamic(table, inputs, outputs, estimator=ONE, longest_lag=1).outputs
 
 
 def test_errors_are_those_of_runs_through_blocks_that_were_not_fitted(fits):
@@ -51,9 +62,7 @@ def test_rows_held_out_play_no_part_in_what_is_judged():
     spoilt = LOG["y"].copy()
     held = np.arange(440) // 22 == 9
     spoilt[held] += 3.0
-    found, other = (
-        fit_log(Table({**LOG.columns, "y": y}, LOG.units), ["u"], ["y"], ONE, 1)[0].held for y in (LOG["y"], spoilt)
-    )
+    found, other = (fit(Table({**LOG.columns, "y": y}, LOG.units))[0].held for y in (LOG["y"], spoilt))
     rest = found.row // 22 != 9
     assert np.array_equal(found.free[rest], other.free[rest])
 
@@ -73,6 +82,7 @@ def test_the_model_states_what_was_found(fits, tmp_path):
     for text in ("free run, 4 of up to", "one step ahead: R2 0.9", "rms for scale", "90% intervals", "rows ago; "):
         assert text in words
     assert "would err less" not in words
+    assert str(y) == "\n  ".join(["y [Pa]", *statements(y)])
 
 
 def test_intervals_come_from_half_of_the_runs(fits):
@@ -122,12 +132,12 @@ def test_a_search_tells_what_it_tries(fits, told):
 
 @pytest.mark.slow
 def test_nothing_is_learnt_across_a_jump_in_time():
-    found = fit_log(memory_log(n=440, pause=False), ["u"], ["y"], ONE, 1)[0].model.dynamics
+    found = fit(memory_log(n=440, pause=False))[0].model.dynamics
     order = np.r_[220:440, 0:220]
     whole = memory_log(n=440, pause=False)
     cut = Table({name: values[order] for name, values in whole.columns.items()}, whole.units)
     cut.columns["y"][220:] += 50.0  # a step that no rows of one segment show
-    assert fit_log(cut, ["u"], ["y"], ONE, 1)[0].model.dynamics.step[1] < found.step[1] + 0.1
+    assert fit(cut)[0].model.dynamics.step[1] < found.step[1] + 0.1
 
 
 def test_what_runs_worse_than_the_mean_or_the_last_value_is_said(fits):
@@ -151,19 +161,19 @@ def test_what_runs_worse_than_the_mean_or_the_last_value_is_said(fits):
 )
 def test_logs_that_cannot_be_learnt_are_named(columns, message):
     with pytest.raises(InputError, match=message):
-        fit_log(Table(LOG.columns | columns, LOG.units), ["u"], ["y"], ONE, 1)
+        fit(Table(LOG.columns | columns, LOG.units))
 
 
 def test_few_rows_and_shared_columns_are_named():
     few = Table({name: values[:200] for name, values in LOG.columns.items()}, LOG.units)
     with pytest.raises(InputError, match=r"the log has 200 rows; to hold blocks of time out it takes 280 .* lag of 8"):
-        fit_log(few, ["u"], ["y"])
+        fit_dynamic(few, ["u"], ["y"])
     with pytest.raises(InputError, match="column 'y' is both input and output"):
-        fit_log(LOG, ["u", "y"], ["y"])
+        fit(LOG, inputs=["u", "y"])
 
 
-def test_the_card_shows_the_runs(fits, tmp_path):
-    card = write_card(fits, LOG, "machine.parquet", tmp_path / "card.html")
+def test_the_card_shows_the_runs(found, fits, tmp_path):
+    card = write_card(found, tmp_path / "card.html", source="machine.parquet")
     assert json.loads((tmp_path / "card.card.json").read_text()) == json.loads(json.dumps(card))
     model = card["models"][0]
     assert model["raster"] == 0.02

@@ -5,7 +5,8 @@ import pytest
 
 from helpers.machine_log import changed, machine_log
 from polydraulic.errors import InputError
-from polydraulic.identification.log_replay import against_log, drifts, plot_replay, replay
+from polydraulic.identification import plot_replay, replay
+from polydraulic.identification.log_replay import against_log
 from polydraulic.tables import Table
 
 LOG = machine_log(20.0, seed=3)
@@ -17,42 +18,46 @@ def some(table, keep):
 
 
 @pytest.fixture(scope="module")
-def windows(machine):
-    return replay(machine, FLOW, LOG, seconds=5.0)
+def found(machine):
+    return replay(LOG, machine, FLOW, seconds=5.0)
 
 
-def test_the_machine_follows_its_own_log(machine, windows):
+def test_the_machine_follows_its_own_log(found):
+    windows = found.windows
     assert [round(float(w.time[0]), 6) for w in windows] == [0.0, 5.0, 10.0, 15.0]
     assert all(w.run.shape == w.measured.shape == (250, 3) for w in windows)
-    for drift in drifts(machine, windows):
+    for drift in found.drifts:
         assert 0.0 < drift.median <= drift.largest < (300.0 if drift.name == "tip" else 3.0)
         assert drift.moved > 5.0 * drift.median
 
 
-def test_another_machine_does_not(machine, windows):
+def test_another_machine_does_not(machine, found):
     slow = machine._replace(pumps=machine.pumps._replace(boom_flow=0.7 * machine.pumps.boom_flow))
-    boom = drifts(machine, replay(slow, FLOW, LOG, seconds=5.0))[1]
-    assert boom.largest > 5.0 * drifts(machine, windows)[1].largest
+    boom = replay(LOG, slow, FLOW, seconds=5.0).drifts[1]
+    assert boom.largest > 5.0 * found.drifts[1].largest
 
 
 def test_dead_times_are_those_of_the_log(machine):
     late = machine._replace(boom=machine.boom._replace(pilot=machine.boom.pilot._replace(dead_time=0.3)))
     delayed = changed(LOG, boom_voltage=np.interp(LOG["time"] + 0.3, LOG["time"], LOG["boom.voltage"]))
-    here, there = (replay(m, FLOW, log, seconds=5.0)[1] for m, log in ((machine, LOG), (late, delayed)))
+    here, there = (replay(log, m, FLOW, seconds=5.0).windows[1] for m, log in ((machine, LOG), (late, delayed)))
     assert np.allclose(here.run, there.run, atol=2e-3)
+
+
+def begins(log, machine, **options):
+    return [float(window.time[0]) for window in replay(log, machine, FLOW, **options).windows]
 
 
 def test_windows_stay_in_the_rows_given_and_out_of_gaps(machine):
     time = LOG["time"]
     allowed = (time > 6.0) & (time < 13.0)
-    assert [float(w.time[0]) for w in replay(machine, FLOW, LOG, seconds=3.0, rows=allowed)] == pytest.approx(
-        [6.02, 9.02]
-    )
+    assert begins(LOG, machine, seconds=3.0, rows=allowed) == pytest.approx([6.02, 9.02])
     gap = some(LOG, (time < 2.0) | (time > 2.3))
-    assert [float(w.time[0]) for w in replay(machine, FLOW, gap, seconds=8.0)] == pytest.approx([2.3, 10.3])
+    assert begins(gap, machine, seconds=8.0) == pytest.approx([2.3, 10.3])
     bridged = some(LOG, (time < 2.0) | (time > 2.05))
-    assert float(replay(machine, FLOW, bridged, seconds=8.0)[0].time[0]) == 0.0
-    assert replay(machine, FLOW, LOG, seconds=60.0) == []
+    assert begins(bridged, machine, seconds=8.0)[0] == 0.0
+    with pytest.raises(InputError, match="table: no piece of 60 s without a gap; choose shorter windows"):
+        replay(LOG, machine, FLOW, seconds=60.0)
 
 
 def test_why_it_is_not_known(machine):
@@ -63,17 +68,28 @@ def test_why_it_is_not_known(machine):
     assert (told.startswith("not run against the log: no piece of 10 s"), drift) == (True, [])
 
 
-def test_the_picture_shows_joints_and_drift(windows):
-    figure = plot_replay(windows)
+def test_how_far_it_drifts_is_said(found):
+    head, names, *rows = str(found).splitlines()
+    assert head == "4 windows of 5 s, each begun from the measured state; largest distance in a window:"
+    assert names.split() == ["joint", "median", "largest", "moved"]
+    assert [row.split()[0] for row in rows] == ["swing", "boom", "stick", "tip"]
+    assert rows[1].split()[1:3] == [f"{found.drifts[1].median:.2f}", "deg"]
+
+
+def test_models_go_with_flow_models_of_networks(machine):
+    with pytest.raises(InputError, match="models go with the flow models 'polynomial' and 'neural', not with 'exact'"):
+        replay(LOG, machine, "exact", models=[])
+
+
+def test_the_picture_shows_joints_and_drift(found):
+    figure = plot_replay(found)
     assert [axis.get_ylabel() for axis in figure.axes] == [
         "swing [deg]",
         "boom [deg]",
         "stick [deg]",
         "run - measured\n[deg]",
     ]
-    assert len(figure.axes[1].lines) == 3 * len(windows)
-    with pytest.raises(InputError, match="there is no window to show"):
-        plot_replay([])
+    assert len(figure.axes[1].lines) == 3 * len(found.windows)
 
 
 @pytest.mark.parametrize(
@@ -92,4 +108,4 @@ def test_the_picture_shows_joints_and_drift(windows):
 )
 def test_bad_logs_are_named(machine, log, seconds, message):
     with pytest.raises(InputError, match=message):
-        replay(machine, FLOW, log, seconds=seconds)
+        replay(log, machine, FLOW, seconds=seconds)

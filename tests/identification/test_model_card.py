@@ -7,8 +7,7 @@ import pytest
 
 from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
-from polydraulic.identification.model_card import write_card
-from polydraulic.identification.table_fit import fit_table
+from polydraulic.identification import fit_table, write_card
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
 
@@ -22,12 +21,17 @@ def log(n=1500, scale=1.0, reach=1.0, seed=0):
 
 
 @pytest.fixture(scope="module")
-def fits():
-    return fit_table(log(), ["a", "b"], ["y"], AbductiveRegressor(max_layers=2), {"a": [0.0]})
+def found():
+    return fit_table(log(), ["a", "b"], ["y"], estimator=AbductiveRegressor(max_layers=2), edges={"a": [0.0]})
 
 
-def test_the_card_says_what_an_engineer_asks(fits, tmp_path):
-    card = write_card(fits, log(), "machine.parquet", tmp_path / "card.html")
+@pytest.fixture(scope="module")
+def fits(found):
+    return found.outputs
+
+
+def test_the_card_says_what_an_engineer_asks(found, tmp_path):
+    card = write_card(found, tmp_path / "card.html", source="machine.parquet")
     assert json.loads((tmp_path / "card.card.json").read_text()) == json.loads(json.dumps(card))
     model = card["models"][0]
     assert card["data"]["rows"] == 1500
@@ -44,9 +48,9 @@ def test_the_card_says_what_an_engineer_asks(fits, tmp_path):
     assert 'src="http' not in page
 
 
-def test_a_card_ends_in_html(fits, tmp_path):
+def test_a_card_ends_in_html(found, tmp_path):
     with pytest.raises(InputError, match="a model card ends in .html"):
-        write_card(fits, log(), "x", tmp_path / "card.pdf")
+        write_card(found, tmp_path / "card.pdf")
 
 
 def test_a_model_holds_on_more_of_the_same_and_not_on_something_else(fits, tmp_path):

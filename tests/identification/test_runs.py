@@ -4,9 +4,11 @@ import pytest
 from helpers.logs_with_memory import memory_log
 from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
-from polydraulic.identification.run_plot import plot_runs, plot_separately
-from polydraulic.identification.runs import lags_in_words, last_value_held, run_on, run_table
+from polydraulic.identification import ModelRuns, plot_runs, run_models
+from polydraulic.identification.run_plot import plot_separately
+from polydraulic.identification.runs import last_value_held, run_on, side_by_side
 from polydraulic.networks import DynamicRegressor, Variable
+from polydraulic.tables import Table
 
 LOG = memory_log(n=300)
 SPANS = [(0, 150), (150, 152), (160, 300)]
@@ -56,18 +58,62 @@ def test_no_run_fits(fitted):
         run_on(fitted[1], type(LOG)({"y": LOG["y"], "z": LOG["z"]}, {}), SPANS)
 
 
-def test_a_run_as_a_table_and_in_words(fitted):
+def test_models_of_other_lags_answer_the_same_rows(fitted):
+    fixed = {"input_lags": [1, 5], "output_lags": [1], "increments": False, "horizon": None}
+    other = DynamicRegressor(AbductiveRegressor(max_layers=1), **fixed)
+    other.fit(LOG.matrix(["u"]), LOG.matrix(["y", "z"]))
+    longer = other.to_models([Variable("u", "V")], [Variable("y", "Pa"), Variable("z", "m")])
+    spans = [(0, 150), (150, 155), (160, 300)]
+    (short, _), (long, _) = side_by_side([fitted[1], longer], LOG, spans)
+    assert short.row.tolist() == long.row.tolist() == [*range(5, 150), *range(165, 300)]
+    assert np.array_equal(long.free, run_on(longer, LOG, spans)[0].free)
+    assert np.array_equal(short.free, run_on(fitted[1], LOG, [(3, 150), (163, 300)])[0].free)
+
+
+def test_models_run_on_a_log_whose_gaps_they_see(fitted):
     models = fitted[1]
-    found = run_table(models, run_on(models, LOG, SPANS), LOG)
-    assert found.names == ["time", "run", "y", "y.run", "y.one_step", "z", "z.run", "z.one_step"]
-    assert (found.unit("y.run"), found.unit("z.one_step"), found.unit("time")) == ("Pa", "m", "s")
-    assert lags_in_words(models[0]) == "u 1; y 1, 2; z 1, 2 rows ago"
+    found = run_models(models, LOG)
+    assert (found.runs[0].n_run, found.runs[0].longest) == (2, 148)  # a pause after half of the rows
+    table = found.to_table()
+    assert table.names == ["time", "run", "y", "y.run", "y.one_step", "z", "z.run", "z.one_step"]
+    assert (table.unit("y.run"), table.unit("z.one_step"), table.unit("time")) == ("Pa", "m", "s")
+    assert np.array_equal(table["y.run"], found.runs[0].free)
+    head, free, *_ = str(found).splitlines()
+    assert head == "2 free run(s) of up to 148 rows, 296 of 300 rows answered"
+    rms = np.sqrt(np.mean((found.runs[0].free - found.runs[0].measured) ** 2))
+    assert free.startswith("y [Pa], free run: R2 0.99")
+    assert f"rms {rms:.4g}" in free
+    assert run_models(models, LOG, every=0.6).runs[0].longest == 30
+
+
+@pytest.mark.parametrize(
+    ("every", "message"),
+    [
+        (0.01, "every = 0.01 s: must be finite and no less than the raster of 0.02 s"),
+        (float("inf"), "every = inf s: must be finite"),
+        (float("nan"), "every = nan s: must be finite"),
+    ],
+)
+def test_times_that_are_none_are_named(fitted, every, message):
+    with pytest.raises(InputError, match=message):
+        run_models(fitted[1], LOG, every=every)
+
+
+def test_without_a_raster_there_is_no_time(fitted):
+    model, _ = fitted
+    untimed = Table({name: LOG[name] for name in "uyz"}, {})
+    bare = DynamicRegressor(**{**model.get_params(deep=False), "raster": None})
+    bare.fit(LOG.matrix(["u"]), LOG.matrix(["y", "z"]))
+    models = bare.to_models([Variable("u")], [Variable("y"), Variable("z")])
+    with pytest.raises(InputError, match="neither model nor log say how far apart rows are"):
+        run_models(models, untimed, every=1.0)
+    assert run_models(models, untimed).to_table().unit("time") == "rows"
 
 
 def test_pictures_show_measured_next_to_simulated(fitted):
     models = fitted[1]
     runs = run_on(models, LOG, SPANS)
-    figure = plot_runs(models, runs)
+    figure = plot_runs(ModelRuns(models, runs, LOG))
     assert [axis.get_ylabel() for axis in figure.axes] == ["y [Pa]", "z [m]"]
     measured, free = figure.axes[0].lines
     assert np.isnan(measured.get_xdata()).sum() == 1  # no line from one run to the next

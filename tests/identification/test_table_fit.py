@@ -3,8 +3,8 @@ import pytest
 
 from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
-from polydraulic.identification.table_fit import fit_table, held_out
-from polydraulic.tables import Table
+from polydraulic.identification import fit_table
+from polydraulic.tables import Table, write_table
 
 RNG = np.random.default_rng(4)
 COLUMNS = {"a": RNG.uniform(size=100), "b": RNG.uniform(size=100), "flat": np.full(100, 3.0)}
@@ -14,7 +14,7 @@ TABLE = Table(COLUMNS, {"a": "m", "y": "Pa"})
 
 
 def fit(inputs, outputs, edges=None, table=TABLE):
-    return fit_table(table, inputs, outputs, AbductiveRegressor(max_layers=2), edges or {})
+    return fit_table(table, inputs, outputs, edges=edges, estimator=AbductiveRegressor(max_layers=2)).outputs
 
 
 def test_one_model_an_output():
@@ -54,6 +54,38 @@ def test_too_few_rows_are_named():
     few = Table({name: values[:3] for name, values in COLUMNS.items()}, {})
     with pytest.raises(ValueError, match="the table has 3 rows; fitting and holding out takes more than 5"):
         fit(["a"], ["y"], table=few)
+    with pytest.raises(InputError, match="the table has no rows"):
+        fit(["a"], ["y"], table=Table({"a": np.zeros(0), "y": np.zeros(0)}, {}))
+
+
+def test_a_table_in_memory_is_held_to_what_a_file_is():
+    gap = np.where(np.arange(100) == 6, np.nan, COLUMNS["a"])
+    with pytest.raises(
+        InputError, match=r"column 'a' holds nan in row 7 \(1 of 100 rows\); every value must be a finite"
+    ):
+        fit(["a"], ["y"], table=Table({**COLUMNS, "a": gap}, {}))
+    assert fit(["b"], ["z"], table=Table({**COLUMNS, "a": gap}, {}))  # what is not read may be anything
+
+
+def test_a_file_gives_what_its_table_gives(tmp_path):
+    write_table(TABLE, tmp_path / "t.parquet")
+    here, there = (fit_table(table, ["a", "b"], ["y", "z"]) for table in (TABLE, tmp_path / "t.parquet"))
+    assert here.models == there.models
+    assert (here.source, there.source) == ("table", "t.parquet")
+    assert there.table.names == ["a", "b", "y", "z"]
+
+
+def test_what_was_found_is_said_and_progress_told():
+    told = []
+    found = fit_table(TABLE, ["a", "b"], ["y", "z"], progress=lambda *step: told.append(step))
+    assert told == [
+        ("y: hold out", 0, 4), ("y: all rows", 1, 4), ("z: hold out", 2, 4), ("z: all rows", 3, 4),
+    ]  # fmt: skip
+    z = found.outputs[1]
+    assert str(found).splitlines()[1] == (
+        f"z: 1 network(s), {z.model.n_coefficients} coefficients; "
+        f"held-out R2 {z.r2:.4f}, rms {z.rms:.4g}, largest {z.largest:.4g}"
+    )
 
 
 def log(n=2000, noise=0.01, seed=0):
@@ -65,12 +97,17 @@ def log(n=2000, noise=0.01, seed=0):
 
 
 def test_of_a_log_blocks_of_time_are_held_out():
-    held = held_out(2000, by_time=True)
-    edges = np.flatnonzero(np.diff(held.astype(int)))
-    assert len(edges) == 7  # four blocks, the last one ends with the log
+    def rows(table):
+        return np.isin(table["a"], fit(["a", "b"], ["y"], table=table)[0].held.X[:, 0])
+
+    table = log()
+    held = rows(table)
     assert held.sum() == 400
-    assert held_out(2000, by_time=False).sum() == 400
-    assert np.flatnonzero(held_out(10, by_time=True)).tolist() == [4, 9]
+    assert np.flatnonzero(np.diff(held.astype(int))).tolist() == [399, 499, 899, 999, 1399, 1499, 1899]
+    untimed = Table({name: table[name] for name in "aby"}, {})
+    assert np.flatnonzero(rows(untimed))[:3].tolist() == [4, 9, 14]
+    short = log(190)  # too short for blocks of ten rows
+    assert np.flatnonzero(rows(short))[:3].tolist() == [4, 9, 14]
 
 
 def test_intervals_hold_on_rows_they_were_not_set_by():

@@ -1,17 +1,11 @@
-"""Dynamic models on the command line: run one on a log; what fit, check and export say of them."""
+"""Command of dynamic models: run."""
 
-from collections.abc import Sequence
-from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from polydraulic.cli.app import app
-from polydraulic.errors import InputError
-
-if TYPE_CHECKING:
-    from polydraulic.networks.model.model import Model
 
 
 @app.command()
@@ -37,61 +31,18 @@ def run(
 
     - As a predictor of the next second: `polydraulic run pressure.json log.parquet --every 1 --out second.parquet`
     """
-    import numpy as np
-
-    from polydraulic.identification.log_rows import rows_for
     from polydraulic.identification.run_plot import plot_runs
-    from polydraulic.identification.runs import run_on, run_table
-    from polydraulic.identification.table_fit import errors_of
-    from polydraulic.networks.dynamic.spans import spans_of
-    from polydraulic.networks.model.model_file import load_models
+    from polydraulic.identification.runs import run_models
     from polydraulic.plotting.run_figure import picture_ending, save_figure
-    from polydraulic.tables import read_table, table_ending, write_table
+    from polydraulic.tables import table_ending, write_table
 
     if out is not None:
         table_ending(out)
     if plot is not None:
         picture_ending(plot)
-    models, table = load_models(model), read_table(log)
-    rows = rows_for(models, table)
-    horizon = None if every is None else _rows(every, rows.raster)
-    runs = run_on(models, table, spans_of(rows.segments, np.ones(len(table), dtype=bool)), horizon)
+    found = run_models(model, log, every=every)
     if out is not None:
-        write_table(run_table(models, runs, table), out)
+        write_table(found.to_table(), out)
     if plot is not None:
-        save_figure(plot_runs(models, runs), plot)
-    print(
-        f"{runs[0].n_run} free run(s) of up to {runs[0].longest} rows, {len(runs[0].row)} of {len(table)} rows answered"
-    )
-    for found, answered in zip(models, runs, strict=True):
-        for name, values in (("free run", answered.free), ("one step", answered.one_step)):
-            r2, rms, largest = errors_of(answered.measured, values)
-            print(f"{found.output}, {name}: R2 {r2:.4f}, rms {rms:.4g}, largest {largest:.4g}")
-
-
-def _rows(seconds: float, raster: float | None) -> int:
-    """Rows in a time."""
-    if raster is None:
-        raise InputError("--every is a time; neither model nor log say how far apart rows are")
-    if not raster <= seconds < inf:
-        raise InputError(f"--every {seconds:g}: must be a time in s, no less than the raster of {raster:g} s")
-    return round(seconds / raster)
-
-
-def say_how_dynamic(models: "Sequence[Model]") -> None:
-    """Say of dynamic models what an export, or a proof, is about."""
-    from polydraulic.identification.runs import lags_in_words
-
-    steps: dict[str, list[str]] = {}
-    for model in models:
-        if model.dynamics is None:
-            continue
-        low, high = model.dynamics.step
-        raster = "" if model.dynamics.raster is None else f", rows {model.dynamics.raster:g} s apart"
-        change = f"{model.output.name} by {low:.6g} to {high:.6g}"
-        steps.setdefault(lags_in_words(model) + raster, []).append(change)
-    for lags, changes in steps.items():
-        print(
-            f"note: dynamic, a function of lagged values: {lags}. Whoever calls it shifts them from row to row, and lets "
-            f"the output change from the last one {', '.join(changes)} at most"
-        )
+        save_figure(plot_runs(found), plot)
+    print(found)

@@ -1,13 +1,13 @@
 """Commands of measured logs: import, record, fit-machine, replay."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from polydraulic.cli.app import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import print_table, progress_bar
+from polydraulic.terminal import progress_bar
 
 
 @app.command("import")
@@ -105,6 +105,9 @@ def fit_machine(
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: coverage, errors, intervals, proofs, equations.")
     ] = None,
+    regions: Annotated[int, typer.Option(help="Regions at most that the network of an inlet may find.", min=1)] = 16,
+    rows: Annotated[int, typer.Option(help="Rows at most that a network learns from.", min=1)] = 30_000,
+    blocks: Annotated[int, typer.Option(help="Blocks of time at least, of which every fifth is held out.", min=5)] = 20,
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
@@ -119,49 +122,19 @@ def fit_machine(
 
     - Does it hold on another day's log? `polydraulic check machine.json --data later.parquet`
     """
-    from polydraulic.flow.dispatch import build_flow
-    from polydraulic.identification.log_replay import COMPARED, against_log
-    from polydraulic.identification.machine_card import (
-        DRIFT_HEADS,
-        HEADS,
-        drift_rows,
-        kept,
-        summary,
-        write_machine_card,
-    )
-    from polydraulic.identification.machine_fit import MEASURED, Known, by_port
-    from polydraulic.identification.machine_judging import learn_and_judge, one_sided
+    from polydraulic.identification.machine_fit import fit_machine as fit
+    from polydraulic.identification.model_card import card_ending, write_card
     from polydraulic.networks.model.model_file import save_models
-    from polydraulic.parameters.load import load_machine
-    from polydraulic.parameters.schema import LINKS
-    from polydraulic.tables import read_table
 
-    if card is not None and card.suffix.lower() != ".html":
-        raise InputError(f"{card}: a model card ends in .html")
-    plant = load_machine(machine)
-    needed = ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
-    read = read_table(table, needed, optional=["segment", *COMPARED])
-    log = by_port(Known.of(plant), read)
+    if card is not None:
+        card_ending(card)
     with progress_bar("fit-machine") as progress:
-        learnt = learn_and_judge(plant, log, progress)
-        progress("run against the log", 12, 14)
-        flow = build_flow("polynomial", plant, models=learnt.without)
-        told, drift = against_log(plant, flow, read, learnt.held)
-        save_models(learnt.models, out)
+        found = fit(table, machine, max_regions=regions, max_rows=rows, min_blocks=blocks, progress=progress)
+        save_models(found.models, out)
         if card is not None:
-            progress("card", 13, 14)
-            write_machine_card(plant, learnt, log, table.name, card, drift, told)
-    print(
-        f"{learnt.held.sum()} of {len(log)} rows held out, every fifth block of time; errors as flows, where a valve is open:"
-    )
-    print_table(HEADS, summary(learnt.fits))
-    if remark := kept(learnt.fits):
-        print(remark)
-    print(told + (":" if drift else ""))
-    if drift:
-        print_table(DRIFT_HEADS, drift_rows(drift))
-    for statement in one_sided(log, Known.of(plant)):
-        print(f"warning: {statement}")
+            progress("card", 0, 1)
+            write_card(found, card)
+    print(found)
 
 
 @app.command()
@@ -188,27 +161,18 @@ def replay(
 
     - What the sensors alone make of it, on a log of `record`: `polydraulic replay later.parquet --flow exact`
     """
-    from polydraulic.flow.dispatch import build_flow
-    from polydraulic.identification.log_replay import DRIVEN, drifts, plot_replay
+    from polydraulic.identification.log_replay import plot_replay
     from polydraulic.identification.log_replay import replay as run
-    from polydraulic.identification.machine_card import DRIFT_HEADS, drift_rows
     from polydraulic.networks.model.model_file import load_models
-    from polydraulic.parameters.load import load_machine
     from polydraulic.plotting.run_figure import picture_ending, save_figure
-    from polydraulic.tables import read_table
 
     if model and flow not in ("polynomial", "neural"):
         raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
     if plot is not None:
         picture_ending(plot)
-    plant = load_machine(machine)
-    log = read_table(table, ["time", *DRIVEN])
-    options: dict[str, Any] = {"models": [found for path in model for found in load_models(path)]} if model else {}
+    models = [found for path in model for found in load_models(path)] if model else None
     with progress_bar("replay") as progress:
-        windows = run(plant, build_flow(flow, plant, **options), log, seconds=seconds, progress=progress)
-    if not windows:
-        raise InputError(f"{table}: no piece of {seconds:g} s without a gap; choose shorter windows by --seconds")
+        found = run(table, machine, flow, models=models, seconds=seconds, progress=progress)
     if plot is not None:
-        save_figure(plot_replay(windows), plot)
-    print(f"{len(windows)} windows of {seconds:g} s, each begun from the measured state; largest distance in a window:")
-    print_table(DRIFT_HEADS, drift_rows(drifts(plant, windows)))
+        save_figure(plot_replay(found), plot)
+    print(found)

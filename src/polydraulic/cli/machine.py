@@ -217,8 +217,6 @@ def export_machine(
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
     plant = load_machine(machine)
     if to == "c":
-        for path in write_c(plant, build_flow(flow, plant), out, name=name, dt=dt):
-            print(path)
+        print(write_c(plant, build_flow(flow, plant), out, name=name, dt=dt))
         return
-    written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
-    print(f"{written.path}: {', '.join(written.binaries) or 'no compiler found, sources only: importers compile them'}")
+    print(export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross))

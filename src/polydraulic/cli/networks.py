@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from polydraulic.cli.app import app
-from polydraulic.cli.dynamic import say_how_dynamic
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
 if TYPE_CHECKING:
-    import numpy as np
-
-    from polydraulic.networks.model.model import Model
+    from polydraulic.identification.dynamic_fit import DynamicFit
+    from polydraulic.identification.table_fit import TableFit
 
 
 @app.command()
@@ -72,69 +70,48 @@ def fit(
     - With memory: `polydraulic fit log.parquet --inputs valve --outputs pressure --dynamic --out pressure.json --card pressure.html`;
     `polydraulic run pressure.json log.parquet --plot run.svg` shows it running.
     """
-    from polydraulic.identification.model_card import write_card
-    from polydraulic.identification.table_fit import fit_table, with_deadbands
+    from polydraulic.identification.dynamic_fit import fit_dynamic
+    from polydraulic.identification.model_card import card_ending, write_card
+    from polydraulic.identification.table_fit import fit_table
     from polydraulic.networks.growth.regressor import AbductiveRegressor
     from polydraulic.networks.model.model_file import save_models
-    from polydraulic.tables import read_table
 
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
-    if card is not None and card.suffix.lower() != ".html":
-        raise InputError(f"{card}: a model card ends in .html")
+    if card is not None:
+        card_ending(card)
     settings: dict[str, Any] = {} if layers is None else {"max_layers": layers}
     settings |= {} if cpm is None else {"cpm": cpm}
     if prior is not None:
         words = prior in ("adaptive", "half-variance")
         settings["prior_variance"] = prior if words else _numbers(prior, "--prior", 1)[0]
-    limits = None if bounds is None else _numbers(bounds, "--bounds", 2)
+    limits = None if bounds is None else _ends(bounds, "--bounds")
     borders = _edges(edges or [])
     if dynamic:
         given = {"--edges": borders, "--regions": regions != 1, "--bounds": limits, "--deadbands": deadbands}
-        _fit_dynamic(table, names, targets, out, card, settings, longest_lag or 8, [o for o in given if given[o]])
-        return
-    if longest_lag is not None:
+        if static := [option for option in given if given[option]]:
+            raise InputError(
+                f"{static[0]} goes with static models; a dynamic one has a single region and the data's range"
+            )
+    elif longest_lag is not None:
         raise InputError("--longest-lag goes with --dynamic")
-    data = read_table(table, [*names, *targets], optional=["time", "segment"])
-    if deadbands:
-        borders, statements = with_deadbands(borders, data, names, targets)
-        print("\n".join(statements))
-    estimator = AbductiveRegressor(**settings, output_bounds="data" if limits is None else (limits[0], limits[1]))
-    with progress_bar("fit") as progress:
-        fits = fit_table(data, names, targets, estimator, borders, regions, progress)
-    save_models([found.model for found in fits], out)
-    if card is not None:
-        write_card(fits, data, table.name, card)
-    for found in fits:
-        print(
-            f"{found.model.output}: {len(found.model.networks)} network(s), {found.model.n_coefficients} coefficients; "
-            f"held-out R2 {found.r2:.4f}, rms {found.rms:.4g}, largest {found.largest:.4g}"
-        )
-
-
-def _fit_dynamic(
-    table: Path, inputs: list[str], outputs: list[str], out: Path, card: Path | None, settings: dict[str, Any],
-    longest_lag: int, given: list[str],
-) -> None:  # fmt: skip
-    """Fit one dynamic model of all outputs."""
-    from polydraulic.identification.dynamic_fit import fit_log, statements
-    from polydraulic.identification.model_card import write_card
-    from polydraulic.networks.growth.regressor import AbductiveRegressor
-    from polydraulic.networks.model.model_file import save_models
-    from polydraulic.tables import read_table
-
-    if given:
-        raise InputError(f"{given[0]} goes with static models; a dynamic one has a single region and the data's range")
-    data = read_table(table, [*inputs, *outputs], optional=["time", "segment"])
+    if limits is not None:
+        settings["output_bounds"] = limits
     estimator = AbductiveRegressor(**settings) if settings else None
+    found: TableFit | DynamicFit
     with progress_bar("fit") as progress:
-        fits = fit_log(data, inputs, outputs, estimator, longest_lag, progress)
-    save_models([found.model for found in fits], out)
+        if dynamic:
+            found = fit_dynamic(
+                table, names, targets, estimator=estimator, longest_lag=longest_lag or 8, progress=progress
+            )
+        else:
+            found = fit_table(
+                table, names, targets, edges=borders, max_regions=regions, deadbands=deadbands, estimator=estimator,
+                progress=progress,
+            )  # fmt: skip
+    save_models(found.models, out)
     if card is not None:
-        write_card(fits, data, table.name, card)
-    for found in fits:
-        print(found.model.output)
-        for statement in statements(found):
-            print(f"  {statement}")
+        write_card(found, card)
+    print(found)
 
 
 @app.command()
@@ -167,56 +144,14 @@ def check(
 
     - A year later: `polydraulic check q_in.json --data this_year.parquet`
     """
-    from polydraulic.networks.model.model_file import load_models
-    from polydraulic.networks.proof.bounds import check_range, model_bounds
+    from polydraulic.identification.model_check import check_models
 
-    if data is not None:
-        if within is not None or box:
-            raise InputError("--data judges a model by measurements; --range and --box go with a proof")
-        _judge(load_models(model), data)
-        return
-    limits = None if within is None else _numbers(within, "--range", 2)
-    proved, models = True, load_models(model)
-    say_how_dynamic(models)
-    for found in models:
-        place = _box(box or [], found)
-        if limits is not None:
-            answer = check_range(found, limits[0], limits[1], place, max_boxes=boxes)
-            print(answer)
-            proved = proved and answer.holds is True
-            continue
-        bounds = model_bounds(found, place, max_boxes=boxes)
-        print(f"{found.output}: proved range {bounds.low:.6g} to {bounds.high:.6g}")
-        for name, region in zip(found.region_names(), bounds.regions, strict=True):
-            if region is None:
-                continue
-            print(f"  {name}: {region.low:.6g} to {region.high:.6g}, slopes")
-            for variable, (low, high) in zip(found.inputs, region.slopes, strict=True):
-                print(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
-    if not proved:
-        raise typer.Exit(1)
-
-
-def _judge(models: "list[Model]", data: Path) -> None:
-    """Say whether models hold on a table."""
-    from polydraulic.identification.machine_judging import as_judged
-    from polydraulic.identification.validity import run_validity, validity
-    from polydraulic.tables import read_table
-
-    table, holds = read_table(data), True
-    static, dynamic = ([model for model in models if (model.dynamics is None) == how] for how in (True, False))
-    judged = [validity(model, as_judged(model, table)) for model in static]
-    judged += run_validity(dynamic, table) if dynamic else []
-    for model, found in zip([*static, *dynamic], judged, strict=True):
-        holds &= found.holds
-        print(f"{model.output}: {'holds' if found.holds else 'does not hold any more'}")
-        for statement in found.statements:
-            print(f"  {statement}")
-        for region in found.regions:
-            if region["rows"]:
-                sizes = f"rms {region['rms']:.4g}, largest {region['largest']:.4g}"
-                print(f"    {region['region']}: {region['rows']} rows, {sizes}")
-    if not holds:
+    if data is not None and (within is not None or box):
+        raise InputError("--data judges a model by measurements; --range and --box go with a proof")
+    limits = None if within is None else _ends(within, "--range")
+    found = check_models(model, data=data, limits=limits, box=_box(box or []), max_boxes=boxes)
+    print(found)
+    if not found.holds:
         raise typer.Exit(1)
 
 
@@ -249,12 +184,7 @@ def export(
     models = load_models(model)
     if name is None and len(models) > 1 and not is_file(to, out):
         name = model.stem
-    written = export_models(models, to, out, name=name, real=real, cross=cross)
-    for path in written.paths:
-        print(path)
-    for note in written.notes:
-        print(f"note: {note}")
-    say_how_dynamic(models)
+    print(export_models(models, to, out, name=name, real=real, cross=cross))
 
 
 @app.command()
@@ -271,13 +201,15 @@ def verify(
     Example: `polydraulic verify q_in.json`
     """
     from polydraulic.export.verify import agreement_table, verify_models
+    from polydraulic.networks.model.lag_words import dynamic_notes
     from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
     with progress_bar("verify") as progress:
         found, not_tried = verify_models(models, points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
-    say_how_dynamic(models)
+    for note in dynamic_notes(models):
+        print(f"note: {note}")
     if not all(agreement.holds for agreement in found):
         raise typer.Exit(1)
 
@@ -301,6 +233,11 @@ def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
     return values
 
 
+def _ends(text: str, option: str) -> tuple[float, float]:
+    low, high = _numbers(text, option, 2)
+    return low, high
+
+
 def _edges(texts: list[str]) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for text in texts:
@@ -309,12 +246,9 @@ def _edges(texts: list[str]) -> dict[str, list[float]]:
     return found
 
 
-def _box(texts: list[str], model: "Model") -> "np.ndarray":
-    """The model's domain, with the ends that are given in their place."""
-    names, found = [variable.name for variable in model.inputs], model.domain()
+def _box(texts: list[str]) -> dict[str, tuple[float, float]]:
+    found = {}
     for text in texts:
         name, _, ends = text.partition("=")
-        if name.strip() not in names:
-            raise InputError(f"--box {text!r}: the model of {model.output.name!r} reads {names}")
-        found[names.index(name.strip())] = _numbers(ends, f"--box {name}", 2)
+        found[name.strip()] = _ends(ends, f"--box {name}")
     return found

@@ -1,13 +1,14 @@
 from .c.source import export_c, to_c
+from .exported import Exported
 from .fmu.description import FmuDescription, FmuVariable
 from .fmu.machine import export_machine_fmu
 from .fmu.networks import export_fmu
-from .fmu.package import WrittenFmu, write_fmu
+from .fmu.package import write_fmu
 from .formula import to_latex, to_python, to_sympy, to_text
 from .machine import export_machine, machine_c
 from .model_bundle import Bundle, bundle, c_name
 from .onnx import export_onnx, to_onnx
-from .targets import TARGETS, Exported, export_models
+from .targets import TARGETS, export_models
 from .verify import Agreement, agreement_table, verify_models
 
 __all__ = [
@@ -17,7 +18,6 @@ __all__ = [
     "Exported",
     "FmuDescription",
     "FmuVariable",
-    "WrittenFmu",
     "agreement_table",
     "bundle",
     "c_name",

@@ -15,6 +15,7 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
+from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
@@ -86,7 +87,14 @@ def outputs() -> list[Output]:
     return [*by_link, *by_circuit, *rest, *(Output(f"effector.{axis}", "m") for axis in "xyz")]
 
 
-def prepared(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3, locked: Collection[str] = ()) -> Prepared:
+def prepared(
+    machine: Machine,
+    flow: str | FlowModel,
+    *,
+    dt: float = 5e-3,
+    locked: Collection[str] = (),
+    most_numbers: int = MOST_NUMBERS,
+) -> Prepared:
     """Collect the numbers of a step, from the same preparation as `simulate`.
 
     Parameters
@@ -96,6 +104,8 @@ def prepared(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3, locke
     dt : float, s
     locked : collection of str
         Links whose joints are held.
+    most_numbers : int
+        That tables of the flow model may hold.
 
     Raises
     ------
@@ -110,9 +120,9 @@ def prepared(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3, locke
     if missing:
         raise InputError(f"flow {flow_name(model)!r} does not serve {', '.join(missing)}; give locked={missing}")
     numbers = _count(model)
-    if numbers > MOST_NUMBERS:
+    if numbers > most_numbers:
         raise InputError(
-            f"flow {flow_name(model)!r} holds {numbers} numbers; a C file takes up to {MOST_NUMBERS}: make it smaller"
+            f"flow {flow_name(model)!r} holds {numbers} numbers; a C file takes up to {most_numbers}: make it smaller"
         )
     return Prepared(model, prepare(machine, dt, locked), machine.geometry, initial_state(machine))
 
@@ -124,6 +134,7 @@ def machine_c(
     name: str = "machine",
     dt: float = 5e-3,
     locked: Collection[str] = (),
+    most_numbers: int = MOST_NUMBERS,
 ) -> dict[str, str]:
     """Texts of the C files by file name.
 
@@ -138,6 +149,8 @@ def machine_c(
         Time step; part of the numbers, so that it cannot change later.
     locked : collection of str
         Links whose joints are held, and whose voltages are ignored.
+    most_numbers : int
+        That tables of the flow model may hold: 4 MB of text.
 
     Raises
     ------
@@ -147,7 +160,7 @@ def machine_c(
     machine = as_machine(machine)
     if c_name(name) != name:
         raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
-    parts = prepared(machine, flow, dt=dt, locked=locked)
+    parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
     kind = flow_name(parts.model)
     memory, row = np.zeros(FLOW_KINDS[kind].n_memory(parts.model)), np.zeros(len(outputs()))
     own = ("machine", "init", "step", "advance", "init_with", "step_with", "parameters")
@@ -198,7 +211,7 @@ def export_machine(
     name: str = "machine",
     dt: float = 5e-3,
     locked: Collection[str] = (),
-) -> list[Path]:
+) -> Exported:
     """Write the files of `machine_c` into a folder.
 
     Parameters
@@ -209,19 +222,19 @@ def export_machine(
 
     Returns
     -------
-    list of Path
-        The files written.
+    Exported
+        The header that a program includes, and the other files.
 
     Raises
     ------
     InputError
         As `machine_c`, or if the folder cannot be written.
     """
-    paths = []
-    for file, text in machine_c(machine, flow, name=name, dt=dt, locked=locked).items():
-        paths.append(Path(folder) / file)
-        write_text(paths[-1], text)
-    return paths
+    texts = machine_c(machine, flow, name=name, dt=dt, locked=locked)
+    files = {Path(folder) / file: text for file, text in texts.items()}
+    for path, text in files.items():
+        write_text(path, text)
+    return Exported(tuple(files))
 
 
 def _delays(machine: Machine, dt: float) -> list[int]:

@@ -62,6 +62,11 @@ class Bundle:
         inputs, outputs = self.identifiers()
         return {name: c for name, c in zip(names, [*inputs, *outputs], strict=True) if name != c}
 
+    def name_notes(self) -> list[str]:
+        """The same in words, if there are any."""
+        renamed = self.renamed()
+        return ["names: " + ", ".join(f"{old} is {new}" for old, new in renamed.items())] if renamed else []
+
     def domain(self) -> np.ndarray:
         """Smallest box around the domains of all models, (n_input, 2)."""
         found = np.tile([np.inf, -np.inf], (len(self.inputs), 1))

@@ -14,8 +14,10 @@ import numpy as np
 from polydraulic import __version__
 from polydraulic.errors import InputError
 from polydraulic.export.c.network import bounded, polynomial
+from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import replacing
+from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.partition import Partition, Split
 from polydraulic.networks.model.slopes import domain_gain
@@ -26,7 +28,7 @@ OPSET, _IR = 17, 8  # of 2022
 
 def export_onnx(
     models: Sequence[Model], path: str | Path, *, name: str | None = None, real: str = "double", opset: int = OPSET
-) -> Path:
+) -> Exported:
     """Write models as one ONNX graph.
 
     Parameters
@@ -44,8 +46,8 @@ def export_onnx(
 
     Returns
     -------
-    Path
-        The file: input ``x`` (rows, inputs), outputs ``y`` (rows, outputs) and ``domain`` (rows, 1), which is 0 inside and else
+    Exported
+        The graph: input ``x`` (rows, inputs), outputs ``y`` (rows, outputs) and ``domain`` (rows, 1), which is 0 inside and else
         how far outside, as a share of the domain's width. Names, units and domain are in the metadata.
 
     Raises
@@ -59,7 +61,7 @@ def export_onnx(
     content = to_onnx(bundle(models, name), real=real, opset=opset).SerializeToString()
     with replacing(path) as temporary:
         temporary.write_bytes(content)
-    return path
+    return Exported((path,), tuple(dynamic_notes(models)))
 
 
 def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> Any:

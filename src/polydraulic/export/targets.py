@@ -2,17 +2,17 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.export.build import COMPILERS
 from polydraulic.export.c.source import export_c
 from polydraulic.export.c.text import one_line
+from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.formula import to_latex, to_python, to_sympy
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.export.onnx import export_onnx
 from polydraulic.files import write_text
+from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 
 ENDINGS = {
@@ -20,21 +20,6 @@ ENDINGS = {
 }  # fmt: skip
 TARGETS = tuple(ENDINGS)
 _FILES = {*ENDINGS.values(), ".c", ".h", ".zip", ".json"} - {""}  # endings that are not those of folders
-
-
-class Exported(NamedTuple):
-    """What an export wrote.
-
-    Attributes
-    ----------
-    paths : list of Path
-        Files.
-    notes : list of str
-        What the user should know: names that were changed, a compiler that was missing.
-    """
-
-    paths: list[Path]
-    notes: list[str]
 
 
 def export_models(
@@ -84,26 +69,15 @@ def export_models(
         raise InputError(f"{out}: {to} writes {ENDINGS[to] or 'two files'}; give {_place(to)}")
     whole = bundle(models, out.stem if as_file and name is None else name)
     path = out if as_file else out / f"{whole.name}{ENDINGS[to]}"
-    notes = []
     if to == "c":
-        paths = export_c(models, out, name=whole.name, real=real)
-    elif to in ("fmi2", "fmi3"):
-        written = export_fmu(models, path, version=int(to[-1]), name=whole.name, cross=cross)
-        paths = [written.path]
-        if not written.binaries:
-            notes.append(
-                f"no C compiler ({', '.join(COMPILERS)}) is installed: the FMU holds sources only, which the importer "
-                "has to compile"
-            )
-    elif to == "onnx":
-        paths = [export_onnx(models, path, name=whole.name, real=real)]
-    else:
-        text = {"python": _python, "sympy": _sympy, "latex": _latex}[to](whole)
-        write_text(path, text)
-        paths = [path]
-    if to in ("c", "python") and (renamed := whole.renamed()):
-        notes.append("names: " + ", ".join(f"{old} is {new}" for old, new in renamed.items()))
-    return Exported(paths, notes)
+        return export_c(models, out, name=whole.name, real=real)
+    if to in ("fmi2", "fmi3"):
+        return export_fmu(models, path, version=int(to[-1]), name=whole.name, cross=cross)
+    if to == "onnx":
+        return export_onnx(models, path, name=whole.name, real=real)
+    write_text(path, {"python": _python, "sympy": _sympy, "latex": _latex}[to](whole))
+    names = whole.name_notes() if to == "python" else []
+    return Exported((path,), (*names, *dynamic_notes(models)))
 
 
 def _place(to: str) -> str:

@@ -241,7 +241,7 @@ def _fmu(whole: Bundle, folder: Path, version: int, kind: str, X: np.ndarray) ->
 
     place = folder / f"fmi{version}"
     if not place.exists():
-        path = export_fmu(whole.models, folder / f"fmi{version}.fmu", version=version, name=whole.name).path
+        path = export_fmu(whole.models, folder / f"fmi{version}.fmu", version=version, name=whole.name).main
         fmpy.extract(str(path), unzipdir=str(place))
     fmu = fmpy.instantiate_fmu(str(place), fmpy.read_model_description(str(place)), fmi_type=kind)
     put, get = (fmu.setReal, fmu.getReal) if version == 2 else (fmu.setFloat64, fmu.getFloat64)

@@ -1,29 +1,27 @@
 """Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from math import inf
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import BaseEstimator
 
 from polydraulic.errors import InputError
+from polydraulic.identification.arguments import check_columns, table_of
+from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
 from polydraulic.identification.log_rows import log_rows
-from polydraulic.identification.runs import DynamicRun, lags_in_words, last_value_held, run_on
-from polydraulic.identification.table_fit import (
-    BLOCKS,
-    FOLD,
-    LEVEL,
-    Errors,
-    check_columns,
-    errors_of,
-    half_width,
-    unit_after,
-)
+from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
 from polydraulic.networks.dynamic.dynamic_regressor import DynamicRegressor
+from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, spans_of
 from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.hold_out import BLOCKS, held_blocks
+from polydraulic.networks.intervals import half_width
+from polydraulic.networks.model.lag_words import lags_in_words
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
 from polydraulic.networks.model.table import Network, Node
@@ -43,7 +41,7 @@ class RunErrors(NamedTuple):
     one_step: Errors
 
 
-class DynamicFit(NamedTuple):
+class DynamicOutputFit(NamedTuple):
     """Model of one output, of all rows, and how one without the blocks held out runs through these; in the output's unit.
 
     Attributes
@@ -67,15 +65,46 @@ class DynamicFit(NamedTuple):
     covered: float
     held: DynamicRun
 
+    def __str__(self) -> str:
+        return "\n  ".join([str(self.model.output), *statements(self)])
 
-def fit_log(
-    table: Table,
+
+@dataclass(frozen=True, eq=False)
+class DynamicFit:
+    """Dynamic models of a log; ``str()`` says how good they are.
+
+    Attributes
+    ----------
+    outputs : list of DynamicOutputFit
+        One an output.
+    table : Table
+        What the models were fitted to.
+    source : str
+        Where it came from.
+    """
+
+    outputs: list[DynamicOutputFit]
+    table: Table = field(repr=False)
+    source: str
+
+    @property
+    def models(self) -> list[Model]:
+        """The models, which may read each other's outputs."""
+        return [found.model for found in self.outputs]
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.outputs))
+
+
+def fit_dynamic(
+    table: Table | str | Path,
     inputs: Sequence[str],
     outputs: Sequence[str],
+    *,
     estimator: AbductiveRegressor | None = None,
     longest_lag: int = 8,
     progress: Progress = quiet,
-) -> list[DynamicFit]:
+) -> DynamicFit:
     """Fit all outputs together; they may read each other's past.
 
     Every fifth block of time is held out while lags and complexity are chosen and the errors are measured; then the same is done
@@ -83,26 +112,26 @@ def fit_log(
 
     Parameters
     ----------
-    table : Table
-        A log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`.
+    table : Table, str or Path
+        Or its file: a log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`.
     inputs, outputs : sequence of str
     estimator : AbductiveRegressor, optional
         Of every network; chosen by free runs if not given.
     longest_lag : int
         In rows.
     progress : Progress, optional
-        Told each choice that is tried.
+        Called with each choice that is tried.
 
     Returns
     -------
-    list of DynamicFit
-        One an output.
+    DynamicFit
 
     Raises
     ------
     InputError
-        As `fit_table` and `log_rows`; too few rows that follow each other.
+        As `fit_table`; no raster in the times, or too few rows that follow each other.
     """
+    table, source = table_of(table, [*inputs, *outputs], ["time", "segment"])
     check_columns(table, inputs, outputs)
     rows = log_rows(table)
     spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
@@ -125,8 +154,8 @@ def fit_log(
     lags = judged.choice_.input_lags, judged.choice_.output_lags
     linear = DynamicRegressor(_Linear(), input_lags=lags[0], output_lags=lags[1], increments=False, horizon=None)
     linear.fit(X, without, rows.segments)
-    found = run_on(judged.to_models(*names), table, held)
-    plain = run_on(linear.to_models(*names), table, held)
+    # terms that were chosen need not read the longest of the lags on offer, a linear model reads them all
+    found, plain = side_by_side([judged.to_models(*names), linear.to_models(*names)], table, held)
     final = search(y, "all rows", 1)
     progress("all rows", 2, 2)
     fits = []
@@ -134,10 +163,10 @@ def fit_log(
     for k, model in enumerate(final.to_models(*names)):
         model.training.update({"rows": len(table), "held_out": "blocks of time", **choices})
         fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
-    return fits
+    return DynamicFit(fits, table, source)
 
 
-def statements(fit: DynamicFit) -> list[str]:
+def statements(fit: DynamicOutputFit) -> list[str]:
     """What was found, in words."""
     unit, scale = unit_after(fit.model.output), fit.others.items()
     runs, *others = remarks(fit)
@@ -151,7 +180,7 @@ def statements(fit: DynamicFit) -> list[str]:
     ]
 
 
-def remarks(fit: DynamicFit) -> list[str]:
+def remarks(fit: DynamicOutputFit) -> list[str]:
     """The same without errors, for those who show them in a table: how long the runs were, and what to think of them."""
     model, (free, one) = fit.model, fit.errors
     raster = model.dynamics.raster if model.dynamics else None
@@ -176,7 +205,7 @@ def remarks(fit: DynamicFit) -> list[str]:
     if chosen != judged:
         lags = f"lags of inputs {judged['input_lags']}, of outputs {judged['output_lags']}"
         found.append(f"all rows led to another choice than the one these errors are of: {lags}, {_how(judged)}")
-    return [*found, f"reads {lags_in_words(model)}; {model.n_coefficients} coefficients, {_how(chosen)}"]
+    return [*found, f"reads {lags_in_words(dynamics_of(model))}; {model.n_coefficients} coefficients, {_how(chosen)}"]
 
 
 def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
@@ -188,7 +217,7 @@ def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
             f"{longest_lag} rows: shorten the lag, or record more"
         )
     blocks = blocks_of(spans, BLOCKS if n >= BLOCKS * least else _FEW_BLOCKS)
-    return [span for k, block in enumerate(blocks) if k % FOLD == FOLD - 1 for span in block]
+    return [span for block in held_blocks(blocks) for span in block]
 
 
 def _choice(choice: Choice) -> dict[str, Any]:
@@ -206,7 +235,7 @@ def _how(choice: Mapping[str, Any]) -> str:
     return ", ".join([*parts, f"fitted to runs of {rows} rows" if rows else "fitted one step ahead"])
 
 
-def _judged(model: Model, run: DynamicRun, plain: DynamicRun, measured: np.ndarray) -> DynamicFit:
+def _judged(model: Model, run: DynamicRun, plain: DynamicRun, measured: np.ndarray) -> DynamicOutputFit:
     """Errors and intervals, written into the model's training, too."""
     last = last_value_held(run, measured)
     errors = RunErrors(errors_of(run.measured, run.free), errors_of(run.measured, run.one_step))
@@ -216,7 +245,7 @@ def _judged(model: Model, run: DynamicRun, plain: DynamicRun, measured: np.ndarr
     }
     sizes = np.abs(run.free - run.measured)
     sets = run.number % 2 == 0  # whole runs set the width, the others say whether it holds
-    width = half_width(sizes[sets]) if not sets.all() else inf
+    width = half_width(sizes[sets], LEVEL) if not sets.all() else inf
     covered = float(np.mean(sizes[~sets] <= width)) if not sets.all() else 0.0
     model.training.update(
         {
@@ -229,7 +258,7 @@ def _judged(model: Model, run: DynamicRun, plain: DynamicRun, measured: np.ndarr
             "interval_covered": covered,
         }
     )
-    return DynamicFit(model, errors, others, width, covered, run)
+    return DynamicOutputFit(model, errors, others, width, covered, run)
 
 
 def _numbers(errors: RunErrors) -> dict[str, float]:

@@ -4,14 +4,22 @@ The joysticks of the log drive it; nothing else of the log is seen after the sta
 flow model and parameter set (masses, friction, lines) together.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
-from polydraulic.identification.machine_fit import UNITS
+from polydraulic.flow.dispatch import build_flow
+from polydraulic.identification.arguments import models_of, table_of
+from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
+from polydraulic.networks.model.model import Model
+from polydraulic.pages.text import text_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
@@ -21,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SECONDS = 10.0
+DRIFT_HEADS = ("joint", "median", "largest", "moved")
 COMPARED = tuple(f"{link}.{what}" for link in LINKS for what in ("voltage", "angle"))
 DRIVEN = (*COMPARED, *(f"{link}.{what}" for link in LINKS for what in ("spool", "p_a", "p_b")))
 _UNITS = UNITS | {"voltage": "V", "angle": "rad"}
@@ -69,7 +78,85 @@ class Drift(NamedTuple):
     moved: float
 
 
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A machine run against a log; ``str()`` says how far it drifts.
+
+    Attributes
+    ----------
+    windows : list of Window
+    drifts : list of Drift
+        Of swing, boom, stick and the tip.
+    seconds : float
+        Length of a window.
+    """
+
+    windows: list[Window] = field(repr=False)
+    drifts: list[Drift]
+    seconds: float
+
+    def __str__(self) -> str:
+        head = (
+            f"{len(self.windows)} windows of {self.seconds:g} s, each begun from the measured state; "
+            "largest distance in a window:"
+        )
+        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts))])
+
+
 def replay(
+    log: Table | str | Path,
+    machine: Machine | str | Path = "cat215b",
+    flow: Any = "polynomial",
+    *,
+    models: Sequence[Model] | str | Path | None = None,
+    seconds: float = SECONDS,
+    rows: np.ndarray | None = None,
+    progress: Progress = quiet,
+) -> Replay:
+    """Run a machine over windows of a log of the real one, each begun from the measured state.
+
+    Angle and rate at the start come from a parabola through the rows within 0.1 s of it, spools and pressures from its row.
+    Windows follow each other; gaps of up to 0.1 s are bridged by straight lines, longer ones end a piece.
+
+    Parameters
+    ----------
+    log : Table, str or Path
+        Or its file: ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
+    machine : Machine, str or Path
+        Or a parameter set by its name or file.
+    flow : str or flow model
+        As for `simulate`.
+    models : sequence of Model, str or Path, optional
+        Networks for the flow models ``"polynomial"`` and ``"neural"``, or their file; those of the package if not given.
+    seconds : float
+        Length of a window.
+    rows : (n_row,) array of bool, optional
+        Which rows may be in a window; all if not given.
+    progress : Progress, optional
+
+    Returns
+    -------
+    Replay
+
+    Raises
+    ------
+    InputError
+        A column is missing or in another unit, times that do not rise, a window of no length, no piece of the log as long as a window,
+        or models of another flow model.
+    """
+    if models is not None and flow not in ("polynomial", "neural"):
+        raise InputError(f"models go with the flow models 'polynomial' and 'neural', not with {flow!r}")
+    table, source = table_of(log, ["time", *DRIVEN])
+    plant = as_machine(machine)
+    if isinstance(flow, str):
+        flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
+    windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
+    if not windows:
+        raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
+    return Replay(windows, drifts(plant, windows), seconds)
+
+
+def replayed(
     machine: Machine,
     flow: Any,
     log: Table,
@@ -78,35 +165,7 @@ def replay(
     rows: np.ndarray | None = None,
     progress: Progress = quiet,
 ) -> list[Window]:
-    """Run a machine over windows of a log, each begun from the measured state.
-
-    Angle and rate at the start come from a parabola through the rows within 0.1 s of it, spools and pressures from its row.
-    Windows follow each other; gaps of up to 0.1 s are bridged by straight lines, longer ones end a piece.
-
-    Parameters
-    ----------
-    machine : Machine
-    flow : str or flow model
-        As for `simulate`.
-    log : Table
-        ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
-    seconds : float
-        Length of a window.
-    rows : (n_row,) array of bool, optional
-        Which rows may be in a window; all if not given.
-    progress : Progress, optional
-        Told how many windows are done.
-
-    Returns
-    -------
-    list of Window
-        None where no piece of the log is long enough.
-
-    Raises
-    ------
-    InputError
-        A column is missing or in another unit, times that do not rise, or a window of no length.
-    """
+    """Windows of `replay`; none where no piece of the log is long enough."""
     for name in ("time", *DRIVEN):
         si = _UNITS[name.split(".")[-1]]
         if len(log[name]) and log.unit(name) not in ("", si):
@@ -140,7 +199,7 @@ def replay(
 
 
 def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
-    """How far joints (deg) and tip (mm) drift in windows from `replay`."""
+    """How far joints (deg) and tip (mm) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
     tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
@@ -154,6 +213,14 @@ def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
         far, way = units.from_si(np.nan_to_num(far, nan=np.inf), unit), units.from_si(way, unit)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
+
+
+def drift_rows(found: Sequence[Drift]) -> list[list[str]]:
+    """Texts under `DRIFT_HEADS`."""
+    digits = {"deg": 2, "mm": 0}
+    return [
+        [d.name, *(f"{value:.{digits[d.unit]}f} {d.unit}" for value in (d.median, d.largest, d.moved))] for d in found
+    ]
 
 
 def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
@@ -172,7 +239,7 @@ def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tu
     missing = [name for name in COMPARED if name not in log.names]
     if missing:
         return f"not run against the log: it has no {missing[0]}", []
-    windows = replay(machine, flow, log, rows=rows)
+    windows = replayed(machine, flow, log, rows=rows)
     if not windows:
         return f"not run against the log: no piece of {SECONDS:g} s without a gap in the blocks held out", []
     return (
@@ -182,27 +249,20 @@ def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tu
     )
 
 
-def plot_replay(windows: list[Window]) -> "Figure":
+def plot_replay(found: Replay) -> "Figure":
     """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
 
     Parameters
     ----------
-    windows : list of Window
-        The first ones are shown.
-
-    Raises
-    ------
-    InputError
-        If there is no window.
+    found : Replay
+        Its first windows are shown.
     """
     from matplotlib.figure import Figure
 
-    if not windows:
-        raise InputError("there is no window to show")
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     *axes, below = figure.subplots(4, 1, sharex=True)
     for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
-        for number, window in enumerate(windows[:_SHOWN]):
+        for number, window in enumerate(found.windows[:_SHOWN]):
             time = window.time
             measured, run = (units.from_si(angles[:, place], "deg") for angles in (window.measured, window.run))
             names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)

@@ -12,9 +12,12 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
-from polydraulic.identification.dynamic_fit import DynamicFit, remarks
+from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
+from polydraulic.identification.judging import OutputFit, unit_after
+from polydraulic.identification.machine_card import machine_facts
+from polydraulic.identification.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
-from polydraulic.identification.table_fit import TableFit, unit_after
+from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.plot import draw_network
 from polydraulic.networks.proof.bounds import model_bounds
@@ -28,27 +31,35 @@ _BINS = 20  # of the coverage map
 _EFFORT = 200  # sub-boxes a region, of the proofs
 
 
+def card_ending(path: str | Path) -> Path:
+    """Path of a card, or an InputError."""
+    path = Path(path)
+    if path.suffix.lower() != ".html":
+        raise InputError(f"{path}: a model card ends in .html")
+    return path
+
+
 def write_card(
-    fits: Sequence[TableFit | DynamicFit],
-    table: Table,
-    source: str,
+    fit: TableFit | DynamicFit | MachineFit,
     path: str | Path,
-    seen: tuple[dict[str, Any], str] | None = None,
+    *,
+    source: str | None = None,
+    max_boxes: int = _EFFORT,
+    shown: int = _SHOWN,
 ) -> dict[str, Any]:
-    """Write the card of models fitted to a table: a page that needs nothing else, and JSON beside it.
+    """Write the card of what was fitted: a page that needs nothing else, and JSON beside it.
 
     Parameters
     ----------
-    fits : sequence of Fit or of DynamicFit
-        From `fit_table` or `fit_log`.
-    table : Table
-        What they were fitted to.
-    source : str
-        Where the table came from, as it shall stand in the card.
+    fit : TableFit, DynamicFit or MachineFit
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
-    seen : (dict, str), optional
-        What is said of the data as a whole, as entries of the JSON and as HTML; where the rows lie by the models' inputs if not given.
+    source : str, optional
+        Where the data came from, as it shall stand in the card; the name of their file if not given.
+    max_boxes : int
+        Sub-boxes a region that the proofs may take.
+    shown : int
+        Regions of a model, whose networks are drawn and written out.
 
     Returns
     -------
@@ -60,32 +71,34 @@ def write_card(
     InputError
         Another ending, or a place that cannot be written.
     """
-    path = Path(path)
-    if path.suffix.lower() != ".html":
-        raise InputError(f"{path}: a model card ends in .html")
-    entries, shown = seen or ({}, _coverage_of(_inputs(fits), table))
+    path, source = card_ending(path), fit.source if source is None else source
+    if isinstance(fit, MachineFit):
+        entries, seen = machine_facts(fit)
+    else:
+        entries, seen = {}, _coverage_of(_inputs(fit.models), fit.table)
     card: dict[str, Any] = {
         "schema": SCHEMA,
-        "data": _data(fits, table, source) | entries,
-        "models": [_facts(found.model) for found in fits],
+        "data": _data(fit.models, fit.table, source) | entries,
+        "models": [_facts(model, max_boxes) for model in fit.models],
     }
+    outputs: Sequence[OutputFit | DynamicOutputFit] = fit.outputs
     sections = "\n".join(
-        _section(found, facts) if isinstance(found, TableFit) else _dynamic_section(found, facts)
-        for found, facts in zip(fits, card["models"], strict=True)
+        _section(found, facts, shown) if isinstance(found, OutputFit) else _dynamic_section(found, facts, shown)
+        for found, facts in zip(outputs, card["models"], strict=True)
     )
     body = f"""<h2>Data</h2>
 {_columns(card["data"])}
-{shown}
+{seen}
 {sections}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
     write_text(path, document(f"Model card: {source}", body))
     return card
 
 
-def _inputs(fits: Sequence[TableFit | DynamicFit]) -> list[str]:
+def _inputs(models: Sequence[Model]) -> list[str]:
     """Columns that any of the models reads; of dynamic ones those that none of them predicts."""
-    outputs = {found.model.output.name for found in fits}
-    read = [name for found in fits for name in _signals(found.model)]
+    outputs = {model.output.name for model in models}
+    read = [name for model in models for name in _signals(model)]
     return [name for name in dict.fromkeys(read) if name not in outputs]
 
 
@@ -95,9 +108,9 @@ def _signals(model: Model) -> list[str]:
     return [lag.signal for lag in model.dynamics.lags]
 
 
-def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> dict[str, Any]:
+def _data(models: Sequence[Model], table: Table, source: str) -> dict[str, Any]:
     """Rows, columns with their ranges, how rows were held out."""
-    names = [*_inputs(fits), *(found.model.output.name for found in fits)]
+    names = [*_inputs(models), *(model.output.name for model in models)]
     columns = [
         {"name": name, "unit": table.unit(name), "low": float(table[name].min()), "high": float(table[name].max())}
         for name in names
@@ -106,7 +119,7 @@ def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> d
         "source": source,
         "rows": len(table),
         "columns": columns,
-        "held_out": fits[0].model.training["held_out"],
+        "held_out": models[0].training["held_out"],
     }
     if "time" in table.names:
         found["seconds"] = float(table["time"].max() - table["time"].min())
@@ -115,9 +128,9 @@ def _data(fits: Sequence[TableFit | DynamicFit], table: Table, source: str) -> d
     return found
 
 
-def _facts(model: Model) -> dict[str, Any]:
+def _facts(model: Model, max_boxes: int) -> dict[str, Any]:
     """What is known of one model: errors, intervals, proved bounds, domain."""
-    bounds = model_bounds(model, max_boxes=_EFFORT)
+    bounds = model_bounds(model, max_boxes=max_boxes)
     regions = [
         {"region": name, "proved_low": region.low, "proved_high": region.high}
         for name, region in zip(model.region_names(), bounds.regions, strict=True)
@@ -147,7 +160,7 @@ def _facts(model: Model) -> dict[str, Any]:
     }
 
 
-def _section(found: TableFit, facts: dict[str, Any]) -> str:
+def _section(found: OutputFit, facts: dict[str, Any], shown: int) -> str:
     model, training = found.model, facts["training"]
     unit = escape(unit_after(model.output))
     widths = training["interval_half_widths"]
@@ -169,10 +182,10 @@ def _section(found: TableFit, facts: dict[str, Any]) -> str:
 {_domain(model, facts)}
 {html_table("Proved range by region", ["region", "low", "high"], proved)}
 {_picture(_errors(found.model, found.held.y, found.held.predicted))}
-{_what_it_is(model)}"""
+{_what_it_is(model, shown)}"""
 
 
-def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
+def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], shown: int) -> str:
     model, unit = found.model, unit_after(found.model.output)
     rows = [
         [name, *(f"{value:.4g}" for kind in errors for value in kind)]
@@ -199,7 +212,7 @@ def _dynamic_section(found: DynamicFit, facts: dict[str, Any]) -> str:
 Shaded: the intervals.</p>
 {_picture(_errors(model, found.held.measured, found.held.free))}
 {_domain(model, facts)}
-{_what_it_is(model)}"""
+{_what_it_is(model, shown)}"""
 
 
 def _domain(model: Model, facts: dict[str, Any]) -> str:
@@ -207,10 +220,10 @@ def _domain(model: Model, facts: dict[str, Any]) -> str:
     return html_table("Domain: inputs outside are moved to its border", ["input", "low", "high"], rows)
 
 
-def _what_it_is(model: Model) -> str:
-    shown = min(len(model.networks), _SHOWN)
+def _what_it_is(model: Model, most: int) -> str:
+    shown = min(len(model.networks), most)
     more = "" if shown == len(model.networks) else f"<p>The first {shown} of {len(model.networks)} regions.</p>"
-    text = to_text(model) if len(model.networks) <= _SHOWN else "See the model file: more regions than fit here."
+    text = to_text(model) if len(model.networks) <= most else "See the model file: more regions than fit here."
     return f"""<h3>What it is</h3>
 {more}{_picture(_networks(model, shown))}
 <pre>{escape(text)}</pre>"""

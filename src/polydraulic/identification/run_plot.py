@@ -1,11 +1,10 @@
 """Free runs drawn: measured and simulated over time, one panel an output."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.identification.runs import DynamicRun
+from polydraulic.identification.runs import DynamicRun, ModelRuns
 from polydraulic.networks.model.model import Model
 
 if TYPE_CHECKING:
@@ -16,20 +15,19 @@ _MEASURED, _ON_ITS_OWN = "#9ec5e8", "#e07a1f"  # as runs of the machine are draw
 _SHOWN = 6  # runs that have a panel of their own
 
 
-def plot_runs(models: Sequence[Model], runs: Sequence[DynamicRun]) -> "Figure":
+def plot_runs(found: ModelRuns) -> "Figure":
     """All runs on one axis of time, one panel an output.
 
     Parameters
     ----------
-    models : sequence of Model
-    runs : sequence of DynamicRun
-        From `run_on`, one a model.
+    found : ModelRuns
+        From `run_models`.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10.0, 0.8 + 2.4 * len(runs)), layout="constrained")
-    axes = figure.subplots(len(runs), 1, squeeze=False, sharex=True)[:, 0]
-    for axis, model, run in zip(axes, models, runs, strict=True):
+    figure = Figure(figsize=(10.0, 0.8 + 2.4 * len(found.runs)), layout="constrained")
+    axes = figure.subplots(len(found.runs), 1, squeeze=False, sharex=True)[:, 0]
+    for axis, model, run in zip(axes, found.models, found.runs, strict=True):
         _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run))
         axis.set_ylabel(str(model.output))
     axes[-1].set_xlabel("time [s]")

@@ -1,14 +1,19 @@
 """Dynamic models run on a log: what they answer on their own and one step ahead, next to what was measured."""
 
 from collections.abc import Sequence
-from itertools import pairwise
+from dataclasses import dataclass, field
+from math import inf
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.identification.arguments import models_of, table_of
+from polydraulic.identification.judging import errors_of
+from polydraulic.identification.log_rows import rows_for
 from polydraulic.networks.dynamic.free_run import dynamics_of, free_run
-from polydraulic.networks.dynamic.spans import Span, rows_of
+from polydraulic.networks.dynamic.spans import Span, rows_of, spans_of
 from polydraulic.networks.model.model import Model
 from polydraulic.tables import Table
 
@@ -72,7 +77,7 @@ def run_on(
     InputError
         A signal that is missing, or no span that is long enough.
     """
-    warm_up = max(dynamics_of(model).warm_up for model in models)
+    warm_up = _warm_up(models)
     kept = [(a, b) for a, b in spans if b - a > warm_up]
     if not kept:
         longest = max((b - a for a, b in spans), default=0)
@@ -96,6 +101,16 @@ def run_on(
     ]
 
 
+def side_by_side(several: Sequence[Sequence[Model]], table: Table, spans: Sequence[Span]) -> list[list[DynamicRun]]:
+    """`run_on` for several sets of models, of which all answer the same rows: those that the longest lag of any leaves."""
+    longest = max(map(_warm_up, several))
+    return [run_on(models, table, [(a + longest - _warm_up(models), b) for a, b in spans]) for models in several]
+
+
+def _warm_up(models: Sequence[Model]) -> int:
+    return max(dynamics_of(model).warm_up for model in models)
+
+
 def last_value_held(run: DynamicRun, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What the last value says: the one before a run began, and the one before each row; shapes (n_row,) of the run.
 
@@ -109,28 +124,81 @@ def last_value_held(run: DynamicRun, measured: np.ndarray) -> tuple[np.ndarray, 
     return measured[first - 1][run.number], measured[run.row - 1]
 
 
-def lags_in_words(model: Model) -> str:
-    """What a dynamic model reads, and when: "valve 0, 1; pressure 1 to 3 rows ago"."""
-    steps: dict[str, list[int]] = {}
-    for lag in dynamics_of(model).lags:
-        steps.setdefault(lag.signal, []).append(lag.steps)
-    return "; ".join(f"{name} {_counted(sorted(some))}" for name, some in steps.items()) + " rows ago"
+@dataclass(frozen=True, eq=False)
+class ModelRuns:
+    """Dynamic models run on a log; ``str()`` says how far they went and how well.
+
+    Attributes
+    ----------
+    models : list of Model
+    runs : list of DynamicRun
+        One a model.
+    log : Table
+    """
+
+    models: list[Model]
+    runs: list[DynamicRun]
+    log: Table = field(repr=False)
+
+    def to_table(self) -> Table:
+        """Rows that were answered: time, run, and of each output what was measured, ``.run`` and ``.one_step``."""
+        first = self.runs[0]
+        columns, units = {"time": first.time, "run": first.number.astype(np.float64)}, {"time": "s", "run": "1"}
+        if "time" not in self.log.names:
+            units["time"] = "rows"
+        for model, run in zip(self.models, self.runs, strict=True):
+            name = model.output.name
+            for ending, values in (("", run.measured), (".run", run.free), (".one_step", run.one_step)):
+                columns[name + ending], units[name + ending] = values, model.output.unit
+        return Table(columns, units)
+
+    def __str__(self) -> str:
+        first = self.runs[0]
+        lines = [
+            f"{first.n_run} free run(s) of up to {first.longest} rows, {len(first.row)} of {len(self.log)} rows answered"
+        ]
+        for model, run in zip(self.models, self.runs, strict=True):
+            for name, values in (("free run", run.free), ("one step", run.one_step)):
+                r2, rms, largest = errors_of(run.measured, values)
+                lines.append(f"{model.output}, {name}: R2 {r2:.4f}, rms {rms:.4g}, largest {largest:.4g}")
+        return "\n".join(lines)
 
 
-def _counted(steps: list[int]) -> str:
-    """Numbers in words: 1 to 4 where none is missing."""
-    if len(steps) > 2 and all(b - a == 1 for a, b in pairwise(steps)):
-        return f"{steps[0]} to {steps[-1]}"
-    return ", ".join(str(step) for step in steps)
+def run_models(
+    models: Sequence[Model] | str | Path, log: Table | str | Path, *, every: float | None = None
+) -> ModelRuns:
+    """Run dynamic models on a log: from measured inputs and their own answers, next to what was measured.
+
+    Of the outputs as many rows are read as the longest lag at the start of each segment; then the models go on by themselves.
+
+    Parameters
+    ----------
+    models : sequence of Model, str or Path
+        From `fit_dynamic`, or the model file: one for each output that they read of each other.
+    log : Table, str or Path
+        Or its file: the models' signals, at their raster, with a column ``time``.
+    every : float, s, optional
+        Begin anew from measured outputs after so much time; never within a segment if not given.
+
+    Returns
+    -------
+    ModelRuns
+
+    Raises
+    ------
+    InputError
+        A static model; a column that is missing; another raster; no rows that follow each other; a time shorter than the raster.
+    """
+    some, (table, _) = models_of(models), table_of(log)
+    rows = rows_for(some, table)
+    horizon = None if every is None else _rows_in(every, rows.raster)
+    runs = run_on(some, table, spans_of(rows.segments, np.ones(len(table), dtype=bool)), horizon)
+    return ModelRuns(some, runs, table)
 
 
-def run_table(models: Sequence[Model], runs: Sequence[DynamicRun], table: Table) -> Table:
-    """Rows that were answered: time, run, and of each output what was measured, ``.run`` and ``.one_step``."""
-    columns, units = {"time": runs[0].time, "run": runs[0].number.astype(np.float64)}, {"time": "s", "run": "1"}
-    if "time" not in table.names:
-        units["time"] = "rows"
-    for model, run in zip(models, runs, strict=True):
-        name = model.output.name
-        for ending, values in (("", run.measured), (".run", run.free), (".one_step", run.one_step)):
-            columns[name + ending], units[name + ending] = values, model.output.unit
-    return Table(columns, units)
+def _rows_in(every: float, raster: float | None) -> int:
+    if raster is None:
+        raise InputError(f"every = {every:g} s: neither model nor log say how far apart rows are; leave it out")
+    if not raster <= every < inf:
+        raise InputError(f"every = {every:g} s: must be finite and no less than the raster of {raster:g} s")
+    return round(every / raster)

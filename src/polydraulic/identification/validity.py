@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.identification.judging import errors_by_region, errors_of, unit_after
 from polydraulic.identification.log_rows import rows_for
 from polydraulic.identification.runs import run_on
-from polydraulic.identification.table_fit import errors_by_region, errors_of, unit_after
 from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.networks.dynamic.spans import spans_of
 from polydraulic.networks.model.model import Model, Variable
@@ -81,7 +81,7 @@ def run_validity(models: Sequence[Model], table: Table) -> list[Validity]:
     Parameters
     ----------
     models : sequence of Model
-        All of a file, from `fit_log`.
+        All of a file, from `fit_dynamic`.
     table : Table
         With their signals, in the same units, at their raster; a column ``time`` unless the models do not state their raster.
 

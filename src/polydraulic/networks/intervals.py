@@ -4,54 +4,55 @@ If new rows come from where the held-out ones came from, the interval holds the 
 probability, whatever the network and the noise.
 """
 
-from math import ceil
-from typing import Any
+from fractions import Fraction
+from math import ceil, inf
 
 import numpy as np
-from sklearn.utils import check_random_state
 
 from polydraulic.errors import InputError
 
 
-def half_width(residuals: np.ndarray, coverage: float) -> float:
-    """Half-width of the interval around a prediction.
+def half_width(sizes: np.ndarray, coverage: float) -> float:
+    """Half-width of the interval around a prediction; infinite where the rows are too few to state it.
+
+    Of `n` rows held out and a new one, each is as likely to have the k-th smallest error: the interval is as wide as the
+    smallest error whose rank reaches the coverage of ``n + 1``.
 
     Parameters
     ----------
-    residuals : (n_held_out,) array
-        Sizes of the residuals, rising.
+    sizes : (n_held_out,) array
+        Sizes of the residuals, in any order.
     coverage : float
-        Probability in (0, 1).
+        Probability in (0, 1), meant as the decimal number that it is written as.
 
     Raises
     ------
     InputError
-        If the coverage is not a probability, or too few rows were held out to state it.
+        If the coverage is not a probability.
     """
+    rank = ceil((sizes.size + 1) * _exact(coverage))
+    return float(np.partition(sizes, rank - 1)[rank - 1]) if rank <= sizes.size else inf
+
+
+def stated_half_width(sizes: np.ndarray, coverage: float) -> float:
+    """The same for an estimator that has to state it.
+
+    Raises
+    ------
+    InputError
+        Also if too few rows were held out.
+    """
+    found = half_width(sizes, coverage)
+    if found == inf:
+        exact = _exact(coverage)
+        raise InputError(
+            f"coverage {coverage} needs at least {ceil(exact / (1 - exact))} held-out rows; this model has {sizes.size}: "
+            "raise calibration"
+        )
+    return found
+
+
+def _exact(coverage: float) -> Fraction:
     if not 0.0 < coverage < 1.0:
         raise InputError(f"coverage = {coverage!r}: must lie between 0 and 1, for example 0.9")
-    n = residuals.size
-    rank = ceil((n + 1) * coverage)
-    if rank > n:
-        needed = ceil(coverage / (1.0 - coverage) - 1e-9)
-        raise InputError(
-            f"coverage {coverage} needs at least {needed} held-out rows; this model has {n}: raise calibration"
-        )
-    return float(residuals[rank - 1])
-
-
-def hold_out(n: int, share: float, random_state: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Rows to learn from, and rows to hold out, of `n`.
-
-    Raises
-    ------
-    InputError
-        If the share is none.
-    """
-    if not 0.0 <= share < 1.0:
-        raise InputError(f"calibration = {share!r}: must be a share of the rows, at least 0 and below 1")
-    held = round(share * n)
-    if not held:
-        return np.arange(n), np.arange(0)
-    chosen = check_random_state(random_state).permutation(n)
-    return np.sort(chosen[held:]), np.sort(chosen[:held])
+    return Fraction(str(float(coverage)))  # in floats, 0.55 of 100 ranks are more than 55

@@ -15,7 +15,8 @@ from polydraulic import units
 from polydraulic.elementary import sincos
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.flow.sample import sample_flow
-from polydraulic.identification.machine_fit import Known, by_port, learn
+from polydraulic.identification.machine_learning import learn
+from polydraulic.identification.machine_log import Known, by_port
 from polydraulic.machine.actuator import lever_arm, motor_displacement, prepare_cylinder
 from polydraulic.measure.bench.sensors import Reading, Sensor
 from polydraulic.measure.smoothing import differentiate

@@ -85,7 +85,7 @@ def test_float_c_is_close(which, exported_models, tmp_path):
 @pytest.mark.parametrize("real", ["double", "float"])
 @pytest.mark.parametrize("which", ["constant", "regions", "several"])
 def test_the_source_tests_itself_under_sanitizers_and_is_cpp_too(which, real, exported_models, tmp_path):
-    source = export_c(exported_models[which], tmp_path, name="net", real=real)[1]
+    source = export_c(exported_models[which], tmp_path, name="net", real=real).files[1]
     program = tmp_path / "net"
     for compiler, flags in (("gcc", FLAGS), ("g++", ["-x", "c++", "-std=c++11", *FLAGS[2:]])):
         if shutil.which(compiler) is None:
@@ -114,7 +114,7 @@ def test_any_network_compiles_strictly_and_gives_the_bits_of_the_package(tmp_pat
 
 
 def test_the_self_test_finds_a_wrong_number(exported_models, tmp_path):
-    source = export_c(exported_models["single"], tmp_path, name="net")[1]
+    source = export_c(exported_models["single"], tmp_path, name="net").files[1]
     text = source.read_text()
     gain = re.search(r"\) \* (\d\.\d+);", text)[1]
     source.write_text(text.replace(gain, f"{float(gain) * (1 + 1e-6)!r}", 1))

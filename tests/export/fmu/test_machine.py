@@ -68,7 +68,7 @@ def voltages(n, seed):
 @pytest.fixture(scope="module")
 def exact(machine, tmp_path_factory):
     folder = tmp_path_factory.mktemp("exact")
-    return export_machine_fmu(machine, "exact", folder / "digger.fmu", name="digger").path
+    return export_machine_fmu(machine, "exact", folder / "digger.fmu", name="digger").main
 
 
 @pytest.mark.slow
@@ -78,7 +78,7 @@ def exact(machine, tmp_path_factory):
 def test_all_scenarios_have_the_bits_of_simulate(machine, flow, name, version, tmp_path):
     scenario = load_scenario(name)
     adapted = scenario.adapt(machine)
-    path = export_machine_fmu(adapted, flow, tmp_path / "m.fmu", version=version, locked=scenario.locked).path
+    path = export_machine_fmu(adapted, flow, tmp_path / "m.fmu", version=version, locked=scenario.locked).main
     assert validation.validate_fmu(str(path)) == []
     rows, voltage = expected(machine, flow, scenario)
     assert same_bits(Digger(path, tmp_path / "in", version).run(voltage), rows)
@@ -87,7 +87,7 @@ def test_all_scenarios_have_the_bits_of_simulate(machine, flow, name, version, t
 @pytest.mark.slow
 @pytest.mark.parametrize("flow", ["exact", "polynomial"])
 def test_100_000_steps_of_a_random_operator(machine, flow, tmp_path):
-    path = export_machine_fmu(machine, flow, tmp_path / "m.fmu").path
+    path = export_machine_fmu(machine, flow, tmp_path / "m.fmu").main
     rows, voltage = expected(machine, flow, load_scenario("task"), voltages(100_000, 21))
     assert same_bits(Digger(path, tmp_path / "in").run(voltage), rows)
 

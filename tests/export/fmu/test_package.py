@@ -45,7 +45,7 @@ WHAT = FmuDescription(
 def test_a_memory_goes_on_through_steps_and_failure_is_told(version, tmp_path):
     if shutil.which("gcc") is None:
         pytest.skip("needs gcc")
-    path = str(write_fmu(WHAT, {"equations.h": EQUATIONS}, tmp_path / "i.fmu", version=version, page="").path)
+    path = str(write_fmu(WHAT, {"equations.h": EQUATIONS}, tmp_path / "i.fmu", version=version, page="").main)
     assert validation.validate_fmu(path) == []
     found = fmpy.simulate_fmu(path, stop_time=1.0, output_interval=0.1)
     assert found["y"] == pytest.approx(2.0 * (0.5 + found["time"]))

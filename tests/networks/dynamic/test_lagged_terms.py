@@ -16,8 +16,8 @@ def frame(n=40, margin=0.5):
     return frame_of(signals, 2, READS, [(2, n)], margin)
 
 
-def errors_and_slopes(frame, terms, windows):
-    parts = list(run_terms(frame, terms, windows))
+def errors_and_slopes(frame, terms, windows, **options):
+    parts = list(run_terms(frame, terms, windows, **options))
     return np.concatenate([one for one, _ in parts]), np.concatenate([one for _, one in parts])
 
 
@@ -44,12 +44,12 @@ def test_a_window_begins_from_what_was_measured():
     assert np.array_equal(whole[20:], alone)
 
 
-def test_windows_that_do_not_fit_into_memory_together_give_the_same(monkeypatch):
+def test_windows_that_do_not_fit_into_memory_together_give_the_same():
     one, windows = frame(), [(2, 12), (12, 30), (30, 40)]
     whole = errors_and_slopes(one, TERMS, windows)
-    monkeypatch.setattr("polydraulic.networks.dynamic.lagged_terms._BATCH", 1)
-    assert len(list(run_terms(one, TERMS, windows))) == 3
-    assert all(np.array_equal(a, b) for a, b in zip(errors_and_slopes(one, TERMS, windows), whole, strict=True))
+    assert len(list(run_terms(one, TERMS, windows, batch=1))) == 3
+    parts = errors_and_slopes(one, TERMS, windows, batch=1)
+    assert all(np.array_equal(a, b) for a, b in zip(parts, whole, strict=True))
 
 
 def test_answers_stay_in_their_range_and_have_no_slope_there():

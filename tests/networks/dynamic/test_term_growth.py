@@ -15,10 +15,10 @@ def noisy(n=300, noise=0.02):
     return np.column_stack([u, y + rng.normal(scale=noise, size=n)]), y
 
 
-def grown(signals, n_term, horizon=16, spans=None):
+def grown(signals, n_term, horizon=16, spans=None, **options):
     spans = [(2, len(signals))] if spans is None else spans
     frame = frame_of(signals, 1, READS, spans, 0.1)
-    return frame, next(terms for terms in grow(frame, spans, horizon) if len(terms.coef) >= n_term)
+    return frame, next(terms for terms in grow(frame, spans, horizon, **options) if len(terms.coef) >= n_term)
 
 
 def own(terms):
@@ -66,10 +66,9 @@ def test_what_never_changes_does_no_harm():
     assert np.isfinite(grown(signals, 2)[1].coef).all()
 
 
-def test_of_many_lagged_values_only_those_in_the_polynomial_are_multiplied(monkeypatch):
+def test_of_many_lagged_values_only_those_in_the_polynomial_are_multiplied():
     signals, _ = noisy()
-    monkeypatch.setattr("polydraulic.networks.dynamic.term_growth._ALL_PAIRS", 3)
-    _, terms = grown(signals, 12)
+    _, terms = grown(signals, 12, all_pairs=3)
     seen = set()
     for *factors, d in terms.factors.tolist():
         a, b = factors

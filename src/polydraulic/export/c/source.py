@@ -12,8 +12,10 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export.c.network import choice, helpers, slopes_function, value_function
 from polydraulic.export.c.text import FLOAT, REALS, Real, comment, literal, string
+from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import write_text
+from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import SIGMOID
 from polydraulic.networks.model.partition import Split
@@ -22,9 +24,7 @@ from polydraulic.networks.model.slopes import domain_gain
 _VECTORS = 24
 
 
-def export_c(
-    models: Sequence[Model], folder: str | Path, *, name: str | None = None, real: str = "double"
-) -> list[Path]:
+def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = None, real: str = "double") -> Exported:
     """Write a header and a source for models.
 
     Parameters
@@ -39,8 +39,8 @@ def export_c(
 
     Returns
     -------
-    list of Path
-        The files written.
+    Exported
+        Header and source.
 
     Raises
     ------
@@ -48,10 +48,10 @@ def export_c(
         If the models do not go together, a number does not fit into a float, or the folder cannot be written.
     """
     whole = bundle(models, name)
-    paths = [Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c")]
-    for path, text in zip(paths, to_c(whole, real), strict=True):
+    files = tuple(Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c"))
+    for path, text in zip(files, to_c(whole, real), strict=True):
         write_text(path, text)
-    return paths
+    return Exported(files, (*whole.name_notes(), *dynamic_notes(models)))
 
 
 def to_c(whole: Bundle, real: str = "double") -> tuple[str, str]:

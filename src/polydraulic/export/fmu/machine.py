@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
-from polydraulic.export.fmu.package import WrittenFmu, write_fmu
+from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.machine import machine_c, machine_size, outputs, prepared
 from polydraulic.export.translate.names import field_name
 from polydraulic.flow.dispatch import build_flow
@@ -55,7 +56,7 @@ def export_machine_fmu(
     locked: Collection[str] = (),
     compiler: str | None = None,
     cross: bool = False,
-) -> WrittenFmu:
+) -> Exported:
     """Write a machine as an FMU for co-simulation, with sources and a binary for this machine.
 
     Parameters
@@ -80,8 +81,8 @@ def export_machine_fmu(
 
     Returns
     -------
-    WrittenFmu
-        Its `binaries` are empty without a compiler: the FMU then holds sources, which the importer has to compile.
+    Exported
+        As `write_fmu`.
 
     Raises
     ------

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from polydraulic.export.c.source import to_c
+from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable, free_name
-from polydraulic.export.fmu.package import WrittenFmu, write_fmu
+from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.model_bundle import Bundle, bundle
+from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.table import UNBOUNDED
 
@@ -26,7 +28,7 @@ def export_fmu(
     name: str | None = None,
     compiler: str | None = None,
     cross: bool = False,
-) -> WrittenFmu:
+) -> Exported:
     """Write models as an FMU for model exchange and co-simulation, with sources and a binary for this machine.
 
     Parameters
@@ -46,8 +48,8 @@ def export_fmu(
 
     Returns
     -------
-    WrittenFmu
-        Its `binaries` are empty without a compiler: the FMU then holds sources, which the importer has to compile.
+    Exported
+        As `write_fmu`.
 
     Raises
     ------
@@ -62,8 +64,9 @@ def export_fmu(
     folder = f"extra/org.polydraulic/{whole.name}" if version == 3 else "documentation/reference"
     extra = {f"{folder}_in.csv": inputs, f"{folder}_ref.csv": results}
     return write_fmu(
-        what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross
-    )
+        what, sources, path, version=version, page=_page(whole, what), extra=extra, compiler=compiler, cross=cross,
+        notes=dynamic_notes(models),
+    )  # fmt: skip
 
 
 def describe_networks(whole: Bundle) -> FmuDescription:

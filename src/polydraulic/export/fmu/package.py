@@ -6,12 +6,19 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import NamedTuple
 
 from polydraulic import __version__
 from polydraulic.errors import InputError
-from polydraulic.export.build import compile_library, cross_compilers, find_compiler, library_ending, platform_tuple
+from polydraulic.export.build import (
+    COMPILERS,
+    compile_library,
+    cross_compilers,
+    find_compiler,
+    library_ending,
+    platform_tuple,
+)
 from polydraulic.export.c.text import literal, string
+from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription
 from polydraulic.export.fmu.xml import build_description, model_description, terminals_and_icons
 from polydraulic.files import replacing
@@ -25,20 +32,6 @@ _FMI2_FOLDER = {"x86_64-linux": "linux64", "x86_64-darwin": "darwin64", "x86_64-
 _FLAGS = ("-fvisibility=hidden", "-DFMI2_OVERRIDE_FUNCTION_PREFIX", "-DFMI3_OVERRIDE_FUNCTION_PREFIX")
 
 
-class WrittenFmu(NamedTuple):
-    """What was written.
-
-    Attributes
-    ----------
-    path : Path
-    binaries : tuple of str
-        Platforms with a binary, as FMI 3.0 names them; none if there was no compiler.
-    """
-
-    path: Path
-    binaries: tuple[str, ...]
-
-
 def write_fmu(
     what: FmuDescription,
     sources: Mapping[str, str],
@@ -50,7 +43,8 @@ def write_fmu(
     extra: Mapping[str, str] | None = None,
     compiler: str | None = None,
     cross: bool = False,
-) -> WrittenFmu:
+    notes: Sequence[str] = (),
+) -> Exported:
     """Write an FMU.
 
     Parameters
@@ -72,10 +66,13 @@ def write_fmu(
         Command, as for `find_compiler`. Without any the FMU holds sources only.
     cross : bool
         Whether to add binaries for other platforms: Windows, macOS, Linux on both processors; needs the package ziglang.
+    notes : sequence of str
+        To be told with it.
 
     Returns
     -------
-    WrittenFmu
+    Exported
+        Without a compiler its `binaries` are empty and a note says so: the FMU then holds sources, which the importer has to compile.
 
     Raises
     ------
@@ -125,7 +122,8 @@ def write_fmu(
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))  # no time of its own
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, data)
-    return WrittenFmu(path, tuple(commands))
+    missing = f"no C compiler ({', '.join(COMPILERS)}) is installed: the FMU holds sources only, which the importer has to compile"
+    return Exported((path,), (*([] if commands else [missing]), *notes), tuple(commands))
 
 
 def _config(what: FmuDescription, token: str) -> str:

@@ -135,7 +135,7 @@ def _run(
 
 
 def run_terms(
-    frame: Frame, terms: Terms, windows: Sequence[Span], *, slopes: bool = True
+    frame: Frame, terms: Terms, windows: Sequence[Span], *, slopes: bool = True, batch: int = _BATCH
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Errors of runs through windows of rows, and their slopes, some windows at a time.
 
@@ -147,6 +147,8 @@ def run_terms(
         Each begins from measured outputs and goes on by itself.
     slopes : bool
         Whether they are needed.
+    batch : int
+        Derivatives in memory at a time; one window at least.
 
     Yields
     ------
@@ -159,7 +161,7 @@ def run_terms(
     n_slope = len(terms.coef) if slopes else 0
     measured = frame.signals[:, -n_output:]
     work = np.zeros(n_lag + 1), np.zeros(n_lag + 1, dtype=bool), np.zeros((n_output, n_lag + 1))
-    for part in _batches(windows, max(1, _BATCH // max(1, n_slope * n_output))):
+    for part in _batches(windows, max(1, batch // max(1, n_slope * n_output))):
         ends = np.array(part, dtype=np.int64)
         rows = np.concatenate([np.arange(a, b) for a, b in part])
         answers, found = measured.copy(), np.zeros((len(rows), n_output, n_slope))

@@ -26,7 +26,7 @@ _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
-def grow(frame: Frame, spans: Sequence[Span], horizon: int) -> Iterator[Terms]:
+def grow(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS) -> Iterator[Terms]:
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -36,6 +36,8 @@ def grow(frame: Frame, spans: Sequence[Span], horizon: int) -> Iterator[Terms]:
         Rows to learn from.
     horizon : int
         Rows that runs go on before they begin anew from measured outputs.
+    all_pairs : int
+        Lagged values at most, of which any two may be multiplied.
     """
     windows = pieces(spans, horizon)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
@@ -43,7 +45,7 @@ def grow(frame: Frame, spans: Sequence[Span], horizon: int) -> Iterator[Terms]:
     most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
     yield terms
     while len(terms.coef) < most:
-        more = _best_term(frame, terms, few) if error > _EXACT else None
+        more = _best_term(frame, terms, few, all_pairs) if error > _EXACT else None
         if more is None:
             return
         terms, error = _refined(frame, more, many, error)
@@ -88,7 +90,7 @@ def _held(frame: Frame) -> Terms:
     return Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
 
 
-def _candidates(terms: Terms, n_lag: int) -> tuple[np.ndarray, np.ndarray]:
+def _candidates(terms: Terms, n_lag: int, all_pairs: int) -> tuple[np.ndarray, np.ndarray]:
     """Terms that may be added: powers, products of two values, and of three where the product of two of them is there.
 
     With many lagged values one of two has to be in the polynomial, too, since there are too many pairs.
@@ -98,7 +100,7 @@ def _candidates(terms: Terms, n_lag: int) -> tuple[np.ndarray, np.ndarray]:
     powers = {(a, *power) for a in places for power in ((0, 0), (a, 0), (a, a))}
     for k in np.unique(terms.output):
         there = {tuple(one) for one in terms.factors[terms.output == k].tolist()}
-        partners = places if n_lag <= _ALL_PAIRS else {a for one in there for a in one if a}
+        partners = places if n_lag <= all_pairs else {a for one in there for a in one if a}
         pairs = {(max(a, b), min(a, b), 0) for a in partners for b in places if a != b}
         grown = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
         triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in grown for c in places if c not in (a, b)}
@@ -108,9 +110,9 @@ def _candidates(terms: Terms, n_lag: int) -> tuple[np.ndarray, np.ndarray]:
     return np.array(factors, dtype=np.int64).reshape(-1, 3), np.array(output, dtype=np.int64)
 
 
-def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span]) -> Terms | None:
+def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: int) -> Terms | None:
     """Terms with the candidate that lowers the squared error most; None if none does."""
-    candidates = _candidates(terms, len(frame.column))
+    candidates = _candidates(terms, len(frame.column), all_pairs)
     n, wider = len(terms.coef), terms.and_also(*candidates)
     gram, cross, size = np.zeros((n, n)), np.zeros((n, len(candidates[1]))), np.zeros(len(candidates[1]))
     downhill = np.zeros(len(wider.coef))

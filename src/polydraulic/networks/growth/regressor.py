@@ -16,7 +16,8 @@ from polydraulic.networks.growth.prescreen import promising_inputs
 from polydraulic.networks.growth.refine import refine
 from polydraulic.networks.growth.synthesis import Settings, penalty, residual_variance, synthesize
 from polydraulic.networks.growth.training_rows import Scaling, TrainingRows, rows_from_blocks, rows_in_memory
-from polydraulic.networks.intervals import half_width, hold_out
+from polydraulic.networks.hold_out import calibration_rows
+from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import checked_box, settings_of, variables
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.model import Model, Variable, describe
@@ -165,7 +166,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         X, y, weight = self._complete(X, y, weight)
         self._single_output = y.ndim == 1
         targets = y.reshape(len(y), -1)
-        learn, hold = hold_out(len(y), self.calibration, self.random_state)
+        learn, hold = calibration_rows(len(y), self.calibration, self.random_state)
         part = None if weight is None else weight[learn]
         grown = [self._grow(rows_in_memory(X[learn], target[learn], part), settings) for target in targets.T]
         self._finish(grown)
@@ -222,7 +223,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         y = np.column_stack([model.predict(X) for model in self.to_models()])
         found = [y]
         if return_interval is not None:
-            half = np.array([half_width(residuals, return_interval) for residuals in self.residuals_])
+            half = np.array([stated_half_width(residuals, return_interval) for residuals in self.residuals_])
             found += [y - half, y + half]
         if self._single_output:
             found = [values[:, 0] for values in found]

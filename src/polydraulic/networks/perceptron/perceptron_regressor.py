@@ -14,6 +14,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 from threadpoolctl import threadpool_limits
 
 from polydraulic.errors import InputError
+from polydraulic.networks.hold_out import drawn_rows
 from polydraulic.networks.model.fitted import checked_box, settings_of, variables
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR, SIGMOID
@@ -269,8 +270,7 @@ def hidden_unit_sweep(
     n_held = round(held_out * len(y))
     if not 2 <= n_held <= len(y) - 2:
         raise InputError(f"held_out = {held_out!r}: must leave at least 2 of the {len(y)} rows to either side")
-    order = check_random_state(settings.get("random_state", 0)).permutation(len(y))
-    held, kept = order[:n_held], order[n_held:]
+    kept, held = drawn_rows(len(y), n_held, settings.get("random_state", 0))
     points = []
     for n in units:
         model = PerceptronRegressor(hidden_units=n, **settings).fit(X[kept], y[kept])

@@ -9,7 +9,8 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from polydraulic.errors import InputError
 from polydraulic.networks.growth.regressor import AbductiveRegressor
-from polydraulic.networks.intervals import half_width, hold_out
+from polydraulic.networks.hold_out import calibration_rows
+from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import variables
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import (
@@ -112,7 +113,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         X, y, weight = X[weight > 0.0], y.astype(np.float64)[weight > 0.0], weight[weight > 0.0]
         self._single_output = y.ndim == 1
         base = AbductiveRegressor() if self.estimator is None else self.estimator
-        learn, hold = hold_out(len(y), getattr(base, "calibration", 0.0), base.random_state)
+        learn, hold = calibration_rows(len(y), getattr(base, "calibration", 0.0), base.random_state)
         rows = _Rows(X[learn], y[learn], weight[learn])
         if self.edges is None:
             self.partition_, self.estimators_ = self._find(rows, base)
@@ -134,7 +135,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         y = self._outputs(X)
         found = [y]
         if return_interval is not None:
-            half = np.array([[half_width(r, return_interval) for r in outputs] for outputs in self.residuals_])
+            half = np.array([[stated_half_width(r, return_interval) for r in outputs] for outputs in self.residuals_])
             width = half[region_of(self.partition_, X)]
             found += [y - width, y + width]
         if self._single_output:

@@ -1,0 +1,40 @@
+from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic
+from .judging import Errors, HeldOut, OutputFit
+from .log_replay import Drift, Replay, Window, plot_replay, replay
+from .machine_card import Covered, machine_coverage
+from .machine_fit import MachineFit, fit_machine
+from .model_card import write_card
+from .model_check import Check, check_models
+from .run_plot import plot_runs
+from .runs import DynamicRun, ModelRuns, run_models
+from .table_fit import TableFit, fit_table
+from .validity import Validity
+
+__all__ = [
+    "Check",
+    "Covered",
+    "Drift",
+    "DynamicFit",
+    "DynamicOutputFit",
+    "DynamicRun",
+    "Errors",
+    "HeldOut",
+    "MachineFit",
+    "ModelRuns",
+    "OutputFit",
+    "Replay",
+    "RunErrors",
+    "TableFit",
+    "Validity",
+    "Window",
+    "check_models",
+    "fit_dynamic",
+    "fit_machine",
+    "fit_table",
+    "machine_coverage",
+    "plot_replay",
+    "plot_runs",
+    "replay",
+    "run_models",
+    "write_card",
+]

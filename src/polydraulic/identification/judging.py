@@ -1,0 +1,111 @@
+"""How good a model is on rows that it has not seen: errors, by region too, and intervals with the share that they hold for."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.networks.intervals import half_width
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.partition import region_of
+
+LEVEL = 0.9  # of the intervals
+
+
+class Errors(NamedTuple):
+    """Errors of answers next to what was measured, in the output's unit."""
+
+    r2: float
+    rms: float
+    largest: float
+
+
+class HeldOut(NamedTuple):
+    """Rows that were held out: inputs, output, and what a model fitted without them says."""
+
+    X: np.ndarray
+    y: np.ndarray
+    predicted: np.ndarray
+    by_time: bool  # whether they are blocks of time, or every fifth row
+
+
+class OutputFit(NamedTuple):
+    """A model of one output from all rows, and how one without the rows held out does on these; in the output's unit.
+
+    Attributes
+    ----------
+    model : Model
+        Its `training` states all of the following.
+    r2, rms, largest : float
+        Of the errors on the rows held out.
+    half_widths : list of float
+        Of the intervals at `LEVEL`, by region; from half of the rows held out.
+    covered : float
+        Share of the other half that lies in its interval.
+    held : HeldOut
+    """
+
+    model: Model
+    r2: float
+    rms: float
+    largest: float
+    half_widths: list[float]
+    covered: float
+    held: HeldOut
+
+    def __str__(self) -> str:
+        return (
+            f"{self.model.output}: {len(self.model.networks)} network(s), {self.model.n_coefficients} coefficients; "
+            f"held-out R2 {self.r2:.4f}, rms {self.rms:.4g}, largest {self.largest:.4g}"
+        )
+
+
+def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:
+    """R2, rms and largest error of rows, both of shape (n_row,)."""
+    error = predicted - measured
+    mean_square, spread = float(np.mean(error * error)), float(np.var(measured))
+    r2 = 1.0 - mean_square / spread if spread > 0.0 else 0.0  # as scikit-learn: nothing to explain
+    return Errors(r2, mean_square**0.5, float(np.abs(error).max()))
+
+
+def errors_by_region(model: Model, X: np.ndarray, error: np.ndarray) -> list[dict[str, Any]]:
+    """Rows, rms and largest error in each region of a model."""
+    region = region_of(model.partition, X)
+    found = []
+    for k, name in enumerate(model.region_names()):
+        e = error[region == k]
+        sizes = (float(np.sqrt(np.mean(e * e))), float(np.abs(e).max())) if len(e) else (0.0, 0.0)
+        found.append({"region": name, "rows": len(e), "rms": sizes[0], "largest": sizes[1]})
+    return found
+
+
+def unit_after(variable: Variable) -> str:
+    """Unit as it stands after a number in a sentence; nothing where there is none."""
+    return "" if variable.unit in ("", "1") else f" {variable.unit}"
+
+
+def judged(model: Model, held: HeldOut, rows: int) -> OutputFit:
+    """Errors and intervals of a model fitted to `rows` rows, by those held out; written into the model's training, too."""
+    error = held.predicted - held.y
+    region = region_of(model.partition, held.X)
+    # blocks of time, or rows, in turn: one half sets the widths, the other one says whether they hold
+    sets = np.arange(len(error)) * 4 // len(error) % 2 == 0 if held.by_time else np.arange(len(error)) % 2 == 0
+    sizes = np.abs(error)
+    everywhere = half_width(sizes[sets], LEVEL)
+    widths = []
+    for k in range(len(model.networks)):
+        own = half_width(sizes[sets & (region == k)], LEVEL)
+        widths.append(own if np.isfinite(own) else everywhere)  # too few rows of its own
+    covered = float(np.mean(sizes[~sets] <= np.array(widths)[region[~sets]]))
+    errors = errors_of(held.y, held.predicted)
+    model.training.update(
+        {
+            "rows": rows,
+            "held_out": "blocks of time" if held.by_time else "every fifth row",
+            **{f"held_out_{name}": value for name, value in errors._asdict().items()},
+            "held_out_by_region": errors_by_region(model, held.X, error),
+            "interval_level": LEVEL,
+            "interval_half_widths": widths if np.all(np.isfinite(widths)) else [],
+            "interval_covered": covered,
+        }
+    )
+    return OutputFit(model, *errors, widths, covered, held)

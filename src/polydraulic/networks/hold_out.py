@@ -1,0 +1,51 @@
+"""Rows that are held out: drawn at random, or every fifth row or block of time.
+
+Neighbours in time are no independent witnesses, so that of a log whole blocks are held out.
+"""
+
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+from sklearn.utils import check_random_state
+
+from polydraulic.errors import InputError
+
+FOLD = 5  # one of so many rows, or blocks of time, is held out
+BLOCKS = 20  # of a log, at least: four of them are held out
+
+T = TypeVar("T")
+
+
+def drawn_rows(n: int, n_held: int, random_state: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Rows to learn from, (n - n_held,), and rows to hold out, (n_held,), of `n`, in the order in which they were drawn."""
+    order = check_random_state(random_state).permutation(n)
+    return order[n_held:], order[:n_held]
+
+
+def calibration_rows(n: int, share: float, random_state: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Rows to learn from, and rows to hold out for intervals, of `n`; both in rising order.
+
+    Raises
+    ------
+    InputError
+        If the share is none.
+    """
+    if not 0.0 <= share < 1.0:
+        raise InputError(f"calibration = {share!r}: must be a share of the rows, at least 0 and below 1")
+    held = round(share * n)
+    if not held:
+        return np.arange(n), np.arange(0)
+    learn, hold = drawn_rows(n, held, random_state)
+    return np.sort(learn), np.sort(hold)
+
+
+def held_rows(n: int, blocks: int | None = None) -> np.ndarray:
+    """Which of `n` rows are held out, (n,) array of bool: every fifth row, or every fifth of `blocks` blocks."""
+    place = np.arange(n) if blocks is None else np.arange(n) * blocks // max(n, 1)
+    return np.asarray(place % FOLD == FOLD - 1)
+
+
+def held_blocks(blocks: Sequence[T]) -> list[T]:
+    """Every fifth of blocks of rows."""
+    return list(blocks[FOLD - 1 :: FOLD])

@@ -1,0 +1,39 @@
+"""Lags in words: what those who run a dynamic model elsewhere have to know."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from polydraulic.networks.model.lags import Dynamics
+from polydraulic.networks.model.model import Model
+
+
+def lags_in_words(dynamics: Dynamics) -> str:
+    """What a dynamic model reads, and when: "valve 0, 1; pressure 1 to 3 rows ago"."""
+    steps: dict[str, list[int]] = {}
+    for lag in dynamics.lags:
+        steps.setdefault(lag.signal, []).append(lag.steps)
+    return "; ".join(f"{name} {_counted(sorted(some))}" for name, some in steps.items()) + " rows ago"
+
+
+def dynamic_notes(models: Sequence[Model]) -> list[str]:
+    """What an export, or a proof, of dynamic models is about, in words; nothing of static ones."""
+    steps: dict[str, list[str]] = {}
+    for model in models:
+        if model.dynamics is None:
+            continue
+        low, high = model.dynamics.step
+        raster = "" if model.dynamics.raster is None else f", rows {model.dynamics.raster:g} s apart"
+        change = f"{model.output.name} by {low:.6g} to {high:.6g}"
+        steps.setdefault(lags_in_words(model.dynamics) + raster, []).append(change)
+    return [
+        f"dynamic, a function of lagged values: {lags}. Whoever calls it shifts them from row to row, and lets "
+        f"the output change from the last one {', '.join(changes)} at most"
+        for lags, changes in steps.items()
+    ]
+
+
+def _counted(steps: list[int]) -> str:
+    """Numbers in words: 1 to 4 where none is missing."""
+    if len(steps) > 2 and all(b - a == 1 for a, b in pairwise(steps)):
+        return f"{steps[0]} to {steps[-1]}"
+    return ", ".join(str(step) for step in steps)

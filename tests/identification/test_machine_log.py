@@ -1,0 +1,36 @@
+"""What circuits see, from what sensors read."""
+
+import numpy as np
+import pytest
+
+from helpers.machine_log import machine_log
+from polydraulic.errors import InputError
+from polydraulic.identification.machine_log import Known, by_port, judging_rows
+from polydraulic.parameters.schema import LINKS
+from polydraulic.tables import Table
+
+
+def test_a_missing_channel_is_named(machine):
+    with pytest.raises(InputError, match=r"no column 'swing.spool'"):
+        by_port(Known.of(machine), Table({"boom.spool": np.zeros(3)}, {}))
+
+
+def test_units_are_those_of_si(machine):
+    log = machine_log()
+    with pytest.raises(InputError, match=r"column 'boom.p_a' is in 'bar'; a machine is learnt in SI, this in 'Pa'"):
+        by_port(Known.of(machine), Table(log.columns, {**log.units, "boom.p_a": "bar"}))
+    seen = by_port(Known.of(machine), log)
+    assert {name: seen.unit(name) for name in ("time", "boom.travel", "boom.k_out", "series.q_passed")} == {
+        "time": "s", "boom.travel": "m", "boom.k_out": "m3/s/Pa^0.5", "series.q_passed": "m3/s",
+    }  # fmt: skip
+    for link in LINKS:
+        forward = log[f"{link}.spool"] > 0.0
+        assert np.all(seen[f"{link}.p_in"][forward] == np.maximum(log[f"{link}.p_a"][forward], 0.0))
+
+
+def test_rows_with_a_shut_valve_or_at_relief_say_nothing(machine):
+    known = Known.of(machine)
+    log = by_port(known, machine_log())
+    for link in LINKS:
+        assert np.all(log[f"{link}.travel"][judging_rows(f"{link}.k_out", log, known)] > known.deadband)
+        assert log[f"{link}.p_in"][judging_rows(f"{link}.q_in", log, known)].max() < 0.98 * known.relief

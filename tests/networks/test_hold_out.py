@@ -1,0 +1,51 @@
+"""Rows that are held out."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from polydraulic.errors import InputError
+from polydraulic.networks.hold_out import calibration_rows, drawn_rows, held_blocks, held_rows
+
+
+@given(st.integers(0, 200), st.integers(0, 200), st.integers(0, 5))
+def test_drawn_rows_are_all_rows_once(n, n_held, seed):
+    n_held = min(n, n_held)
+    learn, hold = drawn_rows(n, n_held, seed)
+    assert (len(learn), len(hold)) == (n - n_held, n_held)
+    assert sorted([*learn, *hold]) == list(range(n))
+
+
+def test_rows_of_a_calibration_keep_their_order():
+    learn, hold = calibration_rows(100, 0.3, 0)
+    assert len(hold) == 30
+    assert np.all(np.diff(learn) > 0)
+    assert np.all(np.diff(hold) > 0)
+    assert sorted(drawn_rows(100, 30, 0)[1]) == hold.tolist()
+    assert not np.array_equal(hold, calibration_rows(100, 0.3, 1)[1])
+
+
+def test_without_a_calibration_nothing_is_drawn():
+    state = np.random.RandomState(0)
+    learn, hold = calibration_rows(10, 0.0, state)
+    assert (learn.tolist(), hold.tolist()) == (list(range(10)), [])
+    assert state.rand() == np.random.RandomState(0).rand()
+    for share in (-0.1, 1.0):
+        with pytest.raises(InputError, match=f"calibration = {share}: must be a share of the rows"):
+            calibration_rows(10, share, 0)
+
+
+def test_every_fifth_row_or_block_is_held_out():
+    assert np.flatnonzero(held_rows(12)).tolist() == [4, 9]
+    assert np.flatnonzero(held_rows(20, 10)).tolist() == [8, 9, 18, 19]
+    assert held_rows(0, 20).shape == (0,)
+    assert held_blocks("abcdefghijk") == ["e", "j"]
+
+
+@given(st.integers(100, 1000), st.integers(1, 100))
+def test_blocks_are_as_long_as_each_other(n, blocks):
+    held = held_rows(n, blocks)
+    runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]]))))[::2]
+    assert len(runs) == blocks // 5
+    assert set(runs) <= {n // blocks, n // blocks + 1}
