@@ -70,23 +70,47 @@ def import_(
 @app.command()
 def record(
     scenario: Annotated[
-        list[str], typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS.")
-    ],
-    sensors: Annotated[Path, typer.Option(help="Sensors, TOML: what they read, how well and how often.")],
-    out: Annotated[Path, typer.Option(help="Log to write, .csv, .mf4 or .parquet.")],
+        list[str] | None,
+        typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS."),
+    ] = None,
+    sensors: Annotated[Path | None, typer.Option(help="Sensors, TOML: what they read, how well and how often.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Log to write, .csv, .mf4 or .parquet; with --example the sensors, .toml.")
+    ] = None,
+    example: Annotated[
+        bool, typer.Option("--example", help="Write sensors to begin with: all that fit-machine and replay read.")
+    ] = False,
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Simulate, and write what sensors would have recorded: noise, digits, delay, dropouts, drift, rasters.
 
     Example: `polydraulic record random:1:600 random:2:600 --sensors sensors.toml --out log.mf4`
+
+    - Sensors to begin with: `polydraulic record --example --out sensors.toml`
     """
+    from polydraulic.files import write_text
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
-    from polydraulic.measure.bench.sensors import load_sensors
+    from polydraulic.measure.bench.sensors import example_sensors, load_sensors
     from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
 
+    if example:
+        if scenario or sensors is not None:
+            raise InputError("--example writes sensors; scenarios and --sensors go with a recording")
+        if out is None:
+            print(example_sensors(), end="")
+        else:
+            if out.suffix.lower() != ".toml":
+                raise InputError(f"{out}: sensors are a .toml file")
+            write_text(out, example_sensors())
+            print(f"{out}: sensors to begin with; change them as you like")
+        return
+    if not scenario or sensors is None or out is None:
+        raise InputError(
+            "a recording needs a scenario, --sensors SENSORS.toml and --out LOG; --example writes sensors to begin with"
+        )
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
     what = [load_scenario(name) for name in scenario]

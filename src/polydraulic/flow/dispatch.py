@@ -47,7 +47,7 @@ class FlowKind(NamedTuple):
     ----------
     model : NamedTuple class of its parameters
     step : kernel (model, memory, spool, p_in, p_out, dt) -> Flows
-    build : (machine, **options) -> model
+    build : function (machine, options) -> model
     n_memory : model -> floats that the step keeps or uses as scratch
     balances : whether pump flow = actuators + bypass + relief + stored at every step
     gives_pump_pressure : whether the pump pressure is computed

@@ -1,6 +1,7 @@
 """Sensors of a virtual test bench: what they read of a run, how well and how often. A TOML file."""
 
 from dataclasses import dataclass
+from importlib.resources import files
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,11 @@ class Bench:
     sensors: tuple[Sensor, ...]
     seed: int = 0
     pause: float = 5.0
+
+
+def example_sensors() -> str:
+    """Text of a file of sensors to begin with: all that machines are learnt from and run against, with every key explained."""
+    return (files("polydraulic.measure.bench") / "example_sensors.toml").read_text(encoding="utf-8")
 
 
 def load_sensors(path: str | Path) -> Bench:
