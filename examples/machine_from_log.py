@@ -4,8 +4,7 @@ from pathlib import Path
 
 from polydraulic import random_operator
 from polydraulic.identification import fit_machine, replay
-from polydraulic.measure import import_log, load_channels, load_sensors, record
-from polydraulic.measure.bench.sensors import example_sensors
+from polydraulic.measure import example_sensors, import_log, load_channels, load_sensors, record
 
 Path("sensors.toml").write_text(example_sensors())
 bench = load_sensors("sensors.toml")

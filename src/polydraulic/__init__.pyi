@@ -6,6 +6,7 @@ from .networks.regions.region_regressor import RegionRegressor
 from .parameters.load import load_machine
 from .parameters.scenario import Scenario, load_scenario, random_operator
 from .parameters.schema import Machine
+from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
 from .simulation.runs import reference, simulate
 from .simulation.trajectory import Difference, compare
@@ -19,6 +20,7 @@ __all__ = [
     "Difference",
     "InputError",
     "Machine",
+    "Progress",
     "RegionRegressor",
     "Scenario",
     "SimulationError",

@@ -71,8 +71,8 @@ class _Answers(NamedTuple):
 
 def verify_models(
     models: Sequence[Model],
-    n: int = 3000,
     *,
+    n: int = 3000,
     seed: int = 0,
     progress: Progress = quiet,
 ) -> tuple[list[Agreement], dict[str, str]]:
@@ -213,7 +213,7 @@ def _compiler() -> list[str]:
 def _c(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> _Answers:
     command = _compiler()
     try:
-        header, source = to_c(whole, real)
+        header, source = to_c(whole, real=real)
     except InputError as error:
         raise _NotHereError(str(error)) from error
     path = folder / f"{whole.name}_{real}"

@@ -61,7 +61,7 @@ class FlowKind(NamedTuple):
 
     model: type
     step: Callable[..., Flows]
-    build: Callable[..., Any]
+    build: Callable[..., "FlowModel"]
     n_memory: Callable[[Any], int]
     balances: bool
     gives_pump_pressure: bool
@@ -94,12 +94,12 @@ FLOW_LANES = {kind.model: kind.lanes for kind in FLOW_KINDS.values() if kind.lan
 FLOW_SLOPES = {kind.model: kind.slopes for kind in FLOW_KINDS.values() if kind.slopes is not None}
 
 
-def flow_step(model: Any, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
+def flow_step(model: FlowModel, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
     """Flow through each main valve over one step; pump and valves are one subsystem, and the model owns both.
 
     Parameters
     ----------
-    model : one of the models in `FLOW_KINDS`
+    model : FlowModel
     memory : (n_memory,) array
         What the model keeps between steps; changed in place.
     spool : Links, m
@@ -201,15 +201,15 @@ def as_flow(flow: str | FlowModel, machine: Machine) -> FlowModel:
     return build_flow(flow, machine) if isinstance(flow, str) else flow
 
 
-def flow_name(model: Any) -> str:
-    """Name under which a flow model stands in `FLOW_KINDS`."""
+def flow_name(model: object) -> str:
+    """Name under which the class of a flow model, `model`, stands in `FLOW_KINDS`."""
     for name, kind in FLOW_KINDS.items():
         if type(model) is kind.model:
             return name
     raise InputError(f"{type(model).__name__} is no flow model; choose one of {sorted(FLOW_KINDS)}")
 
 
-def served_links(model: Any) -> tuple[str, ...]:
+def served_links(model: FlowModel) -> tuple[str, ...]:
     """Links that a flow model serves."""
     kind = FLOW_KINDS[flow_name(model)]
     return kind.links if kind.served is None else kind.served(model)

@@ -108,7 +108,7 @@ def pressure_lines(relief: float, n: int) -> np.ndarray:
     return relief * (1.0 - np.linspace(1.0, 0.0, n) ** 2)
 
 
-def table_bytes(model: Any) -> int:
+def table_bytes(model: object) -> int:
     """Bytes of all arrays in a flow model.
 
     Parameters

@@ -7,13 +7,13 @@ flow model and parameter set (masses, friction, lines) together.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import build_flow
+from polydraulic.flow.dispatch import FlowModel, build_flow
 from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
@@ -106,7 +106,7 @@ class Replay:
 def replay(
     log: Table | str | Path,
     machine: Machine | str | Path = "cat215b",
-    flow: Any = "polynomial",
+    flow: str | FlowModel = "polynomial",
     *,
     models: Sequence[Model] | str | Path | None = None,
     seconds: float = SECONDS,
@@ -158,7 +158,7 @@ def replay(
 
 def replayed(
     machine: Machine,
-    flow: Any,
+    flow: str | FlowModel,
     log: Table,
     *,
     seconds: float = SECONDS,
@@ -223,7 +223,7 @@ def drift_rows(found: Sequence[Drift]) -> list[list[str]]:
     ]
 
 
-def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
+def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
     """How far joints and tip drift in the rows of a log that were held out, and in words over what; or why that is not known.
 
     Parameters

@@ -143,7 +143,18 @@ def load_channels(path: str | Path) -> ChannelMap:
 
 
 def channel_map(data: Mapping[str, Any]) -> ChannelMap:
-    """Check what a channel map's file holds; see `load_channels`."""
+    """Make a channel map from what its file would hold.
+
+    Parameters
+    ----------
+    data : mapping
+        Keys and values as in the TOML file that `load_channels` reads.
+
+    Raises
+    ------
+    InputError
+        As `load_channels`, without the name of a file.
+    """
     keys(data, _MAP, {"raster", "channel"}, "")
     raster = duration(data["raster"], "raster")
     channels = tuple(_channel(item, f"channel {n}") for n, item in enumerate(_tables(data, "channel"), 1))

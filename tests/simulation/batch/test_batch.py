@@ -238,7 +238,7 @@ def test_a_machine_that_leaves_all_reason_does_not_spoil_the_others(machine, flo
         ({"n": 2}, {"x0": np.zeros((5, 15))}, "2 machines, 1 inputs, 5 initial states"),
         ({"n": 0}, {}, "0 machines"),
         ({"inputs": np.zeros((4, 2))}, {}, "the array has shape (4, 2)"),
-        ({"inputs": "task"}, {}, "not str"),
+        ({"inputs": 3}, {}, "not int"),
         ({"inputs": np.full((2, 3), np.nan)}, {}, "the swing voltage in step 0 of machine 0 is nan"),
         ({"inputs": np.zeros((4, 3))}, {"t_end": 1.0}, "t_end = 1.0 s: the voltages last 4 steps"),
         ({"flow": BOOM_ONLY}, {}, "serves boom; give scenarios that lock the others"),

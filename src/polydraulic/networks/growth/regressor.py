@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
@@ -198,7 +198,17 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.residuals_ = [np.zeros(0)]
         return self
 
-    def predict(self, X: Any, *, return_domain: bool = False, return_interval: float | None = None) -> Any:
+    @overload
+    def predict(self, X: Any) -> np.ndarray: ...
+
+    @overload
+    def predict(
+        self, X: Any, *, return_domain: bool = ..., return_interval: float | None = ...
+    ) -> np.ndarray | tuple[np.ndarray, ...]: ...
+
+    def predict(
+        self, X: Any, *, return_domain: bool = False, return_interval: float | None = None
+    ) -> np.ndarray | tuple[np.ndarray, ...]:
         """Outputs for `X`, shape (n_row,), or (n_row, n_output) if fitted on several.
 
         Parameters
