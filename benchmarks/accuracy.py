@@ -1,7 +1,10 @@
-"""Accuracy of abductive networks next to other learners, by cross-validation: Markdown tables."""
+"""Accuracy of abductive networks next to other learners, by cross-validation: Markdown tables.
+
+On each fold the learners take turns, so that times of fits are compared fold by fold; those of `.venv-peers` follow, each through
+all folds in a process of its own.
+"""
 
 import sys
-from time import process_time
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +20,9 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
 from polydraulic import AbductiveRegressor
+from polydraulic.thesis.timing import Ratio, Turns, timed
 from separate import fit_separately, separate_learners
+from show import table
 
 OURS = "AbductiveRegressor"
 BLOW_UP = -1.0  # R2 on a fold below which a model is useless
@@ -43,10 +48,10 @@ NO_FORMULA = {"MLP 64x64", "HistGradientBoosting"}
 
 
 class Outcome(NamedTuple):
-    """R2 of each fold (minus infinity without a prediction), mean CPU seconds of a fit (NaN then), and what went wrong."""
+    """R2 of each fold (minus infinity without a prediction), CPU seconds of each fit (NaN then), and what went wrong."""
 
     scores: np.ndarray
-    seconds: float
+    seconds: list[float]
     failure: str = ""
 
 
@@ -58,43 +63,44 @@ def folds_of(data, count=5):
         yield data.X[train], data.y[train], data.X[test], data.y[test]
 
 
-def fit_here(make, folds):
-    """Predictions and CPU seconds of each fold."""
-    found = []
-    for X_train, y_train, X_test in folds:
-        model = make()
-        start = process_time()
-        model.fit(X_train, y_train)
-        seconds = process_time() - start
-        found.append((np.ravel(model.predict(X_test)), seconds))
+def fit_in_turn(folds):
+    """Learner -> predictions and CPU seconds of each fold."""
+    found = {name: [] for name in LEARNERS}
+    for X_train, y_train, X_test, _ in folds:
+        for name, make in LEARNERS.items():
+            model = make()
+            _, seconds = timed(lambda model=model, X=X_train, y=y_train: model.fit(X, y))
+            found[name].append((np.ravel(model.predict(X_test)), seconds))
     return found
 
 
-def outcome(name, folds):
-    asked = [fold[:3] for fold in folds]
-    found = fit_here(LEARNERS[name], asked) if name in LEARNERS else fit_separately(name, asked)
+def outcome(found, folds):
     if isinstance(found, str):
-        return Outcome(np.full(len(folds), -np.inf), np.nan, found)
+        return Outcome(np.full(len(folds), -np.inf), [np.nan] * len(folds), found)
     scores = [
         r2_score(fold[3], np.nan_to_num(predicted, nan=1e150, posinf=1e150, neginf=-1e150))
         for fold, (predicted, _) in zip(folds, found, strict=True)
     ]
-    return Outcome(np.array(scores), float(np.mean([seconds for _, seconds in found])))
+    return Outcome(np.array(scores), [seconds for _, seconds in found])
 
 
 def accuracy(sets, peers):
     """Cross-validate every learner on every set and print tables."""
-    names = list(LEARNERS) + (separate_learners() if peers else [])
+    separate = separate_learners() if peers else []
+    names = [*LEARNERS, *separate]
     for make in LEARNERS.values():  # compiling and importing are not fitting
         for n_input in (5, 32):
             make().fit(*make_friedman1(100, n_input, random_state=0))
     found = {}
     for set_name, data in sets.items():
         folds = list(folds_of(data))
-        found[set_name] = {}
-        for name in names:
-            found[set_name][name] = result = outcome(name, folds)
-            line = f"{np.mean(result.scores):12.4f} {min(result.scores):12.4f} {result.seconds:9.4f} s {result.failure}"
+        fitted = fit_in_turn(folds)
+        for name in separate:
+            fitted[name] = fit_separately(name, [fold[:3] for fold in folds])
+        found[set_name] = {name: outcome(answers, folds) for name, answers in fitted.items()}
+        for name, result in found[set_name].items():
+            seconds = np.mean(result.seconds)
+            line = f"{np.mean(result.scores):12.4f} {min(result.scores):12.4f} {seconds:9.4f} s {result.failure}"
             print(f"{set_name:20s} {name:22s} {line}", file=sys.stderr, flush=True)
     shuffled = {key: value for key, value in found.items() if sets[key].shuffle}
     in_order = {key: value for key, value in found.items() if not sets[key].shuffle}
@@ -105,16 +111,11 @@ def accuracy(sets, peers):
     blow_ups(found)
 
 
-def table(title, header, rows):
-    print(f"\n### {title}\n\n| {' | '.join(header)} |\n|{'---|' * len(header)}")
-    for row in rows:
-        print(f"| {' | '.join(row)} |")
-
-
 def summary(title, names, found):
-    """Mean ranks of the mean R2, 1 the best; fit time as the geometric mean of ratios to ours."""
+    """Mean ranks of the mean R2, 1 the best; fit time as ratio to ours, median and quartiles of the folds, geometric means over sets."""
     means = np.array([[np.mean(result.scores) for result in row.values()] for row in found.values()])
-    ratios = np.array([[result.seconds / row[OURS].seconds for result in row.values()] for row in found.values()])
+    times = [Turns({name: result.seconds for name, result in row.items()}) for row in found.values()]
+    ratios = np.array([[one.ratio(name, OURS) for name in names] for one in times])  # (n_set, n_learner, 3)
     formula = np.array([name not in NO_FORMULA for name in names])
     overall = rankdata(-means, axis=1).mean(axis=0)
     among = np.full(len(names), np.nan)
@@ -133,10 +134,18 @@ def summary(title, names, found):
                 number(np.median(means[:, j])),
                 number(worst),
                 f"{bad}" + (f"; sets without a result: {failed}" if failed else ""),
-                f"{np.exp(np.nanmean(np.log(ratios[:, j]))):.3g}",
+                "1" if names[j] == OURS else str(Ratio(*np.exp(np.nanmean(np.log(ratios[:, j]), axis=0)))),
             ]
         )
-    header = ["learner", "mean rank", "among formulas", "median R2", "worst fold", "blow-ups", "fit time, ratio"]
+    header = [
+        "learner",
+        "mean rank",
+        "among formulas",
+        "median R2",
+        "worst fold",
+        "blow-ups",
+        "fit time, ratio (quartiles)",
+    ]
     table(f"{title} ({len(found)})", header, rows)
 
 

@@ -10,7 +10,6 @@ the second half, so that 1 is what the mean of that half would reach.
 
 import argparse
 import gzip
-import time
 import warnings
 from pathlib import Path
 
@@ -25,6 +24,8 @@ from threadpoolctl import threadpool_limits
 from polydraulic import AbductiveRegressor
 from polydraulic.networks import DynamicRegressor
 from polydraulic.networks.dynamic.spans import lagged
+from polydraulic.thesis.timing import timed
+from show import left_out
 
 SEEDS = range(5)
 SECOND = 20  # rows of the wheel loader's log in a second, from its angles and speeds
@@ -43,7 +44,7 @@ def main():
             ("wheel_loader/wheel_loader.csv.gz", wheel_loader),
         ):
             path = options.data / file
-            show(path) if path.is_file() else print(f"\n{path}: not there, left out")
+            show(path) if path.is_file() else left_out(file, f"put it into {options.data}")
 
 
 def actuator(path):
@@ -77,9 +78,8 @@ def compared(X, y, half, horizons):
         f"MLP of 20 hidden units (3, 3), median of {len(SEEDS)} seeds": [perceptron(seed) for seed in SEEDS],
     }
     for name, learners in others.items():
-        start = time.process_time()
-        errors = [lagged_errors(learner, X, y, half, horizons) for learner in learners]
-        yield name, np.median(errors, axis=0), (time.process_time() - start) / len(learners)
+        found = [lagged_errors(learner, X, y, half, horizons) for learner in learners]
+        yield name, np.median([errors for errors, _ in found], axis=0), np.mean([seconds for _, seconds in found])
     for name, settings in {
         "network (3, 3) of two layers, grown one step ahead": {
             "estimator": AbductiveRegressor(max_layers=2), "input_lags": (1, 2, 3), "output_lags": (1, 2, 3),
@@ -87,9 +87,8 @@ def compared(X, y, half, horizons):
         },
         "DynamicRegressor, all chosen by held-out runs": {},
     }.items():  # fmt: skip
-        start = time.process_time()
-        model = DynamicRegressor(**settings).fit(X[:half], y[:half])
-        seconds, first = time.process_time() - start, half - model.warm_up_
+        model, seconds = timed(lambda settings=settings: DynamicRegressor(**settings).fit(X[:half], y[:half]))
+        first = half - model.warm_up_
         found = [model.simulate(X[first:], y[first:], horizon=horizon)[model.warm_up_ :] for horizon in horizons]
         chosen = model.choice_
         if not settings:
@@ -103,12 +102,13 @@ def perceptron(seed):
 
 
 def lagged_errors(learner, X, y, half, horizons):
-    """Fit on lags 1 to 3 of everything; then run in windows of each horizon."""
+    """Fit on lags 1 to 3 of everything, then run in windows of each horizon; errors, and seconds of the fit."""
     signals, n = np.column_stack([X, y]), X.shape[1]
     reads = [(column, step) for column in range(signals.shape[1]) for step in (1, 2, 3)]
     rows = np.arange(3, half)
     scale = y[:half].std(axis=0)  # several outputs count alike
-    learner.fit(lagged(signals, reads, rows), y[rows] / scale if y.shape[1] > 1 else y[rows, 0])
+    targets = y[rows] / scale if y.shape[1] > 1 else y[rows, 0]
+    _, seconds = timed(lambda: learner.fit(lagged(signals, reads, rows), targets))
     found = []
     for horizon in horizons:
         length = len(y) - half if horizon is None else horizon
@@ -121,7 +121,7 @@ def lagged_errors(learner, X, y, half, horizons):
             windows[:, t, n:] = predicted(learner, seen, scale, y)
         answers = windows[:, 3:, n:].reshape(-1, y.shape[1])[: len(y) - half]
         found.append(rms(answers - y[half:]))
-    return found
+    return found, seconds
 
 
 def predicted(learner, rows, scale, y):

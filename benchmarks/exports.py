@@ -1,46 +1,59 @@
 """Speed and size of exported C next to the same network written by hand.
 
-``python benchmarks/exports.py`` needs gcc; it prints and asserts nothing. The network is that of Fig 3-1. By hand means:
-normalize, nodes with their terms nested, unitize, and nothing else: no borders, no flags.
+``python benchmarks/exports.py`` needs gcc. The network is that of Fig 3-1. By hand means: normalize, nodes with their terms
+nested, unitize, and nothing else: no borders, no flags. It asserts that all of them give what `Model.predict` gives.
 """
 
 import ctypes
 import subprocess
 from pathlib import Path
-from statistics import median
+from shutil import which
 from tempfile import TemporaryDirectory
+
+import numpy as np
 
 from polydraulic import load_machine
 from polydraulic.export import bundle, to_c
 from polydraulic.export.c.network import polynomial
 from polydraulic.networks import Variable
+from polydraulic.networks.model.slopes import model_slopes
 from polydraulic.thesis.single_link import fit_full_box
+from polydraulic.thesis.timing import in_turn
+from show import left_out, show
 
-N, REPEATS, TURNS = 1000, 2000, 15
+N, REPEATS = 1000, 200
 FLAGS = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror"]
 
-TIMER = """#include <time.h>
-#include "net.h"
+# Points through one function, chosen at run time; everything that it gives goes into the sum.
+LOOP = """#include "net.h"
 double by_hand(const double x[]);
-int mine(const double x[], double y[1]);
-typedef int f(const double *, double *);
 static int hand(const double x[], double y[]) { y[0] = by_hand(x); return 0; }
-static int own_slopes(const double x[], double y[]) { double dy[NET_N_INPUTS]; return net_slopes(x, y, dy) + (dy[0] > 1e300); }
-static f *const all[3] = {hand, net, own_slopes};
-double seconds(int which, const double *x, int n, int repeats, double *sum)
+static int slopes(const double x[], double y[])
+{
+    double dy[NET_N_INPUTS];
+    const int status = net_slopes(x, y, dy);
+    int i;
+    for (i = 0; i < NET_N_INPUTS; ++i)
+        y[0] += dy[i];
+    return status;
+}
+typedef int f(const double *, double *);
+static f *const all[3] = {hand, net, slopes};
+double sum(int which, const double *x, int n, int repeats)
 {
     f *const volatile one = all[which];
-    const clock_t start = clock();
+    double total = 0.0;
     int i, r;
     for (r = 0; r < repeats; ++r)
         for (i = 0; i < n; ++i) {
             double y[1];
-            one(x + NET_N_INPUTS * i, y);
-            *sum += y[0];
+            total += one(x + NET_N_INPUTS * i, y);
+            total += y[0];
         }
-    return (double)(clock() - start) / CLOCKS_PER_SEC;
+    return total;
 }
 """
+LABELS = ("by hand", "exported: output and flag", "exported: with slopes")
 
 
 def by_hand(network):
@@ -55,6 +68,9 @@ def by_hand(network):
 
 
 def main():
+    if which("gcc") is None:
+        left_out("exported C next to C by hand", "install gcc")
+        return
     fitted = fit_full_box(load_machine("cat215b"))
     model = fitted.estimator.to_model(fitted.inputs, Variable("net", "in3/s"))
     whole = bundle([model], name="net")
@@ -70,22 +86,18 @@ def main():
             source = (folder / "net.c").stat().st_size
             print(f"{real}: {source} bytes of C, compiled {code} bytes of code and constants, {data} of data")
         (folder / "hand.c").write_text(by_hand(model.networks[0]))
-        (folder / "timer.c").write_text(TIMER)
-        flags = ["-shared", "-fPIC", "net.c", "hand.c", "timer.c", "-o", "all.so"]
+        (folder / "loop.c").write_text(LOOP)
+        flags = ["-shared", "-fPIC", "net.c", "hand.c", "loop.c", "-o", "all.so"]
         subprocess.run(["gcc", *FLAGS, *flags], cwd=folder, check=True)
-        library = ctypes.CDLL(str(folder / "all.so"))
-        library.seconds.restype = ctypes.c_double
-        where, total = X.ctypes.data_as(ctypes.c_void_p), ctypes.c_double()
-        found = {0: [], 1: [], 2: []}
-        for _ in range(TURNS):
-            for which, seconds in found.items():
-                seconds.append(library.seconds(which, where, N, REPEATS, ctypes.byref(total)))
-        hand = median(found[0])
-        print(f"{len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients")
-        for name, seconds in zip(
-            ("by hand", "exported: output and flag", "exported: with slopes"), found.values(), strict=True
-        ):
-            print(f"  {name:28s} {median(seconds) / N / REPEATS * 1e9:7.2f} ns   ratio {median(seconds) / hand:5.2f}")
+        total = ctypes.CDLL(str(folder / "all.so")).sum
+        total.restype = ctypes.c_double
+        where = X.ctypes.data_as(ctypes.c_void_p)
+        y, dy = model.predict(X), model_slopes(model, X)
+        for which_one, expected in enumerate((y.sum(), y.sum(), y.sum() + dy.sum())):
+            assert np.isclose(total(which_one, where, N, 1), expected, rtol=1e-9), LABELS[which_one]
+        calls = {name: lambda k=k: total(k, where, N, REPEATS) for k, name in enumerate(LABELS)}
+        title = f"{len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients: a point"
+        show(title, in_turn(calls).per(N * REPEATS), "ns")
 
 
 if __name__ == "__main__":

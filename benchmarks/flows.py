@@ -13,7 +13,8 @@ from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.flow.sample import sample_flow
 from polydraulic.parameters.schema import LINKS
-from polydraulic.thesis.timing import time_runs
+from polydraulic.thesis.timing import TURNS, time_runs
+from show import table
 
 SCENARIOS = ("sine", "step", "pulse", "task")
 FLOWS = {
@@ -28,12 +29,6 @@ FLOWS = {
     "lookup, 24 points": ("lookup", {}),
     "lookup, 48 points": ("lookup", {"points": 48}),
 }
-
-
-def table(title, header, rows):
-    print(f"\n### {title}\n\n| {' | '.join(header)} |\n|{'---|' * len(header)}")
-    for row in rows:
-        print(f"| {' | '.join(row)} |")
 
 
 def distance(machine, flow, scenario, exact):
@@ -89,12 +84,16 @@ def main():
             rows.append([name, *errors, f"{table_bytes(model) / 1e6:.3g}"])
     header = ["flow model", *LINKS, "arrays, MB"]
     table("Error of the input flow over random spools and pressures, rms / largest, % of the pump's flow", header, rows)
-    seconds = {name: time_runs(machine, models, load_scenario(name)) for name in ("sine", "task")}
-    rows = [[name, *(f"{values[name] / values['exact']:.2f}" for values in seconds.values())] for name in models]
-    table("Time a step, ratio to exact", ["flow model", *seconds], rows)
-    for name, values in seconds.items():
-        steps = round(load_scenario(name).duration / 5e-3)
-        print(f"\nexact, {name}: {values['exact'] / steps * 1e9:.0f} ns a step")
+    times = {}
+    for name in ("sine", "task"):
+        scenario = load_scenario(name)
+        times[name] = time_runs(machine, models, scenario).per(round(scenario.duration / 5e-3))
+    rows = [
+        [name, *(str(turns.ratio(name, "exact")) for turns in times.values())] for name in models if name != "exact"
+    ]
+    table(f"CPU time of a step, ratio to exact, median and quartiles of {TURNS} turns", ["flow model", *times], rows)
+    for name, turns in times.items():
+        print(f"\nexact, {name}: {turns.median('exact') * 1e9:.0f} ns a step")
     torque_limit(machine)
 
 

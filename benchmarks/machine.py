@@ -1,13 +1,12 @@
 """Speed of the whole machine: one step, 64 machines in lanes, batches on all processors, next to what the arithmetic takes.
 
-``python benchmarks/machine.py`` prints and asserts nothing. All times but the last table's are processor times, medians of
-turns within this run; the limit counts the divisions, roots, products and sums in the compiled lanes, times the throughput
-of each, measured here too.
+``python benchmarks/machine.py`` prints and asserts nothing. All times but the last table's are processor times; the limit counts
+the divisions, roots, products and sums in the compiled lanes, times the throughput of each, measured here too. The share of
+the flow model of a scalar step is that of the model alone, over the states of the run, all of its results summed.
 """
 
 import re
 from math import sqrt
-from statistics import median
 from time import perf_counter, process_time
 
 import llvmlite.binding as llvm
@@ -15,17 +14,20 @@ import numba
 import numpy as np
 
 from polydraulic import build_flow, load_machine, load_scenario, simulate_batch
-from polydraulic._kernel import _DRIVER_OPTIONS, KERNEL_OPTIONS, driver
+from polydraulic._kernel import _DRIVER_OPTIONS, KERNEL_OPTIONS, driver, kernel
 from polydraulic.flow import exact_lanes
 from polydraulic.flow.dispatch import flow_lanes, flow_step
 from polydraulic.flow.lanes import LANES
 from polydraulic.machine.plant import prepare
+from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links
 from polydraulic.simulation.batch import lanes
 from polydraulic.simulation.batch.batch import _processors
 from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.simulation.step import seen_pressures
+from polydraulic.thesis.timing import Ratio, in_turn
+from show import show
 
 PER_PROCESSOR = 1024
 OPERATIONS = {
@@ -34,18 +36,6 @@ OPERATIONS = {
     "product": "mul",
     "sum, minimum, maximum": "(?:add|sub|min|max)",
 }
-
-
-def in_turn(calls, repeats=9, clock=process_time):
-    """Median seconds of each call; the calls take turns, after one that compiles."""
-    seconds = {name: [] for name in calls}
-    for repeat in range(repeats + 1):
-        for name, call in calls.items():
-            start = clock()
-            call()
-            if repeat:
-                seconds[name].append(clock() - start)
-    return {name: median(values) for name, values in seconds.items()}
 
 
 def fresh(function):
@@ -73,14 +63,28 @@ def lane_rest(model, plant, rows, n):
         lanes._motion_stage(plant, None, rows)
 
 
+@kernel
+def of_circuit(c: Circuit):
+    return c.q_pump + c.q_bypass + c.q_relief + c.p_pump + c.q_stored
+
+
+@kernel
+def of_links(x: Links):
+    return x.swing + x.boom + x.stick
+
+
 @driver
 def scalar_flows(model, memory, rows):
+    """Sum of everything that the flow model gives, so that the compiler leaves nothing out."""
     total = 0.0
     for k in range(rows.shape[0]):
         x = rows[k]
         spool = Links(x[0], x[1], x[2])
         seen = seen_pressures(spool, Links(x[3], x[4], x[5]), Links(x[6], x[7], x[8]))
-        total += flow_step(model, memory, spool, seen.p_in, seen.p_out, 0.005).q_in.boom
+        q = flow_step(model, memory, spool, seen.p_in, seen.p_out, 0.005)
+        total += (
+            of_links(q.q_in) + of_links(q.k_out) + of_circuit(q.boom) + of_circuit(q.series) + q.p_between + q.status
+        )
     return total
 
 
@@ -91,8 +95,8 @@ def throughput(body, wide):
     text = "def loop(values, c, n):\n    for _ in range(n):\n        for i in range(128):\n            x = values[i]\n"
     exec(text + stay + f"            x = {body}\n" * 16 + "            values[i] = x\n    return 0\n", names)
     loop, values = fresh(names["loop"]), np.full(128, 1.5)
-    seconds = in_turn({"loop": lambda: loop(values, 1.0000001, 2000)})["loop"]
-    return seconds / 2000 / 128 / 16 * 1e9
+    turns = in_turn({"loop": lambda: loop(values, 1.0000001, 2000)}, turns=9)
+    return turns.per(2000 * 128 * 16).median("loop") * 1e9
 
 
 def compiled_step(model, plant, rows):
@@ -175,31 +179,34 @@ def steps(machine, name):
         rows = start.ravel().copy()
         loop(model, plant, rows, n_lane)
 
-    seconds = in_turn(
-        {
-            "scalar step": lambda: run(*arranged),
-            "scalar flow model alone": lambda: scalar_flows(every.model, every.memory, every.rows),
-            "stages in lanes": lambda: repeated(lane_steps),
-            "the same without the flow model": lambda: repeated(lane_rest),
-            f"simulate_batch, {PER_PROCESSOR} machines, 1 thread": lambda: simulate_batch(
-                machine, "exact", voltage, threads=1
-            ),
-        },
-        5,
-    )
-    counts = [n_step, n_step, n_lane * LANES, n_lane * LANES, n_step * PER_PROCESSOR]
-    each = {label: value / count * 1e9 for (label, value), count in zip(seconds.items(), counts, strict=True)}
-    scalar = each["scalar step"]
-    print(f"\n{name}, exact flow, torque limit {'on' if machine.pumps.torque_limit_enabled else 'off'}")
-    for label, value in each.items():
-        print(f"  {label:44s} {value:8.1f} ns a step   scalar / this {scalar / value:6.2f}")
-    print(f"  share of the flow model: scalar {each['scalar flow model alone'] / scalar:.0%},", end=" ")
-    print(f"lanes {1.0 - each['the same without the flow model'] / each['stages in lanes']:.0%}")
-    return scalar, each["stages in lanes"]
+    scalar, batch = "scalar step", f"simulate_batch, {PER_PROCESSOR} machines, 1 thread"
+    alone, staged, rest = "scalar flow model alone", "stages in lanes", "the same without the flow model"
+    calls = {
+        scalar: lambda: run(*arranged),
+        alone: lambda: scalar_flows(every.model, every.memory, every.rows),
+        staged: lambda: repeated(lane_steps),
+        rest: lambda: repeated(lane_rest),
+        batch: lambda: simulate_batch(machine, "exact", voltage, threads=1),
+    }
+    work = {
+        scalar: n_step,
+        alone: len(every.rows),
+        staged: n_lane * LANES,
+        rest: n_lane * LANES,
+        batch: n_step * PER_PROCESSOR,
+    }
+    turns = in_turn(calls, turns=15, clock=process_time).per(work)  # the batch works in a thread of its own
+    faster = {name: f"scalar / this {turns.ratio(scalar, name)}" for name in (staged, rest, batch)}
+    limit = "on" if machine.pumps.torque_limit_enabled else "off"
+    show(f"{name}, exact flow, torque limit {limit}: a step", turns, "ns", notes=faster)
+    without = turns.ratio(rest, staged)
+    lane_share = Ratio(1.0 - without.median, 1.0 - without.high, 1.0 - without.low)
+    print(f"  share of the flow model: scalar {turns.ratio(alone, scalar)}, lanes {lane_share}")
+    return turns.median(scalar) * 1e9, turns.median(staged) * 1e9
 
 
 def threads(machine):
-    """Machine-steps a second, in elapsed time, which neighbours on the same processors disturb."""
+    """One machine, and many on one and all processors, in elapsed time, which neighbours on the same processors disturb."""
     scenario, n = load_scenario("task"), _processors()
     arranged = arrange(machine, "exact", scenario, every=10**6)
     voltage = arranged.voltage[None] * np.linspace(0.7, 1.3, n * PER_PROCESSOR)[:, None, None]
@@ -208,12 +215,9 @@ def threads(machine):
         calls[f"simulate_batch, {len(voltage)} machines, {count} threads"] = lambda count=count: simulate_batch(
             machine, "exact", voltage, threads=count
         )
-    seconds = in_turn(calls, 5, perf_counter)
-    made = len(arranged.voltage)
-    rates = {name: made * (1 if "one" in name else len(voltage)) / value for name, value in seconds.items()}
-    print(f"\nelapsed time, {n} processors")
-    for name, rate in rates.items():
-        print(f"  {name:44s} {rate / 1e6:8.2f} million steps/s   ratio {rate / rates['simulate, one machine']:6.2f}")
+    turns = in_turn(calls, turns=9, clock=perf_counter)
+    work = {name: len(arranged.voltage) * (1 if "one" in name else len(voltage)) for name in calls}
+    show(f"elapsed time of a step of a machine, {n} processors", turns.per(work), "ns")
 
 
 def main():

@@ -1,7 +1,7 @@
 """The exported machine in C, and as an FMU, next to the compiled loop of `simulate`: time of a step, and size.
 
-``python benchmarks/machine_c.py`` prints and asserts nothing; it needs gcc. Both make the same steps from the same voltages and
-keep every row; C adds the position of the stick's tip. Times are processor times, medians of turns within this run.
+``python benchmarks/machine_c.py`` needs gcc. All make the same steps from the same voltages and keep every row, whose bits are
+asserted to be equal; C adds the position of the stick's tip. Times are processor times.
 """
 
 import ctypes
@@ -10,16 +10,18 @@ import subprocess
 import tempfile
 import zipfile
 from pathlib import Path
-from statistics import median
-from time import process_time
+from shutil import which
 
 import numpy as np
 
 from polydraulic import load_machine, load_scenario
 from polydraulic.export.fmu.machine import export_machine_fmu
 from polydraulic.export.machine import export_machine, outputs
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.flow.record import N_RECORD
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
+from polydraulic.thesis.timing import in_turn
+from show import left_out, show
 
 LOOP = """#include "m.h"
 #include <string.h>
@@ -69,18 +71,6 @@ void loop(const double *voltage, int64_t n, double *rows)
 COMPILERS = {"gcc -O2": ["-O2"], "gcc -O3 -march=native": ["-O3", "-march=native"], "gcc -Os": ["-Os"]}
 
 
-def in_turn(calls, repeats=21):
-    """Median seconds of each call; the calls take turns, after one that compiles."""
-    seconds = {name: [] for name in calls}
-    for repeat in range(repeats + 1):
-        for name, call in calls.items():
-            start = process_time()
-            call()
-            if repeat:
-                seconds[name].append(process_time() - start)
-    return {name: median(values) for name, values in seconds.items()}
-
-
 def compiled(machine, flow, locked, folder, flags):
     """The loop in C, and the bytes of code and of constant data that the machine takes."""
     (folder / "loop.c").write_text(LOOP)
@@ -115,33 +105,35 @@ def compare(machine, flow, name):
     scenario = load_scenario(name)
     arranged = arrange(machine, flow, scenario)
     n = len(arranged.voltage)
-    rows = np.empty((n + 1, len(outputs())))
-    calls, sizes = {"simulate's loop": lambda: run(*arranged)}, {}
-    arguments = ctypes.c_void_p(arranged.voltage.ctypes.data), ctypes.c_int64(n), ctypes.c_void_p(rows.ctypes.data)
+    calls, notes, rows = {"simulate's loop": lambda: run(*arranged)}, {}, {}
+
+    def add(label, loop):
+        rows[label] = out = np.empty((n + 1, len(outputs())))
+        v, made = ctypes.c_void_p(arranged.voltage.ctypes.data), ctypes.c_void_p(out.ctypes.data)
+        calls[label] = lambda: loop(v, ctypes.c_int64(n), made)
+
     with tempfile.TemporaryDirectory() as folder:
         for label, flags in COMPILERS.items():
             place = Path(folder) / label.replace(" ", "")
             place.mkdir()
-            loop, *sizes[label] = compiled(scenario.adapt(machine), flow, scenario.locked, place, flags)
-            calls[label] = lambda loop=loop: loop(*arguments)
+            loop, code, data, source = compiled(scenario.adapt(machine), flow, scenario.locked, place, flags)
+            notes[label] = f"{code} bytes of code, {data} of data; {source} of source"
+            add(label, loop)
         place = Path(folder) / "fmu"
         place.mkdir()
-        importer, binary, whole = imported(scenario.adapt(machine), flow, scenario.locked, place)
-        calls["FMU, a step a call"] = lambda: importer(*arguments)
-        seconds = in_turn(calls)
-    same = np.array_equal(rows[:, :N_RECORD], arranged.rows)
-    print(f"\n{name}, flow {flow}: {n} steps, bits {'equal' if same else 'DIFFER'}")
-    for label, value in seconds.items():
-        text = f"  {label:24s} {value / n * 1e9:8.1f} ns a step   ratio {value / seconds[next(iter(seconds))]:5.2f}"
-        if label in sizes:
-            code, data, source = sizes[label]
-            text += f"   {code} bytes of code, {data} of data; {source} of source"
-        if label.startswith("FMU"):
-            text += f"   binary of {binary} bytes, FMU of {whole}"
-        print(text)
+        loop, binary, whole = imported(scenario.adapt(machine), flow, scenario.locked, place)
+        notes["FMU, a step a call"] = f"binary of {binary} bytes, FMU of {whole}"
+        add("FMU, a step a call", loop)
+        turns = in_turn(calls)
+    for label, found in rows.items():
+        assert np.array_equal(found[:, :N_RECORD], arranged.rows), f"{name}, flow {flow}: bits of {label} differ"
+    show(f"{name}, flow {flow}: a step, bits equal", turns.per(n), "ns", notes=notes)
 
 
 def main():
+    if which("gcc") is None:
+        left_out("the machine in C and as an FMU", "install gcc")
+        return
     machine = load_machine("cat215b")
     for flow in ("exact", "polynomial"):
         for name in ("sine", "step", "pulse", "task"):

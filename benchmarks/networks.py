@@ -1,19 +1,18 @@
 """Accuracy and speed of abductive networks next to other learners, in one run, as ratios.
 
-``python benchmarks/networks.py [--peers] [--data FOLDER] [--quick]``: it prints and asserts nothing. `--peers` adds GMDH, MARS
-and symbolic regression from an environment of their own (`make bench-peers`), `--data` every CSV file of a folder, last column
-the target; `--quick` takes fewer rows. One thread throughout.
+``python benchmarks/networks.py [--peers] [--data FOLDER] [--quick]``. `--peers` adds GMDH, MARS and symbolic regression from an
+environment of their own (`make bench-peers`), `--data` every CSV file of a folder, last column the target; `--quick` takes
+fewer rows. One thread throughout. It asserts that the exported C gives the bits of `Model.predict`, and nothing else.
 """
 
 import argparse
 import ctypes
-import re
 import resource
 import subprocess
 import tempfile
 import warnings
+from pathlib import Path
 from shutil import which
-from time import perf_counter, process_time
 
 import numpy as np
 from sklearn.datasets import make_friedman1
@@ -22,50 +21,44 @@ from threadpoolctl import threadpool_limits
 from accuracy import OURS, accuracy, cubic_ridge
 from data_sets import all_sets
 from polydraulic import AbductiveRegressor
-from polydraulic.export import c_name, export_c
+from polydraulic.export import export_c
 from polydraulic.export.formula import to_python
 from polydraulic.networks import PerceptronRegressor, Variable
 from polydraulic.networks.growth.moments import moments
 from polydraulic.networks.growth.scoring import squared_errors
 from polydraulic.networks.model.compiled import compiled
 from polydraulic.networks.model.nodes import DOUBLE, TRIPLE, design
-from run import in_turn, show
+from polydraulic.thesis.timing import in_turn, timed
+from show import left_out, show
 
 FLOPS = 53  # useful operations a row and Triple: its moments that no pair of variables has
 
 
-def dgemm_rate(n=1500):
-    """Operations a second of a matrix product."""
-    a = np.random.default_rng(0).normal(size=(n, n))
-    return 2.0 * n**3 / in_turn({"product": lambda: a @ a}, 3)["product"]
-
-
-def scoring(n_row, n=60, sample=12):
+def scoring(n_row, n=60, sample=12, side=1500):
     rng = np.random.default_rng(0)
-    v, t = rng.normal(size=(n_row, n)), rng.normal(size=n_row)
+    v, t, a = rng.normal(size=(n_row, n)), rng.normal(size=n_row), rng.normal(size=(side, side))
     doubles = np.array([(i, j) for i in range(n) for j in range(i)])
     triples = np.array([(i, j, k) for i in range(n) for j in range(i) for k in range(j)])
-    squared_errors(moments(v[:99, :4], t[:99]), TRIPLE, triples[:1])
+    count, useful = len(doubles) + len(triples), FLOPS * n_row * len(triples)
 
-    start = perf_counter()
-    m = moments(v, t)
-    middle = perf_counter()
-    squared_errors(m, DOUBLE, doubles)
-    squared_errors(m, TRIPLE, triples)
-    end = perf_counter()
-    rate, count = dgemm_rate(), len(doubles) + len(triples)
-    again = perf_counter()
-    for inputs in triples[:: len(triples) // sample][:sample]:
-        np.linalg.lstsq(design(TRIPLE, v[:, inputs]), t)
-    one = (perf_counter() - again) / sample
-    share = FLOPS * n_row * len(triples) / (end - start) / rate
-    print(f"\nscoring {count} candidates, {n} inputs, {n_row} rows")
+    def scored():
+        m = moments(v, t)
+        return squared_errors(m, DOUBLE, doubles), squared_errors(m, TRIPLE, triples)
+
+    def one_by_one():
+        return [np.linalg.lstsq(design(TRIPLE, v[:, i]), t) for i in triples[:: len(triples) // sample][:sample]]
+
+    calls = {"scoring": scored, "moments": lambda: moments(v, t), "product": lambda: a @ a, "lstsq": one_by_one}
+    turns = in_turn(calls, turns=5)
+    operations = turns.per({"scoring": useful, "moments": useful, "product": 2.0 * side**3, "lstsq": sample})
+    candidates = turns.per({"scoring": count, "moments": count, "product": 1.0, "lstsq": sample})
+    print(f"\nscoring {count} candidates, {n} inputs, {n_row} rows; ratios with quartiles of 5 turns")
+    print(f"  {turns.median('scoring'):.3f} s, of which moments {turns.median('moments'):.3f} s")
+    print(f"  useful operations, as a share of the DGEMM rate: {operations.ratio('product', 'scoring')}", end="; ")
+    print(f"moments alone: {operations.ratio('product', 'moments')}")
     print(
-        f"  moments {middle - start:.3f} s, small solutions {end - middle:.3f} s: {count / (end - start):.0f} candidates/s"
+        f"  a candidate by numpy's lstsq ({sample} tried), in times of scoring: {candidates.ratio('lstsq', 'scoring')}"
     )
-    print(f"  useful operations {share:.1%} of DGEMM at {rate / 1e9:.1f} Gflop/s; moments alone", end=" ")
-    print(f"{FLOPS * n_row * len(triples) / (middle - start) / rate:.1%}")
-    print(f"  numpy lstsq, {sample} candidates one by one: {1 / one:.1f}/s, ratio {count / (end - start) * one:.0f}")
 
 
 def fitting(quick):
@@ -76,7 +69,7 @@ def fitting(quick):
         f"{OURS}, refine=False": AbductiveRegressor(refine=False),
     }
     calls = {name: (lambda model=model: model.fit(X, y)) for name, model in learners.items()}
-    show("fitting friedman1, 1000 rows, 10 inputs", in_turn(calls, 3), "ms", 1e3)
+    show("fitting friedman1, 1000 rows, 10 inputs", in_turn(calls, turns=11), "ms")
     if quick:
         return
     rng = np.random.default_rng(0)
@@ -85,45 +78,56 @@ def fitting(quick):
     y += rng.normal(size=len(y))
     print("\nfitting friedman1, 1e6 rows, 10 inputs")
     for refined in (False, True):
-        start, busy = perf_counter(), process_time()
-        model = AbductiveRegressor(refine=refined).fit(X, y)
-        elapsed, busy = perf_counter() - start, process_time() - busy
-        print(f"  refine={refined!s:5s} {elapsed:8.1f} s, {busy:6.1f} s of processor time,", end=" ")
+        model, seconds = timed(lambda refined=refined: AbductiveRegressor(refine=refined).fit(X, y))
+        print(f"  refine={refined!s:5s} {seconds:8.1f} s of processor time,", end=" ")
         print(f"{model.network_.n_coefficients} coefficients, mean squared error {model.fse_:.4f}")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(f"  largest memory of this process so far, all benchmarks and the rows included: {peak:.2f} GiB")
 
 
-STRICT = "-ffp-contract=off -fno-semantic-interposition -shared -fPIC".split()
+STRICT = "-std=c99 -ffp-contract=off -fno-semantic-interposition -shared -fPIC".split()
 SIMD = "-O3 -march=native -fno-trapping-math -fno-tree-pre".split()
+# Rows one after another through the exported function, which also says whether they lie in the domain; and columns through the
+# network alone, of which gcc makes vector instructions.
+LOOPS = """#include "{name}.c"
+
+int rows(const double *restrict x, long n, double *restrict y)
+{{
+    int status = 0;
+    for (long i = 0; i < n; i++)
+        status |= {name}(x + {n} * i, y + i);
+    return status;
+}}
+
+__attribute__((flatten)) int columns(const double *restrict x, long n, double *restrict y)
+{{
+    for (long i = 0; i < n; i++) {{
+        const double one[{n}] = {{{columns}}};
+        y[i] = value_0_0(one);
+    }}
+    return 0;
+}}
+"""
 
 
-def c_rows(model, folder, flags):
-    """The exported C function in a loop over rows, written in C; or None without gcc.
-
-    With the flags of SIMD gcc makes vector instructions of it, once each input is an argument and a column of its own.
-    """
-    if which("gcc") is None:
-        print("\nC is left out: there is no gcc")
-        return None
-    name, n = c_name(model.output.name), len(model.inputs)
-    source = next(path for path in export_c([model], folder) if path.suffix == ".c")
-    text = source.read_text().replace(f'#include "{name}.h"', "")
-    names = [f"x{i}" for i in range(n)]
-    text = re.sub(r"const double x\[\d+\]", ", ".join(f"const double {x}" for x in names), text)
-    text = re.sub(r"\bx\[(\d+)\]", r"x\1", text).replace("(x)", f"({', '.join(names)})")
-    values = ", ".join(f"x[i + {i} * n]" for i in range(n))
-    text += (
-        "__attribute__((flatten)) void rows(const double *restrict x, long n, double *restrict y)\n"
-        f"{{ for (long i = 0; i < n; i++) y[i] = {name}({values}); }}\n"
-    )
-    source.write_text(text)
-    library = source.with_suffix(f".{flags[0][1:]}.so")
-    subprocess.run(["gcc", *flags, *STRICT, str(source), "-o", str(library), "-lm"], check=True)
-    pointer = ctypes.POINTER(ctypes.c_double)
-    function = ctypes.CDLL(str(library)).rows
-    function.argtypes = [pointer, ctypes.c_long, pointer]
-    return lambda columns, y: function(columns.ctypes.data_as(pointer), len(y), y.ctypes.data_as(pointer))
+def in_c(model, rows, folder):
+    """Calls of the exported C over all rows, each with the array that it fills."""
+    (name,) = (path.stem for path in export_c([model], folder) if path.suffix == ".c")
+    assert len(model.networks) == 1  # value_0_0 is all of it
+    n, columns = len(model.inputs), np.ascontiguousarray(rows.T)
+    text = LOOPS.format(name=name, n=n, columns=", ".join(f"x[i + {i} * n]" for i in range(n)))
+    (Path(folder) / "loops.c").write_text(text)
+    calls = {}
+    for label, entry, x, flags in (
+        ("C, exported function, gcc -O2", "rows", rows, ["-O2"]),
+        ("C, network in vectors, gcc -O3", "columns", columns, SIMD),
+    ):
+        library = Path(folder) / f"{entry}.so"
+        subprocess.run(["gcc", *flags, *STRICT, "loops.c", "-o", library, "-lm"], check=True, cwd=folder)
+        function, out = getattr(ctypes.CDLL(str(library)), entry), np.empty(len(rows))
+        arguments = ctypes.c_void_p(x.ctypes.data), ctypes.c_long(len(rows)), ctypes.c_void_p(out.ctypes.data)
+        calls[label] = (lambda function=function, arguments=arguments, x=x: function(*arguments), out)
+    return calls
 
 
 def evaluation(n_row=20_000):
@@ -133,28 +137,31 @@ def evaluation(n_row=20_000):
         "perceptron": PerceptronRegressor(n_starts=1).fit(X, y).to_model(output=Variable("perceptron")),
     }
     rows = np.random.default_rng(0).uniform(size=(n_row, 5))
-    columns = np.ascontiguousarray(rows.T)
+    if which("gcc") is None:
+        left_out("exported C, next to Model.predict", "install gcc")
     for model in models.values():
-        out = np.empty(n_row)
-        calls = {"Model.predict": lambda model=model: model.predict(rows)}
         with tempfile.TemporaryDirectory() as folder:
-            for flags in (SIMD, ["-O2"]):
-                in_c = c_rows(model, folder, flags)
-                if in_c is not None:
-                    calls[f"C, gcc {' '.join(flags[:2])}"] = lambda in_c=in_c, out=out: in_c(columns, out)
-            title = f"{model.output}: {len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients"
-            show(f"{title}, {n_row} rows: each", in_turn(calls, 21), "ns", 1e9 / n_row)
-    model, learner, one = models["network"], AbductiveRegressor().fit(X, y), rows[:1].copy()
+            peers = in_c(model, rows, folder) if which("gcc") else {}
+            calls = {"Model.predict": lambda model=model: model.predict(rows)}
+            turns = in_turn(calls | {label: call for label, (call, _) in peers.items()})
+        for label, (_, found) in peers.items():
+            assert np.array_equal(found, model.predict(rows)), f"{model.output}: {label} and Model.predict differ"
+        title = f"{model.output}: {len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients"
+        show(f"{title}, {n_row} rows, bits equal: each row", turns.per(n_row), "ns")
+    one_row(models["network"], AbductiveRegressor().fit(X, y), rows[:1].copy())
+
+
+def one_row(model, learner, one, times=200):
     place = {}
     exec(to_python(model, "formula"), place)
     function, values, single = compiled(model), one[0].tolist(), one[0]
-    repeated = {
-        "Model.predict": lambda: [model.predict(one) for _ in range(200)],
-        "AbductiveRegressor.predict": lambda: [learner.predict(one) for _ in range(200)],
-        "compiled(model)": lambda: [function(single) for _ in range(200)],
-        "source of to_python": lambda: [place["formula"](*values) for _ in range(200)],
+    calls = {
+        "Model.predict": lambda: [model.predict(one) for _ in range(times)],
+        "AbductiveRegressor.predict": lambda: [learner.predict(one) for _ in range(times)],
+        "compiled(model)": lambda: [function(single) for _ in range(times)],
+        "source of to_python": lambda: [place["formula"](*values) for _ in range(times)],
     }
-    show("one row, asked from Python", in_turn(repeated), "us", 1e6 / 200)
+    show("one row, asked from Python", in_turn(calls).per(times), "us")
 
 
 def main():
@@ -165,6 +172,11 @@ def main():
     options = parser.parse_args()
     with warnings.catch_warnings(), threadpool_limits(1):
         warnings.simplefilter("ignore")  # what others say about convergence and conditioning
+        if not options.peers:
+            left_out(
+                "GMDH, MARS and symbolic regression, next to AbductiveRegressor",
+                "make bench-peers sets them up and runs all of this",
+            )
         accuracy(all_sets(300 if options.quick else 1000, options.data), options.peers)
         scoring(10_000 if options.quick else 100_000)
         fitting(options.quick)

@@ -3,38 +3,23 @@
 ``make bench`` runs this. It prints and asserts nothing.
 """
 
-from statistics import median
-from time import perf_counter
-
 import numpy as np
 from sklearn.linear_model import LinearRegression
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
+from threadpoolctl import threadpool_limits
 
 from polydraulic import AbductiveRegressor, build_flow, load_machine, load_scenario
 from polydraulic.networks.growth.moments import moments
 from polydraulic.networks.growth.scoring import squared_errors
 from polydraulic.networks.model.nodes import TRIPLE, design
-from polydraulic.thesis.timing import time_runs
+from polydraulic.thesis.timing import in_turn, time_runs
+from show import show
 
 
-def in_turn(calls, repeats=7):
-    """Median seconds of each call; the calls take turns."""
-    seconds = {name: [] for name in calls}
-    for repeat in range(repeats + 1):
-        for name, call in calls.items():
-            start = perf_counter()
-            call()
-            if repeat:
-                seconds[name].append(perf_counter() - start)
-    return {name: median(values) for name, values in seconds.items()}
-
-
-def show(title, seconds, unit, scale):
-    print(f"\n{title}")
-    first = next(iter(seconds.values()))
-    for name, value in seconds.items():
-        print(f"  {name:34s} {value * scale:12.3f} {unit}   ratio {value / first:8.2f}")
+def each_step(machine, models, scenario):
+    """Times of one step of 5 ms."""
+    return time_runs(machine, models, scenario).per(round(scenario.duration / 5e-3))
 
 
 def steps():
@@ -45,7 +30,7 @@ def steps():
         "iterative, eps 0.001": build_flow("iterative", machine, eps=0.001),
         "polynomial, shipped networks": build_flow("polynomial", machine),
     }
-    show("one step, boom alone", time_runs(machine, models, scenario), "ns", 1e9 / 2000)
+    show("one step, boom alone", each_step(machine, models, scenario), "ns")
     limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
     models = {
         "exact": build_flow("exact", machine),
@@ -58,7 +43,7 @@ def steps():
         "tlm, 4 substeps": build_flow("tlm", machine),
     }
     for name in ("sine", "task"):
-        show(f"one step of all three links, {name}", time_runs(machine, models, load_scenario(name)), "ns", 1e9 / 2600)
+        show(f"one step of all three links, {name}", each_step(machine, models, load_scenario(name)), "ns")
 
 
 def scoring():
@@ -71,7 +56,7 @@ def scoring():
             np.linalg.lstsq(design(TRIPLE, v[:, inputs]), t)
 
     calls = {"moments": lambda: squared_errors(moments(v, t), TRIPLE, triples), "least squares, one by one": one_by_one}
-    show(f"scoring {len(triples)} triples on 4000 rows", in_turn(calls, 3), "ms", 1e3)
+    show(f"scoring {len(triples)} triples on 4000 rows", in_turn(calls, turns=7), "ms")
 
 
 def fitting():
@@ -86,12 +71,13 @@ def fitting():
         "full cubic polynomial": make_pipeline(StandardScaler(), PolynomialFeatures(3), LinearRegression()),
     }
     calls = {name: (lambda model=model: model.fit(X[train], y[train])) for name, model in learners.items()}
-    show("fitting friedman1 with noise 1, 2000 rows", in_turn(calls, 3), "ms", 1e3)
+    show("fitting friedman1 with noise 1, 2000 rows", in_turn(calls, turns=7), "ms")
     for name, model in learners.items():
         print(f"  {name:34s} R2 on 2000 other rows {model.score(X[test], y[test]):.4f}")
 
 
 if __name__ == "__main__":
-    steps()
-    scoring()
-    fitting()
+    with threadpool_limits(1):
+        steps()
+        scoring()
+        fitting()

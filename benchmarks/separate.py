@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from show import left_out
+
 PYTHON = Path(__file__).parent.parent / ".venv-peers" / "bin" / "python"
 WORKER = Path(__file__).parent / "peers" / "worker.py"
 
@@ -14,7 +16,7 @@ WORKER = Path(__file__).parent / "peers" / "worker.py"
 def separate_learners():
     """Names of the learners that are installed there."""
     if not PYTHON.exists():
-        print("GMDH, MARS and symbolic regression are left out: make bench-peers sets up the environment they need")
+        left_out("GMDH, MARS and symbolic regression", "make bench-peers sets up the environment they need")
         return []
     return subprocess.run([PYTHON, WORKER], check=True, capture_output=True, text=True).stdout.splitlines()
 

@@ -4,31 +4,33 @@ Peers integrate the usual stiff form, in which each pump pressure, and the one b
 volume: C dP/dt = Q - Q_i - Q_e. All share the same compiled machine kernels. Two tasks: the whole run, whose input is known in
 advance, and frames of 5 ms, each a start afresh with an input that nobody knew, held for the frame. Errors are against a tight
 solution of the stiff form: the largest joint error as a share of the joint's travel in the run, and the largest rms
-error of a line pressure as a share of its range. Needs the extra ``bench``; a peer that is missing is left out.
+error of a line pressure as a share of its range. SciPy's LSODA is always there; the other peers need the extra ``bench``, and
+those that are missing are named at the beginning and at the end.
 
 Prints medians of CPU time and ratios, asserts nothing.
 """
 
 import argparse
 from importlib.util import find_spec
-from statistics import median
-from time import thread_time
 
 import numba
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from polydraulic.flow import exact_flow
+from polydraulic.flow.record import N_RECORD, to_vector
 from polydraulic.machine.plant import prepare
-from polydraulic.machine.state import initial_state, to_vector
+from polydraulic.machine.state import initial_state
 from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.events import edges_of, new_log
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import step_voltages
 from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
 from polydraulic.simulation.solvers.rosenbrock_step import RODAS, new_work
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
-from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion
+from polydraulic.simulation.solvers.spools import Motion, spool_motion
+from polydraulic.thesis.timing import in_turn
+from show import left_out
 from stiff_form import (
     FRAME,
     HELD_VOLTS,
@@ -46,6 +48,8 @@ from stiff_form import (
 )
 
 JOINT_GOAL, PRESSURE_GOAL = 0.1, 0.5  # %
+HOW = """the extra bench has them: pip install "polydraulic[bench]", here .venv/bin/pip install -e ".[bench]"
+  (numbalsoda is built by a Fortran compiler: gfortran)"""
 
 
 def spread(rows):
@@ -107,7 +111,7 @@ def held_motion():
         target = np.clip(gain * HELD_VOLTS[k], -MACHINE.spool.knots[-1], MACHINE.spool.knots[-1])
         c[k, :, 0], c[k, :, 2], c[k, :, 7] = target, x - target, 1.0 / np.array(TAU)
         x = target + (x - target) * fade
-    return SpoolMotion(TIME, c, TIME[1:])
+    return Motion(TIME, c, TIME[1:])
 
 
 def rosenbrock(rtol, voltages_held):
@@ -212,72 +216,61 @@ def numbalsoda_pair():
     return make
 
 
-def in_turn(calls, repeats):
-    """Median seconds of CPU time of each call; the calls take turns."""
-    seconds = {name: [] for name in calls}
-    for _ in range(repeats):
-        for name, call in calls.items():
-            begin = thread_time()
-            call()
-            seconds[name].append(thread_time() - begin)
-    return {name: median(values) for name, values in seconds.items()}
-
-
-def table(title, calls, truth, repeats, slow):
-    print(f"\n{title}")
-    found = {}
-    for name, call in calls.items():
-        found[name] = errors(call(), truth)  # compiles, too
-    seconds = in_turn({n: c for n, c in calls.items() if not n.startswith(slow)}, repeats)
-    seconds |= in_turn({n: c for n, c in calls.items() if n.startswith(slow)}, 1)
-    base = seconds[next(n for n in calls if "semi-implicit 5 ms" in n)]
-    print(f"  {'':34s} {'ms':>9s} {'ratio':>8s}   joints %  pressures %   goal")
+def table(title, calls, truth, turns):
+    """Print errors and times of all methods; times and, for each method that meets the goal, its name."""
+    found = {name: errors(call(), truth) for name, call in calls.items()}
+    times = in_turn(calls, turns=turns)
+    base, met = "semi-implicit 5 ms", set()
+    print(f"\n{title}\n  {'':24s} {'ms':>9s}  {'ratio (quartiles)':24s} joints %  pressures %   goal")
     for name, (joints, pressures) in found.items():
-        met = "met" if joints <= JOINT_GOAL and pressures <= PRESSURE_GOAL else ""
-        print(
-            f"  {name:34s} {seconds[name] * 1e3:9.3f} {seconds[name] / base:8.2f} {joints:10.4f} {pressures:12.4f}   {met}"
-        )
-    return found, seconds
+        good = joints <= JOINT_GOAL and pressures <= PRESSURE_GOAL
+        met |= {name} if good else set()
+        ratio = "1" if name == base else str(times.ratio(name, base))
+        line = f"  {name:24s} {times.median(name) * 1e3:9.3f}  {ratio:24s} {joints:8.4f} {pressures:12.4f}"
+        print(f"{line}   {'met' if good else ''}".rstrip())
+    return times, met
 
 
-def fastest(found, seconds, family):
-    """Least seconds of a family of methods at the goal."""
-    met = [seconds[n] for n, (j, p) in found.items() if n.startswith(family) and j <= JOINT_GOAL and p <= PRESSURE_GOAL]
-    return min(met) if met else None
+def fastest(times, met, family):
+    """The fastest of a family of methods at the goal."""
+    return min((name for name in met if name.startswith(family)), key=times.median, default=None)
 
 
-def summary(found, seconds, ours, peers):
+def summary(times, met, ours, peers):
     for mine in ours:
         for peer in peers:
-            a, b = fastest(found, seconds, mine), fastest(found, seconds, peer)
-            if a is not None and b is not None:
-                print(f"  at the goal, {peer} takes {b / a:.2f} times as long as {mine}")
+            a, b = fastest(times, met, mine), fastest(times, met, peer)
+            if a and b:
+                print(f"  at the goal, {b} takes {times.ratio(b, a)} times as long as {a}")
 
 
 def agreement(truth, makers, restarted, y0):
-    other = makers.get("CVODE", scipy_lsoda)(1e-9, restarted, y0)()
-    print(
-        "\ntight solutions of two solvers differ by {:.1e} % (joints), {:.1e} % (pressures)".format(
-            *errors(other, truth)
-        )
-    )
+    """How far the truth is from a tight solution of another solver, or of the same where there is no other."""
+    name = "CVODE" if "CVODE" in makers else "SciPy LSODA"
+    off = errors(makers[name](1e-9, restarted, y0)(), truth)
+    print("\nthe tight solution and {} at 1e-9 differ by {:.1e} % (joints), {:.1e} % (pressures)".format(name, *off))
+
+
+def known_peers():
+    """Peers that are installed, and the others."""
+    makers = {"numbalsoda": numbalsoda_pair, "CVODE": lambda: cvode}
+    modules = {"numbalsoda": "numbalsoda", "CVODE": "sksundae"}
+    there = {name: make() for name, make in makers.items() if find_spec(modules[name])}
+    return there | {"SciPy LSODA": scipy_lsoda}, [name for name in makers if name not in there]
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--repeats", type=int, default=11)
-    repeats = arguments.parse_args().repeats
+    arguments.add_argument("--turns", type=int, default=11)
+    turns = arguments.parse_args().turns
     y0 = start()
-    makers = {}
-    if find_spec("numbalsoda"):
-        makers["numbalsoda"] = numbalsoda_pair()
-    else:
-        print('numbalsoda is not installed; pip install "polydraulic[bench]" (it is built with a Fortran compiler)')
-    if find_spec("sksundae"):
-        makers["CVODE"] = cvode
-    else:
-        print('scikit-sundae is not installed; pip install "polydraulic[bench]"')
-    makers["SciPy LSODA"] = scipy_lsoda
+    makers, missing = known_peers()
+
+    def say_missing():
+        if missing:
+            left_out(f"solvers {' and '.join(missing)}, next to the methods of simulate", HOW)
+
+    say_missing()
     tight = makers.get("numbalsoda", scipy_lsoda)
 
     print(
@@ -292,8 +285,8 @@ def main():
         calls |= {
             f"{name} {rtol:g}": make(rtol, False, y0) for rtol in (1e-2, 3e-3, 1e-3, 7e-4, 5e-4, 3e-4, 1e-4, 1e-5)
         }
-    found, seconds = table("whole run, states every 5 ms", calls, truth, repeats, "SciPy")
-    summary(found, seconds, ["rosenbrock", "semi-implicit"], makers)
+    times, met = table("whole run, states every 5 ms", calls, truth, turns)
+    summary(times, met, ["rosenbrock", "semi-implicit"], makers)
 
     truth = tight(1e-10, True, y0)().copy()
     agreement(truth, makers, True, y0)
@@ -301,8 +294,9 @@ def main():
     calls |= {f"rosenbrock {rtol:g}": rosenbrock(rtol, True) for rtol in (1e-3, 3e-4, 1e-4)}
     for name, make in makers.items():
         calls |= {f"{name} {rtol:g}": make(rtol, True, y0) for rtol in (1e-3, 3e-4, 1e-4)}
-    found, seconds = table("a start afresh each 5 ms, voltages held", calls, truth, repeats, ("SciPy", "CVODE"))
-    summary(found, seconds, ["rosenbrock", "semi-implicit"], makers)
+    times, met = table("a start afresh each 5 ms, voltages held", calls, truth, turns)
+    summary(times, met, ["rosenbrock", "semi-implicit"], makers)
+    say_missing()
 
 
 if __name__ == "__main__":

@@ -12,11 +12,12 @@ from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import FLOW_STEPS
 from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import OK, Flows
+from polydraulic.flow.record import from_vector, to_vector
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.pilot import spool_target
 from polydraulic.machine.plant import prepare
 from polydraulic.machine.pump import Circuit
-from polydraulic.machine.state import Links, State, from_vector, initial_state, to_vector
+from polydraulic.machine.state import Links, State, initial_state
 from polydraulic.machine.valve import orifice_flow, orifices
 from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.runs import step_voltages

@@ -9,7 +9,11 @@ import json
 import re
 from pathlib import Path
 
+import numpydoc.xref
+
 import polydraulic
+
+numpydoc.xref.DEFAULT_LINKS.clear()  # into other projects' sites, which a build without network cannot look up
 
 DOCS = Path(__file__).parent
 PACKAGES = [
@@ -43,7 +47,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "_templates"]
 highlight_language = "text"
 myst_heading_anchors = 3
 
@@ -67,6 +71,7 @@ nitpick_ignore_regex = [("py:obj", r".*"), ("py:class", r".*")]
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"polydraulic {release}"
+templates_path = ["_templates"]
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False

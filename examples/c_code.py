@@ -5,8 +5,9 @@ import subprocess
 
 import numpy as np
 
+from polydraulic import AbductiveRegressor
 from polydraulic.export import export_c
-from polydraulic.networks import AbductiveRegressor, Variable
+from polydraulic.networks import Variable
 
 X = np.random.default_rng(0).uniform(-1.0, 1.0, size=(500, 2))
 learner = AbductiveRegressor().fit(X, X[:, 0] * X[:, 1] + 0.3 * X[:, 0] ** 3)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from polydraulic.networks import AbductiveRegressor, Variable, check_range, learn_from
+from polydraulic import AbductiveRegressor
+from polydraulic.networks import Variable, check_range, learn_from
 
 
 def orifice(X):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from polydraulic.networks import AbductiveRegressor
+from polydraulic import AbductiveRegressor
 
 rng = np.random.default_rng(0)
 X = rng.uniform([500.0, 0.0], [2000.0, 40.0], size=(2000, 2))  # speed in rpm, load in N m

@@ -19,7 +19,7 @@ from polydraulic.cli import main
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-MODULES = [m.name for m in pkgutil.walk_packages(polydraulic.__path__, "polydraulic.") if not m.name.endswith("train")]
+MODULES = [m.name for m in pkgutil.walk_packages(polydraulic.__path__, "polydraulic.")]
 PACKAGES = ["networks", "flow", "export", "measure", "plotting"]
 
 

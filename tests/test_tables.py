@@ -1,3 +1,4 @@
+import re
 import sys
 
 import numpy as np
@@ -8,7 +9,11 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
-from polydraulic.tables import Table, read_table, write_table
+from polydraulic.tables import Table, began, read_table, shown_column, shown_table, write_table
+from polydraulic.thesis.printed_units import in_field_units
+from polydraulic.units import to_si
+
+PSI = to_si(1.0, "psi")
 
 TABLE = Table({"t": np.array([0.0, 0.1, 1 / 3]), "p x": np.array([1e-300, -2.0, 3e200])}, {"t": "s"}, {"n": 3})
 
@@ -198,9 +203,10 @@ def test_a_table_shows_names_units_and_both_ends():
     page = many._repr_html_()
     assert "<caption>1000 rows, 41 columns, the first shown</caption>" in page
     assert "<th>&lt;t&gt; [s]</th>" in page
-    rows = [row.split("</td>")[0].removeprefix("<td>") for row in page.split("<tr>")[2:]]
-    assert rows == ["0", "1", "2", "3", "4", "...", "995", "996", "997", "998", "999"]
-    assert "<td>995</td><td>248.75</td>" in page
+    rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in page.split("<tr>")[2:]]
+    assert [row[0] for row in rows] == ["0", "1", "2", "3", "4", "...", "995", "996", "997", "998", "999"]
+    assert rows[6][:3] == ["995", "248.75", "1"]
+    assert rows[5][1] == "..."
     assert repr(Table.from_dict({"a": [2]})) == "Table of 1 rows and 1 columns\n  a  2"
     assert repr(Table.from_dict({"a": []})) == "Table of 0 rows and 1 columns\n  a"
     assert Table.from_dict({"a": [2]})._repr_html_().count("<tr>") == 2
@@ -210,3 +216,19 @@ def test_pandas_is_asked_for_by_name_where_it_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(InputError, match=r"pandas is not installed; get it by: pip install 'polydraulic\[pandas\]'"):
         TABLE.to_pandas()
+
+
+def test_tables_are_shown_column_by_column():
+    table = Table({"p": np.array([1e5, 2e5]), "q": np.ones(2)}, {"p": "Pa", "q": "gal"}, {"source": "log"})
+    values, unit = shown_column(table, "p", "metric")
+    assert (values.tolist(), unit) == ([1.0, 2.0], "bar")
+    printed, unit = in_field_units(table, "p")
+    assert (printed[1], unit) == (2e5 / PSI, "psi")
+    read = shown_table(table)
+    assert (read["p"].tolist(), read["q"].tolist()) == ([1.0, 2.0], [1.0, 1.0])
+    assert (read.units, read.info) == ({"p": "bar", "q": "gal"}, {"source": "log"})
+
+
+def test_when_a_log_began():
+    assert began(Table({}, {}, {"began": 1.7e9})) == 1.7e9
+    assert began(Table({}, {})) == began(Table({}, {}, {"began": "noon"})) == 0.0

@@ -37,5 +37,5 @@ with tempfile.TemporaryDirectory() as folder:
     ):
         subprocess.run([COMMAND, *line.split()], cwd=folder, check=True)
     made = sorted(str(path.relative_to(folder)) for path in Path(folder).rglob("*") if path.is_file())
-    assert made == ["boom.csv", "c/q_in.c", "c/q_in.h", "q_in.card.json", "q_in.html", "q_in.json"], made
+    assert made == ["boom.csv", "c/boom_q_in.c", "c/boom_q_in.h", "q_in.card.json", "q_in.html", "q_in.json"], made
 print(f"polydraulic {version('polydraulic')} works in {sys.prefix}")

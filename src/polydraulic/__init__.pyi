@@ -9,6 +9,7 @@ from .parameters.schema import Machine
 from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
 from .simulation.runs import reference, simulate
+from .simulation.summary import run_summary
 from .simulation.trajectory import Difference, compare
 from .tables import Table, read_table, write_table
 
@@ -33,6 +34,7 @@ __all__ = [
     "random_operator",
     "read_table",
     "reference",
+    "run_summary",
     "save_models",
     "simulate",
     "simulate_batch",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.pages import html
@@ -367,3 +368,21 @@ def _info_of(schema: "pa.Schema") -> dict[str, object]:
 
 def _head(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
+
+
+def shown_column(table: Table, name: str, units: str = DEFAULT) -> tuple[np.ndarray, str]:
+    """A column, (n_row,), as it is shown, and its unit."""
+    unit = table.unit(name)
+    return as_shown(table[name], unit, units), shown_unit(unit, units)
+
+
+def shown_table(table: Table, units: str = DEFAULT) -> Table:
+    """A table with all columns as they are shown: to be read, not to compute with."""
+    columns = {name: as_shown(values, table.unit(name), units) for name, values in table.columns.items()}
+    return Table(columns, {name: shown_unit(table.unit(name), units) for name in table.names}, dict(table.info))
+
+
+def began(table: Table) -> float:
+    """When the times of a log were zero, in s since 1970; 0 if that is not known, or the times themselves are dates."""
+    found = table.info.get("began", 0.0)
+    return float(found) if isinstance(found, int | float) else 0.0

@@ -19,10 +19,11 @@ from polydraulic.export.machine import (
     prepared,
 )
 from polydraulic.flow import FLOW_KINDS
+from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")

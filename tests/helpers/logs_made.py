@@ -2,7 +2,11 @@
 
 import numpy as np
 
+from polydraulic.measure import import_log, load_channels
+
 RASTER = 0.01
+
+
 MAP = """
 raster = "10 ms"
 
@@ -32,6 +36,8 @@ role = "output"
 unit = "mm/s"
 raster = "20 ms"
 """
+
+
 UNITS = {"time": "s", "lever": "V", "p_head": "bar", "speed": "mm/s"}
 
 
@@ -55,3 +61,20 @@ def write_csv(path, columns, names=None, units=UNITS):
     lines = [",".join(heads), *(",".join(row) for row in zip(*cells, strict=True))]
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def imported(tmp_path, columns, channel_map=MAP, names=None, units=UNITS, change=lambda text: text):
+    log = write_csv(tmp_path / "log.csv", columns, names, units)
+    log.write_text(change(log.read_text()))
+    (tmp_path / "map.toml").write_text(channel_map)
+    return import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "table.parquet")
+
+
+def lose(columns, rows):
+    return {name: np.delete(values, rows) for name, values in columns.items()}
+
+
+def put(columns, name, rows, value):
+    changed = columns[name].astype(object) if isinstance(value, str) else columns[name].copy()
+    changed[rows] = value
+    return {**columns, name: changed}

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from polydraulic import load_scenario, simulate
+from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.plant import prepare
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation import events as module
 from polydraulic.simulation.events import CONDITIONS, N_CONDITION, edges_of, listed, new_log, scan
-from polydraulic.simulation.loop import N_RECORD
 from polydraulic.tables import read_table, write_table
 
 UP = Scenario("up", 4.0, {"boom": Constant(0.62)}, ("swing", "stick"))

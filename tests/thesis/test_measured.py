@@ -13,7 +13,7 @@ from polydraulic import cli, simulate
 from polydraulic.parameters.schema import LINKS
 from polydraulic.thesis import measured as measured_study
 from polydraulic.thesis.cache import open_lab
-from polydraulic.thesis.measured import USUAL, _machine, describe, measured, outcomes
+from polydraulic.thesis.measured import USUAL, _machine, conditions_in_words, measured, outcomes
 
 PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"
 
@@ -41,13 +41,13 @@ def test_silent_sensors_and_joint_angles(machine):
 
 
 def test_conditions_in_words():
-    assert describe(USUAL._replace(dropout=0.05, flow_sensors=False, limited=True)) == (
+    assert conditions_in_words(USUAL._replace(dropout=0.05, flow_sensors=False, limited=True)) == (
         "30 min, noise 0.3 %, stroke 100 %, dropouts 5 %, no flow sensors, torque limit"
     )
-    assert describe(USUAL._replace(outlet_sensors=False, friction=0.0)).endswith(
+    assert conditions_in_words(USUAL._replace(outlet_sensors=False, friction=0.0)).endswith(
         "no sensors of outlet flows, no friction"
     )
-    assert describe(USUAL._replace(friction=5.0)).endswith("5 times the friction")
+    assert conditions_in_words(USUAL._replace(friction=5.0)).endswith("5 times the friction")
 
 
 def test_friction_is_that_of_all_joints_and_changes_the_pressures(machine):

@@ -3,7 +3,7 @@
 import sys
 
 from polydraulic.cli import dynamic, logs, machine, networks, report  # noqa: F401  # their commands join the application
-from polydraulic.cli.app import app
+from polydraulic.cli.application import app
 from polydraulic.errors import InputError, SimulationError
 
 __all__ = ["app", "main"]

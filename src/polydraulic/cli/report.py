@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.app import MachineOption, app
+from polydraulic.cli.application import MachineOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -25,6 +25,9 @@ def report(
     Example: `polydraulic report --chapter 4 --out report`
 
     - One figure alone: `polydraulic report --figure 5-19`
+
+    What comes next: open index.html in a browser; `docs/figures.md` lists the figures. Chapters keep the units that the thesis
+    prints.
     """
     from polydraulic.parameters.load import load_machine
     from polydraulic.thesis.report.write import write_figure, write_report

@@ -20,13 +20,13 @@ from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
+from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_vector
 from polydraulic.machine.linkage import tip
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import Links, State, from_vector, initial_state
+from polydraulic.machine.state import Links, State, initial_state
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
-from polydraulic.simulation.loop import N_RECORD, at_rest, reasonable, record
-from polydraulic.simulation.runs import CIRCUIT_COLUMNS, FLOW_COLUMNS, STATE_COLUMNS
+from polydraulic.simulation.loop import at_rest, reasonable, record
 from polydraulic.simulation.step import machine_step
 
 DIVERGED = 4  # beside the flow model's OK, NOT_CONVERGED and OUT_OF_DOMAIN
@@ -41,13 +41,6 @@ class Prepared(NamedTuple):
     plant: Plant
     geometry: Geometry
     start: State
-
-
-class Output(NamedTuple):
-    """A value that the exported machine gives after each step."""
-
-    name: str
-    unit: str
 
 
 @kernel
@@ -79,12 +72,9 @@ def machine_advance(
     return step.flows.status
 
 
-def outputs() -> list[Output]:
-    """What stands in a row, in its order."""
-    by_link = [Output(f"{link}.{name}", unit) for name, unit in STATE_COLUMNS + FLOW_COLUMNS for link in LINKS]
-    by_circuit = [Output(f"{c}.{name}", unit) for c in ("boom", "series") for name, unit in CIRCUIT_COLUMNS]
-    rest = [Output("series.p_between", "Pa"), *(Output(f"{c}.q_stored", "m3/s") for c in ("boom", "series"))]
-    return [*by_link, *by_circuit, *rest, *(Output(f"effector.{axis}", "m") for axis in "xyz")]
+def outputs() -> list[Column]:
+    """What the exported machine gives after each step, in its order: a recorded row, and the tip."""
+    return [*COLUMNS, *(Column(name, "m") for name in EFFECTOR)]
 
 
 def prepared(
@@ -178,10 +168,10 @@ def machine_c(
         "n_waiting": str(max(1, *delays)),
         "delays": ", ".join(map(str, delays)),
         "free": ", ".join("false" if link in locked else "true" for link in LINKS),
-        "structs": program.structs(),
+        "structs": program.scope.structs(),
         "prototypes": f"{start.prototype};\n{advance.prototype};",
         "code": program.code(),
-        "data": program.data(parts, f"{name}_parameters"),
+        "data": program.scope.data(parts, f"{name}_parameters"),
     }
     files = {
         file: Template((_TEMPLATES / f"machine{file}.txt").read_text(encoding="utf-8")).substitute(fill)

@@ -10,7 +10,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.sample import FlowSample, sample_flow
 from polydraulic.parameters.load import as_machine
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
 from polydraulic.tables import Table
 
 Column = tuple[np.ndarray, str]  # values and their unit
@@ -103,7 +103,7 @@ def sample_series(
     InputError
         If `n` is not positive.
     """
-    machine, links = as_machine(machine), ("swing", "stick")
+    machine, links = as_machine(machine), CIRCUITS["series"]
     places = [LINKS.index(link) for link in links]
     spool, p_in, p_out = np.zeros((3, max(n, 0), len(LINKS)))
     for place in places:
@@ -118,7 +118,7 @@ def sample_series(
     return _table(columns, "series", relief)
 
 
-CIRCUITS = {"boom": sample_boom, "series": sample_series}
+SAMPLERS = {"boom": sample_boom, "series": sample_series}
 
 
 def boom_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray) -> FlowSample:

@@ -10,17 +10,12 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import exp
 from polydraulic.flow.lanes import (
-    BOOM,
     BYPASS,
     FLOW_SCRATCH,
     INLET,
     LANES,
     OUTLET,
-    P_BETWEEN,
     P_IN,
-    Q_IN,
-    SERIES,
-    SPOOL,
     at,
     get,
     get_links,
@@ -28,6 +23,7 @@ from polydraulic.flow.lanes import (
     put,
     put_links,
 )
+from polydraulic.flow.record import BOOM, P_BETWEEN, Q_IN, SERIES, SPOOL
 from polydraulic.machine.pump import (
     LIMIT_PASSES,
     Bracket,

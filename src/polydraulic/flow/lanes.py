@@ -12,15 +12,14 @@ from numba import types
 from numba.extending import overload
 
 from polydraulic._kernel import KERNEL_OPTIONS, kernel
+from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices
 
 LANES = 64
-# rows of a recorded step
-SPOOL, P_A, P_B, ANGLE, RATE, Q_IN, Q_OUT, BOOM, SERIES, P_BETWEEN, STORED = 0, 3, 6, 9, 12, 15, 18, 21, 25, 29, 30
-# what the flow stage reads and writes
-P_IN, INLET, BYPASS, OUTLET = 32, 35, 38, 41
-FLOW_SCRATCH = 44
+# what the flow stage reads and writes, below the rows of a recorded step
+P_IN, INLET, BYPASS, OUTLET = N_RECORD, N_RECORD + 3, N_RECORD + 6, N_RECORD + 9
+FLOW_SCRATCH = N_RECORD + 12
 N_FLOW_ROW = FLOW_SCRATCH + 25
 
 

@@ -230,7 +230,7 @@ def _check_circuits(machine: Machine) -> None:
         if value != known[name] and (limit or not name.startswith("pumps.torque_limit")):
             raise InputError(
                 f"{name} = {value}, and {known[name]} in {TRAINED_ON}, whose circuits the package's networks were trained on: "
-                "train networks for this machine (python -m polydraulic.flow.training.train FOLDER MACHINE) and give them as models"
+                "train networks for this machine (polydraulic train --out FOLDER --machine MACHINE) and give them as models"
             )
 
 

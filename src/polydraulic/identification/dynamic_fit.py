@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.base import BaseEstimator
 
+from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, table_of
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
@@ -24,6 +25,7 @@ from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.lag_words import lags_in_words
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
+from polydraulic.networks.model.shown_model import shown_model
 from polydraulic.networks.model.table import Network, Node
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
@@ -65,8 +67,24 @@ class DynamicOutputFit(NamedTuple):
     covered: float
     held: DynamicRun
 
+    def shown(self, units: str = DEFAULT) -> "DynamicOutputFit":
+        """The fit with model, errors and runs as they are shown: to be read."""
+        unit = self.model.output.unit
+        return self._replace(
+            model=shown_model(self.model, units),
+            errors=RunErrors(*(kind.shown(unit, units) for kind in self.errors)),
+            others={name: RunErrors(*(kind.shown(unit, units) for kind in of)) for name, of in self.others.items()},
+            half_width=as_shown(self.half_width, unit, units),
+            held=self.held.shown(unit, units),
+        )
+
+    def text(self, units: str = DEFAULT) -> str:
+        """How good the model is, in lines."""
+        read = self.shown(units)
+        return "\n  ".join([str(read.model.output), *statements(read)])
+
     def __str__(self) -> str:
-        return "\n  ".join([str(self.model.output), *statements(self)])
+        return self.text()
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +110,12 @@ class DynamicFit:
         """The models, which may read each other's outputs."""
         return [found.model for found in self.outputs]
 
+    def text(self, units: str = DEFAULT) -> str:
+        """How good the models are, in lines."""
+        return "\n".join(found.text(units) for found in self.outputs)
+
     def __str__(self) -> str:
-        return "\n".join(map(str, self.outputs))
+        return self.text()
 
 
 def fit_dynamic(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, as_shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow
 from polydraulic.identification.arguments import models_of, table_of
@@ -23,7 +23,7 @@ from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
-from polydraulic.tables import Table
+from polydraulic.tables import Table, began
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,6 +37,7 @@ _DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
 _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
 _ROWS_NEAR = 5
+_DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
 _SHOWN = 6  # windows of the picture
 _COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5")  # of swing, boom, stick
 
@@ -49,7 +50,7 @@ class Window(NamedTuple):
     time : (n_row,) array, s
         Of the log.
     measured, run : (n_row, 3) array, rad
-        Angles, links in the order of `LINKS`; of a run that leaves all reason, nan from there on.
+        Angles, links in the order of `LINKS`; nan from where a run diverges.
     """
 
     time: np.ndarray
@@ -64,9 +65,9 @@ class Drift(NamedTuple):
     ----------
     name : str
     unit : str
-        Of the numbers.
+        SI unit of the numbers.
     median, largest : float
-        Of the windows' largest distances; infinite where a run leaves all reason.
+        Of the windows' largest distances; infinite where a run diverges.
     moved : float
         Median of how far the measured one moves in a window.
     """
@@ -89,18 +90,25 @@ class Replay:
         Of swing, boom, stick and the tip.
     seconds : float
         Length of a window.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times are dates themselves.
     """
 
     windows: list[Window] = field(repr=False)
     drifts: list[Drift]
     seconds: float
+    began: float = 0.0
 
-    def __str__(self) -> str:
+    def text(self, units: str = DEFAULT) -> str:
+        """How far it drifts, in a table."""
         head = (
             f"{len(self.windows)} windows of {self.seconds:g} s, each begun from the measured state; "
             "largest distance in a window:"
         )
-        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts))])
+        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts, units))])
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def replay(
@@ -153,7 +161,7 @@ def replay(
     windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
     if not windows:
         raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
-    return Replay(windows, drifts(plant, windows), seconds)
+    return Replay(windows, drifts(plant, windows), seconds, began(table))
 
 
 def replayed(
@@ -199,7 +207,7 @@ def replayed(
 
 
 def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
-    """How far joints (deg) and tip (mm) drift in windows."""
+    """How far joints (rad) and tip (m) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
     tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
@@ -207,20 +215,22 @@ def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
     tip_moved = [np.linalg.norm(measured - measured[0], axis=1).max() for measured, _ in tips]
     found = []
     for name, unit, far, way in [
-        *((link, "deg", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
-        ("tip", "mm", np.array(tip_apart), np.array(tip_moved)),
+        *((link, "rad", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
+        ("tip", "m", np.array(tip_apart), np.array(tip_moved)),
     ]:
-        far, way = units.from_si(np.nan_to_num(far, nan=np.inf), unit), units.from_si(way, unit)
+        far = np.nan_to_num(far, nan=np.inf)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
 
 
-def drift_rows(found: Sequence[Drift]) -> list[list[str]]:
+def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
     """Texts under `DRIFT_HEADS`."""
-    digits = {"deg": 2, "mm": 0}
-    return [
-        [d.name, *(f"{value:.{digits[d.unit]}f} {d.unit}" for value in (d.median, d.largest, d.moved))] for d in found
-    ]
+    rows = []
+    for drift in found:
+        unit = shown_unit(drift.unit, units)
+        values = (as_shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
+        rows.append([drift.name, *("diverged" if v == np.inf else f"{v:.{_DECIMALS[unit]}f} {unit}" for v in values)])
+    return rows
 
 
 def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
@@ -249,34 +259,39 @@ def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.nd
     )
 
 
-def plot_replay(found: Replay) -> "Figure":
+def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
 
     Parameters
     ----------
     found : Replay
-        Its first windows are shown.
+        Its first windows are shown, over dates where the log has dates.
+    units : str
+        ``"metric"``, ``"field"`` or ``"si"``.
     """
     from matplotlib.figure import Figure
 
+    unit, label = shown_unit("rad", units), ""
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     *axes, below = figure.subplots(4, 1, sharex=True)
     for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
         for number, window in enumerate(found.windows[:_SHOWN]):
-            time = window.time
-            measured, run = (units.from_si(angles[:, place], "deg") for angles in (window.measured, window.run))
+            time, label = time_axis(window.time, found.began)
+            measured, run = (as_shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
             names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
             axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
             axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])
-            axis.plot(time[0], run[0], "o", color="#e07a1f", markersize=4.0, label=names[2])
+            axis.plot(time[:1], run[:1], "o", color="#e07a1f", markersize=4.0, label=names[2])
             below.plot(time, run - measured, color=_COLORS[place], linewidth=0.9, label=link if number == 0 else None)
-        axis.set_ylabel(f"{link} [deg]")
+        axis.set_ylabel(with_unit(f"{link} angle", unit))
         axis.grid(alpha=0.3)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
-    below.set_ylabel("run - measured\n[deg]")
+    below.set_ylabel(f"run - measured\n[{unit}]")
     below.grid(alpha=0.3)
-    below.legend(ncols=3, fontsize="small", frameon=False, loc="upper left")
-    below.set_xlabel("time of the log [s]")
+    below.legend(
+        ncols=3, fontsize="small", frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1
+    )
+    below.set_xlabel(label)
     return figure
 
 

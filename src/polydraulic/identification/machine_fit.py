@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_unit
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.judging import OutputFit
@@ -23,21 +23,12 @@ from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
-HEADS = (
-    "network",
-    "regions",
-    "rms [l/min]",
-    "of the pump",
-    "largest [l/min]",
-    "R2",
-    "in 90% intervals",
-)
 _OUTPUTS = 2 * len(LINKS)
 
 
 @dataclass(frozen=True, eq=False)
 class MachineFit:
-    """A machine learnt from a log; ``str()`` says in the units of the field how good it is.
+    """A machine learnt from a log; ``str()`` says how good it is.
 
     Attributes
     ----------
@@ -79,19 +70,23 @@ class MachineFit:
         """The networks to be used."""
         return [found.model for found in self.outputs]
 
-    def __str__(self) -> str:
+    def text(self, units: str = DEFAULT) -> str:
+        """How good it is, in tables."""
         remark = kept(self.outputs)
         return "\n".join(
             [
                 f"{self.held.sum()} of {len(self.table)} rows held out, every fifth block of time; "
                 "errors as flows, where a valve is open:",
-                *text_table(HEADS, summary(self.outputs)),
+                *text_table(heads(units), summary(self.outputs, units)),
                 *([remark] if remark else []),
                 self.windows + (":" if self.drifts else ""),
-                *(text_table(DRIFT_HEADS, drift_rows(self.drifts)) if self.drifts else []),
+                *(text_table(DRIFT_HEADS, drift_rows(self.drifts, units)) if self.drifts else []),
                 *(f"warning: {warning}" for warning in self.warnings),
             ]
         )
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def fit_machine(
@@ -158,14 +153,20 @@ def fit_machine(
     return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, log, source)
 
 
-def summary(outputs: Sequence[OutputFit]) -> list[list[str]]:
-    """Texts under `HEADS`: errors of all networks on the blocks held out, as flows in l/min; of an outlet at the measured pressure."""
+def heads(units: str = DEFAULT) -> tuple[str, ...]:
+    """Heads of the columns of `summary`."""
+    rms, largest = (with_unit(name, shown_unit("m3/s", units)) for name in ("rms", "largest"))
+    return ("network", "regions", rms, "of the pump", largest, "R2", "in 90% intervals")
+
+
+def summary(outputs: Sequence[OutputFit], units: str = DEFAULT) -> list[list[str]]:
+    """Texts under `heads`: errors of all networks on the blocks held out, as flows; of an outlet at the measured pressure."""
     rows = []
     for found in outputs:
         training: Any = found.model.training
-        rms, largest = (units.from_si(training[f"held_out_flow_{what}"], "l/min") for what in ("rms", "largest"))
+        rms, largest = (as_shown(training[f"held_out_flow_{what}"], "m3/s", units) for what in ("rms", "largest"))
         share = training["held_out_flow_rms"] / training["pump_flow"]
-        texts = [f"{rms:.2f}", f"{share:.2%}", f"{largest:.1f}", f"{found.r2:.4f}", f"{found.covered:.0%}"]
+        texts = [readable(rms, 3), f"{share:.2%}", readable(largest, 3), f"{found.r2:.4f}", f"{found.covered:.0%}"]
         rows.append([found.model.output.name, str(len(found.model.networks)), *texts])
     return rows
 

@@ -3,19 +3,25 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from sklearn.base import clone
 
+from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, table_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
+from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import BLOCKS, FOLD, held_rows
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
+
+if TYPE_CHECKING:
+    from polydraulic.measure.checks.deadband import Deadband
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +32,8 @@ class TableFit:
     ----------
     outputs : list of OutputFit
         One an output.
-    deadbands : list of str
-        What was found of them, in words; empty if they were not asked for.
+    deadbands : list of Deadband
+        Empty if they were not asked for.
     table : Table
         What the models were fitted to.
     source : str
@@ -35,7 +41,7 @@ class TableFit:
     """
 
     outputs: list[OutputFit]
-    deadbands: list[str]
+    deadbands: list["Deadband"]
     table: Table = field(repr=False)
     source: str
 
@@ -44,8 +50,13 @@ class TableFit:
         """The models, to be saved, exported or run."""
         return [found.model for found in self.outputs]
 
+    def text(self, units: str = DEFAULT) -> str:
+        """What was found, in lines."""
+        deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
+        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs)])
+
     def __str__(self) -> str:
-        return "\n".join([*self.deadbands, *map(str, self.outputs)])
+        return self.text()
 
 
 def fit_table(
@@ -126,8 +137,8 @@ def fit_table(
 
 def _with_deadbands(
     edges: Mapping[str, Sequence[float]], table: Table, inputs: Sequence[str], outputs: Sequence[str]
-) -> tuple[dict[str, list[float]], list[str]]:
-    """Edges, and those of the deadbands that an imported log shows; also what was found, in words."""
+) -> tuple[dict[str, list[float]], list["Deadband"]]:
+    """Edges, and those of the deadbands that an imported log shows; also the deadbands."""
     from polydraulic.measure.checks.deadband import find_deadbands  # only a log needs the extra that comes with it
 
     if not {"time", "segment"} <= set(table.names):
@@ -137,4 +148,4 @@ def _with_deadbands(
     deadbands = find_deadbands(table, inputs, outputs, raster)
     for deadband in (deadband for deadband in deadbands if deadband.found):
         found[deadband.input] = sorted({*found.get(deadband.input, []), deadband.low, deadband.high})
-    return found, [deadband.statement() for deadband in deadbands]
+    return found, deadbands

@@ -5,12 +5,7 @@ Links stand in kinematic order everywhere: swing, boom, stick.
 
 from typing import NamedTuple
 
-import numpy as np
-
-from polydraulic._kernel import kernel
 from polydraulic.parameters.schema import Machine
-
-N_STATE = 15
 
 
 class Links(NamedTuple):
@@ -42,30 +37,3 @@ def initial_state(machine: Machine) -> State:
         angle=Links(*(start.angle for start in starts)),
         rate=rest,
     )
-
-
-def to_vector(x: State) -> np.ndarray:
-    """State as one vector of shape (15,), quantity by quantity: what an ODE solver owns."""
-    return np.array([value for links in x for value in links], dtype=np.float64)
-
-
-@kernel
-def from_vector(v: np.ndarray) -> State:
-    """State from a vector of shape (15,)."""
-    return State(
-        Links(v[0], v[1], v[2]),
-        Links(v[3], v[4], v[5]),
-        Links(v[6], v[7], v[8]),
-        Links(v[9], v[10], v[11]),
-        Links(v[12], v[13], v[14]),
-    )
-
-
-@kernel
-def store(x: State, v: np.ndarray) -> None:
-    """Write a state into the first 15 places of a vector."""
-    v[0], v[1], v[2] = x.spool.swing, x.spool.boom, x.spool.stick
-    v[3], v[4], v[5] = x.p_a.swing, x.p_a.boom, x.p_a.stick
-    v[6], v[7], v[8] = x.p_b.swing, x.p_b.boom, x.p_b.stick
-    v[9], v[10], v[11] = x.angle.swing, x.angle.boom, x.angle.stick
-    v[12], v[13], v[14] = x.rate.swing, x.rate.boom, x.rate.stick

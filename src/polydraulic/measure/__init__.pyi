@@ -3,11 +3,11 @@ from .bench.sensors import example_sensors, load_sensors
 from .channels import ChannelMap, channel_map, load_channels
 from .checks.coverage import coverage
 from .checks.deadband import deadband, find_deadbands
-from .checks.quality import write_quality
 from .flows import add_flows, reconstruct_flow
 from .formats.logs import open_log
 from .importing import Imported, import_log
 from .log_units import conversion
+from .quality import write_quality
 from .smoothing import assumption, differentiate
 from .suggest import suggest_channels
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, Signal
 from polydraulic.measure.formats.logs import open_log
-from polydraulic.measure.log_units import conversion
+from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.progress import Progress, quiet
+from polydraulic.units import unit_kind
 
 _TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
@@ -32,7 +33,8 @@ _ROUND = (1.0, 2.0, 5.0)
 _HEAD = """\
 # A first channel map, made from what the log shows. Go through it:
 # - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out.
-# - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; bara and psia are absolute.
+# - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; from bar(a), psia and the like an
+#   atmosphere is taken: put atmosphere = "1.013 bar" at the top.
 # - range: as seen in the log; widen or narrow it to what is physically possible.
 # - between: "linear" or "hold", what is true between two samples. sign = -1 turns a channel round.
 # - name: the column in the table, such as "boom.p_a"; the source if not given.
@@ -114,7 +116,7 @@ def _look(log: Log, time: Signal | None, progress: Progress) -> dict[str, _Seen]
             clock = None if block.time is None else block.time * factor
             for name in names:
                 seen[name] = _merge(seen[name], clock, block.values[name])
-            progress("read", int(1000 * (number + block.done) / len(groups)), 1000)
+            progress(log.path.name, int(1000 * (number + block.done) / len(groups)), 1000)
     return seen
 
 
@@ -140,9 +142,15 @@ def _unit_line(signal: Signal) -> str:
         guess = _unit_in(signal.name)
         said = "from its name: the log itself does not tell" if guess else "the log does not tell"
         return f"unit = {_text(guess)}  # {said}"
-    if not _known(signal.unit):
-        return f'unit = ""  # the log says {_text(signal.unit)}, which is not known'
-    return f"unit = {_text(signal.unit)}"
+    pressure = says_pressure(signal.name)
+    try:
+        found = conversion(signal.unit, kind="Pa" if pressure else "")
+    except InputError as error:
+        return f'unit = ""  # the log says {_text(signal.unit)}: {_text(str(error))[1:-1]}'
+    line = f"unit = {_text(signal.unit)}"
+    if pressure and found.si != "Pa":  # a sensor that is logged as it is
+        line += f'\nkind = "{unit_kind(found.si).name}"  # its name says pressure, its unit does not'
+    return line
 
 
 def _unit_in(name: str) -> str:

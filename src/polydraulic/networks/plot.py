@@ -44,7 +44,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
             axis.plot([place[slot][0], x], [place[slot][1], y], color="0.6", linewidth=width, zorder=1)
     for slot, (x, y) in place.items():
         if slot < network.n_inputs:
-            text, color = f"N{slot + 1}\n{inputs[slot].name}", "#dbe9f6" if slot in used else "#eeeeee"
+            text, color = f"N{slot + 1}\n{inputs[slot]}", "#dbe9f6" if slot in used else "#eeeeee"
         else:
             node = network.nodes[slot - network.n_inputs]
             text, color = f"{KIND_NAMES[node.kind]}\n{len(node.coef)}", "#fde8c8"
@@ -57,7 +57,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
             linewidth=0.8,
             zorder=1,
         )
-    text = f"U\n{output.name}" if network.nodes else f"constant\n{network.y_mean:.4g}"
+    text = f"U\n{output}" if network.nodes else f"constant\n{network.y_mean:.4g}"
     axis.text(last, 0.0, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": "#dff0d8"}, zorder=2)
     heights = [y for _, y in place.values()]
     axis.set_xlim(-0.6, last + 0.6)

@@ -1,14 +1,11 @@
 """Conditions between several numbers of a machine."""
 
 from math import pi, sin
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from polydraulic.parameters.schema import Cylinder, Machine
+from typing import Any
 
 
-def broken_conditions(machine: "Machine") -> list[str]:
-    """Say which conditions a machine does not meet; each number by itself lies in its range."""
+def broken_conditions(machine: Any) -> list[str]:
+    """Say which conditions a `Machine`, whose class asks for this, does not meet; each number by itself lies in its range."""
     broken: list[str] = []
 
     def require(good: bool, key: str, value: object, allowed: str) -> None:
@@ -56,7 +53,7 @@ def broken_conditions(machine: "Machine") -> list[str]:
             )
     for name, sign in (("boom", 1.0), ("stick", -1.0)):
         link = getattr(machine, name)
-        cylinder: Cylinder = link.cylinder
+        cylinder = link.cylinder
         require(cylinder.rod < cylinder.bore, f"{name}.cylinder.rod", cylinder.rod, "below the bore")
         ends = [sign * angle + cylinder.angle_offset for angle in link.stops]
         turned = all(0.0 < angle < pi and sin(angle) > 0.0 for angle in ends)

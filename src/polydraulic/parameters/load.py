@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TypeVar, get_type_hints
 from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.parameters.conditions import broken_conditions
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.quantity import Quantity, is_number, leaf_of
 from polydraulic.parameters.schema import Machine
 
@@ -99,17 +100,11 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | None = None) -> Tree:
     """Build a named tuple from nested dicts; keys that are missing are taken from `base`, if one is given."""
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: {where or 'file'} must be a table, not {data!r}")
     hints = get_type_hints(cls, include_extras=True)
-    unknown = [key for key in data if key not in hints]
-    if unknown:
-        raise InputError(f"{path}: unknown key {where}{unknown[0]}; allowed here: {sorted(hints)}")
+    check_keys(data, hints, hints if base is None else (), where.rstrip("."), str(path))
     values = {}
     for key, hint in hints.items():
         if key not in data:
-            if base is None:
-                raise InputError(f"{path}: missing key {where}{key}; {cls.__name__} needs {sorted(hints)}")
             values[key] = getattr(base, key)
         elif (leaf := leaf_of(hint)) is None:
             part = None if base is None else getattr(base, key)
@@ -125,21 +120,29 @@ def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int
     """Return one entry in SI: a float, or a tuple of `size` floats (-1: any number of them)."""
     _entry(item, key, path, {"value", "unit", "source"})
     unit, value = item["unit"], item["value"]
-    if unit not in units.FACTORS[quantity.unit]:
-        raise InputError(f"{path}: {key} has unit {unit!r}; allowed: {sorted(units.FACTORS[quantity.unit])}")
+    try:
+        known = units.read_unit(unit, kind=quantity.unit)
+    except InputError as error:
+        raise InputError(f"{path}: {key}: {error}") from error
+    if known.si != quantity.unit:
+        allowed = [*units.FACTORS[quantity.unit], *units.unit_kind(quantity.unit).products]
+        raise InputError(
+            f"{path}: {key} has unit {unit!r}; allowed: {allowed}, or another unit of {units.unit_kind(quantity.unit).name}"
+        )
     if size:
         if not isinstance(value, list) or (size > 0 and len(value) != size) or not value:
             raise InputError(f"{path}: {key} = {value!r}: must be a list of {size if size > 0 else 'some'} numbers")
-        return tuple(_number(v, unit, quantity, f"{key}[{i}]", path) for i, v in enumerate(value))
-    return _number(value, unit, quantity, key, path)
+        return tuple(_number(v, known, quantity, f"{key}[{i}]", path) for i, v in enumerate(value))
+    return _number(value, known, quantity, key, path)
 
 
-def _number(value: Any, unit: str, quantity: Quantity, key: str, path: Path) -> float:
+def _number(value: Any, unit: units.Conversion, quantity: Quantity, key: str, path: Path) -> float:
     if not is_number(value):
         raise InputError(f"{path}: {key} = {value!r}: must be a number")
-    si = units.to_si(float(value), unit)
-    if refusal := quantity.refusal(si):
-        raise InputError(f"{path}: {key} = {value} {unit}: {refusal}")
+    si = unit.to_si(float(value))
+    if not quantity.allows(si):
+        here = Quantity(unit.unit, *map(unit.from_si, (quantity.low, quantity.high, quantity.above)))
+        raise InputError(f"{path}: {key} = {value} {unit.unit}: {here.demand}")
     return si
 
 
@@ -151,9 +154,7 @@ def _switch(item: Any, key: str, path: Path) -> bool:
 
 
 def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
-    if not isinstance(item, dict) or set(item) != needed:
-        shown = sorted(item) if isinstance(item, dict) else repr(item)
-        raise InputError(f"{path}: {key} has {shown}; it needs exactly {sorted(needed)}")
+    check_keys(item, needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
-        raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a text")
+        raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a string")

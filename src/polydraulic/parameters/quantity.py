@@ -18,16 +18,19 @@ class Quantity:
 
     @property
     def range(self) -> str:
-        """The range in words, SI."""
+        """The range in words."""
         if self.above > -inf:
             return f"above {self.above:g}" + (f", at most {self.high:g}" if self.high < inf else "")
         return f"in [{self.low:g}, {self.high:g}]"
 
-    def refusal(self, value: float) -> str:
-        """What a value in SI must be and is not; empty if it is."""
-        if isfinite(value) and self.low <= value <= self.high and value > self.above:
-            return ""
+    @property
+    def demand(self) -> str:
+        """What every value must be, in words."""
         return f"must be finite and {self.range} {self.unit}"
+
+    def allows(self, value: float) -> bool:
+        """Whether a value is finite and lies in the range."""
+        return isfinite(value) and self.low <= value <= self.high and value > self.above
 
 
 class Leaf(NamedTuple):

@@ -15,6 +15,7 @@ import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import build, find, read_quantity, read_toml
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
@@ -89,17 +90,17 @@ def load_scenario(source: str | Path) -> Scenario:
         return _recording(Path(source))
     path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     data = read_toml(path)
-    _keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, "", path)
+    check_keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, file=str(path))
     duration = read_quantity(data["duration"], Quantity("s", above=0.0, high=inf), "duration", path)
     locked = data.get("locked", [])
     if not isinstance(locked, list) or any(link not in LINKS for link in locked):
         raise InputError(f"{path}: locked = {locked!r}: must be a list of {list(LINKS)}")
-    _keys(data["voltage"], set(LINKS), set(), "voltage.", path)
+    check_keys(data["voltage"], LINKS, (), "voltage", str(path))
     signals = {link: _signal(item, f"voltage.{link}", path) for link, item in data["voltage"].items()}
     changes = data.get("change", {})
-    _keys(changes, set(LINKS), set(), "change.", path)
+    check_keys(changes, LINKS, (), "change", str(path))
     for link, part in changes.items():
-        _keys(part, _CHANGEABLE, set(), f"change.{link}.", path)
+        check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
     return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path)
 
 
@@ -148,22 +149,12 @@ def scenario_names() -> list[str]:
     return sorted(path.stem for path in _SCENARIOS.glob("*.toml"))
 
 
-def _keys(data: Any, allowed: set[str], needed: set[str], where: str, path: Path) -> None:
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: {where or 'file'} must be a table, not {data!r}")
-    unknown, missing = sorted(set(data) - allowed), sorted(needed - set(data))
-    if unknown:
-        raise InputError(f"{path}: unknown key {where}{unknown[0]}; allowed here: {sorted(allowed)}")
-    if missing:
-        raise InputError(f"{path}: missing key {where}{missing[0]}; needed here: {sorted(needed)}")
-
-
 def _signal(item: Any, where: str, path: Path) -> Signal:
     kind = item.get("kind") if isinstance(item, dict) else None
     if kind not in _KINDS:
         raise InputError(f"{path}: {where}.kind = {kind!r}: must be one of {sorted(_KINDS)}")
     names = _KINDS[kind]
-    _keys(item, names | {"kind"}, names, f"{where}.", path)
+    check_keys(item, names | {"kind"}, names, where, str(path))
     try:
         if kind == "sine":
             amplitude = read_quantity(item["amplitude"], _VOLT, f"{where}.amplitude", path)
@@ -188,10 +179,16 @@ def _recorded(path: Path, time: str, voltages: list[str]) -> list[Piecewise]:
     table = read_table(path, [time, *voltages])
 
     def si(name: str, unit: str) -> np.ndarray:
-        given, allowed = table.unit(name) or unit, list(units.FACTORS[unit])
-        if given not in allowed:
-            raise InputError(f"{path}: column {name!r} has unit {given!r}; it must be one of {allowed}")
-        return units.to_si(table[name], given)
+        given = table.unit(name) or unit
+        try:
+            found = units.read_unit(given)
+        except InputError as error:
+            raise InputError(f"{path}: column {name!r}: {error}") from error
+        if found.si != unit:
+            raise InputError(
+                f"{path}: column {name!r} has unit {given!r}; it must be one of {list(units.FACTORS[unit])}"
+            )
+        return found.to_si(table[name])
 
     seconds, volts = si(time, "s"), [si(name, "V") for name in voltages]
     try:

@@ -12,6 +12,7 @@ from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.values import replaced
 
 LINKS = ("swing", "boom", "stick")
+CIRCUITS = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a pump feeds
 N_KNOT = 6
 
 

@@ -65,8 +65,9 @@ def _refusals(path: str, value: Any, leaf: Leaf) -> list[str]:
             return [f"{path} = {value!r}: must be {leaf.size} numbers"]
         one = Leaf(leaf.quantity)
         return [line for i, item in enumerate(value) for line in _refusals(f"{path}[{i}]", item, one)]
-    refusal = leaf.quantity.refusal(value) if is_number(value) else "must be a number"
-    return [f"{path} = {value!r}: {refusal}"] if refusal else []
+    if not is_number(value):
+        return [f"{path} = {value!r}: must be a number"]
+    return [] if leaf.quantity.allows(value) else [f"{path} = {value!r}: {leaf.quantity.demand}"]
 
 
 def _is_list(value: Any) -> bool:

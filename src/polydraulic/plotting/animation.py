@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.parameters.load import as_machine
@@ -32,6 +33,7 @@ def write_animation(
     path: str | Path,
     *,
     rate: float | None = None,
+    units: str = DEFAULT,
     progress: Progress = quiet,
 ) -> None:
     """Write an animation of one run or of several on top of each other, whole or not at all.
@@ -48,6 +50,8 @@ def write_animation(
         Ends in ``.gif`` or ``.html``.
     rate : float, 1/s, optional
         Frames in a second of the run; `RATES` if not given.
+    units : str
+        Of what is shown: ``"metric"``, ``"field"`` or ``"si"``.
     progress : Progress, optional
         Told how many frames are drawn.
 
@@ -57,13 +61,14 @@ def write_animation(
         Another ending, no run, a table that is no trajectory, a rate that is not positive, a place that cannot be written.
     """
     ending = animation_ending(path)
-    frames, shapes = frames_of(runs, RATES[ending] if rate is None else rate), linkage_shapes(as_machine(machine))
+    shapes = linkage_shapes(as_machine(machine))
+    frames = frames_of(runs, RATES[ending] if rate is None else rate, units)
     if ending == ".gif":
         write_gif(frames, shapes, path, progress)
     else:
         page = _TEMPLATE.read_text(encoding="utf-8")
         write_text(path, page.replace(_PLACE, _script_text(page_data(frames, shapes)), 1))
-        progress("draw", len(frames.time), len(frames.time))
+        progress("frames", len(frames.time), len(frames.time))
 
 
 def animation_ending(path: str | Path) -> str:

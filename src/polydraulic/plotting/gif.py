@@ -29,7 +29,7 @@ def write_gif(frames: Frames, shapes: Shapes, path: str | Path, progress: Progre
 
     def counted() -> Iterator[Any]:
         for number, image in enumerate(_images(frames, shapes), start=1):
-            progress("draw", number, total)
+            progress("frames", number, total)
             yield image
 
     images = counted()

@@ -11,11 +11,12 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.interface import Flows
+from polydraulic.flow.record import PLACE, from_vector
 from polydraulic.machine.hose import LineStep
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import Links, State, from_vector
+from polydraulic.machine.state import Links, State
 from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import LINKS, Machine, Stops
+from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine, Stops
 
 MAX_EVENTS = 10_000
 N_CONDITION = 26
@@ -33,10 +34,11 @@ _PUMP = ("pump relief opens", "pump relief closes")
 # (link or circuit, what begins, what ends) of each bit
 CONDITIONS = (
     *((link, *words) for words in _LINK_CONDITIONS for link in LINKS),
-    *((circuit, *_PUMP) for circuit in ("boom", "series")),
+    *((circuit, *_PUMP) for circuit in CIRCUITS),
 )
 SPOOLS = (1 << 6) - 1  # all bits of the spools
 PUMPS = 3 << 24
+_RELIEF_BOOM, _RELIEF_SERIES = PLACE["boom.q_relief"], PLACE["series.q_relief"]
 
 
 class Edges(NamedTuple):
@@ -156,11 +158,11 @@ def observe(
 def scan(time: np.ndarray, rows: np.ndarray, edges: Edges, plant: Plant, log: EventLog) -> None:
     """Find the events in recorded rows."""
     x = from_vector(rows[0])
-    bits = conditions(x, rows[0, 23], rows[0, 27], edges, plant)
+    bits = conditions(x, rows[0, _RELIEF_BOOM], rows[0, _RELIEF_SERIES], edges, plant)
     for k in range(1, rows.shape[0]):
         before, had = x, bits
         x = from_vector(rows[k])
-        bits = conditions(x, rows[k, 23], rows[k, 27], edges, plant)
+        bits = conditions(x, rows[k, _RELIEF_BOOM], rows[k, _RELIEF_SERIES], edges, plant)
         if bits != had:
             note(log, bits ^ had, bits, time[k - 1], time[k], before, x, edges, plant)
 
@@ -189,7 +191,6 @@ def listed(log: EventLog, locked: tuple[str, ...]) -> dict[str, object]:
     for k in np.argsort(log.time[:kept], kind="stable"):
         code = int(log.code[k])
         link, begins, ends = CONDITIONS[abs(code) - 1]
-        gone = link in locked if link != "series" else {"swing", "stick"} <= set(locked)
-        if not gone:
+        if not set(CIRCUITS.get(link, (link,))) <= set(locked):
             rows.append([float(log.time[k]), link, begins if code > 0 else ends])
     return {"events": rows, "events_dropped": n - kept}

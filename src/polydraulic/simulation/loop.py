@@ -7,13 +7,13 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import flow_step
-from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN, Flows
+from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN
+from polydraulic.flow.record import from_vector, record_flows, store
 from polydraulic.machine.hose import LineStep
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import N_STATE, Links, State, from_vector, store
+from polydraulic.machine.state import Links, State
 from polydraulic.simulation.step import Step, machine_step, seen_pressures
 
-N_RECORD = N_STATE + 17  # state, q_in and q_out of three links, five values of each circuit, p_between
 FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
 
 
@@ -22,18 +22,6 @@ def record(step: Step, row: np.ndarray) -> None:
     """Write a step into the places of a row."""
     store(step.state, row)
     record_flows(step.flows, step.q_out, row)
-
-
-@kernel
-def record_flows(flows: Flows, q_out: Links, row: np.ndarray) -> None:
-    """Write flows and pump pressures into the places after the state."""
-    row[15], row[16], row[17] = flows.q_in.swing, flows.q_in.boom, flows.q_in.stick
-    row[18], row[19], row[20] = q_out.swing, q_out.boom, q_out.stick
-    boom, series = flows.boom, flows.series
-    row[21], row[22], row[23], row[24] = boom.q_pump, boom.q_bypass, boom.q_relief, boom.p_pump
-    row[25], row[26], row[27], row[28] = series.q_pump, series.q_bypass, series.q_relief, series.p_pump
-    row[29] = flows.p_between
-    row[30], row[31] = boom.q_stored, series.q_stored
 
 
 @kernel

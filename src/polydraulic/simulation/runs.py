@@ -8,23 +8,30 @@ import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowKind, FlowModel, as_flow, flow_name, served_links
+from polydraulic.flow.record import (
+    ANGLE,
+    EFFECTOR,
+    N_RECORD,
+    PLACE,
+    RATE,
+    circuit_columns,
+    link_columns,
+    to_vector,
+    working_circuits,
+)
 from polydraulic.machine.linkage import end_effector
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import Links, initial_state, to_vector
+from polydraulic.machine.state import Links, initial_state
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
-from polydraulic.simulation.loop import FASTEST, N_RECORD, run
+from polydraulic.simulation.loop import FASTEST, run
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from polydraulic.tables import Table
 
 # methods of `simulate`, with the tolerance of those that choose their own steps
 METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbrock": 1e-4, "reference": 1e-9}
-STATE_COLUMNS = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
-FLOW_COLUMNS = (("q_in", "m3/s"), ("q_out", "m3/s"))
-FED = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a circuit's pump feeds
-CIRCUIT_COLUMNS = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
 
 
 def simulate(
@@ -80,7 +87,7 @@ def simulate(
         dt not positive, duration shorter than a step, a raster that is no whole number of steps, an unknown flow model, a
         scenario that moves links which the flow model does not serve.
     SimulationError
-        If the state leaves all reason, or a solver fails; says when and where.
+        If the run diverges, or a solver fails; says when and where.
     """
     machine, scenario = as_machine(machine), as_scenario(scenario)
     if method not in METHODS:
@@ -107,7 +114,7 @@ def simulate(
         done = run(*arranged) if method == "semi-implicit" else _run_runge_kutta(adapted, scenario, arranged)
         if done < n_step:
             raise SimulationError(
-                f"{scenario.name} with flow {name!r}: the rate of {_fastest(rows[0])} left all reason "
+                f"{scenario.name} with flow {name!r}: diverged, the rate of {_fastest(rows[0])} grew without bound "
                 f"at t = {done * dt:g} s; "
                 "try a smaller dt or check the flow model"
             )
@@ -201,30 +208,21 @@ def trajectory(
 
     voltages = scenario.voltages(time)
     for link in (link for link in LINKS if link not in scenario.locked):
-        place = LINKS.index(link)
-        add(f"{link}.voltage", "V", voltages[:, place])
-        for number, (name, unit) in enumerate(STATE_COLUMNS + FLOW_COLUMNS):
-            add(f"{link}.{name}", unit, rows[:, 3 * number + place])
+        add(f"{link}.voltage", "V", voltages[:, LINKS.index(link)])
+        for name, unit in link_columns(link):
+            add(name, unit, rows[:, PLACE[name]])
         forward = columns[f"{link}.spool"] >= 0.0
         p_a, p_b = columns[f"{link}.p_a"], columns[f"{link}.p_b"]
         add(f"{link}.p_in", "Pa", np.where(forward, p_a, p_b))
         add(f"{link}.p_out", "Pa", np.where(forward, p_b, p_a))
-    for circuit, first in (("boom", 21), ("series", 25)):
-        if set(FED[circuit]) <= set(scenario.locked):
-            continue
-        for number, (name, unit) in enumerate(CIRCUIT_COLUMNS):
-            if name != "p_pump" or kind.gives_pump_pressure:
-                add(f"{circuit}.{name}", unit, rows[:, first + number])
-        if kind.has_state:
-            add(f"{circuit}.q_stored", "m3/s", rows[:, 30 if circuit == "boom" else 31])
-    if "series.p_pump" in columns:
-        add("series.p_between", "Pa", rows[:, 29])
-    for place, link in enumerate(LINKS):
-        if link in scenario.locked:
-            add(f"{link}.angle", "rad", rows[:, 9 + place])
-    position = end_effector(rows[:, 9:12], machine.geometry)
-    for place, axis in enumerate("xyz"):
-        add(f"effector.{axis}", "m", position[:, place])
+    for circuit in working_circuits(scenario.locked):
+        for name, unit in circuit_columns(circuit, p_pump=kind.gives_pump_pressure, q_stored=kind.has_state):
+            add(name, unit, rows[:, PLACE[name]])
+    for link in (link for link in LINKS if link in scenario.locked):
+        add(f"{link}.angle", "rad", rows[:, PLACE[f"{link}.angle"]])
+    position = end_effector(rows[:, ANGLE : ANGLE + 3], machine.geometry)
+    for name, values in zip(EFFECTOR, position.T, strict=True):
+        add(name, "m", values)
     return Table(columns, units, info)
 
 
@@ -244,7 +242,7 @@ def check_links(scenario: Scenario, model: Any) -> None:
 
 def _fastest(row: np.ndarray) -> str:
     """Name of the link whose rate in a recorded row is beyond reason."""
-    return next(link for link, rate in zip(LINKS, row[12:15], strict=True) if not abs(rate) < FASTEST)
+    return next(link for link, rate in zip(LINKS, row[RATE : RATE + 3], strict=True) if not abs(rate) < FASTEST)
 
 
 def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:

@@ -11,12 +11,13 @@ from polydraulic.flow.dispatch import build_flow
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.lookup import table_bytes
 from polydraulic.flow.polynomial import shipped_models
+from polydraulic.flow.record import EFFECTOR
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.proof.bounds import check_range
 from polydraulic.parameters.scenario import load_scenario, random_operator
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.runs import simulate
-from polydraulic.simulation.trajectory import EFFECTOR, effector_distance
+from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, fit_boom
 from polydraulic.thesis.historical import grow_outlets, grow_series
 from polydraulic.thesis.three_links import (
@@ -27,7 +28,7 @@ from polydraulic.thesis.three_links import (
     points_with_faces,
     section_errors,
 )
-from polydraulic.thesis.timing import time_runs
+from polydraulic.thesis.timing import Ratio, time_runs
 
 N_OPERATORS, OPERATOR_SECONDS = 200, 60.0
 FLOWS = ("exact", "iterative", "stiff", "tlm", "lookup", "polynomial", "ours", "direct", "neural")
@@ -92,7 +93,7 @@ def _climb(study: ThreeLinkStudy, models: list[Model], *, relief: bool) -> Rung:
 class Cost(NamedTuple):
     """A flow model's time a step as a share of that of exact, and the bytes of its arrays."""
 
-    time: float
+    time: Ratio
     memory: int
 
 
@@ -102,10 +103,11 @@ def costs(study: ThreeLinkStudy) -> dict[str, Cost]:
     def measured() -> dict[str, Any]:
         study.lab.say("run times of every flow model")
         models = {kind: study.flow(kind) for kind in FLOWS}
-        seconds = time_runs(study.machine(), models, load_scenario("task"))
-        return {kind: [seconds[kind] / seconds["exact"], table_bytes(models[kind])] for kind in FLOWS}
+        times = time_runs(study.machine(), models, load_scenario("task"))
+        return {kind: [times.ratio(kind, "exact"), table_bytes(models[kind])] for kind in FLOWS}
 
-    return {kind: Cost(*values) for kind, values in study.lab.computed.data("costs", measured).items()}
+    found = study.lab.computed.data("costs", measured)
+    return {kind: Cost(Ratio(*time), memory) for kind, (time, memory) in found.items()}
 
 
 def tip_errors(study: ThreeLinkStudy) -> dict[str, dict[str, float]]:

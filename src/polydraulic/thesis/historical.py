@@ -13,11 +13,11 @@ from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import Split
 from polydraulic.networks.model.table import Network
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
 from polydraulic.thesis.boom_models import HISTORICAL, N_ROWS, SEED
 
 SECTIONS = ("A", "B", "C", "D", "E")
-SERIES = ("swing", "stick")
+SERIES = CIRCUITS["series"]
 
 
 class Section(NamedTuple):

@@ -122,7 +122,7 @@ def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
     n_jobs = min(len(missing), cpu_count()) or 1
     made = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_made)(lab.machine, c) for c in missing)
     for number, c in enumerate(missing, 1):
-        lab.say(f"learn from measurements, {number} of {len(missing)}: {describe(c)}")
+        lab.say(f"learn from measurements, {number} of {len(missing)}: {conditions_in_words(c)}")
         lab.computed.data(keys[c], lambda: next(made))
     return [Outcome(*lab.computed.data(keys[c], list)) for c in conditions]
 
@@ -133,16 +133,16 @@ def _made(machine: Machine, conditions: Conditions) -> list[Any]:
     return [len(log), *_judged(machine, learn(machine, log))]
 
 
-def describe(conditions: Conditions) -> str:
+def conditions_in_words(conditions: Conditions) -> str:
     """Conditions in words."""
     c = conditions
-    words = [f"{c.minutes:g} min", f"noise {100.0 * c.noise:g} %", f"stroke {100.0 * c.stroke:g} %"]
-    words += [f"dropouts {100.0 * c.dropout:g} %"] if c.dropout else []
+    words = [f"{c.minutes:g} min", f"sensor noise {100.0 * c.noise:g} %", f"joystick travel {100.0 * c.stroke:g} %"]
+    words += [f"sensors silent {100.0 * c.dropout:g} % of the time"] if c.dropout else []
     words += [] if c.flow_sensors else ["no flow sensors"]
-    words += [] if c.outlet_sensors else ["no sensors of outlet flows"]
-    words += ["torque limit"] if c.limited else []
+    words += [] if c.outlet_sensors else ["no outlet-flow sensors"]
+    words += ["pumps with a torque limit"] if c.limited else []
     words += [f"{c.friction:g} times the friction" if c.friction else "no friction"] if c.friction != 1.0 else []
-    words += [f"the log of operator {c.operator}"] if c.operator != USUAL.operator else []
+    words += [f"logged from operator {c.operator}"] if c.operator != USUAL.operator else []
     return ", ".join(words)
 
 

@@ -24,7 +24,7 @@ from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, BoomModels, fit_boom
 from polydraulic.thesis.boom_perceptrons import PerceptronModels, fit_perceptrons, sweep_hidden_units
 from polydraulic.thesis.cache import Lab
-from polydraulic.thesis.timing import time_runs
+from polydraulic.thesis.timing import Turns, time_runs
 
 SCENARIOS = ("single_08", "single_05")
 N_FULL_BOX = 4000  # KP = 25.0 with K = 26 and CPM = 1 means N = 3985
@@ -70,7 +70,7 @@ class BoomStudy:
 
     def _boom_models(self, name: str, **settings: Any) -> BoomModels:
         def grow() -> BoomModels:
-            self.lab.say(f"grow networks: {name}")
+            self.lab.say("grow networks of the boom")
             return fit_boom(self.machine, np.random.default_rng(SEED), **settings)
 
         return BoomModels(*self.lab.computed.models(name, grow))
@@ -129,17 +129,16 @@ class BoomStudy:
         return self.lab.computed.table("convergence", made)
 
     @cached_property
-    def seconds(self) -> dict[str, float]:
-        """Median run times of single_08, by flow model."""
+    def run_times(self) -> Turns:
+        """Run times of single_08, by flow model."""
 
-        def measured() -> dict[str, float]:
+        def measured() -> dict[str, list[float]]:
             self.lab.say("run times")
             timed = {kind: self._flow(kind) for kind in KINDS if kind != "pressure"}
             timed["iterative 0.001"] = build_flow("iterative", self.machine, eps=0.001)
-            return time_runs(self.machine, timed, load_scenario("single_08"))
+            return time_runs(self.machine, timed, load_scenario("single_08")).seconds
 
-        found: dict[str, float] = self.lab.computed.data("seconds boom", measured)
-        return found
+        return Turns(self.lab.computed.data("seconds boom", measured))
 
     def _flow(self, kind: str) -> Any:
         if kind == "polynomial":

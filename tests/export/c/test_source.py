@@ -10,9 +10,8 @@ import pytest
 from hypothesis import given, settings
 
 from helpers.exports import NAMES, networks
-from polydraulic.errors import InputError
-from polydraulic.export import bundle, c_name, export_c, to_c
-from polydraulic.networks import Model, Network, Node, Variable
+from polydraulic.export import bundle, export_c, to_c
+from polydraulic.networks import Model, Variable
 
 FLAGS = "-std=c99 -O2 -Wall -Wextra -Werror -Wconversion -Wdouble-promotion -Wshadow -pedantic".split()
 SANITIZERS = ["-g", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
@@ -159,34 +158,3 @@ def test_odd_names_are_mapped_and_compile(exported_models, tmp_path):
     assert whole.renamed() == {'a"b\\': "a_b_", "a b": "a_b", "a_b": "a_b_2", "clamp": "clamp_"}
     function = Compiled([odd_model], tmp_path)
     assert (ctypes.c_char_p * 3).in_dll(function.library, "clamp__input_names")[0] == b'a"b\\'
-
-
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [("boom.q_in", "boom_q_in"), ("int", "int_"), ("3d", "m_3d"), ("Öl", "m__l"), ("_x", "m__x"), ("exp", "exp_"),
-     ("value_0_0", "m_value_0_0"), ("class", "class_"), ("", "m_")],
-)  # fmt: skip
-def test_c_names(name, expected):
-    assert c_name(name) == expected
-
-
-def test_models_that_do_not_go_together_are_refused(exported_models, tmp_path):
-    model = exported_models["single"][0]
-    clash = Model((Variable("x0", "bar"), *model.inputs[1:]), Variable("z"), model.networks)
-    chain = Model((Variable("y"), *model.inputs[1:]), Variable("z"), model.networks)
-    twice = Model((model.inputs[0],) * 3, Variable("z"), model.networks)
-    for models, message in [
-        ([], "no model"),
-        ([model, model], "they must differ"),
-        ([model, clash], "is in '' for one model and in 'bar' for another"),
-        ([model, chain], "'y' is an output of one model and an input of another"),
-        ([twice], "need different names"),
-    ]:
-        with pytest.raises(InputError, match=message):
-            export_c(models, tmp_path)
-    with pytest.raises(InputError, match="real = 'half'"):
-        export_c([model], tmp_path, real="half")
-    huge = Network((Node(0, (0,), (1e300, 1.0, 0.0, 0.0)),), (0.0,), (1.0,), (0.0,), (1.0,), 0.0, 1.0)
-    with pytest.raises(InputError, match="does not fit into a float"):
-        export_c([Model((Variable("x"),), Variable("y"), (huge,))], tmp_path, real="float")
-    assert list(tmp_path.iterdir()) == []

@@ -8,10 +8,11 @@ import pytest
 from polydraulic import load_scenario
 from polydraulic.export.fmu.machine import direct_parameters, export_machine_fmu
 from polydraulic.export.machine import outputs
+from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 
 fmpy = pytest.importorskip("fmpy")

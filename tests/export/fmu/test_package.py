@@ -3,11 +3,9 @@
 import shutil
 
 import fmpy
-import numpy as np
 import pytest
 from fmpy import validation
 
-from polydraulic.errors import InputError
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.package import write_fmu
 
@@ -68,9 +66,3 @@ def test_a_memory_goes_on_through_steps_and_failure_is_told(version, tmp_path):
         with pytest.raises(Exception, match="fmi"):
             put([reference], [1.0])
     fmu.freeInstance()
-
-
-def test_variables_need_different_names():
-    with pytest.raises(InputError, match="they must differ"):
-        FmuDescription("f", (FmuVariable("a", "input"), FmuVariable("a", "output")))
-    assert np.array_equal(WHAT.depends_on(3), [])

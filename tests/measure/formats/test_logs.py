@@ -1,7 +1,6 @@
 """Every format gives the same numbers, block by block."""
 
 import gzip
-import re
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from helpers.logs_made import MAP, UNITS, healthy, write_csv
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import BLOCK
 from polydraulic.tables import read_table
 
@@ -121,58 +120,6 @@ def test_blocks_follow_each_other(tmp_path, ending):
     assert blocks[-1].done == 1.0
 
 
-def test_dates_are_times(tmp_path):
-    (tmp_path / "a.csv").write_text("t,a\n2024-01-01 12:00:00.000,1\n2024-01-01 12:00:00.010,2\n")
-    with open_log(tmp_path / "a.csv") as log:
-        (block,) = log.read(0, ["a"], "t", Findings())
-    assert np.diff(block.time) == pytest.approx([0.01], rel=1e-4)
-
-
-def test_matrices_are_signals_by_column(tmp_path):
-    from scipy.io import savemat
-
-    savemat(tmp_path / "a.mat", {"X": np.arange(20.0).reshape(2, 10), "y": np.arange(10.0)})
-    with open_log(tmp_path / "a.mat") as log:
-        assert [s.name for s in log.signals] == ["X[1]", "X[2]", "y"]
-        (block,) = log.read(0, ["X[2]"], None, Findings())
-    assert np.array_equal(block.values["X[2]"], np.arange(10.0, 20.0))
-
-
-def test_invalid_samples_of_an_mdf_are_missing(tmp_path):
-    from asammdf import MDF, Signal
-
-    time = np.arange(10) * 0.1
-    with MDF(version="4.10") as file:
-        file.append([Signal(time, time, "V", "a", invalidation_bits=np.arange(10) == 3)], common_timebase=True)
-        file.save(tmp_path / "a.mf4")
-    with open_log(tmp_path / "a.mf4") as log:
-        (block,) = log.read(0, ["a"], None, Findings())
-    assert np.flatnonzero(np.isnan(block.values["a"])).tolist() == [3]
-
-
-def test_raw_numbers_and_texts_of_an_mdf(tmp_path):
-    from asammdf import MDF, Signal
-
-    time = np.arange(10) * 0.1
-    linear = {"a": 2.0, "b": 5.0}
-    names = {f"val_{k}": k for k in range(2)} | {f"text_{k}": name for k, name in enumerate((b"off", b"on"))}
-    with MDF(version="4.10") as file:
-        raw = np.arange(10, dtype=np.uint8)
-        file.append([
-            Signal(raw, time, "V", "scaled", conversion=linear),
-            Signal(raw % 2, time, "", "state", conversion=names),
-            Signal(np.array([b"x"] * 10), time, "", "words", encoding="utf-8"),
-        ], common_timebase=True)  # fmt: skip
-        file.save(tmp_path / "a.mf4")
-    with open_log(tmp_path / "a.mf4") as log:
-        (block,) = log.read(0, ["scaled", "state", "words"], None, Findings())
-    assert block.time == pytest.approx(time)
-    assert block.values["scaled"] == pytest.approx(2.0 * np.arange(10) + 5.0)
-    assert block.values["state"].tolist() == [0, 1] * 5
-    assert block.text["words"].tolist() == list(range(10))
-    assert np.all(np.isnan(block.values["words"]))
-
-
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -212,17 +159,3 @@ def test_rows_without_a_clock_take_the_interval_of_the_map(tmp_path):
     found = import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
     assert found.excerpt["time"] == pytest.approx(np.arange(399) * 0.01)
     assert len(found.findings) == 0
-
-
-def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path):
-    log = tmp_path / "log.csv"
-    log.write_text(
-        "time,boom_speed_deg_per_sec,force_lift_MN,engine_speed_rps,p_A,lever [V],x_mm [m]\n"
-        + "".join(f"{k},{k},{k},{k},{k},{k},{k}\n" for k in range(5))
-    )
-    text = suggest_channels(log)
-    found = dict(re.findall(r'source = "(.*?)"\nrole = "input"\nunit = "(.*?)"', text))
-    assert found == {
-        "boom_speed_deg_per_sec": "deg/s", "force_lift_MN": "MN", "engine_speed_rps": "rev/s", "p_A": "", "lever": "V", "x_mm": "m",
-    }  # fmt: skip
-    assert text.count("from its name: the log itself does not tell") == 3

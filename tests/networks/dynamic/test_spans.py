@@ -3,7 +3,6 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.networks.dynamic.spans import answered, blocks_of, lagged, rows_of, spans_of, without
-from polydraulic.networks.model.lags import Dynamics, Lag
 
 
 def test_spans_end_at_labels_and_at_rows_that_are_not_known():
@@ -28,10 +27,3 @@ def test_lagged_rows_come_from_the_same_span():
     assert spans == [(2, 4), (9, 10)]
     rows = rows_of(spans)
     assert np.array_equal(lagged(signals, [(0, 0), (1, 2)], rows), [[4.0, 1.0], [6.0, 3.0], [18.0, 15.0]])
-
-
-def test_lags_have_names_and_say_how_many_rows_a_run_needs():
-    lags = (Lag("u", 0), Lag("y", 3))
-    assert [str(lag) for lag in lags] == ["u[t]", "y[t-3]"]
-    assert Dynamics(lags).warm_up == 3
-    assert Dynamics(lags[:1]).warm_up == 1

@@ -1,7 +1,7 @@
 import numpy as np
 
 from polydraulic.networks.dynamic.lagged_terms import frame_of, run_terms
-from polydraulic.networks.dynamic.term_growth import grow, grow_average
+from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 
 READS = [(0, 1), (0, 2), (1, 1), (1, 2)]
 TRUE = {(0, 0, 0), (3, 0, 0), (4, 0, 0), (2, 0, 0), (2, 2, 0)}
@@ -18,7 +18,7 @@ def noisy(n=300, noise=0.02):
 def grown(signals, n_term, horizon=16, spans=None, **options):
     spans = [(2, len(signals))] if spans is None else spans
     frame = frame_of(signals, 1, READS, spans, 0.1)
-    return frame, next(terms for terms in grow(frame, spans, horizon, **options) if len(terms.coef) >= n_term)
+    return frame, next(terms for terms in grow_terms(frame, spans, horizon, **options) if len(terms.coef) >= n_term)
 
 
 def own(terms):
@@ -43,10 +43,10 @@ def test_terms_of_a_noisy_system_are_found_by_how_they_run():
 def test_growth_ends_where_nothing_is_left_or_rows_are_few():
     signals, _ = noisy(noise=0.0)
     frame = frame_of(signals, 1, READS, [(2, 300)], 0.1)
-    assert own(list(grow(frame, [(2, 300)], 8))[-1]) >= TRUE
-    assert len(list(grow(frame, [(2, 300)], 8))) < 20
-    assert len(list(grow(frame, [(2, 22)], 8))[-1].coef) <= 4
-    assert len(list(grow(frame, [(2, 4)], 8))) == 1
+    assert own(list(grow_terms(frame, [(2, 300)], 8))[-1]) >= TRUE
+    assert len(list(grow_terms(frame, [(2, 300)], 8))) < 20
+    assert len(list(grow_terms(frame, [(2, 22)], 8))[-1].coef) <= 4
+    assert len(list(grow_terms(frame, [(2, 4)], 8))) == 1
 
 
 def test_an_average_hangs_less_on_a_few_rows():

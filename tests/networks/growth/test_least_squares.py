@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.networks.growth.least_squares import begin, carve, factor_of, grow, solve
+from polydraulic.networks.growth.least_squares import add_rows, begin, carve, factor_of, solve_terms
 
 RNG = np.random.default_rng(0)
 A = RNG.normal(size=(90, 5))
@@ -16,7 +16,7 @@ def factor(matrix, y, weight, cuts=(30, 70)):
     triangle = begin(weighted.T @ matrix, weighted.T @ y, w @ y**2)
     for part in np.split(np.arange(len(y)), cuts):
         rows = np.asfortranarray(np.column_stack([matrix[part], y[part]]))
-        grow(triangle, rows, None if weight is None else weight[part])
+        add_rows(triangle, rows, None if weight is None else weight[part])
     return factor_of(triangle)
 
 
@@ -27,7 +27,7 @@ def squares(matrix, y, terms):
 def test_blocks_give_least_squares():
     root = np.sqrt(W)
     expected = np.linalg.lstsq(A * root[:, None], Y * root)[0]
-    fit = solve(factor(A, Y, W), ALL)
+    fit = solve_terms(factor(A, Y, W), ALL)
     assert fit.coef == pytest.approx(expected, rel=1e-12)
     assert fit.squares == pytest.approx(W @ (Y - A @ expected) ** 2, rel=1e-12)
 
@@ -35,8 +35,8 @@ def test_blocks_give_least_squares():
 def test_weights_are_repetitions():
     times = RNG.integers(1, 4, 90)
     again = np.repeat(np.arange(90), times)
-    weighted = solve(factor(A, Y, times.astype(float)), ALL)
-    repeated = solve(factor(A[again], Y[again], None), ALL)
+    weighted = solve_terms(factor(A, Y, times.astype(float)), ALL)
+    repeated = solve_terms(factor(A[again], Y[again], None), ALL)
     assert weighted.coef == pytest.approx(repeated.coef, rel=1e-10)
 
 
@@ -54,12 +54,12 @@ def test_nearly_dependent_columns_are_as_exact_as_by_orthogonal_least_squares(ap
 
 def test_an_exact_fit_leaves_rounding():
     y = A @ np.arange(1.0, 6.0)
-    assert solve(factor(A, y, None), ALL).squares < 1e-28 * (y @ y)
+    assert solve_terms(factor(A, y, None), ALL).squares < 1e-28 * (y @ y)
 
 
 def test_dependent_columns_share_the_coefficient():
     twin = np.column_stack([A[:, :2], A[:, 0]])
-    fit = solve(factor(twin, Y, W), np.arange(3))
+    fit = solve_terms(factor(twin, Y, W), np.arange(3))
     assert fit.coef[0] == pytest.approx(fit.coef[2])
 
 
@@ -73,7 +73,7 @@ def test_dependent_columns_are_carved_first():
 def test_useless_terms_are_left_out():
     fit = carve(factor(A, Y, None), price=0.2)
     assert np.flatnonzero(fit.coef).tolist() == [0, 1, 3]
-    kept = solve(factor(A, Y, None), np.array([0, 1, 3]))
+    kept = solve_terms(factor(A, Y, None), np.array([0, 1, 3]))
     assert fit.coef == pytest.approx(kept.coef)
 
 

@@ -3,44 +3,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from helpers.small_network import FREE, NODES, X, output
 from polydraulic import AbductiveRegressor
-from polydraulic.networks.growth.derivatives import forward, jacobian
 from polydraulic.networks.growth.refine import _normal, refine
 from polydraulic.networks.growth.training_rows import rows_in_memory
 from polydraulic.networks.model.table import Node
 
 RNG = np.random.default_rng(0)
-X = RNG.uniform(-1.0, 1.0, size=(300, 2))
-X = (X - X.mean(axis=0)) / X.std(axis=0)
-NODES = [
-    Node(1, (0, 1), tuple(0.2 * RNG.normal(size=8))),
-    Node(0, (2,), (0.1, 0.9, 0.0, -0.1)),
-    Node(2, (3, 0, 2), tuple(0.2 * RNG.normal(size=14))),
-    Node(3, (3, 4), (0.5, 0.7)),
-]
-FREE = [np.flatnonzero(node.coef) for node in NODES]
-
-
-def output(nodes):
-    return forward(nodes, X)[0][-1]
-
-
-@pytest.mark.parametrize("root", [np.ones(300), RNG.uniform(0.0, 2.0, 300)])
-def test_derivatives_are_exact(root):
-    slope = jacobian(NODES, FREE, *forward(NODES, X), root)
-    column = 0
-    for place, (node, keep) in enumerate(zip(NODES, FREE, strict=True)):
-        for term in keep:
-            moved = []
-            for sign in (1, -1):
-                coef = np.array(node.coef)
-                coef[term] += sign * 1e-6
-                changed = [*NODES[:place], Node(node.kind, node.inputs, tuple(coef)), *NODES[place + 1 :]]
-                moved.append(root * output(changed))
-            size = np.abs(slope[:, column]).max()
-            assert slope[:, column] == pytest.approx((moved[0] - moved[1]) / 2e-6, abs=1e-6 * size)
-            column += 1
-    assert column == slope.shape[1]
 
 
 def test_weights_are_repetitions():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import approx_fprime
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 from sklearn.utils.estimator_checks import parametrize_with_checks
@@ -13,7 +12,7 @@ from polydraulic import RegionRegressor
 from polydraulic.errors import InputError
 from polydraulic.networks import Network, Node, PerceptronRegressor, check_range, hidden_unit_sweep
 from polydraulic.networks.model.nodes import LINEAR, SIGMOID
-from polydraulic.networks.perceptron.back_propagation import MARGIN, Task, descend, loss_and_gradient, starting_weights
+from polydraulic.networks.perceptron.back_propagation import MARGIN
 
 RNG = np.random.default_rng(5)
 X = RNG.uniform(0.0, 1.0, size=(400, 2)) * [0.01, 2e7] + [0.0, 1e5]
@@ -31,14 +30,6 @@ quick = {"hidden_units": 4, "max_iter": 30, "n_starts": 1}
 
 def rms(error):
     return float(np.sqrt(np.mean(error**2)))
-
-
-def task(*, n_row=30, n_input=3, **changes):
-    rng = np.random.default_rng(1)
-    share = rng.uniform(size=n_row)
-    inputs = np.column_stack([rng.uniform(size=(n_row, n_input)), np.ones(n_row)])
-    plain = Task(inputs, rng.uniform(size=n_row), share / share.sum(), 4, 0.8, 0.0, 0.0, True)
-    return plain._replace(**changes)
 
 
 @pytest.mark.parametrize("output", ["sigmoid", "linear"])
@@ -73,32 +64,6 @@ def test_a_network_is_a_model_like_any_other():
     assert np.array_equal(regions.predict(X[below]), alone.predict(X[below]))
     with pytest.raises(InputError, match="PerceptronRegressor states no predicted squared error"):
         RegionRegressor(PerceptronRegressor(**quick)).fit(X, Y)
-
-
-@pytest.mark.parametrize("sigmoid", [True, False])
-@pytest.mark.parametrize("settings", [{}, {"weight_cost": 0.3}, {"zero_error_radius": 0.1}, {"beta": 2.0}])
-def test_gradient_is_the_slope_of_the_loss(sigmoid, settings):
-    problem = task(sigmoid=sigmoid, **settings)
-    weights = starting_weights(np.random.RandomState(2), problem, np.array([True, True, False]))
-    weights += 0.1  # the third input has weights too
-    slope = approx_fprime(weights, lambda w: loss_and_gradient(w, problem)[0], 1e-7)
-    assert loss_and_gradient(weights, problem)[1] == pytest.approx(slope, abs=2e-7)
-    assert np.abs(slope).max() > 1e-4
-
-
-def test_blocks_of_rows_add_up():
-    long = task(n_row=10_000)
-    share = np.zeros(10_000)
-    weights = starting_weights(np.random.RandomState(2), long, np.ones(3, dtype=bool))
-    total, slope = 0.0, np.zeros_like(weights)
-    for start in range(0, 10_000, 2500):
-        share[:] = 0.0
-        share[start : start + 2500] = long.share[start : start + 2500]
-        loss, gradient = loss_and_gradient(weights, long._replace(share=share))
-        total, slope = total + loss, slope + gradient
-    loss, gradient = loss_and_gradient(weights, long)
-    assert loss == pytest.approx(total, rel=1e-12)
-    assert gradient == pytest.approx(slope, rel=1e-9, abs=1e-12)
 
 
 def test_the_loss_is_the_mean_squared_share_of_the_range():
@@ -167,14 +132,6 @@ def test_gradient_descent_lowers_the_loss(output, momentum):
     assert model.n_iter_ == 200
     assert np.all(np.diff(model.history_[5:]) <= 0.0)
     assert model.loss_ < 0.2 * model.history_[0]
-
-
-def test_gradient_descent_steps_by_the_printed_rule():
-    problem = task()
-    start = starting_weights(np.random.RandomState(0), problem, np.ones(3, dtype=bool))
-    first = start - 0.3 * loss_and_gradient(start, problem)[1]
-    second = first - 0.3 * loss_and_gradient(first, problem)[1] + 0.9 * (first - start)
-    assert descend(start, problem, 0.3, 0.9, 2, 0.0).weights == pytest.approx(second, rel=1e-12)
 
 
 def test_quasi_newton_beats_plain_descent():

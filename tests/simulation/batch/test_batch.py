@@ -12,15 +12,15 @@ from polydraulic.errors import InputError
 from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.lanes import LANES
 from polydraulic.flow.polynomial import shipped_models
+from polydraulic.flow.record import N_RECORD, N_STATE
 from polydraulic.machine.plant import prepare
-from polydraulic.machine.state import N_STATE
 from polydraulic.parameters.scenario import Scenario, scenario_names
 from polydraulic.parameters.schema import LINKS, Stops
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.batch.batch import _blocks, _columns, _singles
 from polydraulic.simulation.batch.batch_inputs import arrange_cases
 from polydraulic.simulation.batch.lanes import Kept, run_block
-from polydraulic.simulation.loop import N_RECORD, run
+from polydraulic.simulation.loop import run
 
 PLAIN = bool(numba.config.DISABLE_JIT)
 SECONDS = 0.02 if PLAIN else 10.0  # in plain Python a block takes 64 times as long as a machine

@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.c.network import choice, helpers, slopes_function, value_function
-from polydraulic.export.c.text import FLOAT, REALS, Real, comment, literal, string
+from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import write_text
@@ -84,7 +84,7 @@ def _header(whole: Bundle, real: Real) -> str:
     inputs, outputs = whole.identifiers()
     places = [f"#define {macro}_INPUT_{c.upper()} {i}" for i, c in enumerate(inputs)]
     places += [f"#define {macro}_OUTPUT_{c.upper()} {k}" for k, c in enumerate(outputs)]
-    return f"""{comment(_about(whole))}
+    return f"""{block_comment(_about(whole))}
 #ifndef {macro}_H
 #define {macro}_H
 
@@ -170,7 +170,7 @@ def _source(whole: Bundle, real: Real) -> str:
             dy_dx[k] = y[0];
         }}
 """
-    return f"""{comment(_about(whole))}
+    return f"""{block_comment(_about(whole))}
 {include}
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
@@ -217,7 +217,7 @@ def _output(whole: Bundle, k: int, real: Real) -> str:
     model, place, n, t = whole.models[k], whole.places[k], len(whole.inputs), real.name
     parts = []
     for j, (network, where) in enumerate(zip(model.networks, model.region_names(), strict=True)):
-        about = comment([f"{model.output.name}: {where}"])[3:-3].strip(" *\n")
+        about = block_comment([f"{model.output.name}: {where}"])[3:-3].strip(" *\n")
         parts += [f(f"value_{k}_{j}", network, place, n, about, real) for f in (value_function, slopes_function)]
     if isinstance(model.partition, Split):
         parts.append(

@@ -41,7 +41,7 @@ def literal(value: float, real: Real = DOUBLE) -> str:
     return f"({text}{real.suffix})" if value < 0.0 else f"{text}{real.suffix}"
 
 
-def comment(lines: list[str]) -> str:
+def block_comment(lines: list[str]) -> str:
     """A block comment."""
     safe = [line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?") for line in lines]
     return "\n".join(["/*", *(f" * {one_line(line)}".rstrip() for line in safe), " */"])

@@ -17,6 +17,7 @@ from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.machine import machine_c, machine_size, outputs, prepared
 from polydraulic.export.translate.names import field_name
 from polydraulic.flow.dispatch import build_flow
+from polydraulic.pages.html import document, table
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import LINKS, Machine
@@ -309,20 +310,10 @@ static void fmu_partials(const double *v, const double *memory, double *partials
 
 
 def _page(what: FmuDescription) -> str:
-    rows = "\n".join(
-        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in (v.name, v.kind, v.unit, v.description)) + "</tr>"
-        for v in what.variables
-    )
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{escape(what.name)}</title>
-<style>body{{font-family:sans-serif;max-width:60em;margin:2em auto}}td,th{{padding:.2em .7em;text-align:left;border-bottom:1px solid #ccc}}</style>
-</head><body>
-<h1>{escape(what.name)}</h1>
-<p>{escape(what.description)}. Communication steps may have any length: the machine makes the internal steps that have become
+    """Documentation: how it steps, and its variables."""
+    rows = [[v.name, v.kind, v.unit, v.description] for v in what.variables]
+    body = f"""<p>{escape(what.description)}. Communication steps may have any length: the machine makes the internal steps that have become
 due, and the rest is carried over. Inputs are held in between. Links stand in the order {", ".join(LINKS)}.
 Parameters are those that a step reads as they are; all others are part of the exported numbers.</p>
-<table><tr><th>variable</th><th>kind</th><th>unit</th><th></th></tr>
-{rows}
-</table>
-</body></html>
-"""
+{table("", ["variable", "kind", "unit", "meaning"], rows)}"""
+    return document(what.name, body)

@@ -16,6 +16,7 @@ from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.table import UNBOUNDED
+from polydraulic.pages.html import bullets, document, table
 
 _STOP, _ROWS = 1.0, 101
 
@@ -160,30 +161,18 @@ def _csv(names: Sequence[str], rows: np.ndarray) -> str:
 
 def _page(whole: Bundle, what: FmuDescription) -> str:
     """Documentation: variables with units and limits, networks by region."""
-    rows = "\n".join(
-        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in (
-            v.name, v.kind, v.unit, "" if v.low is None else f"{v.low:.6g}", "" if v.high is None else f"{v.high:.6g}",
-            v.description)) + "</tr>"
+    rows = [
+        [v.name, v.kind, v.unit, *("" if end is None else f"{end:.6g}" for end in (v.low, v.high)), v.description]
         for v in what.variables
-    )  # fmt: skip
-    models = "\n".join(
-        f"<li>{escape(str(m.output))}: {len(m.networks)} network(s), {m.n_coefficients} coefficients</li>"
-        for m in whole.models
+    ]
+    models = (
+        f"{model.output}: {len(model.networks)} network(s), {model.n_coefficients} coefficients"
+        for model in whole.models
     )
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{escape(what.name)}</title>
-<style>body{{font-family:sans-serif;max-width:60em;margin:2em auto}}td,th{{padding:.2em .7em;text-align:left;border-bottom:1px solid #ccc}}</style>
-</head><body>
-<h1>{escape(what.name)}</h1>
-<p>{escape(what.description)}. Outputs follow from the inputs at the same time; there are no states and no events.</p>
-<table><tr><th>variable</th><th>kind</th><th>unit</th><th>lowest</th><th>highest</th><th></th></tr>
-{rows}
-</table>
+    body = f"""<p>{escape(what.description)}. Outputs follow from the inputs at the same time; there are no states and no events.</p>
+{table("", ["variable", "kind", "unit", "lowest", "highest", "meaning"], rows)}
 <h2>Networks</h2>
-<ul>
-{models}
-</ul>
+{bullets(models)}
 <p>Derivatives are exact. They are 0 where an input lies outside of the domain or an output at its bounds. If an input is not
-a number, the outputs are not numbers either and the domain is {np.finfo(np.float64).max:.3g}.</p>
-</body></html>
-"""
+a number, the outputs are not numbers either and the domain is {np.finfo(np.float64).max:.3g}.</p>"""
+    return document(what.name, body)

@@ -4,20 +4,41 @@ import ast
 import builtins
 import inspect
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 
+import polydraulic
 from polydraulic.errors import InputError
+from polydraulic.export.translate.file_scope import FileScope
 from polydraulic.export.translate.names import field_name
-from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Scalar, Struct, Type, is_named_tuple
+from polydraulic.export.translate.signatures import Function
+from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct, Type, is_named_tuple
+from polydraulic.export.translate.values import (
+    AND,
+    BITS,
+    CHOICE,
+    EQUAL,
+    OR,
+    ORDER,
+    POSTFIX,
+    PRODUCT,
+    SHIFT,
+    SUM,
+    UNARY,
+    WORD,
+    Value,
+    as_float,
+    literal_value,
+    plain,
+    shown,
+)
 
-if TYPE_CHECKING:
-    from polydraulic.export.translate.program import Program
-
-# How strongly C binds what stands at the top of an expression.
-CHOICE, OR, AND, BITS, EQUAL, ORDER, SHIFT, SUM, PRODUCT, UNARY, POSTFIX, WORD = range(12)
+_ROOT = Path(polydraulic.__file__).parent.parent
+# Finds the translation of a kernel for types of arguments; None while it is being translated.
+Kernels = Callable[[Any, tuple[Type, ...]], Function | None]
 _OPERATORS: dict[type[ast.operator], tuple[str, int]] = {
     ast.Add: ("+", SUM),
     ast.Sub: ("-", SUM),
@@ -43,41 +64,14 @@ _WHY = {
 }
 
 
-@dataclass(frozen=True)
-class Value:
-    """C text of an expression.
-
-    Attributes
-    ----------
-    text : str
-    type : Type
-    binds : int
-        What stands at its top, from CHOICE to WORD.
-    pointer : bool
-        Whether the text points at the struct instead of being it.
-    place : bool
-        Whether it has an address.
-    """
-
-    text: str
-    type: Type
-    binds: int = WORD
-    pointer: bool = False
-    place: bool = False
-
-    def inside(self, binds: int) -> str:
-        """Text as an operand of something that binds so strongly."""
-        return self.text if self.binds >= binds else f"({self.text})"
-
-
 class Expressions:
     """Expressions of one function.
 
     Attributes
     ----------
-    program : Program
+    scope : FileScope
+    kernels : function (python, types) -> Function or None
     python : function
-    file : str
     variables : dict
         Parameters and locals by Python name.
     parameters, local_names, assigned : set of str
@@ -88,8 +82,8 @@ class Expressions:
         Parameters that are arrays and written, here or by what is called.
     """
 
-    def __init__(self, program: "Program", python: Any, file: str) -> None:
-        self.program, self.python, self.file = program, python, file
+    def __init__(self, scope: FileScope, kernels: Kernels, python: Any) -> None:
+        self.scope, self.kernels, self.python = scope, kernels, python
         self.variables: dict[str, Value] = {}
         self.parameters: set[str] = set()
         self.local_names: set[str] = set()
@@ -99,7 +93,7 @@ class Expressions:
 
     def refuse(self, node: ast.AST, what: str) -> NoReturn:
         """Say where, what, and what to do."""
-        raise InputError(f"{self.file}:{getattr(node, 'lineno', 0)}: {self.python.__name__}: {what}")
+        raise InputError(f"{_shown_file(self.python)}:{getattr(node, 'lineno', 0)}: {self.python.__name__}: {what}")
 
     def number(self, node: ast.expr, *, whole: bool = False) -> Value:
         """Value that must be a float or an int."""
@@ -121,7 +115,7 @@ class Expressions:
         """Translate; `whole` says that nothing else in the same expression reads arrays, so that a call may write."""
         match node:
             case ast.Constant(value=bool() | int() | float()):
-                return self.program.literal(node.value)
+                return literal_value(node.value)
             case ast.Name(id=name):
                 return self._name(node, name)
             case ast.Attribute():
@@ -167,17 +161,17 @@ class Expressions:
             return self.variables[name]
         constant = self.known(node)
         if isinstance(constant, bool | int | float):
-            return self.program.constant(name, constant, self.python)
+            return self.scope.constant(name, constant, self.python)
         self.refuse(node, f"{name} is no parameter, variable or numerical constant")
 
     def _attribute(self, node: ast.Attribute) -> Value:
         constant = self.known(node)
         if isinstance(constant, int | float):
-            return self.program.literal(constant)
+            return literal_value(constant)
         owner = self.value(node.value)
         if not isinstance(owner.type, Struct):
             self.refuse(node, f"{ast.unparse(node)}: {owner.type} has no fields")
-        fields = self.program.layouts.fields[owner.type.cls]
+        fields = self.scope.layouts.fields[owner.type.cls]
         if node.attr not in fields:
             self.refuse(node, f"{owner.type.cls.__name__} has no field {node.attr!r}; methods do not translate")
         text = f"{owner.inside(POSTFIX)}{'->' if owner.pointer else '.'}{field_name(node.attr)}"
@@ -192,7 +186,7 @@ class Expressions:
                     self.refuse(
                         node, "the arrays in this field differ in length; keep the length in a field of its own"
                     )
-                return self.program.literal(length)
+                return literal_value(length)
         array = self.value(node.value)
         if not isinstance(array.type, Array):
             self.refuse(node, f"{ast.unparse(node.value)} is no array; give the fields of a named tuple by name")
@@ -304,9 +298,9 @@ class Expressions:
         assert isinstance(node.func, ast.Attribute)
         value, wanted = self.number(node.func.value), self.known(node.args[0])
         if value.type == INT and wanted is np.float64:
-            return Value(f"{self.program.helper('from_bits')}({value.text})", FLOAT, POSTFIX)
+            return Value(f"{self.scope.helper('from_bits')}({value.text})", FLOAT, POSTFIX)
         if value.type == FLOAT and wanted is np.int64:
-            return Value(f"{self.program.helper('bits_of')}({value.text})", INT, POSTFIX)
+            return Value(f"{self.scope.helper('bits_of')}({value.text})", INT, POSTFIX)
         self.refuse(node, f"{ast.unparse(node)}: bits of a float as int64, or the other way round")
 
     def _extreme(self, node: ast.Call, name: str, whole: bool) -> Value:
@@ -316,14 +310,14 @@ class Expressions:
             self.refuse(node, f"{ast.unparse(node)}: needs two numbers")
         kind = FLOAT if any(value.type == FLOAT for value in values) else INT
         values = [as_float(value) for value in values] if kind == FLOAT else values
-        name = self.program.helper(name if kind == FLOAT else f"{name}_int")
+        name = self.scope.helper(name if kind == FLOAT else f"{name}_int")
         found = values[0]
         for value in values[1:]:
             found = Value(f"{name}({found.text}, {value.text})", kind, POSTFIX)
         return found
 
     def _construct(self, node: ast.Call, cls: type, whole: bool) -> Value:
-        layouts = self.program.layouts
+        layouts = self.scope.layouts
         layouts.of_annotation(cls, cls.__name__)
         fields = layouts.fields[cls]
         if len(node.args) != len(fields):
@@ -332,7 +326,7 @@ class Expressions:
             self.converted(arg, self.value(arg, whole=may), kind, f"{cls.__name__}.{name}").text
             for arg, may, (name, kind) in zip(node.args, self._whole(node.args, whole), fields.items(), strict=True)
         ]
-        return Value(f"({self.program.struct_name(cls)}){{{', '.join(texts)}}}", Struct(cls), POSTFIX, place=True)
+        return Value(f"({self.scope.struct_name(cls)}){{{', '.join(texts)}}}", Struct(cls), POSTFIX, place=True)
 
     def converted(self, node: ast.AST, value: Value, kind: Type, where: str) -> Value:
         """Value as a field, a variable or a result of type `kind`: whole numbers become floats where those are meant."""
@@ -348,7 +342,9 @@ class Expressions:
     def _kernel_call(self, node: ast.Call, python: Any, whole: bool) -> Value:
         may = self._whole(node.args, whole)
         values = [self.value(arg, whole=one) for arg, one in zip(node.args, may, strict=True)]
-        callee = self.program.function(python, tuple(value.type for value in values), self, node)
+        callee = self.kernels(python, tuple(value.type for value in values))
+        if callee is None:
+            self.refuse(node, f"{python.__name__} calls itself; write a loop with a bound")
         if callee.writes and not whole:
             self.refuse(
                 node, f"{python.__name__} writes into an array; give its result a name first: C has no order here"
@@ -373,22 +369,7 @@ class Expressions:
         return Value(f"{callee.name}({', '.join(texts)})", callee.result, binds)
 
 
-def as_float(value: Value) -> Value:
-    """Whole numbers become floats."""
-    if value.type != INT:
-        return value
-    if value.text.isdigit():
-        return Value(f"{value.text}.0", FLOAT)
-    return Value(f"(double){value.inside(UNARY)}", FLOAT, UNARY)
-
-
-def plain(value: Value) -> Value:
-    """The struct itself where the text points at it."""
-    return Value(f"*{value.inside(UNARY)}", value.type, UNARY) if value.pointer else value
-
-
-def shown(kind: Type) -> str:
-    """A type in words."""
-    if isinstance(kind, Struct):
-        return kind.cls.__name__
-    return kind.name if isinstance(kind, Scalar) else f"an array of {kind.element.name}, {kind.shape}"
+def _shown_file(python: Any) -> str:
+    """File of a function, from the folder of the package if it belongs to it."""
+    path = Path(inspect.getsourcefile(python) or "?")
+    return path.relative_to(_ROOT).as_posix() if path.is_relative_to(_ROOT) else path.as_posix()

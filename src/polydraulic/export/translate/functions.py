@@ -4,46 +4,18 @@ import ast
 import inspect
 import textwrap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from polydraulic.export.translate.expressions import PRODUCT, Expressions, Value, shown
+from polydraulic.export.translate.expressions import Expressions, Kernels
+from polydraulic.export.translate.file_scope import FileScope
 from polydraulic.export.translate.layout import WIDTH, wrapped
 from polydraulic.export.translate.names import local_name
 from polydraulic.export.translate.scopes import Use, comments_of, find_uses, is_elif
+from polydraulic.export.translate.signatures import Function, Parameter
 from polydraulic.export.translate.types import FLOAT, INT, NOTHING, Array, Struct, Type, comment, declare
-
-if TYPE_CHECKING:
-    from polydraulic.export.translate.program import Program
+from polydraulic.export.translate.values import PRODUCT, Value, shown
 
 _INDENT = "    "
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter: its C name, whether a struct comes by pointer, whether the array it is gets written."""
-
-    name: str
-    type: Type
-    pointer: bool
-    written: bool
-
-
-@dataclass(frozen=True)
-class Function:
-    """A translated kernel; `locals` are the types of its variables by Python name."""
-
-    name: str
-    python: Any
-    parameters: list[Parameter]
-    result: Type
-    locals: dict[str, Type]
-    text: str
-    prototype: str
-
-    @property
-    def writes(self) -> bool:
-        """Whether it changes anything that its caller sees."""
-        return any(parameter.written for parameter in self.parameters)
 
 
 @dataclass
@@ -57,10 +29,10 @@ class _Slot:
 class FunctionTranslator(Expressions):
     """Statements of one function; `translate` is the way in."""
 
-    def __init__(self, program: "Program", python: Any) -> None:
+    def __init__(self, scope: FileScope, kernels: Kernels, python: Any) -> None:
+        super().__init__(scope, kernels, python)
         self.source, first = inspect.getsourcelines(python)
         self.first_line = first
-        super().__init__(program, python, program.shown_file(python))
         tree = ast.parse(textwrap.dedent("".join(self.source)))
         self.comments = comments_of("".join(self.source), first)
         ast.increment_lineno(tree, first - 1)
@@ -88,7 +60,7 @@ class FunctionTranslator(Expressions):
         self.local_names = {*names, *self.uses}
         pointers = {}
         for parameter, kind in zip(names, kinds, strict=True):
-            pointers[parameter] = self.program.layouts.large(kind) and not self._assigned(parameter)
+            pointers[parameter] = self.scope.layouts.large(kind) and not self._assigned(parameter)
             self.variables[parameter] = Value(local_name(parameter), kind, pointer=pointers[parameter], place=True)
             self.types[parameter] = kind
         self.parameters, self.assigned = set(names), set(names)
@@ -115,7 +87,7 @@ class FunctionTranslator(Expressions):
         return Function(name, self.python, parameters, result, self.types, text, prototype)
 
     def _prototype(self, name: str, parameters: list[Parameter], result: Type, static: bool) -> str:
-        struct_name = self.program.struct_name
+        struct_name = self.scope.struct_name
         texts = []
         for p in parameters:
             if isinstance(p.type, Array) and len(p.type.shape) > 1 and p.written:
@@ -128,7 +100,7 @@ class FunctionTranslator(Expressions):
 
     def _declaration(self, slot: _Slot) -> str:
         kind = self.types[slot.name]
-        text = declare(kind, local_name(slot.name), self.program.struct_name, constant=isinstance(kind, Array))
+        text = declare(kind, local_name(slot.name), self.scope.struct_name, constant=isinstance(kind, Array))
         return f"{slot.indent}{text};"
 
     # where variables live
@@ -238,19 +210,19 @@ class FunctionTranslator(Expressions):
             )
         only = self.uses[name].times_assigned == 1
         if first and self.uses[name].home() == here:
-            if only and value.place and self._stays(source) and self.program.layouts.large(kind):
-                text = declare(kind, f"*{local_name(name)}", self.program.struct_name)
+            if only and value.place and self._stays(source) and self.scope.layouts.large(kind):
+                text = declare(kind, f"*{local_name(name)}", self.scope.struct_name)
                 self.variables[name] = Value(local_name(name), kind, pointer=True, place=True)
                 self._line(s, indent, f"{text} = {value.text if value.pointer else '&' + value.text};")
                 self.assigned.add(name)
                 return
-            text = declare(kind, local_name(name), self.program.struct_name, constant=only or isinstance(kind, Array))
+            text = declare(kind, local_name(name), self.scope.struct_name, constant=only or isinstance(kind, Array))
         else:
             text = local_name(name)
         self.variables[name] = Value(local_name(name), kind, place=True)
         initial = self.converted(s, value, kind, name).text
         if isinstance(kind, Struct) and text != local_name(name):
-            initial = initial.removeprefix(f"({self.program.struct_name(kind.cls)})")  # {...} alone starts a variable
+            initial = initial.removeprefix(f"({self.scope.struct_name(kind.cls)})")  # {...} alone starts a variable
         self._line(s, indent, f"{text} = {initial};")
         self.assigned.add(name)
 

@@ -19,7 +19,7 @@ from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.perceptron.perceptron_regressor import PerceptronRegressor
 from polydraulic.networks.regions.learn_from import learn_from
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
 from polydraulic.progress import Progress, quiet
 
 TOLERANCE = units.to_si(1.0, "in3/s")
@@ -62,14 +62,14 @@ def circuit_targets(machine: Machine) -> dict[str, Target]:
             {"boom.travel": cuts}, boom,
         ),
         "swing": Target(
-            q_in("swing"), BOTH, lambda X: input_flow(exact, X, ("swing", "stick"), "swing"), both, edges, series
+            q_in("swing"), BOTH, lambda X: input_flow(exact, X, CIRCUITS["series"], "swing"), both, edges, series
         ),
         "stick": Target(
             q_in("stick"), PASSED, lambda X: sample_fed(stick_valve, pump, X),
             [(0.0, series), (0.0, travel), pressure["stick"]], {"stick.travel": cuts}, series,
         ),
         "stick direct": Target(
-            q_in("stick"), BOTH, lambda X: input_flow(exact, X, ("swing", "stick"), "stick"), both, edges, series
+            q_in("stick"), BOTH, lambda X: input_flow(exact, X, CIRCUITS["series"], "stick"), both, edges, series
         ),
     }  # fmt: skip
 

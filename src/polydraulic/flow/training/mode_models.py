@@ -28,7 +28,7 @@ from polydraulic.flow.training.circuit_models import SEED, Target, input_flow, p
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.regions.learn_from import learn_from
-from polydraulic.parameters.schema import Machine, Pumps
+from polydraulic.parameters.schema import CIRCUITS, Machine, Pumps
 from polydraulic.progress import Progress, quiet
 
 _ALWAYS_OPEN = 1e3  # times its flow, a pump's relief valve is open at any spool travel
@@ -108,7 +108,7 @@ def learn_cascade(machine: Machine, progress: Progress = quiet) -> list[Model]:
         first, second, root = X.T
         p_second = np.maximum(machine.pumps.relief - root * root, 0.0)
         points = np.column_stack([first, second, np.zeros(len(X)), p_second])  # the swing's pressure does not matter
-        return np.minimum(input_flow(relief, points, ("swing", "stick"), "stick"), flow)
+        return np.minimum(input_flow(relief, points, CIRCUITS["series"], "stick"), flow)
 
     stick = Target(
         q_in("stick"), PASSED, lambda X: sample_fed(free.valves.stick, free.series_pump, X),
@@ -156,7 +156,7 @@ def _series(machine: Machine, exact: ExactFlow, place: Place) -> Target:
     pressure, cuts = pressure_boxes(machine, machine.pumps.relief), [spool.deadband, spool.bypass_closed]
     full, link = (0.0, spool.knots[-1]), place[0].name.split(".")[0]
     return Target(
-        *place, lambda X: np.minimum(input_flow(exact, X, ("swing", "stick"), link), high),
+        *place, lambda X: np.minimum(input_flow(exact, X, CIRCUITS["series"], link), high),
         [full, full, pressure["swing"], pressure["stick"]], {"swing.travel": cuts, "stick.travel": cuts}, high,
     )  # fmt: skip
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.channels import duration, keys, limits, text
-from polydraulic.measure.log_units import conversion
+from polydraulic.measure.channels import duration, low_and_high, text
+from polydraulic.measure.log_units import conversion, says_pressure
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
 from polydraulic.tables import Table
 
@@ -111,7 +112,7 @@ def load_sensors(path: str | Path) -> Bench:
 
 
 def _bench(data: Any) -> Bench:
-    keys(data, _FILE, {"sensor"}, "")
+    check_keys(data, _FILE, {"sensor"})
     items = data["sensor"]
     if not isinstance(items, list) or not items:
         raise InputError("sensor must be a list of tables; begin each with [[sensor]]")
@@ -127,13 +128,13 @@ def _bench(data: Any) -> Bench:
 
 
 def _sensor(item: Any, where: str) -> Sensor:
-    keys(item, _SENSOR, {"column", "unit", "raster"}, where)
+    check_keys(item, _SENSOR, {"column", "unit", "raster"}, where)
     column = text(item["column"], f"column of {where}")
     where = f"sensor {item.get('name', column)!r}"
     if not isinstance(item["unit"], str):
-        raise InputError(f"unit of {where} = {item['unit']!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {item['unit']!r}: must be a string, empty for plain numbers")
     try:
-        conversion(item["unit"])
+        conversion(item["unit"], kind=_kind(column))
     except InputError as error:
         raise InputError(f"unit of {where}: {error}") from error
 
@@ -148,7 +149,7 @@ def _sensor(item: Any, where: str) -> Sensor:
     def seconds(key: str, default: str) -> float:
         return duration(item.get(key, default), f"{key} of {where}", low=0.0)
 
-    low, high = limits(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
+    low, high = low_and_high(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
     return Sensor(
         column,
         text(item.get("name", column), f"name of {where}"),
@@ -167,6 +168,10 @@ def _sensor(item: Any, where: str) -> Sensor:
     )
 
 
+def _kind(column: str) -> str:
+    return "Pa" if says_pressure(column) else ""
+
+
 class Reading:
     """What one sensor reads of runs that follow each other; its drift goes on from run to run.
 
@@ -178,7 +183,7 @@ class Reading:
 
     def __init__(self, sensor: Sensor, rng: np.random.Generator) -> None:
         self.sensor, self.rng = sensor, rng
-        self.conversion = conversion(sensor.unit)
+        self.conversion = conversion(sensor.unit, kind=_kind(sensor.column))
         self._drift = 0.0
 
     def check(self, run: Table) -> None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import LogBlock
 
 JOIN = 2.5  # samples at most so many rasters apart belong together; farther apart is a gap

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.arrow import numbers
 from polydraulic.measure.formats.log import Log, LogBlock, Signal, once
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.checks.findings import Findings
+from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.arrow import numbers
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, once
 

@@ -16,7 +16,7 @@ from polydraulic.networks.dynamic.lag_selection import LADDER, Choice, Options, 
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, frame_of
 from polydraulic.networks.dynamic.refine_free_run import refine_over_steps, spread
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, lagged, rows_of, spans_of, without
-from polydraulic.networks.dynamic.term_growth import grow, grow_average
+from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 from polydraulic.networks.dynamic.term_network import places_read, term_networks
 from polydraulic.networks.model.fitted import variables
 from polydraulic.networks.model.lags import Dynamics, Lag
@@ -298,7 +298,7 @@ class DynamicRegressor(BaseEstimator):
     def _polynomials(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> Iterator[tuple[int, list[Model]]]:
         """Numbers of terms, and models of so many."""
         frame, targets = self._frame(choice, signals, spans)
-        for terms in grow(frame, targets, choice.horizon or 1):
+        for terms in grow_terms(frame, targets, choice.horizon or 1):
             yield len(terms.coef), self._models(frame, terms, targets)
 
     def _frame(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> tuple[Frame, list[Span]]:

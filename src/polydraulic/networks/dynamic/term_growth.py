@@ -6,18 +6,19 @@ after each one all coefficients are refined over the same runs. Terms are those 
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
+from scipy.linalg import LinAlgError, solve_triangular
 
 from polydraulic.networks.dynamic.free_run import pieces
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, averaged, run_terms
 from polydraulic.networks.dynamic.spans import Span, blocks_of, without
+from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
 
 _RIDGE = 0.01  # weight of the sum of squared coefficients, as a part of the error before, all in normalized units
-_STEPS, _LARGEST_DAMPING = 3, 1e3  # of refinement after each term
-_ENOUGH = 1e-3  # a step that lowers the loss by a smaller share is the last
+_STEPS = 3  # of refinement after each term
+# a step that lowers the loss by less than a thousandth of what is left is the last
+_RULES = Damping(largest=1e3, raise_by=6.0, lower=lambda share: 0.2, least_added=1e-12, enough=1e-3 / (1.0 + 1e-3))
 _REFINE_ROWS, _JUDGE_ROWS = 8_000, 2_000  # that are looked at, in windows spread evenly
 _ROWS_A_TERM = 5  # at least
 _ALL_PAIRS = 40  # lagged values at most, of which any two may be multiplied
@@ -26,7 +27,7 @@ _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
-def grow(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS) -> Iterator[Terms]:
+def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS) -> Iterator[Terms]:
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -70,7 +71,7 @@ def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int)
     members, weights = [], []
     for left_out in blocks_of(spans, _MEMBERS):
         rest = without(spans, left_out) or spans
-        for member in grow(frame, rest, horizon):
+        for member in grow_terms(frame, rest, horizon):
             if len(member.coef) >= n_term:
                 break
         members.append(member)
@@ -138,36 +139,18 @@ def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: i
 
 def _refined(frame: Frame, terms: Terms, windows: Sequence[Span], before: float) -> tuple[Terms, float]:
     """Terms with better coefficients (a few steps of Levenberg-Marquardt), and the mean squared error of runs."""
-    ridge, damping = _RIDGE * before, 1e-3
+    ridge = _RIDGE * before
+
+    def evaluate(coef: np.ndarray, limit: float) -> Equations | None:
+        moved = terms._replace(coef=coef)  # runs without slopes cost little
+        return _normal_equations(frame, moved, windows, ridge) if _loss(frame, moved, windows, ridge) < limit else None
+
     here = _normal_equations(frame, terms, windows, ridge)
-    for _ in range(_STEPS):
-        there = None
-        while there is None and damping < _LARGEST_DAMPING:
-            step = cho_solve(cho_factor(here.gram + np.diag(damping * np.diagonal(here.gram) + 1e-12)), here.gradient)
-            moved = terms._replace(coef=terms.coef - step)
-            there = moved if _loss(frame, moved, windows, ridge) < here.loss else None
-            damping *= 6.0 if there is None else 0.2
-        if there is None:
-            break
-        new = _normal_equations(frame, there, windows, ridge)
-        if not np.isfinite(new.gram).all():  # a run at the edge of stability, whose slopes grow without bound
-            break
-        gained, here, terms = here.loss - new.loss, new, there
-        if gained < _ENOUGH * here.loss:
-            break
-    return terms, here.error
+    coef, there = lower_loss(terms.coef, here, evaluate, _RULES, max_steps=_STEPS)
+    return terms._replace(coef=coef), there.error
 
 
-class _Normal(NamedTuple):
-    """Gauss-Newton equations and the loss at one point."""
-
-    gram: np.ndarray
-    gradient: np.ndarray  # half of it
-    loss: float
-    error: float  # the loss without the ridge
-
-
-def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> _Normal:
+def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> Equations:
     n = len(terms.coef)
     gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, 0
     for errors, slopes in run_terms(frame, terms, windows):
@@ -175,7 +158,7 @@ def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge
         gradient += errors @ slopes
         squares, count = squares + float(errors @ errors), count + len(errors)
     coef, error = terms.coef, squares / count
-    return _Normal(
+    return Equations(
         gram / count + ridge * np.eye(n), gradient / count + ridge * coef, error + ridge * coef @ coef, error
     )
 

@@ -43,7 +43,7 @@ def begin(gram: np.ndarray, right: np.ndarray, target_square: float) -> Triangul
     return TriangularFactor(square, first, np.zeros(products.shape, order="F"))
 
 
-def grow(triangle: TriangularFactor, rows: np.ndarray, weight: np.ndarray | None) -> None:
+def add_rows(triangle: TriangularFactor, rows: np.ndarray, weight: np.ndarray | None) -> None:
     """Take in a block of rows.
 
     Parameters
@@ -77,7 +77,7 @@ def factor_of(triangle: TriangularFactor) -> np.ndarray:
     return found
 
 
-def solve(factor: np.ndarray, terms: np.ndarray) -> LeastSquaresFit:
+def solve_terms(factor: np.ndarray, terms: np.ndarray) -> LeastSquaresFit:
     """Least squares with some of the terms; of equally good solutions the smallest."""
     n, right = terms.size, factor[:, -1]
     coef = np.zeros(factor.shape[1] - 1)
@@ -100,7 +100,7 @@ def carve(factor: np.ndarray, price: float) -> LeastSquaresFit:
     n = len(factor) - 1
     kept = np.zeros(n, dtype=np.bool_)
     _carve(factor, price, np.zeros((n, n)), np.zeros(n), kept)
-    return solve(factor, np.flatnonzero(kept))
+    return solve_terms(factor, np.flatnonzero(kept))
 
 
 @driver

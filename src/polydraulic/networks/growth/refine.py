@@ -5,28 +5,27 @@ output's bounds: a row whose target lies on a bound is satisfied by any output b
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.linalg.blas import dsyrk
 
 from polydraulic.networks.growth.derivatives import forward, jacobian
+from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
 from polydraulic.networks.growth.training_rows import TrainingRows
 from polydraulic.networks.model.table import Node
 
-_FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e12
-_SMALLEST_DAMPING = 1e-9
-_ENOUGH = 1e-4  # a step that lowers the loss by a smaller share is one of the last
-_LAST_STEPS = 3
-
-
-class _Normal(NamedTuple):
-    """Gauss-Newton equations and the loss at one point."""
-
-    gram: np.ndarray
-    gradient: np.ndarray  # half of it
-    loss: float
+_RULES = Damping(
+    largest=1e12,
+    smallest=1e-9,
+    raise_by=2.0,
+    raise_more=2.0,
+    # less damping only where the linear model kept its promise: no step back after every step forward
+    lower=lambda share: max(1.0 / 3.0, 1.0 - (2.0 * share - 1.0) ** 3),
+    least_relative=1e-12,
+    enough=1e-4,
+    last_steps=3,
+    perfect=1e-24,
+)
 
 
 def refine(
@@ -60,25 +59,15 @@ def refine(
     coef = np.concatenate([np.array(node.coef)[keep] for node, keep in zip(nodes, free, strict=True)])
     here = _normal(nodes, free, coef, rows, bounds, np.inf)
     assert here is not None, "a grown network is finite on its own rows"
-    damping, raise_by, slow = _FIRST_DAMPING, 2.0, 0
-    for iteration in range(max_iterations):
-        step, promised = _step(here, damping)
-        there = _normal(nodes, free, coef - step, rows, bounds, here.loss) if promised > 0.0 else None
-        if there is None:
-            damping, raise_by = damping * raise_by, raise_by * 2.0
-            if damping > _LARGEST_DAMPING:
-                break
-            continue
-        gained = here.loss - there.loss
-        # less damping only where the linear model kept its promise: no step back after every step forward
-        damping = max(damping * max(1.0 / 3.0, 1.0 - (2.0 * gained / promised - 1.0) ** 3), _SMALLEST_DAMPING)
-        raise_by = 2.0
-        slow = slow + 1 if gained < _ENOUGH * here.loss else 0
-        coef, here = coef - step, there
-        watch(iteration, here.loss)
-        if slow == _LAST_STEPS or here.loss <= 1e-24:
-            break
-    return _with(nodes, free, coef), here.loss
+    found, there = lower_loss(
+        coef,
+        here,
+        lambda coef, limit: _normal(nodes, free, coef, rows, bounds, limit),
+        _RULES,
+        max_attempts=max_iterations,
+        watch=watch,
+    )
+    return _with(nodes, free, found), there.loss
 
 
 def _with(nodes: Sequence[Node], free: list[np.ndarray], coef: np.ndarray) -> list[Node]:
@@ -92,18 +81,6 @@ def _with(nodes: Sequence[Node], free: list[np.ndarray], coef: np.ndarray) -> li
     return found
 
 
-def _step(here: _Normal, damping: float) -> tuple[np.ndarray, float]:
-    """Step against the gradient, and what it would lower the loss by if the network were linear; 0 if there is none."""
-    diagonal = np.diagonal(here.gram)
-    added = damping * np.maximum(diagonal, 1e-12 * diagonal.max())
-    try:
-        step: np.ndarray = cho_solve(cho_factor(here.gram + np.diag(added)), here.gradient)
-    except LinAlgError:
-        return here.gradient, 0.0
-    promised = float(step @ (added * step + here.gradient))
-    return step, promised if np.isfinite(promised) else 0.0
-
-
 def _normal(
     nodes: Sequence[Node],
     free: list[np.ndarray],
@@ -111,7 +88,7 @@ def _normal(
     rows: TrainingRows,
     bounds: tuple[float, float],
     limit: float,
-) -> _Normal | None:
+) -> Equations | None:
     """Equations at some coefficients; None as soon as it is clear that the loss is not below the limit, or no number."""
     moved = _with(nodes, free, coef)
     n, low, high = coef.size, *bounds
@@ -131,4 +108,4 @@ def _normal(
             dsyrk(1.0, slope, 1.0, gram, trans=1, overwrite_c=True)
             gradient += residual @ slope
     gram = gram / weight
-    return _Normal(gram + np.triu(gram, 1).T, gradient / weight, loss)
+    return Equations(gram + np.triu(gram, 1).T, gradient / weight, loss, loss)

@@ -18,7 +18,7 @@ from polydraulic.networks.growth.synthesis import Settings, penalty, residual_va
 from polydraulic.networks.growth.training_rows import Scaling, TrainingRows, rows_from_blocks, rows_in_memory
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
-from polydraulic.networks.model.fitted import checked_box, settings_of, variables
+from polydraulic.networks.model.fitted import checked_box, predictions, settings_of, variables
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.model import Model, Variable, describe
 from polydraulic.networks.model.nodes import POLYNOMIALS
@@ -231,15 +231,11 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self.missing == "impute":
             X = np.where(np.isnan(X), self.impute_, X)
         y = np.column_stack([model.predict(X) for model in self.to_models()])
-        found = [y]
+        half = None
         if return_interval is not None:
             half = np.array([stated_half_width(residuals, return_interval) for residuals in self.residuals_])
-            found += [y - half, y + half]
-        if self._single_output:
-            found = [values[:, 0] for values in found]
-        if return_domain:
-            found.append(self.to_model().inside(X))
-        return found[0] if len(found) == 1 else tuple(found)
+        inside = self.to_model().inside(X) if return_domain else None
+        return predictions(y, half, inside, single=self._single_output)
 
     def to_model(self, inputs: Sequence[Variable] | None = None, output: Variable | None = None) -> Model:
         """Return the (first) network as a model that can be saved, exported and simulated."""

@@ -16,11 +16,11 @@ import numpy as np
 from polydraulic.networks.growth.least_squares import (
     LeastSquaresFit,
     TriangularFactor,
+    add_rows,
     begin,
     carve,
     factor_of,
-    grow,
-    solve,
+    solve_terms,
 )
 from polydraulic.networks.growth.moments import Moments, moments_of_blocks
 from polydraulic.networks.growth.scoring import normal_equations, squared_errors
@@ -264,12 +264,12 @@ def _survivors(
             matrix = columns[: len(triangle.square)].T
             design(kind, values[inputs].T, out=matrix[:, :-1])
             matrix[:, -1] = y
-            grow(triangle, matrix, w)
+            add_rows(triangle, matrix, w)
     assert sample is not None
     fitted = []
     for kind, inputs, triangle in tried:
         factor = factor_of(triangle)
-        fit = carve(factor, cost(1) * weight) if settings.carve else solve(factor, np.arange(len(factor) - 1))
+        fit = carve(factor, cost(1) * weight) if settings.carve else solve_terms(factor, np.arange(len(factor) - 1))
         fitted.append(_fitted(variables, kind, inputs, fit, weight, cost))
     fitted.sort(key=lambda candidate: candidate.pse)
     return _different(fitted, sample, settings.n_survivors)

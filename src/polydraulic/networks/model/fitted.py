@@ -27,6 +27,31 @@ def variables(estimator: Any, inputs: Sequence[Variable] | None) -> tuple[Variab
     return tuple(Variable(str(name)) for name in names)
 
 
+def predictions(y: np.ndarray, half: np.ndarray | None, inside: np.ndarray | None, *, single: bool) -> Any:
+    """What `predict` returns: the outputs, and behind them what else was asked for.
+
+    Parameters
+    ----------
+    y : (n_row, n_output) array
+    half : array or None
+        Half widths of intervals, to be given as lower and upper ends.
+    inside : (n_row,) array of bool or None
+        Whether rows lie within the domain.
+    single : bool
+        Whether outputs are given as (n_row,).
+
+    Returns
+    -------
+    array, or tuple of arrays if there is more than one
+    """
+    found = [y] if half is None else [y, y - half, y + half]
+    if single:
+        found = [values[:, 0] for values in found]
+    if inside is not None:
+        found.append(inside)
+    return found[0] if len(found) == 1 else tuple(found)
+
+
 def checked_box(domain: Sequence[tuple[float, float]], n_input: int) -> tuple[np.ndarray, np.ndarray]:
     """Lows and highs of a given domain."""
     box = np.asarray(domain, dtype=np.float64)

@@ -11,7 +11,7 @@ from polydraulic.errors import InputError
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
-from polydraulic.networks.model.fitted import variables
+from polydraulic.networks.model.fitted import predictions, variables
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import (
     EVERYWHERE,
@@ -143,16 +143,14 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=np.float64)
         y = self._outputs(X)
-        found = [y]
+        half = None
         if return_interval is not None:
-            half = np.array([[stated_half_width(r, return_interval) for r in outputs] for outputs in self.residuals_])
-            width = half[region_of(self.partition_, X)]
-            found += [y - width, y + width]
-        if self._single_output:
-            found = [values[:, 0] for values in found]
-        if return_domain:
-            found.append(self.to_model().inside(X))
-        return found[0] if len(found) == 1 else tuple(found)
+            by_region = np.array(
+                [[stated_half_width(r, return_interval) for r in outputs] for outputs in self.residuals_]
+            )
+            half = by_region[region_of(self.partition_, X)]
+        inside = self.to_model().inside(X) if return_domain else None
+        return predictions(y, half, inside, single=self._single_output)
 
     def to_model(self, inputs: Sequence[Variable] | None = None, output: Variable | None = None) -> Model:
         """Return the (first) output's networks as a model that can be saved, exported and simulated."""

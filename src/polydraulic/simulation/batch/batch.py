@@ -16,20 +16,32 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, flow_name
-from polydraulic.flow.lanes import ANGLE, BOOM, LANES, P_A, P_B, P_BETWEEN, P_IN, SERIES, SPOOL, STORED, leaves
+from polydraulic.flow.lanes import LANES, P_IN, leaves
+from polydraulic.flow.record import (
+    ANGLE,
+    BOOM,
+    EFFECTOR,
+    N_RECORD,
+    N_STATE,
+    P_A,
+    P_B,
+    P_BETWEEN,
+    PLACE,
+    SPOOL,
+    circuit_columns,
+    link_columns,
+    working_circuits,
+)
 from polydraulic.machine.linkage import end_effector
-from polydraulic.machine.state import N_STATE
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
 from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, Kept, LaneBlock, run_block
-from polydraulic.simulation.loop import N_RECORD, run
-from polydraulic.simulation.runs import CIRCUIT_COLUMNS, FED, FLOW_COLUMNS, STATE_COLUMNS
+from polydraulic.simulation.loop import run
 from polydraulic.tables import Table
 
 KEEP = ("rows", "range")
-_AXES = ("effector.x", "effector.y", "effector.z")
 
 
 @dataclass(frozen=True)
@@ -49,7 +61,7 @@ class Batch:
     lowest, highest : (n_machine, n_column) array or None
         Over all steps and the start, if asked for.
     steps : (n_machine,) array of int
-        Steps made. Fewer than `info` says where a rate left all reason: later rows, final values and ranges are nan there.
+        Steps made. Fewer than `info` says where a run diverged: later rows, final values and ranges are nan there.
     not_converged, out_of_domain : (n_machine,) array of int
         Steps that did not converge, and those outside the flow model's domain.
     info : dict
@@ -171,7 +183,7 @@ def simulate_batch(
         for values in (kept.final, kept.lowest, kept.highest):
             values[i : i + 1] = np.nan
         kept.rows[i, counts[i, 0] // every + 1 :] = np.nan
-    if _AXES[0] in names:
+    if EFFECTOR[0] in names:
         _add_effector(cases, names, kept)
     return Batch(
         names=names,
@@ -195,18 +207,12 @@ def _columns(cases: Cases, flow: str) -> dict[str, tuple[int, str]]:
         if link not in cases.free:
             found[f"{link}.angle"] = (ANGLE + place, "rad")
             continue
-        for number, (name, unit) in enumerate(STATE_COLUMNS + FLOW_COLUMNS):
-            found[f"{link}.{name}"] = (3 * number + place, unit)
+        found |= {name: (PLACE[name], unit) for name, unit in link_columns(link)}
         found[f"{link}.p_in"], found[f"{link}.p_out"] = (P_IN + place, "Pa"), (P_OUT + place, "Pa")
-    known = FLOW_KINDS[flow].gives_pump_pressure
-    for circuit, first in (("boom", BOOM), ("series", SERIES)):
-        for number, (name, unit) in enumerate(CIRCUIT_COLUMNS):
-            if set(FED[circuit]) & set(cases.free) and (known or name != "p_pump"):
-                found[f"{circuit}.{name}"] = (first + number, unit)
-            if FLOW_KINDS[flow].has_state and set(FED[circuit]) & set(cases.free):
-                found[f"{circuit}.q_stored"] = (STORED + (circuit == "series"), "m3/s")
-    if "series.p_pump" in found:
-        found["series.p_between"] = (P_BETWEEN, "Pa")
+    kind, locked = FLOW_KINDS[flow], set(LINKS) - set(cases.free)
+    for circuit in working_circuits(locked):
+        columns = circuit_columns(circuit, p_pump=kind.gives_pump_pressure, q_stored=kind.has_state)
+        found |= {name: (PLACE[name], unit) for name, unit in columns}
     return found
 
 
@@ -219,21 +225,21 @@ class _Chosen(NamedTuple):
 
 
 def _chosen(able: dict[str, tuple[int, str]], columns: Sequence[str] | None, ranges: bool) -> _Chosen:
-    wanted = [*able, *([] if ranges else _AXES)] if columns is None else list(dict.fromkeys(columns))
-    unknown = [name for name in wanted if name not in able and name not in _AXES]
+    wanted = [*able, *([] if ranges else EFFECTOR)] if columns is None else list(dict.fromkeys(columns))
+    unknown = [name for name in wanted if name not in able and name not in EFFECTOR]
     if unknown or not wanted:
-        raise InputError(f"columns = {columns!r}: must be some of {[*able, *_AXES]}")
-    axes = _AXES if any(name in _AXES for name in wanted) else ()
+        raise InputError(f"columns = {columns!r}: must be some of {[*able, *EFFECTOR]}")
+    axes = EFFECTOR if any(name in EFFECTOR for name in wanted) else ()
     if axes and ranges:
-        raise InputError(f"{', '.join(_AXES)} have no range; keep rows, or leave them out of the columns")
+        raise InputError(f"{', '.join(EFFECTOR)} have no range; keep rows, or leave them out of the columns")
     angles = [f"{link}.angle" for link in LINKS] if axes else []
-    names = tuple(dict.fromkeys([name for name in wanted if name not in _AXES] + angles))
+    names = tuple(dict.fromkeys([name for name in wanted if name not in EFFECTOR] + angles))
     units = {name: able[name][1] for name in names} | dict.fromkeys(axes, "m")
     return _Chosen([able[name][0] for name in names], units, names + axes)
 
 
 def _add_effector(cases: Cases, names: tuple[str, ...], kept: Kept) -> None:
-    angles, first = [names.index(f"{link}.angle") for link in LINKS], names.index(_AXES[0])
+    angles, first = [names.index(f"{link}.angle") for link in LINKS], names.index(EFFECTOR[0])
     geometry: Any = np.array([kind.machine.geometry for kind in cases.kinds])[cases.kind].T
     kept.final[:, first:] = end_effector(kept.final[:, angles], Geometry(*geometry))
     kept.rows[:, :, first:] = end_effector(kept.rows[:, :, angles], Geometry(*geometry[..., None]))

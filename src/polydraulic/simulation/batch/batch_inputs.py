@@ -9,8 +9,9 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, as_flow, flow_name, served_links
+from polydraulic.flow.record import N_STATE, to_vector
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import N_STATE, initial_state, to_vector
+from polydraulic.machine.state import initial_state
 from polydraulic.parameters.load import load_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine

@@ -11,24 +11,8 @@ import numpy as np
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import flow_lanes
 from polydraulic.flow.interface import OK, Flows
-from polydraulic.flow.lanes import (
-    ANGLE,
-    LANES,
-    N_FLOW_ROW,
-    OUTLET,
-    P_A,
-    P_B,
-    P_IN,
-    Q_IN,
-    Q_OUT,
-    RATE,
-    SPOOL,
-    at,
-    get,
-    get_links,
-    put,
-    put_links,
-)
+from polydraulic.flow.lanes import LANES, N_FLOW_ROW, OUTLET, P_IN, at, get, get_links, put, put_links
+from polydraulic.flow.record import ANGLE, P_A, P_B, Q_IN, Q_OUT, RATE, SPOOL
 from polydraulic.machine.joints import Levers, Position, accelerated, moved, net_torque, passing, position, turned
 from polydraulic.machine.linkage import Motion, Symmetric, solve_motion
 from polydraulic.machine.pump import Circuit

@@ -13,13 +13,13 @@ from scipy.integrate import LSODA
 from polydraulic._kernel import driver
 from polydraulic.errors import SimulationError
 from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
+from polydraulic.flow.record import N_RECORD, N_STATE, P_A, to_vector
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import initial_state, to_vector
+from polydraulic.machine.state import initial_state
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.events import Edges, EventLog, edges_of, listed, new_log, observe
-from polydraulic.simulation.loop import N_RECORD
 from polydraulic.simulation.solvers.right_hand_side import fill_flows
 from polydraulic.simulation.solvers.rosenbrock_step import SIZES, evaluate_slow, slow_state
 from polydraulic.simulation.solvers.spools import spool_motion, spools_at
@@ -97,7 +97,7 @@ def integrate(
     memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
     x0, rows, f, free = to_vector(initial_state(machine)), np.empty((len(time), N_RECORD)), np.empty(12), np.ones(6)
     log, edges, evaluations, located = new_log(), edges_of(machine), 0, 0
-    y, rows[0, :15], row = x0[3:].copy(), x0, 1
+    y, rows[0, :N_STATE], row = x0[P_A:].copy(), x0, 1
     c, t_piece = motion.coefficients[0], 0.0
     held, relief = _settle(model, memory, plant, free, c, t_piece, 0.0, y, f)
     bits = _observe(model, memory, plant, held, free, c, t_piece, 0.0, 0.0, y, y, f, new_log(), 0, edges)
@@ -136,7 +136,7 @@ def integrate(
                         t, low = (middle, low) if late else (t, middle)
                     y = dense(t)
                 while row < len(time) and time[row] <= t:
-                    rows[row, :3], rows[row, 3:15] = spools_at(c, t_piece, time[row]).x, dense(time[row])
+                    rows[row, :P_A], rows[row, P_A:N_STATE] = spools_at(c, t_piece, time[row]).x, dense(time[row])
                     row += 1
                 if happened:
                     located += 1

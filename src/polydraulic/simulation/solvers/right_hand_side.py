@@ -12,14 +12,14 @@ import numpy as np
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import flow_step
 from polydraulic.flow.interface import Flows
+from polydraulic.flow.record import from_vector, record_flows, store
 from polydraulic.machine.hose import LineStep
 from polydraulic.machine.joints import Joints, Position, net_torque, position, stopped
 from polydraulic.machine.linkage import Held, solve_motion, times
 from polydraulic.machine.pilot import spool_target
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import Links, State, from_vector, store
+from polydraulic.machine.state import Links, State
 from polydraulic.parameters.schema import Stops
-from polydraulic.simulation.loop import record_flows
 from polydraulic.simulation.step import seen_pressures
 
 BLINK = 1e-6  # s; a joint that would pass its stop within this time is at it

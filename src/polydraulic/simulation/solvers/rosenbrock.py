@@ -13,12 +13,13 @@ import numpy as np
 from polydraulic._kernel import driver
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
+from polydraulic.flow.record import N_RECORD, N_STATE, P_A, from_vector, to_vector
 from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import Links, from_vector, initial_state, to_vector
+from polydraulic.machine.state import Links, initial_state
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.events import Edges, EventLog, conditions, edges_of, listed, new_log, observe
-from polydraulic.simulation.loop import N_RECORD, reasonable
+from polydraulic.simulation.loop import reasonable
 from polydraulic.simulation.solvers.right_hand_side import fill_flows
 from polydraulic.simulation.solvers.rosenbrock_step import (
     RODAS,
@@ -87,12 +88,12 @@ def run_rosenbrock(
     x = from_vector(x0)
     spool = x.spool
     for m in range(12):
-        w.y[m] = x0[m + 3]
+        w.y[m] = x0[P_A + m]
     held = settle(model, memory, plant, spool, w.y, w.f, w.free)
     r = evaluate_slow(model, memory, plant, held, w.free, spool, w.y, w.f)
     relief = relief_open(r)
     bits = conditions(x, r.flows.boom.q_relief, r.flows.series.q_relief, edges, plant)
-    for m in range(15):
+    for m in range(N_STATE):
         rows[0, m] = x0[m]
     h = 1e-3
     while part < motion.breaks.shape[0]:
@@ -133,7 +134,7 @@ def run_rosenbrock(
                 t_new = t + share * h_now
                 spool_new = spools_at(c, t_piece, t_new).x
         while row < time.shape[0] and time[row] <= t_new:
-            between(min((time[row] - t) / h_now, share), h_now, w, rows[row, 3:])
+            between(min((time[row] - t) / h_now, share), h_now, w, rows[row, P_A:])
             now = spools_at(c, t_piece, time[row]).x
             rows[row, 0], rows[row, 1], rows[row, 2] = now.swing, now.boom, now.stick
             row += 1
@@ -172,7 +173,7 @@ def integrate(
     InputError
         If the flow model has no slopes.
     SimulationError
-        If the state leaves all reason, or steps become too small or too many.
+        If the run diverges, or steps become too small or too many.
     """
     name = flow_name(model)
     if FLOW_KINDS[name].slopes is None:
@@ -190,7 +191,7 @@ def integrate(
     if status != DONE:
         reached = float(time[min(int(counts[3]), len(time) - 1)])
         what = {
-            TOO_FAST: "a joint's rate left all reason",
+            TOO_FAST: "diverged, a joint's rate grew without bound",
             TOO_SMALL: "steps became too small, or events too many at one time",
             TOO_MANY: f"more than {MAX_STEPS} steps",
         }[status]

@@ -11,10 +11,11 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN
+from polydraulic.flow.record import from_vector, record_flows, store
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
-from polydraulic.machine.state import Links, State, from_vector, store
-from polydraulic.simulation.loop import reasonable, record_flows
+from polydraulic.machine.state import Links, State
+from polydraulic.simulation.loop import reasonable
 from polydraulic.simulation.solvers.right_hand_side import (
     Derivative,
     bounded_pressures,

@@ -1,7 +1,8 @@
 """What a report is made of: chapters with their figures, and results next to printed numbers."""
 
+import ast
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -44,8 +45,8 @@ class Printed(NamedTuple):
     quirk: str
 
 
-class Ours(NamedTuple):
-    """Our value of a printed number, and why it differs if it does."""
+class Computed(NamedTuple):
+    """The computed value of a printed number, and why it differs if it does."""
 
     value: Number
     note: str = ""
@@ -59,23 +60,30 @@ class Grid(NamedTuple):
     rows: list[list[str]]
 
 
+class Paragraph(NamedTuple):
+    """A paragraph of plain text; `lead`, in bold, says what it is about."""
+
+    text: str
+    lead: str = ""
+
+
 @dataclass(frozen=True)
 class Content:
     """What a chapter says.
 
     Attributes
     ----------
-    text : str
-        HTML: a few paragraphs that say what was done.
-    ours : dict from id to Ours
+    text : sequence of Paragraph
+        What was done, and what came of it.
+    computed : dict from id to Computed
         For every printed number of the chapter.
     extra : list of dict
-        Numbers of our own, in the form of a result.
+        Numbers that the thesis does not have, in the form of a result.
     tables : list of Grid
     """
 
-    text: str
-    ours: dict[str, Ours] = field(default_factory=dict)
+    text: Sequence[Paragraph]
+    computed: dict[str, Computed] = field(default_factory=dict)
     extra: list[dict[str, Any]] = field(default_factory=list)
     tables: list[Grid] = field(default_factory=list)
 
@@ -87,13 +95,16 @@ class Chapter(NamedTuple):
     ----------
     number : int
     title : str
+    about : str
+        One sentence for the first page.
     content : function of Lab -> Content
     figures : mapping from number to function of Lab -> Figure
-        Numbers are those of the thesis (``"4-11"``); figures of our own begin with the chapter and a letter (``"4-C1"``).
+        Numbers are those of the thesis (``"4-11"``); figures that it does not have begin with the chapter and a letter (``"4-C1"``).
     """
 
     number: int
     title: str
+    about: str
     content: Callable[[Lab], Content]
     figures: Mapping[str, Callable[[Lab], Figure]]
 
@@ -117,43 +128,63 @@ def printed_numbers() -> dict[str, Printed]:
     return found
 
 
-def result(identity: str, section: str, what: str, unit: str, ours: Number, note: str = "") -> dict[str, Any]:
-    """Return a number of our own that the thesis does not have."""
+def printed_mm(identity: str) -> str:
+    """A length that is printed in metres, in millimetres."""
+    value = printed_numbers()[identity].value
+    assert isinstance(value, float)
+    return f"{1e3 * value:.0f}"
+
+
+def result(identity: str, section: str, what: str, unit: str, value: Number, note: str = "") -> dict[str, Any]:
+    """Return a computed number that the thesis does not have, as a row of ``results.json``."""
     return {
         "id": identity,
         "section": section,
         "quantity": what,
         "unit": unit,
         "thesis": None,
-        "ours": ours,
+        "computed": value,
         "note": note,
-        "source": source_of(identity),
+        "source": sources()[identity],
     }
 
 
 def results(content: Content) -> list[dict[str, Any]]:
-    """Printed numbers next to ours, then our own; the rows of ``results.json``."""
+    """Printed numbers with the computed ones, then those that the thesis does not have; the rows of ``results.json``."""
     printed = printed_numbers()
     rows = []
-    for identity, ours in content.ours.items():
+    for identity, found in content.computed.items():
         p = printed[identity]
-        note = "; ".join(text for text in (ours.note, p.quirk and f"thesis: {p.quirk}") if text)
-        row = result(identity, p.section, p.what, p.unit, ours.value, note)
+        note = "; ".join(text for text in (found.note, p.quirk and f"thesis: {p.quirk}") if text)
+        row = result(identity, p.section, p.what, p.unit, found.value, note)
         rows.append(row | {"thesis": p.value})
     return rows + content.extra
 
 
-def source_of(identity: str) -> str:
-    """File and line, from the package's folder on, where a number's id stands: there it is made."""
-    for name, lines in _chapter_sources():
-        for number, line in enumerate(lines, start=1):
-            if f'"{identity}"' in line:
-                return f"thesis/report/chapters/{name}:{number}"
-    return ""
-
-
 @cache
-def _chapter_sources() -> list[tuple[str, list[str]]]:
+def sources() -> dict[str, str]:
+    """File and line where each number is made, by id: the line of its key or of its call of `result`."""
     folder = files("polydraulic.thesis.report.chapters")
-    chapters = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".py"))
-    return [(name, (folder / name).read_text(encoding="utf-8").splitlines()) for name in chapters]
+    found: dict[str, str] = {}
+    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if entry.name.endswith(".py"):
+            for identity, line in _identities(entry.read_text(encoding="utf-8")):
+                found[identity] = f"polydraulic/thesis/report/chapters/{entry.name}:{line}"
+    return found
+
+
+def _identities(source: str) -> Iterator[tuple[str, int]]:
+    """Ids of numbers in a chapter's source, with the lines that make them."""
+    for node in ast.walk(ast.parse(source)):
+        made: list[ast.expr | None] = []
+        if isinstance(node, ast.Dict):
+            made = [key for key, value in zip(node.keys, node.values, strict=True) if _called(value) == "Computed"]
+        elif isinstance(node, ast.Call) and _called(node) == "result":
+            made = [*node.args[:1]]
+        for key in made:
+            if isinstance(key, ast.Constant) and isinstance(key.value, str):
+                yield key.value, key.lineno
+
+
+def _called(node: ast.AST) -> str:
+    return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""

@@ -11,9 +11,10 @@ from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import write_table
 from polydraulic.thesis.cache import Lab, open_lab
-from polydraulic.thesis.report.catalog import Chapter, Content, Figure, Grid, Ours, results
+from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Figure, Grid, Paragraph, results
 from polydraulic.thesis.report.chapters import chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8
-from polydraulic.thesis.report.page import Shown, chapter_page, front_page
+from polydraulic.thesis.report.front import front_page
+from polydraulic.thesis.report.page import Shown, chapter_page, data_name
 
 CHAPTERS: dict[int, Chapter] = {
     module.CHAPTER.number: module.CHAPTER
@@ -79,7 +80,7 @@ def write_report(
             begin(f"figure {number}")
             shown[number] = show_figure(lab, number, make, folder)
         front |= shown
-        write_text(folder / f"chapter_{chapter.number}.html", chapter_page(chapter, content, shown))
+        write_text(folder / f"chapter_{chapter.number}.html", chapter_page(chapter, chosen, content, shown))
     write_text(folder / "results.json", json.dumps(rows, indent=1, allow_nan=False) + "\n")
     write_text(folder / "index.html", front_page(chosen, front, rows))
     progress("report", total, total)
@@ -121,15 +122,19 @@ def chapter_content(lab: Lab, chapter: Chapter) -> Content:
     def made() -> dict[str, Any]:
         content = chapter.content(lab)
         return {
-            "text": content.text,
-            "ours": {identity: [ours.value, ours.note] for identity, ours in content.ours.items()},
+            "text": [list(paragraph) for paragraph in content.text],
+            "computed": {identity: list(found) for identity, found in content.computed.items()},
             "extra": content.extra,
             "tables": [list(table) for table in content.tables],
         }
 
     kept = lab.shown.data(f"chapter {chapter.number}", made)
-    ours = {identity: Ours(value, note) for identity, (value, note) in kept["ours"].items()}
-    return Content(kept["text"], ours, kept["extra"], [Grid(*table) for table in kept["tables"]])
+    return Content(
+        [Paragraph(*paragraph) for paragraph in kept["text"]],
+        {identity: Computed(*found) for identity, found in kept["computed"].items()},
+        kept["extra"],
+        [Grid(*table) for table in kept["tables"]],
+    )
 
 
 def show_figure(lab: Lab, number: str, make: Callable[[Lab], Figure], folder: Path) -> Shown:
@@ -138,20 +143,23 @@ def show_figure(lab: Lab, number: str, make: Callable[[Lab], Figure], folder: Pa
     def draw() -> dict[str, Any]:
         figure = make(lab)
         for panel, table in figure.data.items():
-            write_table(table, folder / "data" / f"fig_{number}{panel}.csv")
-        _save(figure, number, picture(folder, number))
-        return {"title": figure.title, "see": figure.see, "panels": list(figure.data)}
+            write_table(table, folder / "data" / data_name(number, panel))
+        width = _save(figure, number, picture(folder, number))
+        return {"title": figure.title, "see": figure.see, "panels": list(figure.data), "width": width}
 
     found = Shown(**lab.shown.data(f"figure {number}", draw))
-    files = [picture(folder, number), *(folder / "data" / f"fig_{number}{panel}.csv" for panel in found.panels)]
+    files = [picture(folder, number), *(folder / "data" / data_name(number, panel) for panel in found.panels)]
     if not all(path.is_file() for path in files):
         draw()
     return found
 
 
-def _save(figure: Figure, number: str, path: Path) -> None:
+def _save(figure: Figure, number: str, path: Path) -> float:
+    """Draw a figure; return its width in inches."""
     import matplotlib
 
     settings = {"svg.hashsalt": number, "font.size": 9}
     with replacing(path) as temporary, matplotlib.rc_context(settings):
-        figure.draw().savefig(temporary, format="svg", metadata={"Date": None}, dpi=150)
+        drawn = figure.draw()
+        drawn.savefig(temporary, format="svg", metadata={"Date": None}, dpi=150)
+    return float(drawn.get_figwidth())

@@ -62,7 +62,7 @@ def _maps(
     return Figure(title, see, dict(zip(names, tables, strict=True)), draw)
 
 
-def orifices(lab: Lab) -> Figure:
+def orifice_conductances(lab: Lab) -> Figure:
     """Fig 4-1, inset: orifice conductances over spool travel."""
     valve, knots = lab.machine.boom.valve, np.array(lab.machine.spool.knots)
     unit = "in3/s/psi^0.5"
@@ -77,14 +77,14 @@ def orifices(lab: Lab) -> Figure:
             for name in valve._fields:
                 axis.plot(table["travel"], table[name], ".-", label=name, linewidth=1.2)
             axis.set_xlabel("spool travel [in]")
-            axis.set_ylabel(f"K a [{unit}]")
+            axis.set_ylabel(f"conductance K a [{unit}]")
             axis.set_ylim(0.0, top)
             axis.grid(alpha=0.3)
         axes[0, 0].legend(fontsize="small")
         axes[0, 1].set_title("the same, enlarged", fontsize="medium")
         return figure
 
-    see = "The bypass narrows while the actuator ports open; beyond 0.376 in the bypass is shut."
+    see = "The bypass closes while the actuator ports open; beyond 0.376 in it is shut."
     return Figure("Orifice conductances of the boom valve", see, {"": table}, draw)
 
 
@@ -119,9 +119,7 @@ def pressure_map(lab: Lab) -> Figure:
         axes[0, 1].legend(fontsize="small")
         return figure
 
-    see = (
-        "The pressure has a spike where the deadband ends and a kink where the bypass closes; the networks round both."
-    )
+    see = "The pressure has a spike at the end of the deadband and a kink where the bypass closes; the networks smooth both."
     return Figure("Pump pressure: map, and exact against networks", see, {"a": full, "b": slice_}, draw)
 
 
@@ -131,7 +129,7 @@ def pressure_errors(lab: Lab) -> Figure:
     return _maps(
         study,
         "Pump-pressure networks: error of the pressure, and of the flow that follows from it",
-        "Right: Eq. (1) multiplies a pressure error by (K a_i)²/(2 Q_i); with a wide inlet a few psi are the whole flow.",
+        "Right: Eq. (1) multiplies a pressure error by (K a_i)²/(2 Q_i). With the inlet wide open, an error of a few psi is an error as large as the flow.",
         [
             ("(a) pressure error", "p_pump error", map_error(study.historical, study.grid, "boom.p_pump"), "psi"),
             ("(b) input flow error", "q_in error", pressure_flow_error(study), "in3/s"),
@@ -140,17 +138,17 @@ def pressure_errors(lab: Lab) -> Figure:
     )
 
 
-def input_flow(lab: Lab) -> Figure:
+def input_flow_map(lab: Lab) -> Figure:
     """Fig 4-8: input flow."""
     study = boom_study(lab)
-    see = "Nothing in the deadband, all of the pump's flow once the bypass is shut."
+    see = "Zero in the deadband, the whole pump flow once the bypass is shut."
     return _maps(study, "Input flow", see, [("input flow", "q_in", study.grid["boom.q_in"], "in3/s")], error=False)
 
 
 def output_flow(lab: Lab) -> Figure:
     """Fig 4-9: output flow."""
     study = boom_study(lab)
-    see = "Not symmetric: the lowering side is throttled."
+    see = "Not symmetric: the outlet is throttled when the boom is lowered."
     return _maps(study, "Output flow", see, [("output flow", "q_out", study.grid["boom.q_out"], "in3/s")], error=False)
 
 
@@ -205,7 +203,7 @@ def sweep(lab: Lab) -> Figure:
         axes[0, 0].legend(fontsize="small")
         return figure
 
-    see = "On the whole more units help, and rows held out agree: the instability at 20 units was one of the training."
+    see = "More units reduce the error, on training and held-out rows alike. The instability that the thesis saw at 20 units does not occur with this training method."
     return Figure("Perceptron: error over the number of hidden units", see, {"": table}, draw)
 
 
@@ -229,16 +227,16 @@ def outlet_curve(lab: Lab) -> Figure:
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 2, width=9.6, height=3.0)
         axes[0, 0].plot(table["spool"], table["exact"], color="#9ec5e8", linewidth=3.5, label="exact")
-        axes[0, 0].plot(table["spool"], table["neural"], color="C4", linewidth=1.2, label="neural")
+        axes[0, 0].plot(table["spool"], table["neural"], color="C4", linewidth=1.2, label="perceptrons")
         axes[0, 0].legend(fontsize="small")
         axes[0, 1].plot(table["spool"], table["neural"] - table["exact"], color="C4")
-        for axis, label in zip(axes[0], ("Q_pop", "neural less exact"), strict=True):
+        for axis, label in zip(axes[0], ("Q_pop", "perceptrons minus exact"), strict=True):
             axis.set_xlabel("spool [in]")
             axis.set_ylabel(f"{label} [{unit}]")
             axis.grid(alpha=0.3)
         return figure
 
-    see = "Divided by sqrt(P_o - P_e), the output flow is a curve of the spool alone; the rest is one learnt curve a region."
+    see = "Divided by sqrt(P_o - P_e), the output flow depends on the spool position only. One curve is learnt in each region."
     return Figure("Output flow as a curve, Q_pop(x)", see, {"": table}, draw)
 
 
@@ -262,19 +260,19 @@ def networks(lab: Lab) -> Figure:
             axis.set_title(title, fontsize="medium")
         return figure
 
-    see = "Input flow from spool travel and P_i; output flow from spool displacement and sqrt(P_o - P_e)."
-    return Figure("Flow networks and what they read", see, {"": table}, draw)
+    see = "Inputs: spool travel and P_i for the input flow; spool displacement and sqrt(P_o - P_e) for the output flow."
+    return Figure("Flow networks and their inputs", see, {"": table}, draw)
 
 
 def convergence(lab: Lab) -> Figure:
-    """Our own: the loop against the tight solution."""
+    """Not in the thesis: the loop against a solution with tight tolerances."""
     table = boom_study(lab).convergence
 
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 1, width=6.0, height=3.6)
         axis = axes[0, 0]
         for name in table.names[1:]:
-            axis.loglog(table["dt"], table[name], "o-", label=name)
+            axis.loglog(table["dt"], table[name], "o-", label=_SCENARIOS[name])
         axis.loglog(table["dt"], table["dt"] * table[table.names[1]][0] / table["dt"][0], "k:", label="first order")
         axis.set_xlabel("time step [s]")
         axis.set_ylabel("largest joint error [deg]")
@@ -282,8 +280,10 @@ def convergence(lab: Lab) -> Figure:
         axis.legend(fontsize="small")
         return figure
 
-    see = "The error halves with the step: first order, as the semi-implicit step promises."
-    return Figure("The loop against a tight solution of the same equations", see, {"": table}, draw)
+    see = "The error halves with the step: first order, as expected of the semi-implicit method."
+    return Figure(
+        "Time-step error of the simulation loop, against a solution with tight tolerances", see, {"": table}, draw
+    )
 
 
 _FLOWS = {"boom.q_in": "(a) input flow", "boom.q_out": "(b) output flow"}
@@ -293,38 +293,39 @@ _PRESSURE = ("exact", "pressure")
 _FULL = ("exact", "pressure", "polynomial")
 _ALL = ("exact", "iterative", "polynomial")
 _NEURAL = ("exact", "iterative", "neural")
-_08, _05 = "0.8 sin(1.2566 t)", "0.5 sin(0.6283 t)"
+_08, _05 = "0.8 sin(1.2566 t)", "0.5 sin(0.6283 t)"  # V
+_SCENARIOS = {"single_08": f"{_08} V", "single_05": f"{_05} V"}
 _WIDE = f"at full travel (0.8 V replaced by {FULL_TRAVEL_VOLTAGE} V)"
-_TOGETHER = "Above they lie on each other; below, the iteration shows its eps and the networks their map error."
-_FOLLOW = "Pressures follow although only flows are learnt."
-_AVERAGE = "Most of the flow error averages out before it reaches the joint."
+_TOGETHER = "At the scale of the flows (above) the curves coincide; below, the iteration differs by its convergence bound eps and the networks by their map error."
+_FOLLOW = "Line pressures follow from the flows; only the flows are learnt."
+_AVERAGE = "Most of the flow error averages out in the joint motion."
 
 FIGURES: dict[str, Callable[[Lab], Figure]] = {
-    "4-1": orifices,
+    "4-1": orifice_conductances,
     "4-2": pressure_map,
     "4-3": pressure_errors,
     "4-4": _runs("single_08", _PRESSURE, f"Pump pressure in simulation, {_08}",
-                 "The networks ripple around the exact pressure by some tens of psi.", {"boom.p_pump": "pump pressure"}),
+                 "The networks' pressure oscillates around the exact one by some tens of psi.", {"boom.p_pump": "pump pressure"}),
     "4-5": _runs("single_08", _PRESSURE, "Flows with pump-pressure networks",
-                 "Our spool reaches 0.33 in only, where the inlet is still narrow.", _FLOWS),
+                 "The spool reaches only 0.33 in here, where the inlet is still narrow and a pressure error has little effect on the flow.", _FLOWS),
     "4-6": _runs("single_08", _PRESSURE, "Line pressures with pump-pressure networks", "Input and output lines.", _LINES),
     "4-7": _runs("single_08", _PRESSURE, "Joint motion with pump-pressure networks",
-                 "With the printed voltage the joint hardly notices in our circuit.", _JOINT),
+                 "With the printed voltage the effect on the joint is small in this circuit.", _JOINT),
     "4-P1": _runs("full travel", _FULL, f"Input flow with pump-pressure networks {_WIDE}",
-                  "Here the pressure networks fail: the flow leaves what the pump can deliver; flow networks do not.",
+                  "Here the pressure networks fail: the flow exceeds what the pump can deliver. Networks of the flow itself do not.",
                   {"boom.q_in": "input flow"}),
     "4-P2": _runs("full travel", _FULL, f"Joint motion with pump-pressure networks {_WIDE}",
-                  "The flow error reaches the joint.", _JOINT),
-    "4-8": input_flow,
+                  "Here the flow error is visible in the joint motion.", _JOINT),
+    "4-8": input_flow_map,
     "4-9": output_flow,
     "4-10": networks,
     "4-11": _flow_errors(
-        "Flow networks, historical setting: map errors",
-        "The input flow errs between 0.188 and 0.376 in, the output flow near -0.376 in, where its slope changes.",
+        "Flow networks, thesis' setting: map errors",
+        "Input flow: errors between 0.188 and 0.376 in. Output flow: errors near -0.376 in, where its slope changes.",
         "historical"),
     "4-N1": _flow_errors(
-        "Flow networks of this package: map errors",
-        "Same data, regions and kinds of node; the prior follows the residuals, terms are carved, coefficients refined.",
+        "Flow networks, polydraulic: map errors",
+        "Same data, regions and kinds of node as Fig 4-11; in addition the error prior is estimated from the residuals, unnecessary terms are removed and all coefficients are refined together.",
         "ours"),
     "4-12": _runs("single_08", _ALL, f"Flows, {_08}", _TOGETHER, _FLOWS),
     "4-13": _runs("single_08", _ALL, f"Line pressures, {_08}", _FOLLOW, _LINES),
@@ -337,12 +338,12 @@ FIGURES: dict[str, Callable[[Lab], Figure]] = {
     "4-20": outlet_curve,
     "4-21": _flow_errors(
         "Perceptrons: map errors",
-        "One network over the whole travel rounds both kinks of the input flow, where the deadband ends and the bypass shuts.",
+        "One perceptron over the whole travel smooths both kinks of the input flow: at the end of the deadband and where the bypass closes.",
         "perceptrons"),
     "4-22": _runs("single_05", _NEURAL, f"Flows with perceptrons, {_05}",
-                  "The smoothed kink shows as the valve opens at 2 s and closes again.", _FLOWS),
+                  "The smoothed kink causes an error as the valve opens at 2 s and as it closes.", _FLOWS),
     "4-23": _runs("single_05", _NEURAL, f"Line pressures with perceptrons, {_05}", _FOLLOW, _LINES),
     "4-24": _runs("single_05", _NEURAL, f"Joint motion with perceptrons, {_05}",
-                  "Errors of opening and closing add up in the joint.", _JOINT),
+                  "The errors at opening and closing add up in the joint angle.", _JOINT),
     "4-C1": convergence,
 }  # fmt: skip

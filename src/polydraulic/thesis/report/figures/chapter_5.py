@@ -74,14 +74,14 @@ def schematic(lab: Lab) -> Figure:
     """Fig 5-1: pump, the two valves in series, and the actuators."""
     pumps = lab.machine.pumps
     table = in_field({"series pump flow": (np.array([pumps.series_flow]), "in3/s")})
-    see = "Q_e1, what the swing's valve leaves, is all that reaches the stick's valve: the swing has priority."
+    see = "Only Q_e1, the flow that the swing's valve passes on, reaches the stick's valve: the swing has priority."
     return Figure("Swing and stick: two open-centre valves in series", see, {"": table}, draw_schematic)
 
 
 def swing_map(lab: Lab) -> Figure:
     """Fig 5-2: swing input flow with the stick idle."""
     panel = _series_panel(lab, "x_st = 0", "swing", (0.0, lab.machine.spool.knots[-1]), 0.0, alike=False, error=False)
-    see = "Sections A and B below 0.188 in, C and D to 0.376 in, where pressure counts, E beyond: the whole pump flow."
+    see = "Below 0.188 in (sections A and B) no flow; from 0.188 to 0.376 in (C and D) the flow depends on the pressure; beyond (E) it is the whole pump flow."
     return map_figure("Swing input flow", see, [panel], error=False)
 
 
@@ -89,7 +89,10 @@ def stick_map(lab: Lab) -> Figure:
     """Fig 5-3: stick input flow with the swing idle."""
     panel = _series_panel(lab, "x_sw = 0", "stick", (0.0, lab.machine.spool.knots[-1]), 0.0, alike=False, error=False)
     return map_figure(
-        "Stick input flow", "With the swing idle the stick's map is the boom's again.", [panel], error=False
+        "Stick input flow",
+        "With the swing idle the stick's map has the shape of the boom's (Fig 4-8).",
+        [panel],
+        error=False,
     )
 
 
@@ -106,7 +109,7 @@ def passed_maps(lab: Lab) -> Figure:
         q = sample_fed(exact.valves.stick, exact.series_pump, np.column_stack([fed, travel, pressure]))
         columns = {"stick.travel": (travel, "in"), "stick.p_in": (pressure, "psi"), "stick.q_in": (q, "in3/s")}
         panels.append((f"({letter}) Q_12 = {passed:g} in3/s", in_field(columns)))
-    see = "Less flow reaches the stick and needs a wider opening to enter: a family of maps, which one network must learn."
+    see = "The less flow reaches the stick's valve, the wider it must open before flow enters the cylinder: a family of maps that one network has to learn."
     return map_figure("Stick input flow in section D, by the flow that the swing leaves", see, panels, error=False)
 
 
@@ -163,32 +166,32 @@ FIGURES: dict[str, Callable[[Lab], Figure]] = {
     "5-4": passed_maps,
     "5-5": _outlets(
         "Output flows",
-        "The stick is throttled on one side only; both grow with the root of the line pressure.",
+        "Both grow with the square root of the line pressure; the stick is throttled on one side only.",
         error=False,
     ),
     "5-6": _errors(
-        "Stick input flow error, section B, historical setting",
-        "Largest about 0.376 in, where the map changes its slope, then along the curve on which flow begins.",
+        "Stick input flow error, section B, thesis' setting",
+        "Largest near 0.376 in, where the slope of the map changes, and along the curve on which flow begins.",
         "stick", "B", (0.0,)),
     "5-7": _errors(
-        "Swing input flow error, section C, historical setting",
-        "Largest along the curve on which flow begins; the stick's travel, idle below 0.188 in, changes little.",
+        "Swing input flow error, section C, thesis' setting",
+        "Largest along the curve on which flow begins. The stick's travel has little effect: its valve is closed below 0.188 in.",
         "swing", "C", (0.0, 0.094, 0.187)),
     "5-8": _errors(
-        "Swing input flow error, section D, historical setting, P_i1 = P_i2",
-        "Four inputs: the error grows with the stick's opening.",
+        "Swing input flow error, section D, thesis' setting, P_i1 = P_i2",
+        "A network of four inputs: its error grows with the opening of the stick's valve.",
         "swing", "D", (0.190, 0.376, 0.563), alike=True),
     "5-9": _errors(
-        "Stick input flow error, section D, historical setting, P_i1 = P_i2",
-        "One network has to serve the whole family of Fig 5-4, and rounds its kink at 0.376 in by a third of the pump's flow.",
+        "Stick input flow error, section D, thesis' setting, P_i1 = P_i2",
+        "One network has to represent the whole family of Fig 5-4. It smooths the kink at 0.376 in, with an error of up to a third of the pump's flow.",
         "stick", "D", (0.190, 0.270, 0.375), alike=True),
     "5-10": _errors(
-        "Swing input flow error, section E, historical setting",
-        "The bypass is shut: the swing gets the pump's flow, whatever the pressures.",
+        "Swing input flow error, section E, thesis' setting",
+        "The bypass is shut: the swing receives the whole pump flow at any pressure.",
         "swing", "E", (0.0,)),
     "5-11": _outlets(
-        "Output flow error, historical setting",
-        "An error of Q_pop grows with the root of the line pressure; ours is small, because the borders cut the curve where it bends.",
+        "Output flow error, thesis' setting",
+        "The error of Q_pop is multiplied by the square root of the pressure drop. It is small here because the regions end where the curve bends.",
         error=True,
     ),
 }  # fmt: skip

@@ -6,10 +6,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic.tables import Table
-from polydraulic.thesis.beyond import BY_OPERATORS, FLOWS, ablation, costs, operator_errors, tip_errors
+from polydraulic.thesis.beyond import (
+    BY_OPERATORS,
+    FLOWS,
+    N_OPERATORS,
+    OPERATOR_SECONDS,
+    ablation,
+    costs,
+    operator_errors,
+    tip_errors,
+)
 from polydraulic.thesis.cache import Lab
-from polydraulic.thesis.report.catalog import Figure
-from polydraulic.thesis.report.figures.draw import canvas
+from polydraulic.thesis.report.catalog import Figure, printed_mm
+from polydraulic.thesis.report.figures.draw import STYLES, canvas, name_of
 from polydraulic.thesis.report.figures.volumes import volumes
 from polydraulic.thesis.three_links import SCENARIOS, three_link_study
 
@@ -17,28 +26,20 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import matplotlib.figure
 
-PRINTED_TIP = {"sine": 0.313, "step": 1.4, "pulse": 0.867, "task": 0.347}  # m, thesis 5.3
-_NAMES = {"polynomial": "thesis' setting", "ours": "this package", "direct": "this package, direct"}
-
-
-def name_of(kind: str) -> str:
-    """What a kind of flow model is called in this chapter."""
-    return _NAMES.get(kind, kind)
-
 
 def by_scenario(lab: Lab) -> Figure:
-    """Largest end-effector errors: printed, reproduced, and of this package's networks."""
+    """Largest end-effector errors: printed, in the thesis' setting, and of polydraulic's networks."""
     errors = tip_errors(three_link_study(lab))
     columns = {
-        "printed": [PRINTED_TIP[name] for name in SCENARIOS],
+        "thesis": [1e-3 * float(printed_mm(f"sim.{name}.end_effector_error_max_m")) for name in SCENARIOS],
         "thesis' setting": [errors["polynomial"][name] for name in SCENARIOS],
-        "this package": [errors["ours"][name] for name in SCENARIOS],
+        "polydraulic": [errors["ours"][name] for name in SCENARIOS],
     }
     table = Table({name: 1e3 * np.array(values) for name, values in columns.items()}, dict.fromkeys(columns, "mm"))
 
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 1, width=8.0, height=3.4)
-        _bars(axes[0, 0], table, list(SCENARIOS))
+        _bars(axes[0, 0], table, list(SCENARIOS), ["0.6", STYLES["polynomial"][0], STYLES["ours"][0]])
         axes[0, 0].set_ylabel("largest end-effector error [mm]")
         return figure
 
@@ -46,10 +47,11 @@ def by_scenario(lab: Lab) -> Figure:
 
 
 def _ratios(table: Table) -> str:
-    gain = table["thesis' setting"] / table["this package"]
+    gain = table["thesis' setting"] / table["polydraulic"]
     return (
-        f"Networks of this package are {gain.min():.0f} to {gain.max():.0f} times closer than the thesis' setting on the same "
-        "machine; neither was trained or chosen on these runs."
+        f"On the same machine, errors with polydraulic's networks are {gain.min():.0f} to {gain.max():.0f} times smaller than with "
+        "networks in the thesis' setting. Neither was trained or selected on these runs. The printed errors are from the thesis' own "
+        "machine model, whose orifice areas are not known."
     )
 
 
@@ -70,18 +72,18 @@ def by_idea(lab: Lab) -> Figure:
         places = np.arange(len(found))
         for name in table.names[:2]:
             axes[0, 0].semilogy(places, table[name], "o-", label=name)
-        axes[0, 0].set_ylabel("[in3/s]")
+        axes[0, 0].set_ylabel("map error in section D [in3/s]")
         axes[0, 0].legend(fontsize="small")
         axes[0, 1].semilogy(places, table[table.names[2]], "o-", color="k", label=table.names[2])
-        axes[0, 1].set_ylabel("[mm]")
+        axes[0, 1].set_ylabel("largest end-effector error [mm]")
         axes[0, 1].legend(fontsize="small")
         for axis in axes[0]:
             axis.set_xticks(places, list(found), rotation=25, ha="right", fontsize="small")
             axis.grid(alpha=0.3, which="both")
         return figure
 
-    see = "Finding the regions brings most, refining the grown coefficients second; larger networks alone bring little."
-    return Figure("What each idea brings", see, {"": table}, draw)
+    see = "Searching for the regions reduces the errors most, then refining all coefficients together; larger networks alone do little."
+    return Figure("What each step of the method contributes", see, {"": table}, draw)
 
 
 def by_flow_model(lab: Lab) -> Figure:
@@ -91,7 +93,7 @@ def by_flow_model(lab: Lab) -> Figure:
     shown = [kind for kind in FLOWS if kind not in ("exact", "direct")]
     table = Table(
         {
-            "time": np.array([cost[kind].time for kind in shown]),
+            "time": np.array([cost[kind].time.median for kind in shown]),
             **{name: 1e3 * np.array([errors[kind][name] for kind in shown]) for name in SCENARIOS},
         },
         {"time": "of exact", **dict.fromkeys(SCENARIOS, "mm")},
@@ -113,8 +115,9 @@ def by_flow_model(lab: Lab) -> Figure:
         return figure
 
     see = (
-        "Left of the dashed line is faster than exact, which has no error: the networks buy independence of orifice areas, "
-        "not speed. The errors of stiff and tlm are the oil between pump and valves, which exact leaves out."
+        "Models left of the dashed line are faster than the exact flow, which has no error by definition. What networks offer is "
+        "independence of orifice areas, not speed. The differences of stiff and tlm come from the oil volume between pump and "
+        "valves, which the exact flow neglects."
     )
     return Figure("Every flow model: error and time", see, {"": table}, draw)
 
@@ -131,23 +134,24 @@ def by_operator(lab: Lab) -> Figure:
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 1, width=8.0, height=3.6)
         axis = axes[0, 0]
-        for name in table.names[1:]:
-            axis.semilogx(table[name], 100.0 * share, label=name)
+        for kind in BY_OPERATORS:
+            color = STYLES[kind][0] if kind in STYLES else "0.4"
+            axis.semilogx(table[name_of(kind)], 100.0 * share, label=name_of(kind), color=color)
         axis.axhline(95.0, color="0.6", linestyle="--")
         axis.set_xlabel("largest end-effector error of a run [mm]")
-        axis.set_ylabel("runs below it [%]")
+        axis.set_ylabel("runs with a smaller error [%]")
         axis.grid(alpha=0.3, which="both")
         axis.legend(fontsize="small")
         return figure
 
-    see = "Sixty seconds of an operator nobody knew in advance, two hundred times: the whole range of motion, stops included."
+    see = f"{N_OPERATORS} runs of {OPERATOR_SECONDS:g} s by random operators who use the whole range of motion, end stops included; no network was trained on them."
     return Figure("End-effector errors of random operators", see, {"": table}, draw)
 
 
-def _bars(axis: "matplotlib.axes.Axes", table: Table, labels: list[str]) -> None:
+def _bars(axis: "matplotlib.axes.Axes", table: Table, labels: list[str], colors: list[str]) -> None:
     places, width = np.arange(len(labels)), 0.8 / len(table.names)
-    for k, name in enumerate(table.names):
-        axis.bar(places + (k - 0.5 * (len(table.names) - 1)) * width, table[name], width, label=name)
+    for k, (name, color) in enumerate(zip(table.names, colors, strict=True)):
+        axis.bar(places + (k - 0.5 * (len(colors) - 1)) * width, table[name], width, label=name, color=color)
     axis.set_yscale("log")
     axis.set_xticks(places, labels)
     axis.grid(alpha=0.3, axis="y", which="both")

@@ -5,13 +5,35 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.simulation.trajectory import in_field_units
 from polydraulic.tables import Table
+from polydraulic.thesis.printed_units import in_field_units
 from polydraulic.thesis.report.catalog import Figure as Catalogued
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+# What flow models are called on all pages; any other kind keeps its name.
+NAMES = {
+    "polynomial": "thesis' setting",
+    "ours": "polydraulic",
+    "direct": "polydraulic, direct",
+    "polynomial with limit": "thesis' setting, limit learnt",
+    "ours with limit": "polydraulic, limit learnt",
+    "pressure": "pump-pressure networks",
+    "neural": "perceptrons",
+}
+
+# What is drawn over time, by the end of a column's name.
+_QUANTITIES = {
+    "q_in": "input flow",
+    "q_out": "output flow",
+    "p_in": "input line pressure",
+    "p_out": "output line pressure",
+    "p_pump": "pump pressure",
+    "angle": "joint angle",
+    "rate": "joint velocity",
+}
 
 # Colour, line and width of each flow model: exact lies broad and pale below the others.
 STYLES = {
@@ -24,6 +46,11 @@ STYLES = {
     "polynomial with limit": ("C5", "-", 1.2),
     "ours with limit": ("C9", "-", 1.2),
 }
+
+
+def name_of(kind: str) -> str:
+    """What a kind of flow model is called."""
+    return NAMES.get(kind, kind)
 
 
 def canvas(rows: int, columns: int, *, width: float = 9.0, height: float = 3.0) -> tuple["Figure", np.ndarray]:
@@ -55,23 +82,24 @@ def time_panel(axis: "Axes", runs: Mapping[str, Table], column: str, title: str)
     for name, table in runs.items():
         values, unit = in_field_units(table, column)
         line(axis, name, table["time"], values)
-    finish(axis, f"[{unit}]", title)
+    quantity = _QUANTITIES.get(column.rpartition(".")[2], "position")
+    finish(axis, f"{quantity} [{unit}]", title)
 
 
 def difference_panel(axis: "Axes", runs: Mapping[str, Table], column: str) -> None:
-    """The same column less that of the exact run."""
+    """The same column minus that of the exact run."""
     exact, unit = in_field_units(runs["exact"], column)
     for name, table in runs.items():
         if name != "exact":
             line(axis, name, table["time"], in_field_units(table, column)[0] - exact)
-    finish(axis, f"less exact [{unit}]", "")
+    finish(axis, f"minus exact [{unit}]", "")
     axis.set_xlabel("time [s]")
 
 
 def line(axis: "Axes", name: str, time: np.ndarray, values: np.ndarray) -> None:
     """A run over time in the style of its flow model."""
     color, style, width = STYLES[name]
-    axis.plot(time, values, style, color=color, linewidth=width, label=name)
+    axis.plot(time, values, style, color=color, linewidth=width, label=name_of(name))
 
 
 def finish(axis: "Axes", label: str, title: str) -> None:
@@ -82,18 +110,18 @@ def finish(axis: "Axes", label: str, title: str) -> None:
     axis.legend(fontsize="small")
 
 
-def run_table(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
+def columns_of_runs(runs: Mapping[str, Table], columns: Sequence[str]) -> Table:
     """Columns of several runs side by side in the field's units: the data of a figure."""
     first = next(iter(runs.values()))
     data, units = {"time": first["time"]}, {"time": "s"}
     for column in columns:
         for name, table in runs.items():
-            data[f"{name} {column}"], units[f"{name} {column}"] = in_field_units(table, column)
+            data[f"{name_of(name)} {column}"], units[f"{name_of(name)} {column}"] = in_field_units(table, column)
     return Table(data, units)
 
 
 def over_time(title: str, see: str, runs: Mapping[str, Table], columns: Mapping[str, str]) -> Catalogued:
-    """Figure of quantities over time, each with its title, and below of their differences from exact."""
+    """Figure of quantities over time, each with its title, and of their differences from exact below."""
 
     def draw() -> "Figure":
         figure, axes = canvas(2, len(columns), width=4.8 * len(columns), height=2.4)
@@ -102,4 +130,4 @@ def over_time(title: str, see: str, runs: Mapping[str, Table], columns: Mapping[
             difference_panel(axes[1, place], runs, column)
         return figure
 
-    return Catalogued(title, see, {"": run_table(runs, list(columns))}, draw)
+    return Catalogued(title, see, {"": columns_of_runs(runs, list(columns))}, draw)

@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING
 
 from polydraulic.parameters.scenario import load_scenario
-from polydraulic.simulation.trajectory import in_field_units
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.flow_convergence import Convergence, Curve, flow_convergence
+from polydraulic.thesis.printed_units import in_field_units
 from polydraulic.thesis.report.catalog import Figure
 from polydraulic.thesis.report.figures.draw import canvas
 
@@ -42,17 +42,17 @@ def convergence_figure(found: Convergence, *, window: tuple[float, float]) -> Fi
         labels = list(found.runs)
         _traces(axes[0, 0], data["pressure"], [labels[0], *labels[1:3]], "pump pressure, stiff")
         _traces(axes[0, 1], data["pressure"], [labels[0], *labels[3:]], "pump pressure, transmission lines")
-        _errors(axes[1, 0], {"stiff": found.stiff, "tlm, delay shrinks alike": found.lines}, "volume of a pipe [l]", 1)
+        _errors(axes[1, 0], {"stiff": found.stiff, "tlm, delay in proportion": found.lines}, "volume of a pipe [l]", 1)
         _errors(axes[1, 1], {"tlm, 1 l, alpha 0": found.delay}, "delay [ms]", 2)
         axes[1, 1].set_xticks(found.delay.scale, [f"{delay:.3g}" for delay in found.delay.scale], minor=False)
         axes[1, 1].tick_params(axis="x", which="minor", labelbottom=False)
-        axes[1, 0].set_title("swing flow less exact", fontsize="medium")
-        axes[1, 1].set_title("swing flow less that of very short delays", fontsize="medium")
+        axes[1, 0].set_title("swing flow minus exact", fontsize="medium")
+        axes[1, 1].set_title("swing flow minus that with very short delays", fontsize="medium")
         return figure
 
     return Figure(
         "Volumes between pump and valves",
-        "A volume delays the pump pressure and lines ring, and both fade: first order in the volume, second in the delay.",
+        "A volume delays the pump pressure, and transmission lines (tlm) ring. Both effects vanish as the volume (first order) and the delay (second order) go to zero.",
         data,
         draw,
     )
@@ -64,7 +64,7 @@ def _traces(axis: "Axes", table: Table, labels: list[str], title: str) -> None:
         axis.plot(table["time"], table[label], color=color, linewidth=width, label=label)
     axis.set_title(title, fontsize="medium")
     axis.set_xlabel("time [s]")
-    axis.set_ylabel("[psi]")
+    axis.set_ylabel("pump pressure [psi]")
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")
 
@@ -75,6 +75,6 @@ def _errors(axis: "Axes", curves: dict[str, Curve], label: str, order: int) -> N
         guide = curve.error[-1] * (curve.scale / curve.scale[-1]) ** order
         axis.loglog(curve.scale, guide, "--", color="0.6", linewidth=1.0)
     axis.set_xlabel(label)
-    axis.set_ylabel("rms error / pump flow")
+    axis.set_ylabel("rms error / pump flow [1]")
     axis.grid(alpha=0.3, which="both")
     axis.legend(fontsize="small", title=f"dashed: order {order}", title_fontsize="small")

@@ -1,6 +1,0 @@
-"""``python -m polydraulic.cli``."""
-
-from polydraulic.cli import main
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,129 @@
+"""What is wrong with a log: kinds of finding, each counted, with the rows where it was seen first."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from polydraulic.errors import InputError
+
+SHOWN = 20  # spans of rows that are kept of each kind and channel
+
+# kind -> (level, what it means and what was done about it)
+KINDS = {
+    "missing line": ("error", "lines with too few or too many fields; left out"),
+    "no time": ("error", "rows without a readable time; left out"),
+    "clock jump": ("error", "single times that jump away and come back; left out"),
+    "time repeats": ("error", "rows with the time of the row before; left out"),
+    "overlap": ("error", "rows from times that were recorded already; left out"),
+    "gap": ("warning", "no row for longer than samples may be apart; the table has a new segment after it"),
+    "irregular": ("warning", "intervals between samples differ by more than a quarter of the usual one"),
+    "raster": ("error", "samples come at another interval than the map says"),
+    "duplicate": ("error", "the log has this name more than once; the first was taken"),
+    "unit": ("error", "the log and the map give different units; the map's was taken"),
+    "atmosphere": (
+        "warning",
+        "absolute pressures, and the map has no atmosphere; the standard one was taken from them",
+    ),
+    "text": ("error", "values that are no numbers; taken as missing"),
+    "infinite": ("error", "infinite values; taken as missing"),
+    "empty": ("error", "no value at all"),
+    "constant": ("warning", "one value throughout: the sensor is dead, or nothing moved"),
+    "dropout": ("warning", "no value for longer than samples may be apart; these rows are not in the table"),
+    "implausible": ("error", "values beyond the plausible range; taken as missing"),
+    "unit by values": ("error", "most values are beyond the plausible range, and would fit in another unit"),
+    "sign": ("error", "most values are beyond the plausible range, and would fit with the other sign"),
+    "spike": ("warning", "single values far from both neighbours; taken as missing"),
+    "frozen": ("warning", "one value held for long, where the channel never does so elsewhere"),
+    "clipped": ("warning", "the largest or smallest value is held again and again: beyond the sensor's range"),
+    "coarse": ("warning", "the channel takes few different values: steps as large as the signal"),
+    "copy": ("warning", "the same numbers as another channel"),
+    "no rows": ("error", "no time at which all inputs and outputs are known"),
+}
+
+
+@dataclass
+class Finding:
+    """One kind of fault in one channel (or in the clock, or the log as a whole).
+
+    Attributes
+    ----------
+    kind : str
+        A key of `KINDS`.
+    channel : str
+        Source name; empty for the log as a whole.
+    count : int
+        Rows concerned; 0 where it is not about rows.
+    rows : list of (first, last)
+        Spans of rows, the first `SHOWN` of them. Rows of data are counted from 1, in an MDF file within their group.
+    detail : str
+        What else there is to say.
+    """
+
+    kind: str
+    channel: str
+    count: int = 0
+    rows: list[tuple[int, int]] = field(default_factory=list)
+    detail: str = ""
+
+    @property
+    def level(self) -> str:
+        """``"error"`` or ``"warning"``."""
+        return KINDS[self.kind][0]
+
+    def __str__(self) -> str:
+        spans = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in self.rows[:5])
+        where = f" in row{'s' if self.count > 1 else ''} {spans}" if self.rows else ""
+        more = ", ..." if len(self.rows) > 5 else ""
+        rows = f" ({self.count} row{'s' if self.count > 1 else ''})" if self.count else ""
+        detail = f"; {self.detail}" if self.detail else ""
+        of = f" {self.channel!r}" if self.channel else ""
+        return f"{self.kind}{of}{rows}{where}{more}: {KINDS[self.kind][1]}{detail}"
+
+
+class Findings:
+    """Findings as they come in, block by block."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str], Finding] = {}
+
+    def __iter__(self):  # type: ignore[no-untyped-def]
+        order = {"error": 0, "warning": 1}
+        return iter(sorted(self._found.values(), key=lambda f: order[f.level]))
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def add(self, kind: str, channel: str = "", detail: str = "") -> Finding:
+        """Note something that is not about single rows."""
+        found = self._found.setdefault((kind, channel), Finding(kind, channel))
+        found.detail = detail or found.detail
+        return found
+
+    def add_rows(self, kind: str, channel: str, rows: np.ndarray, detail: str = "") -> None:
+        """Note rows (their numbers, rising)."""
+        if rows.size == 0:
+            return
+        found = self.add(kind, channel, detail)
+        found.count += int(rows.size)
+        if len(found.rows) > SHOWN:
+            return
+        cuts = np.flatnonzero(np.diff(rows) > 1)[:SHOWN]
+        starts, ends = np.concatenate([[0], cuts + 1]), np.concatenate([cuts, [rows.size - 1]])
+        for first, last in zip(rows[starts].tolist(), rows[ends].tolist(), strict=True):
+            if found.rows and first == found.rows[-1][1] + 1:
+                found.rows[-1] = (found.rows[-1][0], last)
+            elif len(found.rows) < SHOWN:
+                found.rows.append((first, last))
+
+    def add_span(self, kind: str, channel: str, first: int, last: int, count: int, detail: str = "") -> None:
+        """Note one span of rows, of which `count` are concerned."""
+        found = self.add(kind, channel, detail)
+        found.count += count
+        if len(found.rows) < SHOWN:
+            found.rows.append((first, last))
+
+    def of(self, kind: str, channel: str | None = None) -> list[Finding]:
+        """Findings of one kind."""
+        if kind not in KINDS:
+            raise InputError(f"no finding is called {kind!r}; there are {list(KINDS)}")
+        return [f for f in self if f.kind == kind and channel in (None, f.channel)]

@@ -1,0 +1,129 @@
+"""The task as it looks: the linkage at the ends of its phases, and the paths of the end-effector with each flow model."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from polydraulic.parameters.schema import Machine
+from polydraulic.plotting.shapes import GROUND, Shapes, linkage_shapes, placed, pose, seen_from_above
+from polydraulic.tables import Table
+from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.report.catalog import Figure
+from polydraulic.thesis.report.differences import phases
+from polydraulic.thesis.report.figures.draw import STYLES, canvas, line, name_of
+from polydraulic.thesis.three_links import three_link_study
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawing
+
+_KINDS = ("exact", "polynomial", "ours")
+_LINK: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.45", "linewidth": 0.8}
+_REST: dict[str, Any] = {"facecolor": "0.95", "edgecolor": "0.6", "linewidth": 0.8}
+_NEAR = 0.9  # m; poses whose tips are closer share one label
+
+
+def task_picture(lab: Lab) -> Figure:
+    """Side view and view from above."""
+    runs = three_link_study(lab).runs("task", *_KINDS)
+    exact, machine = runs["exact"], lab.machine
+    times = [0.0, *(end for _, end in phases("task", "boom"))]
+    angles = exact.matrix([f"{link}.angle" for link in ("swing", "boom", "stick")])
+    poses = {time: angles[min(int(np.searchsorted(exact["time"], time - 1e-9)), len(exact) - 1)] for time in times}
+    columns = {"time": exact["time"]}
+    for kind, run in runs.items():
+        outward, height = _in_plane(machine, run)
+        found = {"outward": outward, "height": height, "X": run["effector.x"], "Y": run["effector.y"]}
+        columns |= {f"{name_of(kind)} {name}": values for name, values in found.items()}
+    table = Table(columns, {"time": "s", **dict.fromkeys(list(columns)[1:], "m")})
+
+    def draw() -> "Drawing":
+        figure, axes = canvas(1, 2, width=9.6, height=3.7)
+        shapes = linkage_shapes(machine)
+        _side(axes[0, 0], shapes, poses)
+        _above(axes[0, 1], shapes, poses)
+        for axis, (across, up) in zip(axes[0], (("outward", "height"), ("X", "Y")), strict=True):
+            for kind in _KINDS:
+                name = name_of(kind)
+                x, y = table[f"{name} {across}"], table[f"{name} {up}"]
+                line(axis, kind, x, y)
+                axis.plot(x[-1], y[-1], "o", color=STYLES[kind][0], markeredgecolor="k", markersize=7, zorder=7)
+            axis.set_aspect("equal")
+            axis.grid(alpha=0.3)
+        axes[0, 1].legend(fontsize="small", loc="upper left", title="path of the end-effector", title_fontsize="small")
+        return figure
+
+    return Figure(
+        "The task: linkage at the ends of its phases, and paths of the end-effector",
+        "Grey: poses of the exact run. Dots: where the end-effector is at the end of each run; the distance between dots is the end-effector error.",
+        {"": table},
+        draw,
+    )
+
+
+def _in_plane(machine: Machine, run: Table) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of the tip from the swing axis and its height above the boom joint, in m."""
+    g, boom, both = machine.geometry, run["boom.angle"], run["boom.angle"] + run["stick.angle"]
+    outward = g.a1 + g.boom_length * np.cos(boom) + g.stick_length * np.cos(both)
+    return outward, g.boom_length * np.sin(boom) + g.stick_length * np.sin(both)
+
+
+def _side(axis: "Axes", shapes: Shapes, poses: dict[float, np.ndarray]) -> None:
+    axis.axhline(GROUND, color="#b8ad9a", linewidth=1.0)
+    for outline in (shapes.track, shapes.upper, shapes.cab):
+        _polygon(axis, outline, **_REST)
+    tips = {}
+    for number, (time, (_, boom, stick)) in enumerate(poses.items()):
+        at, opaque = pose(shapes, boom, stick), _opacity(number, len(poses))
+        for outline, origin, angle in ((shapes.boom, at.foot, boom), (shapes.stick, at.joint, boom + stick)):
+            _polygon(axis, placed(outline, origin, angle), alpha=opaque, **_LINK)
+        tips[time] = at.tip
+    _label(axis, tips, np.array([0.2, 0.0]))
+    axis.set_xlim(-3.0, 1.3 + max(tip[0] for tip in tips.values()))
+    axis.set_title("(a) in the plane of the boom", fontsize="medium")
+    axis.set_xlabel("distance from the swing axis [m]")
+    axis.set_ylabel("height above the boom joint [m]")
+
+
+def _above(axis: "Axes", shapes: Shapes, poses: dict[float, np.ndarray]) -> None:
+    for track in shapes.tracks_top:
+        _polygon(axis, track, **_REST)
+    tips = {}
+    for number, (time, (swing, boom, stick)) in enumerate(poses.items()):
+        joint = shapes.a1 + shapes.boom_length * np.cos(boom)
+        tip, opaque = joint + shapes.stick_length * np.cos(boom + stick), _opacity(number, len(poses))
+        for near, far, half_width in ((shapes.a1, joint, 0.2), (joint, tip, 0.14)):
+            outline = placed(seen_from_above(shapes, far, near, half_width), np.zeros(2), swing)
+            _polygon(axis, outline, alpha=opaque, **_LINK)
+        tips[time] = placed([(tip, shapes.d)], np.zeros(2), swing)[0]
+    _label(axis, tips, np.array([0.2, 0.15]))
+    axis.set_xlim(-2.3, 2.0 + max(tip[0] for tip in tips.values()))
+    axis.set_title("(b) from above", fontsize="medium")
+    axis.set_xlabel("X [m]")
+    axis.set_ylabel("Y [m]")
+
+
+def _label(axis: "Axes", tips: dict[float, np.ndarray], shift: np.ndarray) -> None:
+    """Times beside the tips; tips that lie close together share a label."""
+    groups: list[tuple[np.ndarray, list[str]]] = []
+    for time, tip in tips.items():
+        for place, times in groups:
+            if np.linalg.norm(tip - place) < _NEAR:
+                times.append(f"{time:g}")
+                break
+        else:
+            groups.append((tip, [f"{time:g}"]))
+    for place, times in groups:
+        x, y = place + shift
+        axis.text(x, y, f"{', '.join(times)} s", fontsize="small", va="center", zorder=6)
+
+
+def _opacity(number: int, of: int) -> float:
+    """Later poses are more solid."""
+    return 0.35 + 0.5 * (number + 1) / of
+
+
+def _polygon(axis: "Axes", points: Any, **style: Any) -> None:
+    from matplotlib.patches import Polygon
+
+    axis.add_patch(Polygon(points, closed=True, joinstyle="round", **style))

@@ -1,0 +1,36 @@
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.export import c_name, export_c
+from polydraulic.networks import Model, Network, Node, Variable
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("boom.q_in", "boom_q_in"), ("int", "int_"), ("3d", "m_3d"), ("Öl", "m__l"), ("_x", "m__x"), ("exp", "exp_"),
+     ("value_0_0", "m_value_0_0"), ("class", "class_"), ("", "m_")],
+)  # fmt: skip
+def test_c_names(name, expected):
+    assert c_name(name) == expected
+
+
+def test_models_that_do_not_go_together_are_refused(exported_models, tmp_path):
+    model = exported_models["single"][0]
+    clash = Model((Variable("x0", "bar"), *model.inputs[1:]), Variable("z"), model.networks)
+    chain = Model((Variable("y"), *model.inputs[1:]), Variable("z"), model.networks)
+    twice = Model((model.inputs[0],) * 3, Variable("z"), model.networks)
+    for models, message in [
+        ([], "no model"),
+        ([model, model], "they must differ"),
+        ([model, clash], "is in '' for one model and in 'bar' for another"),
+        ([model, chain], "'y' is an output of one model and an input of another"),
+        ([twice], "need different names"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            export_c(models, tmp_path)
+    with pytest.raises(InputError, match="real = 'half'"):
+        export_c([model], tmp_path, real="half")
+    huge = Network((Node(0, (0,), (1e300, 1.0, 0.0, 0.0)),), (0.0,), (1.0,), (0.0,), (1.0,), 0.0, 1.0)
+    with pytest.raises(InputError, match="does not fit into a float"):
+        export_c([Model((Variable("x"),), Variable("y"), (huge,))], tmp_path, real="float")
+    assert list(tmp_path.iterdir()) == []

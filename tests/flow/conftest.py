@@ -1,0 +1,19 @@
+import numpy as np
+import pytest
+
+from polydraulic import AbductiveRegressor, build_flow
+from polydraulic.flow import (
+    FLOW_KINDS,
+)
+from polydraulic.flow.database import sample_boom
+from polydraulic.thesis.boom_models import fit_columns
+
+
+@pytest.fixture(scope="module", params=list(FLOW_KINDS))
+def model(request, machine, build):
+    if request.param != "pressure":
+        return build(request.param, machine)
+    table = sample_boom(machine, 400, rng=np.random.default_rng(1), relief=False)
+    edges = {0: [machine.spool.deadband, machine.spool.bypass_closed]}
+    pressure = fit_columns(AbductiveRegressor(max_layers=2), table, ["boom.travel", "boom.p_in"], "boom.p_pump", edges)
+    return build_flow("pressure", machine, models=[pressure])

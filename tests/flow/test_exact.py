@@ -1,0 +1,31 @@
+import pytest
+
+from helpers.flow_steps import PSI, states, step, step_all, with_limit
+from polydraulic import build_flow
+
+
+def test_the_torque_limit_lowers_both_flows(machine):
+    free, limited = build_flow("exact", machine), build_flow("exact", with_limit(machine))
+    lowered = 0
+    for spool, p_in, p_out in states(machine):
+        without, flows = step_all(free, spool, p_in, p_out), step_all(limited, spool, p_in, p_out)
+        for before, after in ((without.boom, flows.boom), (without.series, flows.series)):
+            start = machine.pumps.torque_limit_start
+            if before.p_pump <= start:
+                assert after == before
+            else:
+                lowered += 1
+                power = after.q_pump * after.p_pump
+                assert power == pytest.approx(before.q_pump * start, rel=1e-8)
+    assert lowered > 50
+
+
+def test_relief_valve_bounds_the_pressure(machine):
+    exact, ideal = build_flow("exact", machine), build_flow("exact", machine, relief=False)
+    spool, p_in = machine.spool.bypass_closed, 4000 * PSI
+    bounded = step(exact, spool, p_in, 0.0)
+    assert bounded.boom.p_pump == machine.pumps.relief
+    assert bounded.boom.q_relief > 0.0
+    free = step(ideal, spool, p_in, 0.0)
+    assert free.boom.p_pump > machine.pumps.relief
+    assert free.q_in.boom == machine.pumps.boom_flow

@@ -1,0 +1,160 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from helpers.flow_steps import PSI, states, step, step_all, with_limit
+from polydraulic import build_flow
+from polydraulic.errors import InputError
+from polydraulic.flow import (
+    OK,
+    OUT_OF_DOMAIN,
+)
+from polydraulic.flow.polynomial import ARRANGEMENTS, shipped_models
+from polydraulic.flow.sample import sample_flow
+from polydraulic.machine.state import Links
+from polydraulic.networks import Variable
+from polydraulic.units import to_si
+
+NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("neural", {})]
+RMS = {"polynomial": 0.01, "neural": 0.03}
+
+
+def test_pressures_beyond_training_are_reported(machine):
+    model = build_flow("polynomial", machine)
+    assert step(model, 0.008, 3000 * PSI, 100 * PSI).status == OK
+    assert step(model, 0.008, 4600 * PSI, 100 * PSI).status == OUT_OF_DOMAIN
+
+
+def boom_models():
+    return [model for model in shipped_models() if model.output.name.startswith("boom.")]
+
+
+def test_networks_must_fit_their_place(machine):
+    k_out, q_in, _ = boom_models()
+    with pytest.raises(InputError, match=r"needs one model of boom.k_out or boom.q_out; given are \['boom.q_in'\]"):
+        build_flow("polynomial", machine, models=[q_in])
+    swapped = type(q_in)(q_in.inputs[::-1], q_in.output, q_in.networks, q_in.partition)
+    with pytest.raises(InputError, match="the model of 'boom.q_in' reads .*'boom.p_in', 'boom.travel'"):
+        build_flow("polynomial", machine, models=[swapped, k_out])
+    inches = (Variable("boom.travel", "in"), q_in.inputs[1])
+    with pytest.raises(InputError, match=r"has boom.travel \[in\]; the circuit computes in SI"):
+        build_flow("polynomial", machine, models=[dataclasses.replace(q_in, inputs=inches), k_out])
+    with pytest.raises(InputError, match="needs those of the boom, or of swing and stick, or all"):
+        build_flow("polynomial", machine, models=[])
+    with pytest.raises(InputError, match="arrangement = 'parallel': choose one of"):
+        build_flow("polynomial", machine, arrangement="parallel")
+
+
+@pytest.mark.parametrize(("name", "options"), NETWORKS)
+def test_networks_of_both_circuits_are_near_exact(machine, name, options):
+    """The root mean square over random states, as a share of the pump's flow: the worst states are in the report."""
+    model, exact = build_flow(name, machine, **options), build_flow("exact", machine)
+    errors = []
+    for spool, p_in, p_out in states(machine, 400):
+        p_in = p_in._replace(swing=min(p_in.swing, 3400 * PSI))
+        ours, true = step_all(model, spool, p_in, p_out), step_all(exact, spool, p_in, p_out)
+        errors.append(np.subtract(ours.q_in, true.q_in) / machine.pumps.series_flow)
+        assert ours.k_out == pytest.approx(true.k_out, abs=2e-3 * max(machine.swing.valve.outlet_positive))
+    assert np.all(np.sqrt(np.mean(np.square(errors), axis=0)) < RMS[name])
+
+
+def over_the_map(machine, section, n=20_000):
+    """Travels and pressures at random in the box of the circuits, up to relief; half of them on faces and in corners.
+
+    In section D both valves of the series circuit are open, and the first still passes something on.
+    """
+    rng, spool = np.random.default_rng(8), machine.spool
+    low, high = np.zeros(6), np.append(np.full(3, spool.knots[-1]), np.full(3, machine.pumps.relief))
+    high[3] = machine.swing.line.relief
+    if section == "D":
+        low[[0, 2]], high[0] = np.nextafter(spool.deadband, 1.0), spool.bypass_closed
+    unit = rng.random((n, 6))
+    on_faces = (np.arange(n) % 2 == 0)[:, None] & (rng.random((n, 6)) < 0.4)
+    unit[on_faces] = np.round(unit[on_faces])
+    return np.split(np.clip(low + (high - low) * unit, low, high), 2, axis=1)
+
+
+# Largest errors over the map that the package's networks may have, in3/s: swing, boom, stick.
+LARGEST = {(False, "whole"): (3.0, 0.7, 3.0), (False, "D"): (3.3, 0.7, 3.6), (True, "D"): (5.5, 0.7, 6.0)}
+
+
+@pytest.mark.parametrize(("limit", "section"), LARGEST)
+def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, limit, section):
+    machine = with_limit(machine) if limit else machine
+    spool, p_in = over_the_map(machine, section)
+    ours, true = (sample_flow(build_flow(name, machine), spool, p_in, 0.0 * p_in) for name in ("polynomial", "exact"))
+    open_relief = true.p_pump >= machine.pumps.relief * (1.0 - 1e-12)
+    assert np.all(open_relief.sum(axis=0) > 200)  # of both pumps
+    assert np.all(np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[limit, section]))
+
+
+@pytest.mark.parametrize("arrangement", ARRANGEMENTS)
+def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, arrangement):
+    spool, p_in = over_the_map(machine, "D", 2000)
+
+    def flows(name, machine, **options):
+        return sample_flow(build_flow(name, machine, **options), spool, p_in, 0.0 * p_in).q_in
+
+    true = flows("exact", with_limit(machine))
+    ours = flows("polynomial", with_limit(machine), arrangement=arrangement)
+    asked = flows("polynomial", with_limit(machine), models=shipped_models(arrangement, limited=True))
+    unaware = flows("polynomial", with_limit(machine), models=shipped_models(arrangement))
+    assert np.array_equal(ours, asked)
+    assert np.array_equal(unaware, flows("polynomial", machine, arrangement=arrangement))
+    wrong = np.sqrt(np.mean((unaware - true) ** 2, axis=0))
+    assert np.all(np.sqrt(np.mean((ours - true) ** 2, axis=0)) < 0.1 * wrong)
+
+
+@pytest.mark.parametrize("name", ["polynomial", "neural"])
+def test_networks_of_the_package_refuse_circuits_they_were_not_trained_on(machine, name):
+    pumps, valve = machine.pumps, machine.boom.valve
+    slower = machine._replace(pumps=pumps._replace(torque_limit_start=0.9 * pumps.torque_limit_start))
+    heavier = machine._replace(boom=machine.boom._replace(body=machine.boom.body._replace(mass=2e3)))
+    for known in (slower, heavier):  # a torque limit that is off, and what is no circuit
+        build_flow(name, known)
+    wider = valve._replace(inlet=tuple(1.1 * k for k in valve.inlet))
+    others = {
+        "pumps.boom_flow": machine._replace(pumps=pumps._replace(boom_flow=2.0 * pumps.boom_flow)),
+        "pumps.torque_limit_start": with_limit(slower),
+        "boom.valve.inlet": machine._replace(boom=machine.boom._replace(valve=wider)),
+    }
+    for parameter, other in others.items():
+        with pytest.raises(InputError, match=f"{parameter} = .* in cat215b, whose circuits"):
+            build_flow(name, other)
+        build_flow("polynomial", other, models=shipped_models())  # whoever gives models knows what they are for
+
+
+def test_modes_may_be_missing(machine):
+    """Without them the input-flow networks answer for all modes: alone below relief pressure, and nothing enters at it."""
+    models = [model for model in shipped_models() if model.output.name.split(".")[1] in ("q_in", "k_out")]
+    assert len(models) == len(shipped_models()) - 3
+    model, (boom,) = (
+        build_flow("polynomial", machine, models=models),
+        [m for m in models if m.output.name == "boom.q_in"],
+    )
+    relief, spool = machine.pumps.relief, machine.spool.knots[-1]
+    for p in (0.0, 0.5 * relief, np.nextafter(relief, 0.0)):
+        expected = min(max(boom.predict([[spool, p]])[0], 0.0), machine.pumps.boom_flow)
+        assert step(model, spool, p, 0.0).q_in.boom == expected
+    assert step(model, spool, relief, 0.0).q_in.boom == 0.0
+    spool = Links(0.3 * machine.spool.bypass_closed, 0.0, machine.spool.knots[-1])  # the swing's is in its deadband
+    passed = Links(0.0, 0.0, 40e5)
+    (stick,) = (m for m in models if m.output.name == "stick.q_in")
+    expected = stick.predict([[machine.pumps.series_flow, spool.stick, passed.stick]])[0]
+    assert step_all(model, spool, passed, Links(0.0, 0.0, 0.0)).q_in.stick == expected
+
+
+def test_the_first_valve_shut_off_passes_nothing_on(machine):
+    spool = Links(machine.spool.knots[-1], 0.0, machine.spool.knots[-1])
+    for name, options in NETWORKS:
+        flows = step_all(build_flow(name, machine, **options), spool, Links(1e6, 1e6, 1e6), Links(1e5, 1e5, 1e5))
+        assert flows.q_in.stick == 0.0
+        assert flows.q_in.swing == pytest.approx(machine.pumps.series_flow, rel=0.02)
+
+
+def test_nothing_enters_a_line_at_relief_pressure(machine):
+    p, travel = machine.pumps.relief, machine.spool.knots[-1]
+    for name, options in NETWORKS:
+        model = build_flow(name, machine, **options)
+        assert step_all(model, Links(travel, travel, travel), Links(p, p, p), Links(0.0, 0.0, 0.0)).q_in == (0, 0, 0)

@@ -1,0 +1,43 @@
+"""Flow models at single points and at random ones."""
+
+import numpy as np
+
+from polydraulic.flow import (
+    FLOW_KINDS,
+    flow_name,
+    flow_step,
+)
+from polydraulic.machine.state import Links
+from polydraulic.units import to_si
+
+PSI = to_si(1.0, "psi")
+
+
+def step(model, spool, p_in, p_out):
+    """Flows with the boom's valve moved and the other two centred."""
+    return step_all(model, Links(0.0, spool, 0.0), Links(0.0, p_in, 0.0), Links(0.0, p_out, 0.0))
+
+
+def step_all(model, spool, p_in, p_out):
+    memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
+    return flow_step(model, memory, spool, p_in, p_out, 0.005)
+
+
+def with_limit(machine):
+    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+
+
+def points(machine, n=200):
+    """Spool, inlet and outlet pressure of the boom at random, the same ones for every model."""
+    rng, travel = np.random.default_rng(0), machine.spool.knots[-1]
+    return zip(
+        rng.uniform(-travel, travel, n), rng.uniform(0, 3000 * PSI, n), rng.uniform(0, 3000 * PSI, n), strict=True
+    )
+
+
+def states(machine, n=200, seed=4):
+    """Spools and line pressures of all links at random."""
+    rng, travel = np.random.default_rng(seed), machine.spool.knots[-1]
+    for _ in range(n):
+        spool, p_in, p_out = rng.uniform(-travel, travel, 3), *rng.uniform(0.0, 4000 * PSI, (2, 3))
+        yield Links(*spool), Links(*p_in), Links(*p_out)

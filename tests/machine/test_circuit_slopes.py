@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+
+from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
+from polydraulic.machine.pump import prepare_pump, series_circuit, single_circuit
+from polydraulic.machine.valve import orifice_slopes, orifices, prepare_valve
+
+SPOOL, PRESSURE = 1e-8, 100.0  # m, Pa; steps of differences
+
+
+def pump_of(machine, flow, limited):
+    return prepare_pump(machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=limited)), flow)
+
+
+def differences(flows, point, steps):
+    """Slopes of several flows over each of several arguments, (argument, flow)."""
+    found = []
+    for place, step in enumerate(steps):
+        moved = np.zeros(len(point))
+        moved[place] = step
+        found.append((np.array(flows(*(point + moved))) - np.array(flows(*(point - moved)))) / (2.0 * step))
+    return np.array(found)
+
+
+def assert_near(found, slopes, scale):
+    """Equal, up to the digits that differences of nearly equal flows have lost."""
+    assert np.allclose(found, slopes, rtol=2e-4, atol=1e-6 * scale), (found, slopes)
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_slopes_of_one_circuit_are_its_differences(machine, limited):
+    pump, valve = pump_of(machine, machine.pumps.boom_flow, limited), prepare_valve(machine.boom.valve, machine.spool)
+    rng, knots, kinds = np.random.default_rng(0), np.array(machine.spool.knots), set()
+
+    def solved(x, p):
+        return single_circuit(orifices(x, valve), p, pump)
+
+    def kind(found):
+        return found.q_in > 0.0, found.circuit.q_relief > 0.0
+
+    for _ in range(200):
+        x, p = rng.uniform(0.0, knots[-1]), rng.uniform(0.0, machine.pumps.relief)
+        found = solved(x, p)
+        if np.abs(knots - x).min() < 1e-6 or any(kind(solved(x, end)) != kind(found) for end in (p - 1e3, p + 1e3)):
+            continue
+        kinds.add(kind(found))
+        slopes = single_slopes(orifices(x, valve), orifice_slopes(x, valve), found.q_in, found.circuit, pump)
+        by_x, by_p = differences(lambda x, p: [solved(x, p).q_in], np.array([x, p]), [SPOOL, PRESSURE])
+        assert_near(by_p, slopes.by_p, pump.flow / machine.pumps.relief)
+        assert_near(by_x, slopes.by_spool, pump.flow / knots[-1])
+    assert {(True, False), (False, False), (True, True)} <= kinds
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_slopes_of_two_valves_in_series_are_their_differences(machine, limited):
+    pump = pump_of(machine, machine.pumps.series_flow, limited)
+    first, second = (prepare_valve(getattr(machine, link).valve, machine.spool) for link in ("swing", "stick"))
+    rng, knots, compared = np.random.default_rng(1), np.array(machine.spool.knots), 0
+
+    def flows(x1, x2, p1, p2):
+        return series_circuit(orifices(x1, first), orifices(x2, second), p1, p2, pump)[:2]
+
+    for _ in range(200):
+        x1, x2 = rng.uniform(machine.spool.deadband, machine.spool.bypass_closed, 2)
+        p1, p2 = rng.uniform(0.0, 0.3 * machine.pumps.relief, 2)
+        k1, k2 = orifices(x1, first), orifices(x2, second)
+        found = series_circuit(k1, k2, p1, p2, pump)
+        kinks = np.abs(knots - x1).min() < 1e-6 or np.abs(knots - x2).min() < 1e-6 or found.circuit.q_relief > 0.0
+        if kinks or min(found.q_first, found.q_second) < 1e-3 * pump.flow:
+            continue
+        compared += 1
+        s1, s2 = orifice_slopes(x1, first), orifice_slopes(x2, second)
+        s = series_slopes(k1, k2, s1, s2, found.q_first, found.q_second, found.circuit, pump)
+        by = differences(flows, np.array([x1, x2, p1, p2]), [SPOOL, SPOOL, 3.0 * PRESSURE, 3.0 * PRESSURE])
+        spools = [[s.first_by_first, s.second_by_first], [s.first_by_second, s.second_by_second]]
+        pressures = [[s.first_by_p, s.other_by_p], [s.other_by_p, s.second_by_p]]
+        assert_near(by[:2], spools, pump.flow / knots[-1])
+        assert_near(by[2:], pressures, pump.flow / machine.pumps.relief)
+    assert compared > 50

@@ -1,0 +1,31 @@
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from polydraulic.measure.formats.arrow import numbers
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "bad"),
+    [
+        (pa.array([1, None, 3]), [1.0, np.nan, 3.0], []),
+        (pa.array([True, False]), [1.0, 0.0], []),
+        (pa.array([" 1.5", "", "n/a", "2e3 "]), [1.5, np.nan, np.nan, 2000.0], []),
+        (pa.array(["1", "open", None, "4"]), [1.0, np.nan, np.nan, 4.0], [1]),
+        (pa.array(["2", "1", "2"]).dictionary_encode(), [2.0, 1.0, 2.0], []),
+        (pa.chunked_array([[1.0], [2.0, None]]), [1.0, 2.0, np.nan], []),
+        (pa.array([[1.0], [2.0]]), [np.nan, np.nan], [0, 1]),
+    ],
+)
+def test_numbers_of_any_kind(column, values, bad):
+    found, places = numbers(column)
+    assert np.array_equal(found, values, equal_nan=True)
+    assert places.tolist() == bad
+
+
+def test_times_of_day_are_seconds():
+    stamps = pa.array(["2024-01-01 12:00:00.000", "2024-01-01 12:00:00.250"])
+    for column in (stamps, stamps.cast(pa.timestamp("ms"))):
+        found, places = numbers(column)
+        assert np.diff(found) == pytest.approx([0.25], abs=1e-6)
+        assert places.size == 0

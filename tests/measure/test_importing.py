@@ -1,0 +1,211 @@
+"""The quality report names each fault that is seeded in a log, with its rows, and none in a healthy one."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
+from polydraulic.errors import InputError
+from polydraulic.measure import write_quality
+from polydraulic.measure.findings import KINDS
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_healthy_log_raises_nothing(tmp_path, seed):
+    found = imported(tmp_path, healthy(seed))
+    assert [str(f) for f in found.findings] == []
+    assert (found.n_row, found.n_segment) == (3999, 1)  # the last row has no speed, nor one after it
+
+
+def overlap(columns):
+    again = slice(1900, 2000)
+    return {name: np.concatenate([v[:2000], v[again], v[2000:]]) for name, v in columns.items()}
+
+
+def clock_back(columns):
+    return put(columns, "time", 2000, columns["time"][1900])
+
+
+def clock_ahead(columns):
+    return put(columns, "time", 2000, columns["time"][2000] + 500.0)
+
+
+def frozen(columns):
+    return put(columns, "p_head", slice(1000, 1300), columns["p_head"][999])
+
+
+def to_zero(columns):
+    return put(columns, "lever", slice(*busy(columns)), 0.0)
+
+
+def busy(columns):
+    """Rows at which the lever is far out, for a second at least."""
+    out = np.flatnonzero(np.abs(columns["lever"]) > 0.5)
+    return int(out[0]), int(out[0]) + 60
+
+
+def uneven(columns):
+    shift = np.random.default_rng(1).uniform(-0.45, 0.45, len(columns["time"])) * RASTER
+    return {**columns, "time": columns["time"] + shift}
+
+
+# fault -> (columns, kind, channel, rows it must be found in or None)
+FAULTS = {
+    "half a second is missing": (lambda c: lose(c, slice(1000, 1050)), "gap", "time", [(1001, 1001)]),
+    "a second is there twice": (overlap, "overlap", "time", [(2001, 2099)]),
+    "the clock steps back once": (clock_back, "clock jump", "time", [(2001, 2001)]),
+    "the clock steps ahead once": (clock_ahead, "clock jump", "time", [(2001, 2001)]),
+    "a time comes twice": (lambda c: put(c, "time", 100, c["time"][99]), "time repeats", "time", [(101, 101)]),
+    "a time is empty": (lambda c: put(c, "time", 100, np.nan), "no time", "time", [(101, 101)]),
+    "time is in ms": (lambda c: {**c, "time": 1e3 * c["time"]}, "raster", "time", None),
+    "every other row is missing": (lambda c: lose(c, slice(1, None, 2)), "raster", "time", None),
+    "intervals jitter": (uneven, "irregular", "time", None),
+    "a value is a word": (lambda c: put(c, "lever", [50, 51], "ERR"), "text", "lever", [(51, 52)]),
+    "a value is infinite": (lambda c: put(c, "p_head", 70, np.inf), "infinite", "p_head", [(71, 71)]),
+    "a channel is empty": (lambda c: put(c, "speed", slice(None), np.nan), "empty", "speed", None),
+    "a channel is dead": (lambda c: put(c, "p_head", slice(None), 81.5), "constant", "p_head", None),
+    "a channel drops out": (lambda c: put(c, "lever", slice(500, 600), np.nan), "dropout", "lever", [(601, 601)]),
+    "a few values are implausible": (
+        lambda c: put(c, "p_head", [10, 20, 21], 999.0), "implausible", "p_head", [(11, 11), (21, 22)],
+    ),
+    "pressure is in psi": (lambda c: {**c, "p_head": 14.5038 * c["p_head"]}, "unit by values", "p_head", None),
+    "pressure is turned round": (lambda c: {**c, "p_head": -c["p_head"]}, "sign", "p_head", None),
+    "single spikes": (lambda c: put(c, "p_head", [1500, 2500], 240.0), "spike", "p_head", [(1501, 1501), (2501, 2501)]),
+    "a spike within the range": (lambda c: put(c, "p_head", 1500, 165.0), "spike", "p_head", [(1501, 1501)]),
+    "a sensor is stuck": (frozen, "frozen", "p_head", [(1000, 1300)]),
+    "a signal is lost to 0": (to_zero, "frozen", "lever", None),
+    "a sensor is at its end": (lambda c: {**c, "p_head": np.minimum(c["p_head"], 105.0)}, "clipped", "p_head", None),
+    "digits are too coarse": (lambda c: {**c, "p_head": 15.0 * np.round(c["p_head"] / 15.0)}, "coarse", "p_head", None),
+    "two channels are one": (lambda c: {**c, "lever": c["p_head"] / 1.0}, "copy", "p_head", None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_seeded_fault_is_named_with_its_rows(tmp_path, fault):
+    change, kind, channel, rows = FAULTS[fault]
+    found = imported(tmp_path, change(healthy()), MAP.replace("[-1.2, 1.2]", "[-1000, 1000]"))
+    named = found.findings.of(kind, channel)
+    assert named, [str(f) for f in found.findings]
+    if rows is not None:
+        assert named[0].rows == rows
+
+
+# faults of the file rather than of its numbers
+def test_broken_lines_are_named(tmp_path):
+    def cut(text):
+        lines = text.splitlines()
+        lines[10], lines[30] = lines[10] + ",7", "0.3"
+        return "\n".join(lines)
+
+    found = imported(tmp_path, healthy(), change=cut)
+    assert [(f.kind, f.rows) for f in found.findings] == [("missing line", [(10, 10), (30, 30)])]
+
+
+def test_row_numbers_count_broken_lines(tmp_path):
+    found = imported(
+        tmp_path, put(healthy(), "p_head", 100, 999.0), change=lambda text: text.replace("\n0.3,", "\n0.3,,,,,", 1)
+    )
+    assert found.findings.of("implausible")[0].rows == [(101, 101)]
+
+
+def test_a_name_that_comes_twice_is_named(tmp_path):
+    columns = healthy()
+    found = imported(
+        tmp_path, {**columns, "again": columns["lever"] + 1.0}, names=["time", "lever", "p_head", "speed", "lever"]
+    )
+    assert [(f.kind, f.channel) for f in found.findings] == [("duplicate", "lever")]
+    assert np.max(np.abs(found.excerpt["lever"])) < 1.2  # the first was taken
+
+
+@pytest.mark.parametrize(
+    ("unit", "kinds"),
+    [
+        ("psi", ["unit"]),
+        ("l/min", ["unit"]),
+        ("furlong??", ["unit"]),
+        ("bar(a)", ["unit"]),
+        ("barg", []),
+        ("bar(g)", []),
+        ("", []),
+    ],
+)
+def test_a_unit_other_than_the_logs_is_named(tmp_path, unit, kinds):
+    found = imported(tmp_path, healthy(), units={**UNITS, "p_head": unit})
+    assert [f.kind for f in found.findings] == kinds
+    assert all("the map 'bar'" in f.detail for f in found.findings)
+
+
+@pytest.mark.parametrize(
+    ("unit", "measured"), [("kN", "force"), ("degC", "temperature"), ("", "number"), ("l/min", "flow")]
+)
+def test_a_pressure_of_the_log_becomes_nothing_else(tmp_path, unit, measured):
+    named = MAP.replace('"p_head"\nname = "boom.p_a"', '"head"').replace('"bar"', f'"{unit}"')
+    columns = {"head" if name == "p_head" else name: values for name, values in healthy().items()}
+    with pytest.raises(
+        InputError,
+        match=f"channel 'head' is a pressure in 'bar\\(g\\)', but the map's unit '{unit}' measures {measured}",
+    ):
+        imported(tmp_path, columns, named, units={**UNITS, "head": "bar(g)"})
+    said = imported(
+        tmp_path,
+        columns,
+        named.replace(f'"{unit}"', f'"{unit}"\nkind = "{measured}"'),
+        units={**UNITS, "head": "bar(g)"},
+    )
+    assert [f.kind for f in said.findings] == ["unit"]
+
+
+# unit -> (Pa of one, whether it is absolute)
+PRESSURES = {
+    "bar": (1e5, False), "bar(g)": (1e5, False), "bar g": (1e5, False), "barg": (1e5, False), "bar rel": (1e5, False), "kgf/cm2": (98066.5, False),
+    "kg/cm2": (98066.5, False), "psig": (6894.757293168, False), "kPa g": (1e3, False), "bar(a)": (1e5, True), "bara": (1e5, True), "barA": (1e5, True),
+    "bar abs": (1e5, True), "psi(a)": (6894.757293168, True), "psia": (6894.757293168, True), "kPa(a)": (1e3, True), "mbar(a)": (100.0, True),
+    "MPa(abs)": (1e6, True), "ata": (98066.5, True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", PRESSURES)
+def test_gauge_and_absolute_pressures_of_logs(tmp_path, unit):
+    factor, absolute = PRESSURES[unit]
+    pascal = healthy()["p_head"] * 1e5
+    columns = {**healthy(), "p_head": pascal / factor}
+    free = re.sub(r"range = \[5, 250\]\n", "", MAP).replace('"bar"', f'"{unit}"')
+    for stated, atmosphere in (("", 101325.0), ('atmosphere = "0.95 bar"\n', 95000.0)):
+        found = imported(tmp_path, columns, stated + free, units={**UNITS, "p_head": unit})
+        assert [f.kind for f in found.findings] == (["atmosphere"] if absolute and not stated else [])
+        assert all("1.01325 bar were taken from" in str(f) for f in found.findings)
+        above = atmosphere if absolute else 0.0
+        assert found.excerpt["boom.p_a"] == pytest.approx(pascal[:3999] - above, rel=1e-9)
+        assert found.shown["boom.p_a"].from_si(found.excerpt["boom.p_a"][:5]) == pytest.approx(
+            columns["p_head"][:5], rel=1e-9
+        )
+        write_quality(found, tmp_path / "quality.html")
+        page, data = (tmp_path / "quality.html").read_text(), json.loads((tmp_path / "quality.json").read_text())
+        assert data["atmosphere_Pa"] == (atmosphere if absolute else None)
+        assert (f"{atmosphere / 1e5:g} bar were taken from absolute ones" in page) == absolute
+
+
+def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):
+    columns = healthy()
+    columns["p_head"][::1] = np.where(np.arange(4000) < 2000, columns["p_head"], np.nan)
+    columns["speed"] = np.where(np.arange(4000) < 2000, np.nan, columns["speed"])
+    found = imported(tmp_path, columns)
+    assert found.findings.of("no rows")
+    assert not (tmp_path / "table.parquet").exists()
+
+
+def test_every_kind_of_finding_is_seeded():
+    elsewhere = {"missing line", "duplicate", "unit", "atmosphere", "no rows"}
+    assert {kind for _, kind, _, _ in FAULTS.values()} | elsewhere == set(KINDS)
+
+
+def test_a_held_channel_that_is_written_only_when_it_changes_is_no_fault(tmp_path):
+    columns = healthy()
+    level = np.repeat(np.arange(100.0) % 7, 40)
+    columns["lever"] = np.where(np.arange(4000) % 40 == 0, level, np.nan)
+    changed = MAP.replace('unit = "V"\nrange = [-1.2, 1.2]', 'between = "hold"\nraster = "1 s"')
+    found = imported(tmp_path, columns, changed, units={**UNITS, "lever": ""})
+    assert [str(f) for f in found.findings] == []
+    assert np.array_equal(found.excerpt["lever"], level[:3999])

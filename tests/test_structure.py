@@ -1,0 +1,135 @@
+"""The house itself: sizes of files and folders, names that mean one thing, tests where their modules are."""
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SRC, TESTS = ROOT / "src" / "polydraulic", ROOT / "tests"
+MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
+
+# Modules, or whole folders, whose tests stand elsewhere: where, and why.
+TESTED_ELSEWHERE = {
+    "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
+    "errors.py": ("parameters/test_load.py", "two names of exceptions"),
+    "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
+    "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
+    "export/fmu/xml.py": ("export/fmu/test_networks.py", "descriptions are validated and read by importers"),
+    "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
+    "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
+    "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
+    "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
+    "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
+    "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
+    "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
+    "identification/run_plot.py": ("identification/test_runs.py", "pictures of the runs made there"),
+    "identification/validity.py": ("identification/test_model_card.py", "what the card says is held to new data"),
+    "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
+    "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
+    "measure/formats/parquet_log.py": ("measure/formats/test_logs.py", "every format gives the same table"),
+    "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
+    "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
+    "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
+    "simulation/solvers/lsoda.py": ("simulation/test_methods.py", "the judge of the other methods"),
+    "simulation/solvers/rosenbrock_step.py": (
+        "simulation/solvers/test_rosenbrock.py",
+        "order and tolerance of its steps",
+    ),
+    "simulation/solvers/switching.py": ("simulation/test_methods.py", "methods agree on when things happen"),
+    "simulation/step.py": ("simulation/test_whole_machine.py", "a step is held to balances of oil and energy"),
+    "thesis/beyond.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "thesis/boom_models.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "thesis/boom_perceptrons.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "thesis/printed_units.py": ("test_tables.py", "columns as the thesis prints them are those shown in its system"),
+    "thesis/report/": ("thesis/report/test_write.py", "the report is made and read as a whole"),
+    "thesis/single_link.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "thesis/three_links.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+}
+
+# Public functions that several modules have, and why that confuses nobody.
+SHARED_NAMES = {
+    "content": "each chapter's, asked for by the report",
+    "integrate": "a solver's, chosen by the method of `simulate`",
+    "record": "of runs as logs, and of a step in a row: the kernel's name leaves as C",
+}
+
+
+def test_files_and_folders_are_small():
+    long = {name: n for name in MODULES if (n := len((SRC / name).read_text(encoding="utf-8").splitlines())) > 400}
+    assert long == {}
+    flat = defaultdict(list)
+    for name in MODULES:
+        if not name.endswith("__init__.py"):
+            flat[Path(name).parent.as_posix()].append(name)
+    assert {folder: len(names) for folder, names in flat.items() if len(names) > 16} == {}
+
+
+def defined(kind):
+    """Modules by the public names of a kind that they define."""
+    found = defaultdict(list)
+    for name in MODULES:
+        for node in ast.parse((SRC / name).read_text(encoding="utf-8")).body:
+            if isinstance(node, kind) and not node.name.startswith("_"):
+                found[node.name].append(name)
+    return found
+
+
+def test_a_public_class_name_means_one_thing():
+    assert {name: modules for name, modules in defined(ast.ClassDef).items() if len(modules) > 1} == {}
+
+
+def test_a_public_function_name_means_one_thing():
+    """Commands are called as what they call."""
+    several = {
+        name: modules
+        for name, modules in defined(ast.FunctionDef).items()
+        if len([module for module in modules if not module.startswith("cli/")]) > 1
+    }
+    assert {name: modules for name, modules in several.items() if name not in SHARED_NAMES} == {}
+
+
+@pytest.mark.parametrize(
+    "package", sorted(path.parent.relative_to(SRC).as_posix() for path in SRC.rglob("__init__.py"))
+)
+def test_no_module_is_shadowed_by_an_object_of_its_name(package):
+    folder = SRC / package
+    modules = {path.stem for path in folder.glob("*.py")} | {path.parent.name for path in folder.glob("*/__init__.py")}
+    for file in folder.glob("__init__.py*"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                from_here = node.module in (None, f"polydraulic.{package.replace('/', '.')}")  # the modules themselves
+                names = {alias.asname or alias.name for alias in node.names}
+                assert from_here or not names & modules, names & modules
+            elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+                assert node.name not in modules
+
+
+def place_of(module):
+    """Where the tests of a module belong."""
+    path = Path(module)
+    return (path.parent / f"test_{path.stem.lstrip('_')}.py").as_posix()
+
+
+def listed(module):
+    return next(
+        (entry for entry in TESTED_ELSEWHERE if module == entry or (module.startswith(entry) and entry[-1] == "/")),
+        None,
+    )
+
+
+def test_tests_mirror_the_modules_or_say_why_not():
+    code = [name for name in MODULES if Path(name).name not in ("__init__.py", "__main__.py")]
+    here = {module for module in code if (TESTS / place_of(module)).exists()}
+    assert [module for module in code if module not in here and listed(module) is None] == []
+    needed = {listed(module) for module in code if module not in here}
+    assert [entry for entry in TESTED_ELSEWHERE if entry not in needed] == []
+    assert len(here) > 0.7 * len(code)
+
+
+@pytest.mark.parametrize("entry", TESTED_ELSEWHERE)
+def test_tests_that_stand_elsewhere_are_there(entry):
+    place, why = TESTED_ELSEWHERE[entry]
+    assert (TESTS / place).exists()
+    assert why
