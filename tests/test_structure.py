@@ -12,7 +12,7 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
-    "cli/": ("test_cli.py", "commands are tested as a user calls them, whatever module they are in"),
+    "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
     "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
@@ -21,7 +21,6 @@ TESTED_ELSEWHERE = {
     "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
-    "flow/training/train.py": ("flow/test_polynomial.py", "a script; what it has written is tested"),
     "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
     "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
     "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
@@ -43,6 +42,7 @@ TESTED_ELSEWHERE = {
     "thesis/beyond.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/boom_models.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/boom_perceptrons.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "thesis/printed_units.py": ("test_tables.py", "columns as the thesis prints them are those shown in its system"),
     "thesis/report/": ("thesis/report/test_write.py", "the report is made and read as a whole"),
     "thesis/single_link.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/three_links.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),

@@ -72,7 +72,7 @@ GAIN = 'gain = { value = 0.80, unit = "in/V", source = "derived, 5.3.2'
         ("angle = { value = 30.0", "angle = { value = 90.0", "boom.initial.angle .*within the stops"),
         ("p_a = { value = 900.0", "p_a = { value = 9000.0", "boom.initial.p_a .*must be in"),
         (', source = "thesis 4.1" }', " }", "missing key .source. in spool.deadband"),
-        ('"thesis 4.1"', '" "', "spool.deadband.source = ' ': must be a text"),
+        ('"thesis 4.1"', '" "', "spool.deadband.source = ' ': must be a string"),
         ("relief = { value = 4500.0", "relief = [ value = 4500.0", "not a TOML file"),
     ],
 )  # fmt: skip

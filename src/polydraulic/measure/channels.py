@@ -160,7 +160,18 @@ def load_channels(path: str | Path) -> ChannelMap:
 
 
 def channel_map(data: Mapping[str, Any]) -> ChannelMap:
-    """Check what a channel map's file holds; see `load_channels`."""
+    """Make a channel map from what its file would hold.
+
+    Parameters
+    ----------
+    data : mapping
+        Keys and values as in the TOML file that `load_channels` reads.
+
+    Raises
+    ------
+    InputError
+        As `load_channels`, without the name of a file.
+    """
     check_keys(data, _MAP, {"raster", "channel"})
     raster = duration(data["raster"], "raster")
     flows = tuple(_flow(item, f"flow {n}") for n, item in enumerate(_tables(data, "flow"), 1))
@@ -198,7 +209,7 @@ def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGES
 def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
     """Check a text that is not empty, one of `allowed` if given."""
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{where} = {value!r}: must be a text")
+        raise InputError(f"{where} = {value!r}: must be a string")
     if allowed is not None and value not in allowed:
         raise InputError(f"{where} = {value!r}: must be one of {list(allowed)}")
     return value
@@ -240,7 +251,7 @@ def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
         return Channel(source, source, role)
     unit = item.get("unit", "s" if role == "time" else "")
     if not isinstance(unit, str):
-        raise InputError(f"unit of {where} = {unit!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {unit!r}: must be a string, empty for plain numbers")
     name = source if role == "time" else text(item.get("name", source), f"name of {where}")
     kind, why = _kind(item, where, name, pressures) if role != "time" else ("s", "its role")
     try:

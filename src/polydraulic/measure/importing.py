@@ -4,13 +4,14 @@ The table has the columns ``time``, ``segment`` and one for each input and outpu
 them are known; rows of one segment follow each other without a gap.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.checks.channel_check import ChannelCheck
@@ -22,11 +23,11 @@ from polydraulic.measure.formats.log import Log
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, table_ending, table_writer
 from polydraulic.unit_table import ATMOSPHERE
 from polydraulic.units import Conversion, unit_kind
 
-Progress = Callable[[int, int], None]
 STEPS = 1000  # of the progress
 
 
@@ -49,6 +50,8 @@ class Imported:
         Rows of segments in which no flow could be reconstructed.
     excerpt : Table
         Rows from all over the table, or all of them if they are few.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times count from 1970 themselves.
     """
 
     source: Path
@@ -60,17 +63,22 @@ class Imported:
     n_segment: int
     too_short: int
     excerpt: Table
+    began: float = 0.0
 
-    @property
-    def shown(self) -> dict[str, Conversion]:
-        """Units in which people read the columns: those of the log."""
+    def shown(self, units: str = DEFAULT) -> dict[str, Conversion]:
+        """How the columns convert to the units that people read: those of `units`, or of the log where that system has none."""
         found = {c.name: self.channels.conversion(c) for c in self.channels.used}
-        return found | {flow.name: conversion("l/min") for flow in self.channels.flows}
+        found |= {flow.name: conversion("m3/s") for flow in self.channels.flows}
+        for name, own in found.items():
+            read = shown_unit(own.si, units)
+            if units == "si":
+                found[name] = Conversion(1.0, 0.0, own.si, own.si)
+            elif read != own.si:
+                found[name] = conversion(read)
+        return found
 
 
-def import_log(
-    path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = lambda done, total: None
-) -> Imported:
+def import_log(path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = quiet) -> Imported:
     """Read a log through a channel map and write the table that comes of it.
 
     Parameters
@@ -81,7 +89,7 @@ def import_log(
         From `load_channels`.
     out : str or Path
         Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
-    progress : function (done, total), optional
+    progress : Progress, optional
 
     Returns
     -------
@@ -107,6 +115,7 @@ def import_log(
             "inputs": channels.of_role("input"),
             "outputs": channels.of_role("output"),
         }
+        info |= {"began": log.began} if log.began else {}
         excerpt = Excerpt(units)
         merged = _Merged(log, channels, groups, findings, resampler)
         try:
@@ -116,7 +125,7 @@ def import_log(
                         for time, segment, columns in flows.add(*rows):
                             write([time, segment, *columns])
                             excerpt.add([time, segment, *columns])
-                    progress(int(STEPS * done.share), STEPS)
+                    progress(log.path.name, int(STEPS * done.share), STEPS)
                 for time, segment, columns in flows.end():
                     write([time, segment, *columns])
                     excerpt.add([time, segment, *columns])
@@ -129,7 +138,7 @@ def import_log(
     _copies(merged.checks, findings)
     return Imported(
         log.path, channels, findings, merged.checks, merged.span,
-        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(),
+        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(), log.began,
     )  # fmt: skip
 
 

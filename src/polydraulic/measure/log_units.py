@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.unit_table import ATMOSPHERE, BASE, KINDS
 from polydraulic.units import FACTORS, Conversion, Symbol, read_unit
@@ -68,6 +69,11 @@ def conversion(unit: str, *, kind: str = "", atmosphere: float = ATMOSPHERE) -> 
 def says_pressure(name: str) -> bool:
     """Whether a channel's name says that it is a pressure: ``p_head``, ``boom.p_a``, ``PumpPressure``, ``Druck A``."""
     return _PRESSURE.search(name) is not None
+
+
+def conversion_shown(unit: str, units: str = DEFAULT) -> Conversion:
+    """How a column in `unit` converts to what it is shown in, by a system of units of `polydraulic.display`."""
+    return Conversion(1.0 / as_shown(1.0, unit, units), 0.0, unit, shown_unit(unit, units))
 
 
 def same_kind(unit: str) -> list[str]:

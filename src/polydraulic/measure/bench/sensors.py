@@ -1,6 +1,7 @@
 """Sensors of a virtual test bench: what they read of a run, how well and how often. A TOML file."""
 
 from dataclasses import dataclass
+from importlib.resources import files
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,11 @@ class Bench:
     pause: float = 5.0
 
 
+def example_sensors() -> str:
+    """Text of a file of sensors to begin with: all that machines are learnt from and run against, with every key explained."""
+    return (files("polydraulic.measure.bench") / "example_sensors.toml").read_text(encoding="utf-8")
+
+
 def load_sensors(path: str | Path) -> Bench:
     """Read the sensors of a virtual test bench.
 
@@ -126,7 +132,7 @@ def _sensor(item: Any, where: str) -> Sensor:
     column = text(item["column"], f"column of {where}")
     where = f"sensor {item.get('name', column)!r}"
     if not isinstance(item["unit"], str):
-        raise InputError(f"unit of {where} = {item['unit']!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {item['unit']!r}: must be a string, empty for plain numbers")
     try:
         conversion(item["unit"], kind=_kind(column))
     except InputError as error:

@@ -2,6 +2,7 @@
 
 import zlib
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -139,6 +140,11 @@ class ChannelCheck:
         others = [u for u in same_kind(c.unit) if fits(self.conversion.from_si(conversion(u).to_si(value)))]
         if others:
             self.findings.add("unit by values", c.source, f"the map says {c.unit!r}; it could be {' or '.join(others)}")
+
+
+def value_in(check: ChannelCheck, unit: Conversion, value: Any) -> Any:
+    """A value of a channel, in the unit of the log, in another one."""
+    return unit.from_si(check.conversion.to_si(value))
 
 
 def _spikes(v: np.ndarray) -> np.ndarray:

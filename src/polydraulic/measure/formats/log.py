@@ -64,6 +64,8 @@ class Log:
     read : function (group, names, time, findings) -> iterator of Block
     close : function ()
         Lets go of what the log holds; a log is a context that does so at its end.
+    began : float, s since 1970
+        When the log's time was zero, by the clock on the wall; 0 where the file does not say.
     """
 
     path: Path
@@ -72,6 +74,7 @@ class Log:
     read: Reader = field(repr=False)
     duplicates: list[str] = field(default_factory=list)
     close: Callable[[], None] = field(default=lambda: None, repr=False)
+    began: float = 0.0
 
     def __enter__(self) -> "Log":
         return self
