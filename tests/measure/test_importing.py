@@ -179,7 +179,8 @@ def test_gauge_and_absolute_pressures_of_logs(tmp_path, unit):
         assert all("1.01325 bar were taken from" in str(f) for f in named)
         gauge = found.excerpt["boom.p_a"]
         assert gauge == pytest.approx(log["p_head"][:-1] * 1e5 - (atmosphere if absolute else 0.0), rel=1e-9)
-        assert found.shown["boom.p_a"].from_si(gauge) == pytest.approx(columns["p_head"][:-1], rel=1e-9)
+        back = found.channels.conversion(found.channels.used[1])
+        assert back.from_si(gauge) == pytest.approx(columns["p_head"][:-1], rel=1e-9)
 
 
 @pytest.mark.parametrize(("unit", "stated", "taken", "why"), [
