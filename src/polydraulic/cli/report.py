@@ -17,7 +17,7 @@ def report(
     figure: Annotated[str | None, typer.Option(help="Only this figure, as an SVG with its data.")] = None,
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Reproduce the thesis: every table, figure and printed number next to ours, and what is possible today.
+    """Reproduce the thesis: every table, figure and printed number with the computed one, and what is possible today.
 
     Writes index.html and a page for each chapter (readable offline), figures, their data as CSV, and results.json. What has been
     computed stays in the folder's cache: a second run takes seconds, and one that was killed goes on.
@@ -41,4 +41,4 @@ def report(
         else:
             rows = write_report(plant, out, chapters=chapter, progress=progress)
             path = out / "index.html"
-    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers next to ours")
+    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers recomputed")
