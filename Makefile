@@ -3,10 +3,15 @@ PYTHON ?= python3
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
-.PHONY: report test test-all bench bench-peers lint clean
+.PHONY: report docs test test-all bench bench-peers lint surface build changes clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
+
+# Warnings are errors, among them links that lead nowhere.
+docs: .venv/ready
+	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
+	@echo docs/_build/html/index.html
 
 # Compiled first, then the quick tests once more in plain Python: the kernels must not depend on the compiler.
 test: .venv/ready
@@ -35,6 +40,20 @@ lint: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/towncrier build --draft --version unreleased > /dev/null
+
+# After a change of public names or signatures; a file in changes/ must say it first.
+surface: .venv/ready
+	$(BIN)/python tools/public_surface.py
+
+# Wheel (made from the source distribution) and source distribution, each tried in an environment outside of the checkout.
+build: .venv/ready
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/python tools/install_built.py dist
+
+changes: .venv/ready
+	$(BIN)/towncrier build --draft --version unreleased
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -48,4 +67,4 @@ lint: .venv/ready
 	touch $@
 
 clean:
-	rm -rf .venv .venv-peers report
+	rm -rf .venv .venv-peers report dist docs/_build docs/reference

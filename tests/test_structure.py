@@ -12,7 +12,7 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
-    "cli/": ("test_cli.py", "commands are tested as a user calls them, whatever module they are in"),
+    "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
     "columns/": ("measure/formats/test_csv_log.py", "files of all kinds are opened, and read as a whole"),
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
@@ -22,7 +22,6 @@ TESTED_ELSEWHERE = {
     "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
-    "flow/training/train.py": ("flow/test_polynomial.py", "a script; what it has written is tested"),
     "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
     "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
     "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
@@ -33,6 +32,9 @@ TESTED_ELSEWHERE = {
     "measure/formats/parquet_log.py": ("measure/formats/test_csv_log.py", "in one list with text files"),
     "parameters/recording.py": ("parameters/test_scenario.py", "recordings are scenarios"),
     "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
+    "parameters/conditions.py": ("parameters/test_load.py", "conditions refuse files as ranges of single numbers do"),
+    "parameters/quantity.py": ("parameters/test_values.py", "ranges are held by whoever sets a value"),
+    "progress.py": ("test_terminal.py", "a protocol; what is told is shown"),
     "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
     "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
     "simulation/solvers/lsoda.py": ("simulation/test_methods.py", "the judge of the other methods"),
@@ -45,6 +47,7 @@ TESTED_ELSEWHERE = {
     "thesis/beyond.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/boom_models.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/boom_perceptrons.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "thesis/printed_units.py": ("test_tables.py", "columns as the thesis prints them are those shown in its system"),
     "thesis/report/": ("thesis/report/test_write.py", "the report is made and read as a whole"),
     "thesis/single_link.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/three_links.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),

@@ -1,22 +1,69 @@
+import sys
+import time
+
 import pytest
 
 from polydraulic import terminal
 
 
-@pytest.mark.parametrize(("patience", "shown"), [(60.0, False), (0.0, True)])
-def test_progress_appears_only_when_work_takes_long(capsys, patience, shown):
-    with terminal.steps("work", 2, patience=patience) as begin:
-        begin("first")
-        if shown:
-            import time
+@pytest.fixture
+def terminals(monkeypatch):
+    """A terminal, and the time since the command began."""
 
-            time.sleep(0.2)  # the timer's thread needs a moment
-        begin("second")
-    with terminal.counted("draw", patience=patience) as update:
-        update(3, 3)
-    assert ("2/2" in capsys.readouterr().err) is shown
+    def use(is_terminal, seconds):
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: is_terminal, raising=False)
+        monkeypatch.setenv("TERM", "xterm")
+        monkeypatch.delenv("FORCE_COLOR", raising=False)
+        monkeypatch.setattr(terminal, "_BEGAN", time.monotonic() - seconds)
+
+    return use
 
 
-def test_an_error_ends_the_progress():
-    with pytest.raises(ValueError, match="mine"), terminal.steps("work", 1, patience=60.0):
+def work():
+    with terminal.progress_bar("work") as progress:
+        progress("first", 0, 2)
+        time.sleep(0.2)  # the timer's thread needs a moment
+        progress("second", 2, 2)
+
+
+@pytest.mark.parametrize(
+    ("is_terminal", "seconds", "shown"), [(True, 0.0, False), (True, 3.0, True), (False, 3.0, False)]
+)
+def test_progress_appears_when_a_command_takes_long_and_someone_looks(terminals, capsys, is_terminal, seconds, shown):
+    terminals(is_terminal, seconds)
+    work()
+    printed = capsys.readouterr()
+    assert ("2/2" in printed.err) is shown
+    assert ("work: first" in printed.err) is shown
+    assert printed.out == ""
+    if not shown:
+        assert printed.err == ""
+
+
+def test_loading_is_shown_until_the_work_begins(terminals, capsys):
+    terminals(True, 3.0)
+    with terminal.loading():
+        time.sleep(0.2)
+        assert "loading" in capsys.readouterr().err
+        work()
+        printed = capsys.readouterr().err
+        assert "2/2" in printed
+        assert "loading" not in printed.split("work: first")[-1]
+    terminals(True, 0.0)
+    with terminal.loading():
+        pass
+    assert capsys.readouterr().err == ""
+
+
+def test_output_goes_past_the_bar(terminals, capsys):
+    terminals(True, 3.0)
+    with terminal.progress_bar("work"):
+        time.sleep(0.2)
+        print("a result")
+    assert capsys.readouterr().out == "a result\n"
+
+
+def test_an_error_ends_the_progress(terminals):
+    terminals(True, 3.0)
+    with pytest.raises(ValueError, match="mine"), terminal.progress_bar("work"):
         raise ValueError("mine")

@@ -1,64 +1,68 @@
 """What commands show while they work, and a table of what they found."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from threading import Timer
 from typing import TYPE_CHECKING
+
+from polydraulic.progress import Progress, quiet
 
 if TYPE_CHECKING:
     from polydraulic.simulation.trajectory import Difference
 
-PATIENCE = 2.0  # s, before progress is shown
+PATIENCE = 2.0  # s since the command began, before progress is shown
+_BEGAN = time.monotonic()
+_loading = ExitStack()
 
 
 @contextmanager
-def steps(title: str, total: int, *, patience: float = PATIENCE) -> Iterator[Callable[[str], None]]:
-    """A progress bar; the function it gives is called as each step begins."""
-    begun = 0
-    with _bar(title, total, patience) as update:
-
-        def begin(step: str) -> None:
-            nonlocal begun
-            update(begun, total, step)
-            begun += 1
-
-        yield begin
-        update(total, total, title)
+def loading() -> Iterator[None]:
+    """What is shown while a command loads what it needs, until it says itself by a `progress_bar` what it does."""
+    with _loading:
+        _loading.enter_context(_bar("loading", transient=True))
+        yield
 
 
 @contextmanager
-def stages(title: str, *, patience: float = PATIENCE) -> Iterator[Callable[[str, int, int], None]]:
-    """A progress bar; the function it gives is called with what begins, the number done and the number in all."""
-    with _bar(title, 1, patience) as update:
-        yield lambda what, done, total: update(done, total, what)
+def progress_bar(title: str) -> Iterator[Progress]:
+    """A progress bar that appears once the command has taken longer than `PATIENCE`, where a terminal shows it.
+
+    What it gives is the `progress` of whatever takes long.
+    """
+    _loading.close()
+    with _bar(title, transient=False) as tell:
+        yield tell
 
 
 @contextmanager
-def counted(title: str, *, patience: float = PATIENCE) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar; the function it gives is called with the number done and the number in all."""
-    with _bar(title, 1, patience) as update:
-        yield lambda done, total: update(done, total, title)
-
-
-@contextmanager
-def _bar(title: str, total: int, patience: float) -> Iterator[Callable[[int, int, str], None]]:
-    """A progress bar that appears when the work takes longer than `patience` seconds."""
-    from threading import Timer
-
+def _bar(title: str, *, transient: bool) -> Iterator[Progress]:
+    """A bar without an end, until it is told of one; a transient one leaves nothing behind."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (
-        TextColumn("{task.fields[step]:40s}"),
-        BarColumn(),
-        TextColumn("{task.completed}/{task.total}"),
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield quiet
+        return
+
+    from rich import progress as parts
+    from rich.table import Column
+
+    text = parts.TextColumn(
+        "{task.fields[what]}", markup=False, table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")
     )
-    bar = Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=False)
-    task = bar.add_task(title, total=total, step="")
-    timer = Timer(patience, bar.start)
+    # what a command prints goes to its own output, not through the bar
+    bar = parts.Progress(
+        text, parts.BarColumn(24), parts.MofNCompleteColumn(), parts.TimeElapsedColumn(), console=console, expand=True,
+        transient=transient, redirect_stdout=False, redirect_stderr=False,
+    )  # fmt: skip
+    task = bar.add_task(title, total=None, what=title)  # it moves to and fro until the first piece is told
+    timer = Timer(max(0.0, _BEGAN + PATIENCE - time.monotonic()), bar.start)
     timer.daemon = True
     timer.start()
     try:
-        yield lambda done, total, step: bar.update(task, completed=done, total=total, step=step)
+        yield lambda what, done, total: bar.update(task, completed=done, total=total, what=f"{title}: {what}")
+        bar.update(task, what=title)
     finally:
         timer.cancel()
         timer.join()
@@ -66,18 +70,19 @@ def _bar(title: str, total: int, patience: float) -> Iterator[Callable[[int, int
             bar.stop()
 
 
-def print_differences(differences: "Mapping[str, Difference]") -> None:
+def print_differences(differences: "Mapping[str, Difference]", units: str) -> None:
     """What a run differs by from the exact one: every link that moves, the pumps and the tip."""
+    from polydraulic.display import as_shown, shown_unit
+    from polydraulic.pages.text import text_table
     from polydraulic.parameters.schema import LINKS
-    from polydraulic.simulation.trajectory import field_unit
-    from polydraulic.units import from_si
 
     names = [f"{link}.{quantity}" for link in LINKS for quantity in ("angle", "rate", "q_in", "p_in")]
     names += ["boom.p_pump", "series.p_pump", "effector.distance"]
-    print(f"{'differences from exact':24s}{'largest':>12s}{'at':>10s}{'rms':>12s}{'at the end':>12s}")
+    rows = []
     for name in (name for name in names if name in differences):
         d = differences[name]
-        tip = name == "effector.distance"
-        unit = "mm" if tip else field_unit(name, d.unit)
-        largest, rms, final = (f"{from_si(value, unit):12.4g}" for value in (d.largest, d.rms, d.final))
-        print(f"  {'tip' if tip else name:22s}{largest}{d.time:8.2f} s{rms}{final} {unit}")
+        largest, rms, final = (f"{as_shown(value, d.unit, units):.4g}" for value in (d.largest, d.rms, d.final))
+        unit = shown_unit(d.unit, units)
+        rows.append(["tip" if name == "effector.distance" else name, largest, f"{d.time:.2f} s", rms, final, unit])
+    print("differences from exact:")
+    print("\n".join(text_table(("", "largest", "at", "rms", "at the end", "unit"), rows)))

@@ -5,7 +5,8 @@ from polydraulic.errors import InputError
 from polydraulic.flow import exact_flow
 from polydraulic.flow.database import sample_boom, sample_series
 from polydraulic.flow.sample import sample_fed
-from polydraulic.units import CUBIC_INCH, from_si
+from polydraulic.unit_table import CUBIC_INCH
+from polydraulic.units import from_si
 
 
 def test_statistics_of_the_boom_map(machine):

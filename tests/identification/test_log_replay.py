@@ -1,5 +1,7 @@
 """A machine run against a log of itself, and of another one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,7 +29,7 @@ def test_the_machine_follows_its_own_log(found):
     assert [round(float(w.time[0]), 6) for w in windows] == [0.0, 5.0, 10.0, 15.0]
     assert all(w.run.shape == w.measured.shape == (250, 3) for w in windows)
     for drift in found.drifts:
-        assert 0.0 < drift.median <= drift.largest < (300.0 if drift.name == "tip" else 3.0)
+        assert 0.0 < drift.median <= drift.largest < (0.3 if drift.name == "tip" else np.radians(3.0))
         assert drift.moved > 5.0 * drift.median
 
 
@@ -73,7 +75,8 @@ def test_how_far_it_drifts_is_said(found):
     assert head == "4 windows of 5 s, each begun from the measured state; largest distance in a window:"
     assert names.split() == ["joint", "median", "largest", "moved"]
     assert [row.split()[0] for row in rows] == ["swing", "boom", "stick", "tip"]
-    assert rows[1].split()[1:3] == [f"{found.drifts[1].median:.2f}", "deg"]
+    assert rows[1].split()[1:3] == [f"{np.degrees(found.drifts[1].median):.2f}", "deg"]
+    assert "rad" in found.text("si").splitlines()[3]
 
 
 def test_models_go_with_flow_models_of_networks(machine):
@@ -84,11 +87,16 @@ def test_models_go_with_flow_models_of_networks(machine):
 def test_the_picture_shows_joints_and_drift(found):
     figure = plot_replay(found)
     assert [axis.get_ylabel() for axis in figure.axes] == [
-        "swing [deg]",
-        "boom [deg]",
-        "stick [deg]",
+        "swing angle [deg]",
+        "boom angle [deg]",
+        "stick angle [deg]",
         "run - measured\n[deg]",
     ]
+    assert figure.axes[-1].get_xlabel() == "time [s]"
+    dated = plot_replay(replace(found, began=1.7e9), units="si")
+    assert dated.axes[-1].get_xlabel() == "time of day, 2023-11-14"
+    assert str(dated.axes[0].lines[0].get_xdata()[0]) == "2023-11-14T22:13:20.000000"
+    assert dated.axes[0].lines[0].get_ydata() == pytest.approx(found.windows[0].measured[:, 0])
     assert len(figure.axes[1].lines) == 3 * len(found.windows)
 
 

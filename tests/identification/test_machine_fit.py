@@ -10,11 +10,13 @@ from helpers.machine_log import changed, machine_log
 from polydraulic import load_models, save_models
 from polydraulic.errors import InputError
 from polydraulic.identification import Drift, fit_machine, machine_coverage, machine_fit, write_card
-from polydraulic.identification.machine_fit import HEADS, kept, summary
+from polydraulic.identification.log_replay import drift_rows
+from polydraulic.identification.machine_fit import heads, kept, summary
 from polydraulic.identification.machine_judging import held_out, one_sided
 from polydraulic.identification.machine_log import Known, as_judged, by_port, judging_rows
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
+from polydraulic.unit_table import CUBIC_INCH
 
 OUTPUTS = ["boom.q_in", "swing.q_in", "stick.q_in", "swing.k_out", "boom.k_out", "stick.k_out"]
 
@@ -91,13 +93,21 @@ def test_a_search_that_ended_worse_with_all_rows_is_not_released(machine, log, m
     assert kept(found.outputs) in str(found).splitlines()
 
 
-def test_a_table_in_the_units_of_the_field(learnt):
+def test_a_table_in_the_units_asked_for(learnt):
     rows = summary(learnt.outputs)
     assert [row[0] for row in rows] == OUTPUTS
     training = learnt.outputs[0].model.training
-    assert float(rows[0][HEADS.index("rms [l/min]")]) == pytest.approx(6e4 * training["held_out_flow_rms"], abs=0.006)
+    assert float(rows[0][heads().index("rms [l/min]")]) == pytest.approx(6e4 * training["held_out_flow_rms"], rel=0.006)
     share = 100.0 * training["held_out_flow_rms"] / training["pump_flow"]
-    assert float(rows[0][HEADS.index("of the pump")].rstrip("%")) == pytest.approx(share, abs=0.006)
+    assert float(rows[0][heads().index("of the pump")].rstrip("%")) == pytest.approx(share, abs=0.006)
+    field = summary(learnt.outputs, "field")
+    assert float(field[0][heads("field").index("rms [in3/s]")]) == pytest.approx(
+        training["held_out_flow_rms"] / CUBIC_INCH, rel=0.006
+    )
+    assert "rms [in3/s]" in learnt.text("field")
+    drift = [Drift("boom", "rad", np.radians(0.5), np.inf, 0.5), Drift("tip", "m", 0.012, 0.5, 2.0)]
+    assert drift_rows(drift) == [["boom", "0.50 deg", "diverged", "28.65 deg"], ["tip", "12 mm", "500 mm", "2000 mm"]]
+    assert drift_rows(drift, "si")[1] == ["tip", "0.012 m", "0.500 m", "2.000 m"]
     lines = str(learnt).splitlines()
     assert lines[0].startswith(f"{learnt.held.sum()} of 4501 rows held out, every fifth block of time")
     assert lines[2].split()[:2] == rows[0][:2]
@@ -141,7 +151,7 @@ def test_the_card_holds_all_networks_and_the_holes(machine, learnt, tmp_path):
     assert list(covered) == OUTPUTS
     assert covered["boom.q_in"].found.box["boom.p_in"] == (0.0, machine.pumps.relief)
     assert 0.1 < covered["swing.q_in"].share < 1.0
-    drift = [Drift("boom", "deg", 0.1, np.inf, 20.0)]  # one run diverged
+    drift = [Drift("boom", "rad", 0.1, np.inf, 2.0)]  # one run diverged
     told = replace(learnt, drifts=drift, windows="run so & so")
     card = write_card(told, tmp_path / "card.html", source="log.parquet", max_boxes=2, shown=1)
     assert card["data"]["source"] == "log.parquet"
@@ -149,13 +159,13 @@ def test_the_card_holds_all_networks_and_the_holes(machine, learnt, tmp_path):
     assert {column["name"] for column in card["data"]["columns"]} >= {"boom.travel", "stick.spool", "series.q_passed"}
     assert [c["output"] for c in card["data"]["coverage"]] == OUTPUTS
     assert any("no rows with" in hole and "bar" in hole for c in card["data"]["coverage"] for hole in c["holes"])
-    assert card["data"]["drift"] == [{"name": "boom", "unit": "deg", "median": 0.1, "largest": None, "moved": 20.0}]
+    assert card["data"]["drift"] == [{"name": "boom", "unit": "rad", "median": 0.1, "largest": None, "moved": 2.0}]
     assert json.loads((tmp_path / "card.card.json").read_text()) == card
     page = (tmp_path / "card.html").read_text()
     for text in (
         "Run so &amp; so",
-        "0.10 deg",
-        "inf deg",
+        "5.73 deg",
+        "diverged",
         "Proved",
         "90% intervals",
         "Where the log has been",

@@ -81,8 +81,9 @@ def test_models_run_on_a_log_whose_gaps_they_see(fitted):
     head, free, *_ = str(found).splitlines()
     assert head == "2 free run(s) of up to 148 rows, 296 of 300 rows answered"
     rms = np.sqrt(np.mean((found.runs[0].free - found.runs[0].measured) ** 2))
-    assert free.startswith("y [Pa], free run: R2 0.99")
-    assert f"rms {rms:.4g}" in free
+    assert free.startswith("y, free run: R2 0.99")
+    assert f"rms {rms / 1e5:.4g} bar" in free
+    assert f"rms {rms:.4g} Pa" in found.text("si")
     assert run_models(models, LOG, every=0.6).runs[0].longest == 30
 
 
@@ -114,10 +115,13 @@ def test_pictures_show_measured_next_to_simulated(fitted):
     models = fitted[1]
     runs = run_on(models, LOG, SPANS)
     figure = plot_runs(ModelRuns(models, runs, LOG))
-    assert [axis.get_ylabel() for axis in figure.axes] == ["y [Pa]", "z [m]"]
+    assert [axis.get_ylabel() for axis in figure.axes] == ["y [bar]", "z [mm]"]
     measured, free = figure.axes[0].lines
     assert np.isnan(measured.get_xdata()).sum() == 1  # no line from one run to the next
-    assert np.array_equal(free.get_ydata()[:148], runs[0].free[:148])
+    assert free.get_ydata()[:148] == pytest.approx(runs[0].free[:148] / 1e5)
+    si = plot_runs(ModelRuns(models, runs, Table(LOG.columns, LOG.units, {"began": 1.7e9})), units="si")
+    assert [axis.get_ylabel() for axis in si.axes] == ["y [Pa]", "z [m]"]
+    assert si.axes[-1].get_xlabel() == "time of day, 2023-11-14"
     assert not figure.axes[0].collections  # no interval where none is stated
     models[0].training.update({"interval_half_widths": [0.1], "free_run_rows": 148})
     figure = plot_separately(models[0], runs[0])

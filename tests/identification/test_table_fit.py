@@ -119,3 +119,27 @@ def test_intervals_hold_on_rows_they_were_not_set_by():
     assert training["interval_covered"] == found.covered
     assert [r["region"] for r in training["held_out_by_region"]] == found.model.region_names()
     assert sum(r["rows"] for r in training["held_out_by_region"]) == 400
+
+
+@pytest.fixture(scope="module")
+def in_si():
+    rng = np.random.default_rng(0)
+    x, p = rng.uniform(0.0, 0.01, 400), rng.uniform(0.0, 2e7, 400)
+    rows = Table(
+        {"x": x, "p": p, "q": 0.2 * x * (1.0 + 1e-8 * p) + rng.normal(0.0, 1e-6, 400)},
+        {"x": "m", "p": "Pa", "q": "m3/s"},
+    )
+    return fit_table(rows, ["x", "p"], ["q"], estimator=AbductiveRegressor(max_layers=1), edges={"x": [0.005]})
+
+
+def test_errors_and_rows_of_a_fit(in_si):
+    fit = in_si.outputs[0]
+    read = fit.shown()
+    assert str(fit).startswith("q [l/min]: 2 network(s)")
+    assert f"rms {6e4 * fit.rms:.4g} l/min" in fit.text()
+    assert "m3/s" in fit.text("si")
+    assert read.rms == pytest.approx(6e4 * fit.rms)
+    assert read.held.y == pytest.approx(6e4 * fit.held.y)
+    assert read.held.X[:, 1] == pytest.approx(1e-5 * fit.held.X[:, 1])
+    assert (read.r2, read.covered) == (fit.r2, fit.covered)
+    assert in_si.text("field").startswith("q [in3/s]: 2 network(s)")

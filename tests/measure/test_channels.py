@@ -64,10 +64,27 @@ def test_a_map_is_read():
         (('"0.002 l/bar"', '"-0.002 l/bar"'), "compliance not negative"),
         (('area = "12 cm2"', 'area = "12 cm2"\nwindow = "5 ms"'), "three rasters of the table"),
         (('name = "q"', 'name = "speed"'), "two channels have the name 'speed'"),
+        (('raster = "10 ms"\n\n[[channel]]\nsource = "time"', 'raster = "10 ms"\natmosphere = "10 bar"\n[[channel]]\nsource = "time"'), r"atmosphere = '10 bar': must lie in \[0.3, 1.2\] bar"),
+        (('raster = "10 ms"\n\n[[channel]]\nsource = "time"', 'raster = "10 ms"\natmosphere = "1 m"\n[[channel]]\nsource = "time"'), "atmosphere = '1 m': must be in Pa"),
+        (('raster = "10 ms"\n\n[[channel]]\nsource = "time"', 'raster = "10 ms"\natmosphere = 1.0\n[[channel]]\nsource = "time"'), "atmosphere = 1.0: must be a number with its unit"),
+        (('unit = "bar"', 'unit = "l/min"'), "unit of channel 'p_head' = 'l/min' measures flow, but its name 'boom.p_a' says pressure: give a unit such as 'psi'"),
+        (('unit = "bar"', 'unit = "mA"'), "measures current, but .* or what is measured as kind = 'current'"),
+        (('unit = "bar"', 'unit = "kg/m3"'), "measures density, but"),
+        (('source = "p_head"\nname = "boom.p_a"', 'source = "x"\nname = "boom.p_a"'), "its name 'boom.p_a' says pressure"),
+        (('unit = "bar"', 'unit = "bar"\nkind = "flow"'), "unit of channel 'p_head' = 'bar' measures pressure, but its kind says flow"),
+        (('unit = "bar"', 'unit = "bar"\nkind = "force of habit"'), "kind of channel 'p_head' = 'force of habit': must be one of"),
+        (('unit = "mm/s"', 'kind = "speed"'), "channel 'speed' has no unit, but its kind says speed: give its unit"),
+        (('unit = "mm/s"', 'unit = ""\nkind = "speed"'), "unit of channel 'speed' = '' measures number, but its kind says speed"),
+        (('unit = "bar"\n', ""), "channel 'p_head' has no unit, but its name 'boom.p_a' says pressure: give its unit, or unit = \"\" for"),
+        (('unit = "mm/s"', 'unit = "kg/cm2"'), "unit of channel 'speed': unit 'kg/cm2' is of a mass, not of a force: write 'kgf/cm2' for a pressure"),
+        (('unit = "mm/s"', 'unit = "g"'), "unit of channel 'speed': unit 'g' can be read in several ways; write gn or g0"),
+        (('pressure = "boom.p_a"', 'pressure = "lever"'), "pressure of flow 'q' = 'lever' is in V; it must be in Pa"),
     ],
 )  # fmt: skip
 def test_a_bad_map_is_one_error(tmp_path, change, message):
     text = (MAP + FLOW).replace(*change)
+    if "boom.p_a" in change[0] and "source" in change[0]:
+        text = text.replace('unit = "bar"', 'unit = "mm"')
     if change[1] == 'role = "ignore"':
         text = text.replace('role = "output"', 'role = "ignore"').partition("[[flow]]")[0]
         message = "no channel has the role 'input' or 'output'"
@@ -76,6 +93,30 @@ def test_a_bad_map_is_one_error(tmp_path, change, message):
     with pytest.raises(InputError, match=message) as caught:
         load_channels(tmp_path / "map.toml")
     assert "map.toml" in str(caught.value)
+
+
+def channel(**keys):
+    return channel_map({"raster": "10 ms", "channel": [{"role": "input", "source": "x", **keys}]}).used[0]
+
+
+def test_pressures_are_known_by_kind_name_and_flows():
+    assert channel(unit="kg/cm2", kind="pressure").kind == "Pa"
+    assert channel(unit="kg/cm2", source="p_head").kind == "Pa"
+    assert channel(unit="mA", source="p_head", kind="current").kind == "A"
+    assert channel(source="p_head", unit="").unit == ""  # plain numbers where the map says so
+    assert channel(unit="mm").kind == ""
+    found = channel_map(tomllib.loads((MAP + FLOW).replace('"boom.p_a"', '"y"').replace('"p_head"', '"z"')))
+    assert [c.kind for c in found.used] == ["", "Pa", "", ""]
+
+
+@pytest.mark.parametrize(
+    ("text", "pascal"), [("1.01325 bar", 101325.0), ("0.95 bar(a)", 95e3), ("14.5 psia", 99973.98), ("980 hPa", 98e3)]
+)
+def test_the_atmosphere_is_read_as_absolute(text, pascal):
+    data = {"raster": "10 ms", "atmosphere": text, "channel": [{"role": "input", "source": "p_a", "unit": "bara"}]}
+    found = channel_map(data)
+    assert found.atmosphere == pytest.approx(pascal, rel=1e-6)
+    assert found.conversion(found.used[0]).to_si(2.0) == pytest.approx(2e5 - pascal, rel=1e-6)
 
 
 def test_a_missing_map_says_how_to_get_one(tmp_path):

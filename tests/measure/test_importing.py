@@ -1,10 +1,15 @@
 """The quality report names each fault that is seeded in a log, with its rows, and none in a healthy one."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 
 from helpers.log_kinds import cases
 from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
+from polydraulic.errors import InputError
+from polydraulic.measure import write_quality
 from polydraulic.measure.findings import KINDS
 
 
@@ -116,12 +121,83 @@ def test_a_name_that_comes_twice_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("unit", "kinds"), [("psi", ["unit"]), ("l/min", ["unit"]), ("furlong??", ["unit"]), ("barg", []), ("", [])]
+    ("unit", "kinds"),
+    [
+        ("psi", ["unit"]),
+        ("l/min", ["unit"]),
+        ("furlong??", ["unit"]),
+        ("bar(a)", ["unit"]),
+        ("barg", []),
+        ("bar(g)", []),
+        ("", []),
+    ],
 )
 def test_a_unit_other_than_the_logs_is_named(tmp_path, unit, kinds):
     found = imported(tmp_path, healthy(), units={**UNITS, "p_head": unit})
     assert [f.kind for f in found.findings] == kinds
     assert all("the map 'bar'" in f.detail for f in found.findings)
+
+
+@pytest.mark.parametrize(
+    ("unit", "measured"), [("kN", "force"), ("degC", "temperature"), ("", "number"), ("l/min", "flow")]
+)
+def test_a_pressure_of_the_log_becomes_nothing_else(tmp_path, unit, measured):
+    named = MAP.replace('"p_head"\nname = "boom.p_a"', '"head"').replace('"bar"', f'"{unit}"')
+    columns = {"head" if name == "p_head" else name: values for name, values in healthy().items()}
+    with pytest.raises(
+        InputError,
+        match=f"channel 'head' is a pressure in 'bar\\(g\\)', but the map's unit '{unit}' measures {measured}",
+    ):
+        imported(tmp_path, columns, named, units={**UNITS, "head": "bar(g)"})
+    said = imported(
+        tmp_path,
+        columns,
+        named.replace(f'"{unit}"', f'"{unit}"\nkind = "{measured}"'),
+        units={**UNITS, "head": "bar(g)"},
+    )
+    assert [f.kind for f in said.findings] == ["unit"]
+
+
+# unit -> (Pa of one, whether it is absolute)
+PRESSURES = {
+    "bar": (1e5, False), "bar(g)": (1e5, False), "bar g": (1e5, False), "barg": (1e5, False), "bar rel": (1e5, False), "kgf/cm2": (98066.5, False),
+    "kg/cm2": (98066.5, False), "psig": (6894.757293168, False), "kPa g": (1e3, False), "bar(a)": (1e5, True), "bara": (1e5, True), "barA": (1e5, True),
+    "bar abs": (1e5, True), "psi(a)": (6894.757293168, True), "psia": (6894.757293168, True), "kPa(a)": (1e3, True), "mbar(a)": (100.0, True),
+    "MPa(abs)": (1e6, True), "ata": (98066.5, True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", PRESSURES)
+def test_gauge_and_absolute_pressures_of_logs(tmp_path, unit):
+    factor, absolute = PRESSURES[unit]
+    log = healthy(n=500)
+    columns = {**log, "p_head": log["p_head"] * 1e5 / factor}
+    free = re.sub(r"range = \[.*\]\n", "", MAP).replace('"bar"', f'"{unit}"')
+    for stated, atmosphere in (("", 101325.0), ('atmosphere = "0.95 bar"\n', 95000.0)):
+        found = imported(tmp_path, columns, stated + free, units={**UNITS, "p_head": unit})
+        named = [f for f in found.findings if f.channel == "p_head"]
+        assert [f.kind for f in named] == (["atmosphere"] if absolute and not stated else [])
+        assert all("1.01325 bar were taken from" in str(f) for f in named)
+        gauge = found.excerpt["boom.p_a"]
+        assert gauge == pytest.approx(log["p_head"][:-1] * 1e5 - (atmosphere if absolute else 0.0), rel=1e-9)
+        back = found.channels.conversion(found.channels.used[1])
+        assert back.from_si(gauge) == pytest.approx(columns["p_head"][:-1], rel=1e-9)
+
+
+@pytest.mark.parametrize(("unit", "stated", "taken", "why"), [
+    ("bar", "", None, ""),
+    ("bar(a)", "", 101325.0, "1.01325 bar were taken from absolute ones (the standard atmosphere)"),
+    ("bar(a)", 'atmosphere = "0.95 bar"\n', 95000.0, "0.95 bar were taken from absolute ones (as the map says)"),
+])  # fmt: skip
+def test_the_report_names_the_atmosphere(tmp_path, unit, stated, taken, why):
+    found = imported(
+        tmp_path, healthy(n=500), stated + MAP.replace('"bar"', f'"{unit}"'), units={**UNITS, "p_head": unit}
+    )
+    write_quality(found, tmp_path / "quality.html")
+    assert json.loads((tmp_path / "quality.json").read_text())["atmosphere_Pa"] == taken
+    page = (tmp_path / "quality.html").read_text()
+    assert why in page
+    assert ("were taken from absolute ones" in page) == (taken is not None)
 
 
 def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):
@@ -134,7 +210,7 @@ def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):
 
 
 def test_every_kind_of_finding_is_seeded():
-    elsewhere = {"missing line", "duplicate", "unit", "no rows"}
+    elsewhere = {"missing line", "duplicate", "unit", "atmosphere", "no rows"}
     elsewhere |= {kind for *_, came in cases() if not isinstance(came, str) for kind in came}  # files of a log reader
     elsewhere |= {"files begin anew", "files overlap", "file repeats", "units of files"}  # formats/test_campaign.py
     assert {kind for _, kind, _, _ in FAULTS.values()} | elsewhere == set(KINDS)

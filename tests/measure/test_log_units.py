@@ -1,11 +1,16 @@
+import contextlib
+import re
 import sys
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.measure.log_units import conversion, need, quantity, same_kind
-from polydraulic.units import FACTORS
+from polydraulic.measure.log_units import conversion, need, quantity, same_kind, says_pressure
+from polydraulic.unit_grammar import MOST_NAMES
+from polydraulic.units import FACTORS, read_unit
 
 
 @pytest.mark.parametrize("si", FACTORS)
@@ -14,46 +19,71 @@ def test_units_of_the_package_convert_as_the_package_does(si):
         assert conversion(unit) == (factor, 0.0, si, unit)
 
 
+@pytest.mark.parametrize("unit", ["bar(a)", "deg C", "cm³/U", "kNm", "PS", "Hz", ""])
+def test_the_table_comes_first(unit, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pint", None)
+    assert conversion(unit) == read_unit(unit)
+
+
 @pytest.mark.parametrize(
-    ("unit", "value", "expected", "si"),
+    ("unit", "expected", "si"),
     [
-        ("gpm", 1.0, 231 * 0.0254**3 / 60, "m3/s"),  # a gallon is 231 in3
-        ("lpm", 60.0, 1e-3, "m3/s"),
-        ("barg", 2.0, 2e5, "Pa"),
-        ("psig", 1.0, 4.4482216152605 / 0.0254**2, "Pa"),
-        ("bara", 1.01325, 0.0, "Pa"),
-        ("psia", 14.695948775513, 0.0, "Pa"),
-        ("rpm", 60.0, 2 * np.pi, "rad/s"),
-        ("rev/min", 60.0, 2 * np.pi, "rad/s"),
-        ("PSI", 1.0, 4.4482216152605 / 0.0254**2, "Pa"),
-        ("U/min", 60.0, 2 * np.pi, "rad/s"),
-        ("°", 180.0, np.pi, "rad"),
-        ("degC", 20.0, 293.15, "K"),
-        ("°C", 20.0, 293.15, "K"),
-        ("kN", 2.0, 2e3, "N"),
-        ("MN", 1.0, 1e6, "N"),
-        ("Nm", 3.0, 3.0, "N m"),
-        ("m/s²", 3.0, 3.0, "m/s2"),
-        ("m/s^2", 3.0, 3.0, "m/s2"),
-        ("mA", 4.0, 4e-3, "A"),
-        ("-", 4.0, 4.0, "1"),
-        ("", 4.0, 4.0, "1"),
-        ("m2", 4.0, 4.0, "m2"),
-        ("cm2", 4.0, 4e-4, "m2"),
+        ("furlong", 201.168, "m"),
+        ("slug", 14.593903, "kg"),
+        ("knot", 1852.0 / 3600.0, "m/s"),
+        ("arcminute", np.pi / 10800.0, "rad"),
+        ("BTU", 1055.056, "J"),
+        ("foot_pound", 1.3558179483314, "J"),
+        ("furlong/min", 201.168 / 60.0, "m/s"),
+        ("dyne", 1e-5, "N"),
     ],
 )
-def test_units_of_the_field(unit, value, expected, si):
+def test_names_that_the_table_does_not_have_are_those_of_the_library(unit, expected, si):
     found = conversion(unit)
-    assert found.si == si
-    assert found.to_si(value) == pytest.approx(expected, rel=1e-12, abs=1e-6)
-    assert found.from_si(found.to_si(value)) == pytest.approx(value, rel=1e-12)
+    assert (found.si, found.offset) == (si, 0.0)
+    assert found.factor == pytest.approx(expected, rel=3e-6)
     assert conversion(found.si)[:3] == (1.0, 0.0, si)  # the name can be read again
 
 
-@pytest.mark.parametrize("unit", ["furlong??", "bar bar(", "liter/", "5", "__import__"])
+@pytest.mark.parametrize(
+    "unit",
+    ["lumen", "candela", "mole", "petasiemens", "siemens", "farad", "tesla", "weber", "byte", "kilofurlong", "slpm", "gauss", "point", "cup",
+     "degree_Reaumur", "decade", "electron_mass", "zeta", "mm per s", "furlong^3/day^4"],
+)  # fmt: skip
+def test_what_no_log_of_a_machine_has_is_refused(unit):
+    with pytest.raises(InputError, match="^unknown unit .*nearest known units: '.+', '.+', '.+'"):
+        conversion(unit)
+
+
+@pytest.mark.parametrize(
+    "unit", ["furlong??", "bar bar(", "liter/", "5", "__import__", "m^^9", "m**9**9**9", "(" * 50, "PS" * 20]
+)
 def test_an_unknown_unit_is_one_error(unit):
     with pytest.raises(InputError, match="unknown unit"):
         conversion(unit)
+
+
+@given(st.text(max_size=70))
+def test_the_library_sees_single_words_only(text):
+    asked = []
+
+    def library(name):
+        asked.append(name)
+
+    with contextlib.suppress(InputError):
+        read_unit(text, library=library)
+    assert len(asked) <= 2 * MOST_NAMES
+    assert all(re.fullmatch("[A-Za-z_]{3,24}", name) for name in asked)
+
+
+@pytest.mark.parametrize(
+    "unit", ["furlong^4*slug^4", "a_word^-4 another^4/(yet_another^4)", "x" * 24, "exec(open)", "1e9", "furlong**999"]
+)
+def test_what_the_library_sees_of_hostile_texts(unit):
+    asked = []
+    with contextlib.suppress(InputError):
+        read_unit(unit, library=lambda name: asked.append(name))
+    assert all(name.isidentifier() and len(name) <= 24 for name in asked)
 
 
 def test_a_logarithmic_unit_is_refused():
@@ -63,7 +93,19 @@ def test_a_logarithmic_unit_is_refused():
 
 def test_units_of_the_same_kind():
     assert same_kind("bar") == ["Pa", "kPa", "MPa", "psi"]
-    assert same_kind("degC") == []
+    assert same_kind("degC") == ["K"]
+
+
+@pytest.mark.parametrize(
+    "name", ["p_head", "boom.p_a", "PumpPressure", "pressure A", "Druck_A", "Pilotdruck", "Main p_pump", "x/p_1"]
+)
+def test_names_that_say_pressure(name):
+    assert says_pressure(name)
+
+
+@pytest.mark.parametrize("name", ["p", "speed", "lamp_p", "pump_p1", "temp_oil", "P1", "xp_a"])
+def test_names_that_do_not_say_pressure(name):
+    assert not says_pressure(name)
 
 
 @pytest.mark.parametrize(

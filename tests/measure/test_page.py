@@ -37,5 +37,5 @@ def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys):
     printed = capsys.readouterr().out
     assert "boom.q_in answers boom.spool below" in printed
     assert "a cubic over 0.11 s" in printed
-    assert re.search(r"boom.q_in \[m3/s\]: (holds|does not hold any more)", printed)
+    assert re.search(r"boom.q_in \[l/min\]: (holds|does not hold any more)", printed)
     assert "blocks of time" in Path("q_in.html").read_text()

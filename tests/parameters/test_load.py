@@ -54,7 +54,7 @@ GAIN = 'gain = { value = 0.80, unit = "in/V", source = "derived, 5.3.2'
         ("[tank]", "[tnak]", "unknown key 'tnak'"),
         ("[geometry]\na1 = { value = 0.81, unit = \"m\", source = \"thesis 5.3.1\" }", "[geometry]", "missing key 'a1' in geometry"),
         ('value = 4500.0, unit = "psi"', 'value = 4500.0, unit = "in"', "pumps.relief has unit 'in'; allowed: .*'psi'"),
-        ("value = 4500.0", "value = -1.0", "pumps.relief = -1.0 psi: must be finite and above 0 Pa"),
+        ("value = 4500.0", "value = -1.0", "pumps.relief = -1.0 psi: must be finite and above 0 psi"),
         ("value = 4500.0", "value = nan", "pumps.relief = nan psi: must be finite"),
         ("value = 4500.0", "value = inf", "pumps.relief = inf psi: must be finite"),
         ("value = 4500.0", 'value = "high"', "pumps.relief = 'high': must be a number"),
@@ -72,13 +72,68 @@ GAIN = 'gain = { value = 0.80, unit = "in/V", source = "derived, 5.3.2'
         ("angle = { value = 30.0", "angle = { value = 90.0", "boom.initial.angle .*within the stops"),
         ("p_a = { value = 900.0", "p_a = { value = 9000.0", "boom.initial.p_a .*must be in"),
         (', source = "thesis 4.1" }', " }", "missing key .source. in spool.deadband"),
-        ('"thesis 4.1"', '" "', "spool.deadband.source = ' ': must be a text"),
+        ('"thesis 4.1"', '" "', "spool.deadband.source = ' ': must be a string"),
         ("relief = { value = 4500.0", "relief = [ value = 4500.0", "not a TOML file"),
     ],
 )  # fmt: skip
 def test_bad_sets_are_one_clear_error(changed, old, new, message):
     with pytest.raises(InputError, match=message):
         changed(old, new)
+
+
+# entry of the file -> the same in other units of the field, and where it is in the machine
+SAME = {
+    'relief = { value = 4500.0, unit = "psi", source = "estimate: above the 4000': (
+        4500.0 * 6894.757293168361, lambda m: m.pumps.relief,
+        {"bar": 1e5, "bar(g)": 1e5, "MPa": 1e6, "kgf/cm2": 98066.5, "kg/cm²": 98066.5, "N/mm2": 1e6, "psig": 6894.757293168361},
+    ),
+    'boom_flow = { value = 171.5, unit = "in3/s"': (
+        171.5 * 0.0254**3, lambda m: m.pumps.boom_flow,
+        {"L/min": 1e-3 / 60, "gpm": 3.785411784e-3 / 60, "UK gpm": 4.54609e-3 / 60, "m3/h": 1 / 3600, "cc/s": 1e-6, "lpm": 1e-3 / 60},
+    ),
+    'displacement = { value = 8.0, unit = "in3/rev"': (
+        8.0 * 0.0254**3 / (2 * pi), lambda m: m.swing.motor.displacement, {"cc/rev": 1e-6 / (2 * pi), "cm³/U": 1e-6 / (2 * pi), "l/rad": 1e-3},
+    ),
+    'mass = { value = 1500.0, unit = "kg"': (1500.0, lambda m: m.boom.body.mass, {"t": 1e3, "lb": 0.45359237, "short_ton": 907.18474}),
+    'a1 = { value = 0.81, unit = "m"': (0.81, lambda m: m.geometry.a1, {"cm": 0.01, "ft": 0.3048, "MM": 1e-3}),
+    'static = { value = 4500.0, unit = "N m"': (
+        4500.0, lambda m: m.boom.friction.static, {"kNm": 1e3, "kN·m": 1e3, "lbf.ft": 1.3558179483314004, "ft-lb": 1.3558179483314004},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("entry", "unit"), [(entry, unit) for entry, (_, _, same) in SAME.items() for unit in same])
+def test_units_of_the_field_are_read(changed, entry, unit):
+    si, place, same = SAME[entry]
+    key = entry.partition(" = ")[0]
+    machine = changed(entry.partition(", source")[0], f'{key} = {{ value = {si / same[unit]!r}, unit = "{unit}"')
+    assert place(machine) == pytest.approx(si, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("unit", "message"),
+    [
+        ("C", "pumps.relief: unit 'C' can be read in several ways; write degC"),
+        ("barr", "pumps.relief: unknown unit 'barr'; nearest known units: 'bar'"),
+        (
+            "l/min",
+            r"pumps.relief has unit 'l/min'; allowed: \['Pa', 'kPa', 'MPa', 'bar', 'psi', .*\], or another unit of pressure",
+        ),
+    ],
+)
+def test_units_that_are_refused_are_named(changed, unit, message):
+    with pytest.raises(InputError, match=message):
+        changed('relief = { value = 4500.0, unit = "psi"', f'relief = {{ value = 4500.0, unit = "{unit}"')
+
+
+def test_an_absolute_pressure_loses_the_standard_atmosphere(changed):
+    machine = changed('relief = { value = 4500.0, unit = "psi"', 'relief = { value = 301.01325, unit = "bar(a)"')
+    assert machine.pumps.relief == pytest.approx(300e5, rel=1e-14)
+
+
+def test_limits_are_in_the_unit_of_the_file(changed):
+    with pytest.raises(InputError, match=r"pumps.relief = -2.0 bar: must be finite and above 0 bar$"):
+        changed('value = 4500.0, unit = "psi"', 'value = -2.0, unit = "bar"')
 
 
 def test_unknown_names_list_the_choices(tmp_path):

@@ -165,7 +165,7 @@ def test_columns_that_are_no_link_are_named(tmp_path):
         ("2.5,", "1.5,", "r.csv: signal times must rise; time 1 is 1.5 after 2.0"),
         ("2.5,", "2.0,", "r.csv: signal times must rise; time 1 is 2.0 after 2.0"),
         ("boom [V]", "boom [bar]", r"r.csv: column 'boom' has unit 'bar'; it must be one of \['V', 'mV'\]"),
-        ("time [s]", "time [h]", r"r.csv: column 'time' has unit 'h'; it must be one of \['s', 'ms'\]"),
+        ("time [s]", "time [bar]", r"r.csv: column 'time' has unit 'bar'; it must be one of \['s', 'ms'\]"),
         ("stick [V]", "arm [V]", "r.csv: no column 'stick'; the table has"),
         ("time [s]", "t [s]", "r.csv: no column 'time'"),
         ("-0.5", "", "r.csv: column 'stick' holds nan in row 2"),

@@ -3,6 +3,7 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.plotting.frames import frames_of
+from polydraulic.unit_table import PSI
 
 
 def test_frames_lie_on_their_raster_and_between_rows(whole):
@@ -21,13 +22,25 @@ def test_channels_are_those_that_every_run_has(whole, boom_runs):
         return [f"{c.group}: {c.title} [{c.unit}]" for c in frames_of(runs, 20.0).channels]
 
     found = names(whole)
-    assert found[:4] == ["swing: angle [deg]", "swing: flow [in3/s]", "swing: pressure [psi]", "swing: joystick [V]"]
+    assert found[:4] == [
+        "swing: angle [deg]",
+        "swing: flow in [l/min]",
+        "swing: inlet pressure [bar]",
+        "swing: joystick [V]",
+    ]
     assert found[-4:] == [
-        "pumps and tip: boom pump [psi]", "pumps and tip: series pump [psi]", "pumps and tip: tip height [m]",
+        "pumps and tip: boom pump pressure [bar]", "pumps and tip: series pump pressure [bar]",
+        "pumps and tip: tip height [mm]",
         "pumps and tip: tip from first [mm]",
     ]  # fmt: skip
     assert len(names(boom_runs)) == 4 + 2  # boom, tip height and distance; networks give no pump pressure
-    assert names({"exact": boom_runs["exact"]})[-1] == "pumps and tip: tip height [m]"
+    assert names({"exact": boom_runs["exact"]})[-1] == "pumps and tip: tip height [mm]"
+
+
+def test_channels_have_the_units_asked_for(boom_runs):
+    channel = frames_of(boom_runs, 20.0, "field").channels[2]
+    assert (channel.title, channel.unit) == ("inlet pressure", "psi")
+    assert channel.values[0][0] == pytest.approx(boom_runs["exact"]["boom.p_in"][0] / PSI)
 
 
 def test_the_shortest_run_sets_the_end(whole, boom_runs):

@@ -4,12 +4,52 @@ from typing import Annotated
 
 import typer
 
+from polydraulic.terminal import loading
+
 app = typer.Typer(
-    help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.",
+    help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.\n\n"
+    "First steps: `polydraulic simulate task --plot task.svg` moves the machine that comes with the package, "
+    "`polydraulic fit --help` learns from a table, `polydraulic import --help` reads a measured log. "
+    "Each command's `--help` shows an example and what comes next.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
 
+
+def _version(asked: bool) -> None:
+    if asked:
+        from polydraulic import __version__
+
+        print(f"polydraulic {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Options of the program itself; its help is that of `app`."""
+    context.with_resource(loading())
+
+
+def _checked(units: str) -> str:
+    from polydraulic.display import checked_units
+
+    return checked_units(units)
+
+
+METRIC = "metric"  # what people read if they ask for nothing else
 MachineOption = Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")]
+UnitsOption = Annotated[
+    str,
+    typer.Option(
+        "--units",
+        help="Of what is printed and drawn: metric (bar, l/min, mm, deg), field (psi, in3/s, in, deg) or si. Files stay in SI.",
+        callback=_checked,
+        autocompletion=lambda: ["metric", "field", "si"],
+    ),
+]

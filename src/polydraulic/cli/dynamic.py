@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import app
+from polydraulic.cli.application import METRIC, UnitsOption, app
+from polydraulic.terminal import progress_bar
 
 
 @app.command()
@@ -22,6 +23,7 @@ def run(
             help="Begin anew from measured outputs after so many seconds; never within a segment if not given."
         ),
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Run a dynamic model on a log: from measured inputs and its own answers, next to what was measured.
 
@@ -30,6 +32,9 @@ def run(
     Example: `polydraulic run pressure.json log.parquet --plot run.svg`
 
     - As a predictor of the next second: `polydraulic run pressure.json log.parquet --every 1 --out second.parquet`
+
+    What comes next: `polydraulic check pressure.json --data log.parquet` says whether the model still holds;
+    `polydraulic export` writes it as C code or FMU.
     """
     from polydraulic.identification.run_plot import plot_runs
     from polydraulic.identification.runs import run_models
@@ -40,9 +45,12 @@ def run(
         table_ending(out)
     if plot is not None:
         picture_ending(plot)
-    found = run_models(model, log, every=every)
-    if out is not None:
-        write_table(found.to_table(), out)
-    if plot is not None:
-        save_figure(plot_runs(found), plot)
-    print(found)
+    with progress_bar("run") as progress:
+        progress("free runs, compiled once after an installation", 0, 2)
+        found = run_models(model, log, every=every)
+        progress("write", 1, 2)
+        if out is not None:
+            write_table(found.to_table(), out)
+        if plot is not None:
+            save_figure(plot_runs(found, units=units), plot)
+    print(found.text(units))

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import MachineOption, app
+from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import counted, stages, steps
+from polydraulic.terminal import progress_bar
 
 
 @app.command("import")
@@ -30,6 +30,7 @@ def import_(
         bool,
         typer.Option("--strict", help="Exit with 1 if the log has errors, such as values beyond a range of the map."),
     ] = False,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
 
@@ -40,6 +41,9 @@ def import_(
     - A first channel map, to be gone through: `polydraulic import --suggest log.mf4 --out map.toml`
 
     - A campaign: `polydraulic import "day1_*.csv" --channels map.toml --out table.parquet --strict`
+
+    What comes next: look at the quality report in a browser and mend the map; then `polydraulic fit` learns from the table,
+    `polydraulic fit-machine` the pump and valves of a whole machine.
     """
     from polydraulic.files import write_text
     from polydraulic.measure.channels import load_channels
@@ -50,7 +54,7 @@ def import_(
     if suggest:
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
-        with counted("read") as progress:
+        with progress_bar("read") as progress:
             text = suggest_channels(log, progress=progress)
         if out is None:
             print(text, end="")
@@ -64,13 +68,14 @@ def import_(
     if page.suffix != ".html":
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
-    with counted("import") as progress:
+    with progress_bar("import") as progress:
         imported = import_log(log, given, out, progress=progress)
-    told = write_quality(imported, page)
+        progress("deadbands, coverage, quality report", 0, 1)
+        told = write_quality(imported, page, units=units)
     for finding in imported.findings:
         print(f"{finding.level}: {finding}")
     for found in told.deadbands:
-        print(found.statement(imported.shown.get(found.input)))
+        print(found.statement(imported.shown(units).get(found.input)))
     if imported.n_row == 0:
         raise InputError(f"{imported.source}: no row of a table came of it; {page} says why")
     print(
@@ -85,27 +90,54 @@ def import_(
 @app.command()
 def record(
     scenario: Annotated[
-        list[str], typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS.")
-    ],
-    sensors: Annotated[Path, typer.Option(help="Sensors, TOML: what they read, how well and how often.")],
-    out: Annotated[Path, typer.Option(help="Log to write, .csv, .mf4 or .parquet.")],
+        list[str] | None,
+        typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS."),
+    ] = None,
+    sensors: Annotated[Path | None, typer.Option(help="Sensors, TOML: what they read, how well and how often.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Log to write, .csv, .mf4 or .parquet; with --example the sensors, .toml.")
+    ] = None,
+    example: Annotated[
+        bool, typer.Option("--example", help="Write sensors to begin with: all that fit-machine and replay read.")
+    ] = False,
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Simulate, and write what sensors would have recorded: noise, digits, delay, dropouts, drift, rasters.
 
     Example: `polydraulic record random:1:600 random:2:600 --sensors sensors.toml --out log.mf4`
+
+    - Sensors to begin with: `polydraulic record --example --out sensors.toml`
+
+    - Next: `polydraulic import --suggest log.mf4 --out map.toml`, as with a log of a real machine.
     """
+    from polydraulic.files import write_text
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
-    from polydraulic.measure.bench.sensors import load_sensors
+    from polydraulic.measure.bench.sensors import example_sensors, load_sensors
     from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
 
+    if example:
+        if scenario or sensors is not None:
+            raise InputError("--example writes sensors; scenarios and --sensors go with a recording")
+        if out is None:
+            print(example_sensors(), end="")
+        else:
+            if out.suffix.lower() != ".toml":
+                raise InputError(f"{out}: sensors are a .toml file")
+            write_text(out, example_sensors())
+            print(f"{out}: sensors to begin with; change them as you like")
+        return
+    if not scenario or sensors is None or out is None:
+        raise InputError(
+            "a recording needs a scenario, --sensors SENSORS.toml and --out LOG; --example writes sensors to begin with"
+        )
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
     what = [load_scenario(name) for name in scenario]
-    with steps("record", len(what)) as progress:
+    with progress_bar("record") as progress:
+        progress("compile (once after an installation)", 0, len(what))
         n = write_log(plant, what, bench, out, dt=dt, progress=progress)
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
 
@@ -124,6 +156,7 @@ def fit_machine(
     rows: Annotated[int, typer.Option(help="Rows at most that a network learns from.", min=1)] = 30_000,
     blocks: Annotated[int, typer.Option(help="Blocks of time at least, of which every fifth is held out.", min=5)] = 20,
     boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
@@ -137,6 +170,8 @@ def fit_machine(
     - Drive the machine with it: `polydraulic simulate task --flow polynomial --model machine.json --plot task.svg`
 
     - Does it hold on another day's log? `polydraulic check machine.json --data later.parquet`
+
+    What comes next: `polydraulic replay later.parquet --model machine.json` runs the machine against another log.
     """
     from polydraulic.identification.machine_fit import fit_machine as fit
     from polydraulic.identification.model_card import card_ending, write_card
@@ -144,13 +179,12 @@ def fit_machine(
 
     if card is not None:
         card_ending(card)
-    with stages("fit-machine") as progress:
+    with progress_bar("fit-machine") as progress:
         found = fit(table, machine, max_regions=regions, max_rows=rows, min_blocks=blocks, progress=progress)
         save_models(found.models, out)
         if card is not None:
-            progress("card", 0, 1)
-            write_card(found, card, max_boxes=boxes)
-    print(found)
+            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+    print(found.text(units))
 
 
 @app.command()
@@ -166,6 +200,7 @@ def replay(
     plot: Annotated[
         Path | None, typer.Option(help="Picture of the first windows to write, .svg, .png or .pdf.")
     ] = None,
+    units: UnitsOption = METRIC,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Run a machine against a log of the real one, and say how far joints and tip drift.
@@ -176,6 +211,8 @@ def replay(
     Example: `polydraulic replay later.parquet --model machine.json --plot replay.svg`
 
     - What the sensors alone make of it, on a log of `record`: `polydraulic replay later.parquet --flow exact`
+
+    What comes next: where joints drift apart, mend masses and friction of the parameter set, or learn from a longer log.
     """
     from polydraulic.identification.log_replay import plot_replay
     from polydraulic.identification.log_replay import replay as run
@@ -187,8 +224,10 @@ def replay(
     if plot is not None:
         picture_ending(plot)
     models = [found for path in model for found in load_models(path)] if model else None
-    with stages("replay") as progress:
+    with progress_bar("replay") as progress:
+        progress(f"flow {flow}, compiled once after an installation", 0, 1)
         found = run(table, machine, flow, models=models, seconds=seconds, progress=progress)
-    if plot is not None:
-        save_figure(plot_replay(found), plot)
-    print(found)
+        if plot is not None:
+            progress(f"draw {plot}", 0, 1)
+            save_figure(plot_replay(found, units=units), plot)
+    print(found.text(units))

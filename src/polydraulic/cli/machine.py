@@ -1,20 +1,35 @@
-"""Commands of the machine: simulate, animate, scenarios, sample, export-machine."""
+"""Commands of the machine: simulate, animate, scenarios, sample, train, export-machine."""
 
+import time
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from polydraulic.cli.application import MachineOption, app
+from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import counted, print_differences, steps
+from polydraulic.terminal import print_differences, progress_bar
+
+
+def _scenario_names() -> list[str]:
+    from polydraulic.parameters.scenario import scenario_names
+
+    return [*scenario_names(), "random:"]
+
+
+def _flow_names() -> list[str]:
+    from polydraulic.flow.dispatch import FLOW_KINDS
+
+    return list(FLOW_KINDS)
+
 
 FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
         help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links), a TOML file, "
-        "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS."
+        "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS.",
+        autocompletion=_scenario_names,
     ),
 ]
 
@@ -22,7 +37,7 @@ ScenarioArgument = Annotated[
 @app.command()
 def simulate(
     scenario: ScenarioArgument,
-    flow: Annotated[str, typer.Option(help=FLOWS)] = "exact",
+    flow: Annotated[str, typer.Option(help=FLOWS, autocompletion=_flow_names)] = "exact",
     model: Annotated[
         list[Path] | None, typer.Option(help="Model file for polynomial, neural or pressure; repeat for more.")
     ] = None,
@@ -37,11 +52,18 @@ def simulate(
         typer.Option(help="Record every so many seconds, a whole number of steps; every step if not given."),
     ] = None,
     method: Annotated[
-        str, typer.Option(help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.")
+        str,
+        typer.Option(
+            help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.",
+            autocompletion=lambda: ["semi-implicit", "rk4", "rosenbrock", "reference"],
+        ),
     ] = "semi-implicit",
+    units: UnitsOption = METRIC,
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Simulate a scenario, and state how far it is from the exact flow.
+    """Simulate a scenario, say what happened, and how far it is from the run with the exact flow.
+
+    Prints the largest pressures, events, where the machine ended, warnings, and how long it took to compute.
 
     Example: `polydraulic simulate task --out task.parquet --plot task.svg`
 
@@ -54,14 +76,17 @@ def simulate(
 
     - Ten minutes of a random operator: `polydraulic simulate random:42:600 --raster 0.1 --out run.parquet`
 
-    `polydraulic scenarios` lists the scenarios that come with the package; `polydraulic animate` shows the linkage move.
+    `polydraulic scenarios` lists the scenarios that come with the package. What comes next: `polydraulic animate` shows the linkage
+    move, `polydraulic record` writes what sensors would have measured, `polydraulic export-machine` writes C code and FMUs.
     """
+    from polydraulic.display import readable
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
     from polydraulic.simulation.runs import simulate as run
+    from polydraulic.simulation.summary import run_summary
     from polydraulic.simulation.trajectory import compare
     from polydraulic.tables import table_ending, write_table
 
@@ -76,29 +101,47 @@ def simulate(
     plant, what = load_machine(machine), load_scenario(scenario)
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
-    chosen = build_flow(flow, plant, **options)
-    runs = {}
-    with steps("simulate", 1 if flow == "exact" else 2) as progress:
-        if flow != "exact":
-            progress("exact")
-            runs["exact"] = run(plant, "exact", what, dt=dt, raster=raster, method=method)
-        progress(flow)
-        runs[flow] = run(plant, chosen, what, dt=dt, raster=raster, method=method)
+    names = list(dict.fromkeys(["exact", flow]))
+    runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
+    with progress_bar("simulate") as progress:
+        progress(f"flow model {flow}", 0, pieces)
+        chosen = build_flow(flow, plant, **options)
+        for number, name in enumerate(names):
+            used = chosen if name == flow else name
+            progress(f"compile for {name} (once after an installation)", 2 * number + 1, pieces)
+            run(
+                plant,
+                used,
+                what,
+                dt=dt,
+                t_end=min(dt if raster is None else raster, what.duration),
+                raster=raster,
+                method=method,
+            )
+            progress(name, 2 * number + 2, pieces)
+            begun = time.perf_counter()
+            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method)
+            seconds = time.perf_counter() - begun
+        if out is not None:
+            progress(f"write {out}", pieces - 2, pieces)
+            write_table(runs[flow], out)
+        if plot is not None:
+            progress(f"draw {plot}", pieces - 1, pieces)
+            save_figure(plot_run(runs, units=units), plot)
     info = runs[flow].info
     print(f"{what.name}: {what.title}")
-    if "rtol" in info:
-        print(f"{method} with flow {flow!r} to a relative tolerance of {info['rtol']:g}, every {dt:g} s")
-    else:
-        print(
-            f"{info['steps']} steps of {dt:g} s with flow {flow!r}; {info['steps_not_converged']} not converged, "
-            f"{info['steps_out_of_domain']} outside the model's domain"
-        )
+    how = (
+        f"{method} with flow {flow!r} to a relative tolerance of {info['rtol']:g}, every {dt:g} s"
+        if "rtol" in info
+        else f"{info['steps']} steps of {dt:g} s with flow {flow!r}"
+    )
+    simulated = float(runs[flow]["time"][-1])
+    print(
+        f"{how}; {simulated:g} s computed in {seconds:.3g} s, {readable(simulated / seconds, 2)} times as fast as real time"
+    )
+    print("\n".join(run_summary(runs[flow], units)))
     if flow != "exact":
-        print_differences(compare(runs["exact"], runs[flow]))
-    if out is not None:
-        write_table(runs[flow], out)
-    if plot is not None:
-        save_figure(plot_run(runs), plot)
+        print_differences(compare(runs["exact"], runs[flow]), units)
 
 
 @app.command()
@@ -106,12 +149,16 @@ def animate(
     scenario: ScenarioArgument,
     out: Annotated[Path, typer.Option(help="Animation to write: .html plays in any browser, .gif anywhere.")],
     flow: Annotated[
-        list[str] | None, typer.Option(help=f"{FLOWS} Repeat to lay runs on top of each other; exact if not given.")
+        list[str] | None,
+        typer.Option(
+            help=f"{FLOWS} Repeat to lay runs on top of each other; exact if not given.", autocompletion=_flow_names
+        ),
     ] = None,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
     rate: Annotated[
         float | None, typer.Option(help="Frames in a second; 20 for .html, which draws between them, 12.5 for .gif.")
     ] = None,
+    units: UnitsOption = METRIC,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Show the linkage move: side view, view from above, angles, flows and pressures.
@@ -122,7 +169,8 @@ def animate(
 
     - A random operator: `polydraulic animate random:42:30 --out operator.html`
 
-    The first flow is drawn filled, the others as outlines; distances of the tip are from the first.
+    The first flow is drawn filled, the others as outlines; distances of the tip are from the first. What comes next: open the page in
+    a browser; `polydraulic simulate` with the same scenario prints the numbers.
     """
     from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
@@ -133,12 +181,12 @@ def animate(
     plant, what = load_machine(machine), load_scenario(scenario)
     flows = list(dict.fromkeys(flow or ["exact"]))
     runs = {}
-    with steps("simulate", len(flows)) as progress:
-        for name in flows:
-            progress(name)
+    with progress_bar("animate") as progress:
+        for number, name in enumerate(flows):
+            progress(f"simulate with flow {name}, compiled once after an installation", number, len(flows) + 1)
             runs[name] = run(plant, name, what, dt=dt)
-    with counted("draw") as drawn:
-        write_animation(runs, plant, out, rate=rate, progress=drawn)
+        progress(f"draw {out}", len(flows), len(flows) + 1)
+        write_animation(runs, plant, out, rate=rate, units=units, progress=progress)
     print(f"{out}: {what.name}, {', '.join(flows)}")
 
 
@@ -147,6 +195,9 @@ def scenarios() -> None:
     """List the scenarios that come with the package.
 
     Example: `polydraulic scenarios`
+
+    What comes next: `polydraulic simulate NAME --plot run.svg`, or `polydraulic animate NAME --out run.html`. A scenario of your own is a
+    TOML file like those in the package, or a recording: a CSV file with the columns time, swing, boom, stick.
     """
     from polydraulic.parameters.scenario import load_scenario, scenario_names
     from polydraulic.parameters.schema import LINKS
@@ -174,6 +225,8 @@ def sample(
     Example: `polydraulic sample --circuit boom --rows 10000 --out boom.parquet`
 
     - Swing and stick in series: `polydraulic sample --circuit series --rows 50000 --out series.parquet`
+
+    What comes next: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json`.
     """
     import numpy as np
 
@@ -183,9 +236,37 @@ def sample(
 
     if circuit not in SAMPLERS:
         raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
-    table = SAMPLERS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
-    write_table(table, out)
+    with progress_bar("sample") as progress:
+        progress(f"{rows} points of the {circuit} circuit", 0, 2)
+        table = SAMPLERS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+        progress(f"write {out}", 1, 2)
+        write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
+
+
+@app.command()
+def train(
+    out: Annotated[Path, typer.Option(help="Folder to write the model files to.")],
+    machine: MachineOption = "cat215b",
+) -> None:
+    """Train the networks of a whole machine from its exact flow model: those that come with the package are made by this command.
+
+    Writes outlets.json, neural.json, inlets.json, cascade.json, limited.json and direct.json; the same versions give the same files. It
+    takes long; each file is written as soon as its networks are learnt.
+
+    Example: `polydraulic train --out networks --machine mine.toml`
+
+    What comes next: `polydraulic simulate task --machine mine.toml --flow polynomial --model networks/outlets.json --model
+    networks/inlets.json --model networks/cascade.json`
+    """
+    from polydraulic.flow.training.train import train_networks
+    from polydraulic.parameters.load import load_machine
+
+    plant = load_machine(machine)
+    with progress_bar("train") as progress:
+        written = train_networks(plant, out, progress=progress)
+    for path in written:
+        print(path)
 
 
 @app.command()
@@ -207,6 +288,8 @@ def export_machine(
     Example: `polydraulic export-machine --to fmi3 --flow polynomial --out excavator.fmu`
 
     - C99 for a controller or a test bench: `polydraulic export-machine --to c --out excavator`
+
+    What comes next: import the FMU into Simulink, Modelica tools or FMPy; `docs/export_machine.md` shows how to call the C code.
     """
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
@@ -216,7 +299,10 @@ def export_machine(
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
     plant = load_machine(machine)
-    if to == "c":
-        print(write_c(plant, build_flow(flow, plant), out, name=name, dt=dt))
-        return
-    print(export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross))
+    with progress_bar("export-machine") as progress:
+        progress(f"translate the kernels, write {out}", 0, 1)
+        if to == "c":
+            written = write_c(plant, build_flow(flow, plant), out, name=name, dt=dt)
+        else:
+            written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
+    print(written)

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.application import app
+from polydraulic.cli.application import METRIC, UnitsOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import stages
+from polydraulic.terminal import progress_bar
 
 if TYPE_CHECKING:
     from polydraulic.identification.dynamic_fit import DynamicFit
@@ -22,7 +22,7 @@ def fit(
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     edges: Annotated[
         list[str] | None,
-        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the column's unit; repeat for more."),
+        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the unit of the table; repeat for more."),
     ] = None,
     regions: Annotated[
         int, typer.Option(help="Without edges: find regions in the data, this many at most; 1 for a single network.")
@@ -53,6 +53,7 @@ def fit(
         int | None, typer.Option(help="With --dynamic: how many rows ago may be read, at most; 8 if not given.", min=1)
     ] = None,
     boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Learn polynomial networks from a table.
 
@@ -70,6 +71,9 @@ def fit(
 
     - With memory: `polydraulic fit log.parquet --inputs valve --outputs pressure --dynamic --out pressure.json --card pressure.html`;
     `polydraulic run pressure.json log.parquet --plot run.svg` shows it running.
+
+    What comes next: `polydraulic check` proves where the outputs can go and judges the model by new data, `polydraulic export` writes it
+    as C code, FMU or ONNX.
     """
     from polydraulic.identification.dynamic_fit import fit_dynamic
     from polydraulic.identification.model_card import card_ending, write_card
@@ -99,7 +103,7 @@ def fit(
         settings["output_bounds"] = limits
     estimator = AbductiveRegressor(**settings) if settings else None
     found: TableFit | DynamicFit
-    with stages("fit") as progress:
+    with progress_bar("fit") as progress:
         if dynamic:
             found = fit_dynamic(
                 table, names, targets, estimator=estimator, longest_lag=longest_lag or 8, progress=progress
@@ -109,10 +113,10 @@ def fit(
                 table, names, targets, edges=borders, max_regions=regions, deadbands=deadbands, estimator=estimator,
                 progress=progress,
             )  # fmt: skip
-    save_models(found.models, out)
-    if card is not None:
-        write_card(found, card, max_boxes=boxes)
-    print(found)
+        save_models(found.models, out)
+        if card is not None:
+            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+    print(found.text(units))
 
 
 @app.command()
@@ -120,18 +124,22 @@ def check(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
     within: Annotated[
         str | None,
-        typer.Option("--range", help="LOW,HIGH: is it proved that no output leaves this range? In the output's unit."),
+        typer.Option(
+            "--range",
+            help="LOW,HIGH: is it proved that no output leaves this range? In the unit of the model file, or with a unit: '0,170 l/min'.",
+        ),
     ] = None,
     box: Annotated[
         list[str] | None,
         typer.Option(
-            help="COLUMN=LOW,HIGH: only in this part of the inputs; repeat for more. The domain if not given."
+            help="COLUMN=LOW,HIGH: only in this part of the inputs; repeat for more. The domain if not given. Units as for --range."
         ),
     ] = None,
     boxes: Annotated[int, typer.Option(help="Sub-boxes a region that the proof may take.", min=1)] = 20000,
     data: Annotated[
         Path | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Prove where the outputs of a model can go, anywhere in its domain or a box: a proof, not a sample.
 
@@ -141,16 +149,25 @@ def check(
     With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
     no longer holds. Dynamic models run on their own through the new log, begun anew as often as when they were fitted.
 
-    Example: `polydraulic check q_in.json --range 0,0.0028`
+    Example: `polydraulic check q_in.json --range "0,170 l/min"`
 
     - A year later: `polydraulic check q_in.json --data this_year.parquet`
+
+    What comes next: a model that does not hold any more is fitted again, with the new rows; `polydraulic export` writes one that does.
     """
     from polydraulic.identification.model_check import check_models
+    from polydraulic.networks.model.model_file import load_models
 
     if data is not None and (within is not None or box):
         raise InputError("--data judges a model by measurements; --range and --box go with a proof")
-    limits = None if within is None else _ends(within, "--range")
-    found = check_models(model, data=data, limits=limits, box=_box(box or []), max_boxes=boxes)
+    models = load_models(model)
+    outputs = dict.fromkeys(found.output.unit for found in models)
+    limits = None if within is None else _in_unit(within, "--range", list(outputs))
+    read = {variable.name: variable.unit for found in models for variable in found.inputs}
+    with progress_bar("check") as progress:
+        found = check_models(
+            models, data=data, limits=limits, box=_box(box or [], read), max_boxes=boxes, units=units, progress=progress
+        )
     print(found)
     if not found.holds:
         raise typer.Exit(1)
@@ -177,7 +194,7 @@ def export(
 
     - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`
 
-    `polydraulic verify` compares all of these with the package.
+    What comes next: `polydraulic verify` compares all of these with the package.
     """
     from polydraulic.export.targets import export_models, is_file
     from polydraulic.networks.model.model_file import load_models
@@ -185,7 +202,10 @@ def export(
     models = load_models(model)
     if name is None and len(models) > 1 and not is_file(to, out):
         name = model.stem
-    print(export_models(models, to, out, name=name, real=real, cross=cross))
+    with progress_bar("export") as progress:
+        progress(f"{to} to {out}", 0, 1)
+        written = export_models(models, to, out, name=name, real=real, cross=cross)
+    print(written)
 
 
 @app.command()
@@ -200,14 +220,16 @@ def verify(
     code is 1 if a target of double precision does not agree to rounding.
 
     Example: `polydraulic verify q_in.json`
+
+    What comes next: `polydraulic export q_in.json --to fmi3 --out q_in.fmu`, with what was verified.
     """
     from polydraulic.export.verify import agreement_table, verify_models
     from polydraulic.networks.model.lag_words import dynamic_notes
     from polydraulic.networks.model.model_file import load_models
 
     models = load_models(model)
-    with stages("verify") as progress:
-        found, not_tried = verify_models(models, points, seed=seed, progress=progress)
+    with progress_bar("verify") as progress:
+        found, not_tried = verify_models(models, n=points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
     for note in dynamic_notes(models):
         print(f"note: {note}")
@@ -239,6 +261,21 @@ def _ends(text: str, option: str) -> tuple[float, float]:
     return low, high
 
 
+def _in_unit(text: str, option: str, own: list[str]) -> tuple[float, float]:
+    """Two numbers in the unit of a model file, `own`, from numbers in it or from numbers with a unit of the same kind."""
+    from polydraulic.units import si_unit, to_si
+
+    numbers, _, unit = text.strip().partition(" ")
+    low, high = _ends(numbers, option)
+    if not unit:
+        return low, high
+    if len(own) > 1:
+        raise InputError(f"{option} {text!r}: the models of the file are in {own}; give numbers without a unit")
+    if own[0] not in (unit, si_unit(unit)):
+        raise InputError(f"{option} {text!r}: is in {unit!r}, the model in {own[0]!r}; give a unit of that kind")
+    return (low, high) if own[0] == unit else (to_si(low, unit), to_si(high, unit))
+
+
 def _edges(texts: list[str]) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for text in texts:
@@ -247,9 +284,9 @@ def _edges(texts: list[str]) -> dict[str, list[float]]:
     return found
 
 
-def _box(texts: list[str]) -> dict[str, tuple[float, float]]:
+def _box(texts: list[str], read: dict[str, str]) -> dict[str, tuple[float, float]]:
     found = {}
     for text in texts:
         name, _, ends = text.partition("=")
-        found[name.strip()] = _ends(ends, f"--box {name}")
+        found[name.strip()] = _in_unit(ends, f"--box {name}", [read.get(name.strip(), "")])
     return found

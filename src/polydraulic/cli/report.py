@@ -7,7 +7,7 @@ import typer
 
 from polydraulic.cli.application import MachineOption, app
 from polydraulic.errors import InputError
-from polydraulic.terminal import stages
+from polydraulic.terminal import progress_bar
 
 
 @app.command()
@@ -17,7 +17,7 @@ def report(
     figure: Annotated[str | None, typer.Option(help="Only this figure, as an SVG with its data.")] = None,
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Reproduce the thesis: every table, figure and printed number next to ours, and what is possible today.
+    """Reproduce the thesis: every table, figure and printed number with the computed one, and what is possible today.
 
     Writes index.html and a page for each chapter (readable offline), figures, their data as CSV, and results.json. What has been
     computed stays in the folder's cache: a second run takes seconds, and one that was killed goes on.
@@ -25,6 +25,9 @@ def report(
     Example: `polydraulic report --chapter 4 --out report`
 
     - One figure alone: `polydraulic report --figure 5-19`
+
+    What comes next: open index.html in a browser; `docs/figures.md` lists the figures. Chapters keep the units that the thesis
+    prints.
     """
     from polydraulic.parameters.load import load_machine
     from polydraulic.thesis.report.write import write_figure, write_report
@@ -32,10 +35,10 @@ def report(
     if chapter and figure:
         raise InputError("--chapter and --figure exclude each other: a figure belongs to one chapter")
     plant = load_machine(machine)
-    with stages("report") as progress:
+    with progress_bar("report") as progress:
         if figure:
             path = write_figure(plant, out, figure, progress=progress)
         else:
             rows = write_report(plant, out, chapters=chapter, progress=progress)
             path = out / "index.html"
-    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers next to ours")
+    print(path if figure else f"{path}: {sum(row['thesis'] is not None for row in rows)} printed numbers recomputed")

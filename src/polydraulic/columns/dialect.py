@@ -122,7 +122,7 @@ def fields(line: str, delimiter: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
-def is_number(cell: str) -> bool:
+def looks_numeric(cell: str) -> bool:
     """Whether a cell is a number, with a point or a comma."""
     return bool(_NUMBER.match(cell)) or cell.strip().lower() in ("nan", "inf", "-inf")
 
@@ -152,7 +152,7 @@ def _clean(cell: str, delimiter: str) -> float:
     """1 for a number or a time, less for words, nothing for what holds another delimiter."""
     if any(mark in cell for mark in ";\t|" if mark != delimiter):
         return 0.0
-    if is_number(cell):
+    if looks_numeric(cell):
         return 1.0
     if cell.lower() in _MISSING:
         return 0.7
@@ -192,7 +192,7 @@ def _heads(row: Sequence[str]) -> bool:
 
 
 def _value(cell: str) -> bool:
-    return is_number(cell) or bool(time_kind([cell]))
+    return looks_numeric(cell) or bool(time_kind([cell]))
 
 
 def _commented_header(texts: Sequence[str], first: int, delimiter: str, row: Sequence[str]) -> list[str] | None:

@@ -4,9 +4,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, amount, as_shown, shown_unit, with_unit
 from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import region_of
+from polydraulic.networks.model.shown_model import shown_columns, shown_model
 
 LEVEL = 0.9  # of the intervals
 
@@ -17,6 +19,10 @@ class Errors(NamedTuple):
     r2: float
     rms: float
     largest: float
+
+    def shown(self, unit: str, units: str = DEFAULT) -> "Errors":
+        """The errors of an output in `unit` as they are shown."""
+        return Errors(self.r2, as_shown(self.rms, unit, units), as_shown(self.largest, unit, units))
 
 
 class HeldOut(NamedTuple):
@@ -52,11 +58,32 @@ class OutputFit(NamedTuple):
     covered: float
     held: HeldOut
 
-    def __str__(self) -> str:
-        return (
-            f"{self.model.output}: {len(self.model.networks)} network(s), {self.model.n_coefficients} coefficients; "
-            f"held-out R2 {self.r2:.4f}, rms {self.rms:.4g}, largest {self.largest:.4g}"
+    def shown(self, units: str = DEFAULT) -> "OutputFit":
+        """The fit with model, errors and rows held out as they are shown: to be read."""
+        unit, held = self.model.output.unit, self.held
+        return self._replace(
+            model=shown_model(self.model, units),
+            rms=as_shown(self.rms, unit, units),
+            largest=as_shown(self.largest, unit, units),
+            half_widths=[as_shown(width, unit, units) for width in self.half_widths],
+            held=held._replace(
+                X=shown_columns(held.X, [variable.unit for variable in self.model.inputs], units),
+                y=as_shown(held.y, unit, units),
+                predicted=as_shown(held.predicted, unit, units),
+            ),
         )
+
+    def text(self, units: str = DEFAULT) -> str:
+        """How good the model is, in one line."""
+        model, unit = self.model, self.model.output.unit
+        return (
+            f"{with_unit(model.output.name, shown_unit(unit, units))}: {len(model.networks)} network(s), "
+            f"{model.n_coefficients} coefficients; held-out R2 {self.r2:.4f}, rms {amount(self.rms, unit, units)}, "
+            f"largest {amount(self.largest, unit, units)}"
+        )
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:

@@ -7,21 +7,23 @@ flow model and parameter set (masses, friction, lines) together.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, as_shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.arguments import Progress, machine_of, models_of, table_of
+from polydraulic.flow.dispatch import FlowModel, build_flow
+from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
-from polydraulic.tables import Table
+from polydraulic.tables import Table, began
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,6 +37,7 @@ _DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
 _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
 _ROWS_NEAR = 5
+_DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
 _SHOWN = 6  # windows of the picture
 _COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5")  # of swing, boom, stick
 
@@ -47,7 +50,7 @@ class Window(NamedTuple):
     time : (n_row,) array, s
         Of the log.
     measured, run : (n_row, 3) array, rad
-        Angles, links in the order of `LINKS`; of a run that leaves all reason, nan from there on.
+        Angles, links in the order of `LINKS`; nan from where a run diverges.
     """
 
     time: np.ndarray
@@ -62,9 +65,9 @@ class Drift(NamedTuple):
     ----------
     name : str
     unit : str
-        Of the numbers.
+        SI unit of the numbers.
     median, largest : float
-        Of the windows' largest distances; infinite where a run leaves all reason.
+        Of the windows' largest distances; infinite where a run diverges.
     moved : float
         Median of how far the measured one moves in a window.
     """
@@ -87,29 +90,36 @@ class Replay:
         Of swing, boom, stick and the tip.
     seconds : float
         Length of a window.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times are dates themselves.
     """
 
     windows: list[Window] = field(repr=False)
     drifts: list[Drift]
     seconds: float
+    began: float = 0.0
 
-    def __str__(self) -> str:
+    def text(self, units: str = DEFAULT) -> str:
+        """How far it drifts, in a table."""
         head = (
             f"{len(self.windows)} windows of {self.seconds:g} s, each begun from the measured state; "
             "largest distance in a window:"
         )
-        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts))])
+        return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts, units))])
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def replay(
     log: Table | str | Path,
     machine: Machine | str | Path = "cat215b",
-    flow: Any = "polynomial",
+    flow: str | FlowModel = "polynomial",
     *,
     models: Sequence[Model] | str | Path | None = None,
     seconds: float = SECONDS,
     rows: np.ndarray | None = None,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> Replay:
     """Run a machine over windows of a log of the real one, each begun from the measured state.
 
@@ -130,7 +140,7 @@ def replay(
         Length of a window.
     rows : (n_row,) array of bool, optional
         Which rows may be in a window; all if not given.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
 
     Returns
     -------
@@ -145,23 +155,23 @@ def replay(
     if models is not None and flow not in ("polynomial", "neural"):
         raise InputError(f"models go with the flow models 'polynomial' and 'neural', not with {flow!r}")
     table, source = table_of(log, ["time", *DRIVEN])
-    plant = machine_of(machine)
+    plant = as_machine(machine)
     if isinstance(flow, str):
         flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
     windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
     if not windows:
         raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
-    return Replay(windows, drifts(plant, windows), seconds)
+    return Replay(windows, drifts(plant, windows), seconds, began(table))
 
 
 def replayed(
     machine: Machine,
-    flow: Any,
+    flow: str | FlowModel,
     log: Table,
     *,
     seconds: float = SECONDS,
     rows: np.ndarray | None = None,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> list[Window]:
     """Windows of `replay`; none where no piece of the log is long enough."""
     for name in ("time", *DRIVEN):
@@ -185,9 +195,8 @@ def replayed(
             voltage[number, :, place] = np.interp(late, time, log[f"{link}.voltage"])
         x0[number] = _state(log, begin)
     columns = [f"{link}.angle" for link in LINKS]
-    tell = None if progress is None else (lambda done, total: progress("replay", done, total))
     batch = simulate_batch(
-        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=tell
+        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=progress
     )  # after the dead time
     windows = []
     for number, begin in enumerate(begins):
@@ -198,7 +207,7 @@ def replayed(
 
 
 def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
-    """How far joints (deg) and tip (mm) drift in windows."""
+    """How far joints (rad) and tip (m) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
     tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
@@ -206,23 +215,25 @@ def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
     tip_moved = [np.linalg.norm(measured - measured[0], axis=1).max() for measured, _ in tips]
     found = []
     for name, unit, far, way in [
-        *((link, "deg", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
-        ("tip", "mm", np.array(tip_apart), np.array(tip_moved)),
+        *((link, "rad", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
+        ("tip", "m", np.array(tip_apart), np.array(tip_moved)),
     ]:
-        far, way = units.from_si(np.nan_to_num(far, nan=np.inf), unit), units.from_si(way, unit)
+        far = np.nan_to_num(far, nan=np.inf)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
 
 
-def drift_rows(found: Sequence[Drift]) -> list[list[str]]:
+def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
     """Texts under `DRIFT_HEADS`."""
-    digits = {"deg": 2, "mm": 0}
-    return [
-        [d.name, *(f"{value:.{digits[d.unit]}f} {d.unit}" for value in (d.median, d.largest, d.moved))] for d in found
-    ]
+    rows = []
+    for drift in found:
+        unit = shown_unit(drift.unit, units)
+        values = (as_shown(value, drift.unit, units) for value in (drift.median, drift.largest, drift.moved))
+        rows.append([drift.name, *("diverged" if v == np.inf else f"{v:.{_DECIMALS[unit]}f} {unit}" for v in values)])
+    return rows
 
 
-def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
+def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
     """How far joints and tip drift in the rows of a log that were held out, and in words over what; or why that is not known.
 
     Parameters
@@ -248,34 +259,39 @@ def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tu
     )
 
 
-def plot_replay(found: Replay) -> "Figure":
+def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
 
     Parameters
     ----------
     found : Replay
-        Its first windows are shown.
+        Its first windows are shown, over dates where the log has dates.
+    units : str
+        ``"metric"``, ``"field"`` or ``"si"``.
     """
     from matplotlib.figure import Figure
 
+    unit, label = shown_unit("rad", units), ""
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     *axes, below = figure.subplots(4, 1, sharex=True)
     for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
         for number, window in enumerate(found.windows[:_SHOWN]):
-            time = window.time
-            measured, run = (units.from_si(angles[:, place], "deg") for angles in (window.measured, window.run))
+            time, label = time_axis(window.time, found.began)
+            measured, run = (as_shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
             names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
             axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
             axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])
-            axis.plot(time[0], run[0], "o", color="#e07a1f", markersize=4.0, label=names[2])
+            axis.plot(time[:1], run[:1], "o", color="#e07a1f", markersize=4.0, label=names[2])
             below.plot(time, run - measured, color=_COLORS[place], linewidth=0.9, label=link if number == 0 else None)
-        axis.set_ylabel(f"{link} [deg]")
+        axis.set_ylabel(with_unit(f"{link} angle", unit))
         axis.grid(alpha=0.3)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
-    below.set_ylabel("run - measured\n[deg]")
+    below.set_ylabel(f"run - measured\n[{unit}]")
     below.grid(alpha=0.3)
-    below.legend(ncols=3, fontsize="small", frameon=False, loc="upper left")
-    below.set_xlabel("time of the log [s]")
+    below.legend(
+        ncols=3, fontsize="small", frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1
+    )
+    below.set_xlabel(label)
     return figure
 
 

@@ -7,43 +7,57 @@ from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polydraulic import units
-from polydraulic.identification.arguments import machine_of, models_of, table_of
+from polydraulic.display import DEFAULT
+from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
-from polydraulic.identification.machine_fit import HEADS, MachineFit, kept, summary
+from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
 from polydraulic.identification.machine_log import MEASURED, Known, by_port, judging_rows
 from polydraulic.measure.checks.coverage import Coverage, coverage
-from polydraulic.measure.log_units import Conversion
+from polydraulic.measure.log_units import conversion_shown
 from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
+from polydraulic.units import Conversion
 
-_FIELD = {"m": "mm", "Pa": "bar", "Pa^0.5": "bar^0.5", "m3/s": "l/min"}  # of maps: what logs are written in
 _HOLES = 3  # of a map that are named
 
 
 class Covered(NamedTuple):
-    """How much of its operating box the log has shown a network: the rows that say something of it, and their coverage."""
+    """How much of its operating box the log has shown a network: the rows that say something of it, and their coverage.
+
+    Attributes
+    ----------
+    output : str
+    rows : int
+    found : Coverage
+        In SI.
+    read : dict from input to unit
+        SI units of the inputs.
+    """
 
     output: str
     rows: int
     found: Coverage
-    conversions: dict[str, Conversion]  # to mm, bar and l/min
+    read: dict[str, str]
 
     @property
     def share(self) -> float:
         """Of the cells of all maps of pairs that hold a row."""
         return sum(pair.share for pair in self.found.pairs) / len(self.found.pairs)
 
-    def holes(self) -> list[str]:
+    def holes(self, units: str = DEFAULT) -> list[str]:
         """Where the log has not been, in words, the largest hole first."""
-        return self.found.statements(self.conversions)
+        return self.found.statements(self._conversions(units))
 
-    def to_svg(self) -> str:
+    def to_svg(self, units: str = DEFAULT) -> str:
         """Maps of all pairs of inputs, holes framed."""
-        return coverage_svg(self.found, self.conversions)
+        return coverage_svg(self.found, self._conversions(units))
+
+    def _conversions(self, units: str) -> dict[str, Conversion]:
+        return {name: conversion_shown(unit, units) for name, unit in self.read.items()}
 
 
 def operating_box(machine: Machine, link: str) -> dict[str, tuple[float, float]]:
@@ -72,7 +86,7 @@ def machine_coverage(
     machine : Machine, str or Path
         Or a parameter set by its name or file.
     """
-    plant = machine_of(machine)
+    plant = as_machine(machine)
     log, _ = table_of(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
     return _covered(plant, models_of(models), by_port(Known.of(plant), log))
 
@@ -83,7 +97,6 @@ def _covered(machine: Machine, models: Sequence[Model], log: Table) -> list[Cove
     box: dict[str, tuple[float, float]] = {}
     for link in LINKS:
         box |= operating_box(machine, link)
-    conversions = _conversions(log)
     for model in models:
         output = model.output.name
         names = [variable.name for variable in model.inputs]
@@ -92,15 +105,15 @@ def _covered(machine: Machine, models: Sequence[Model], log: Table) -> list[Cove
         keep = judging_rows(output, log, known)
         rows = Table({name: log[name][keep] for name in names}, log.units)
         seen = coverage(rows, names, {name: box[name] for name in names})
-        found.append(Covered(output, int(keep.sum()), seen, conversions))
+        found.append(Covered(output, int(keep.sum()), seen, {name: log.unit(name) for name in names}))
     return found
 
 
-def machine_facts(fit: MachineFit) -> tuple[dict[str, Any], str]:
-    """What a card says of a machine and its log as a whole: entries of the JSON, and HTML."""
+def machine_facts(fit: MachineFit, units: str = DEFAULT) -> tuple[dict[str, Any], str]:
+    """What a card says of a machine and its log as a whole: entries of the JSON, in SI but for texts, and HTML."""
     covered = _covered(fit.machine, fit.models, fit.table)
     facts = {
-        "coverage": [{"output": c.output, "rows": c.rows, "share": c.share, "holes": c.holes()} for c in covered],
+        "coverage": [{"output": c.output, "rows": c.rows, "share": c.share, "holes": c.holes(units)} for c in covered],
         "windows": fit.windows,
         "drift": [
             # JSON knows no infinity: a run that diverged
@@ -108,13 +121,13 @@ def machine_facts(fit: MachineFit) -> tuple[dict[str, Any], str]:
             for d in fit.drifts
         ],
     }
-    maps = "\n".join(map(_map, covered))
-    page = f"""{html_table("Errors on the blocks of time held out, as flows", HEADS, summary(fit.outputs))}
+    maps = "\n".join(_map(c, units) for c in covered)
+    page = f"""{html_table("Errors on the blocks of time held out, as flows", heads(units), summary(fit.outputs, units))}
 <p>Rows with an open valve; of an outlet, k_out, the error as a flow at the measured pressure. At the relief setting an inlet's flow falls from
-all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. The models themselves are in SI. {escape(kept(fit.outputs)).capitalize()}</p>
+all of the pump's to nothing within what a pressure sensor can tell: these rows do not count. {escape(kept(fit.outputs)).capitalize()}</p>
 <h3>The machine run against its log</h3>
 <p>{escape(fit.windows).capitalize()}.</p>
-{html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(fit.drifts)) if fit.drifts else ""}
+{html_table("Largest distance in a window", DRIFT_HEADS, drift_rows(fit.drifts, units)) if fit.drifts else ""}
 <h3>Where the log has been</h3>
 <p>In the operating box: a spool from where its valve opens to its end, pressures up to the relief setting, all of the pump's flow. White is
 where nothing was seen; the largest holes are framed.</p>
@@ -122,18 +135,9 @@ where nothing was seen; the largest holes are framed.</p>
     return facts, page
 
 
-def _map(covered: Covered) -> str:
-    holes = covered.holes()
+def _map(covered: Covered, units: str) -> str:
+    holes = covered.holes(units)
     named = f": {escape('; '.join(holes[:_HOLES]))}" if holes else ""
-    picture = base64.b64encode(covered.to_svg().encode()).decode()
+    picture = base64.b64encode(covered.to_svg(units).encode()).decode()
     return f"""<p><b>{escape(covered.output)}</b>, {covered.rows} rows, {covered.share:.0%} of the cells{named}.</p>
 <figure><img src="data:image/svg+xml;base64,{picture}" alt=""></figure>"""
-
-
-def _conversions(log: Table) -> dict[str, Conversion]:
-    found = {}
-    for name in log.names:
-        if log.unit(name) in _FIELD:
-            field = _FIELD[log.unit(name)]
-            found[name] = Conversion(units.to_si(1.0, field), 0.0, log.unit(name), field)
-    return found

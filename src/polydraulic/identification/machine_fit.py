@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_unit
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.arguments import Progress, machine_of, steps_of, table_of
+from polydraulic.identification.arguments import table_of
 from polydraulic.identification.judging import OutputFit
 from polydraulic.identification.log_replay import COMPARED, DRIFT_HEADS, Drift, against_log, drift_rows
 from polydraulic.identification.machine_judging import check_numbers, check_rows, held_out, judged_network, one_sided
@@ -18,24 +18,17 @@ from polydraulic.identification.machine_log import MEASURED, Known, by_port, som
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
-HEADS = (
-    "network",
-    "regions",
-    "rms [l/min]",
-    "of the pump",
-    "largest [l/min]",
-    "R2",
-    "in 90% intervals",
-)
 _OUTPUTS = 2 * len(LINKS)
 
 
 @dataclass(frozen=True, eq=False)
 class MachineFit:
-    """A machine learnt from a log; ``str()`` says in the units of the field how good it is.
+    """A machine learnt from a log; ``str()`` says how good it is.
 
     Attributes
     ----------
@@ -77,19 +70,23 @@ class MachineFit:
         """The networks to be used."""
         return [found.model for found in self.outputs]
 
-    def __str__(self) -> str:
+    def text(self, units: str = DEFAULT) -> str:
+        """How good it is, in tables."""
         remark = kept(self.outputs)
         return "\n".join(
             [
                 f"{self.held.sum()} of {len(self.table)} rows held out, every fifth block of time; "
                 "errors as flows, where a valve is open:",
-                *text_table(HEADS, summary(self.outputs)),
+                *text_table(heads(units), summary(self.outputs, units)),
                 *([remark] if remark else []),
                 self.windows + (":" if self.drifts else ""),
-                *(text_table(DRIFT_HEADS, drift_rows(self.drifts)) if self.drifts else []),
+                *(text_table(DRIFT_HEADS, drift_rows(self.drifts, units)) if self.drifts else []),
                 *(f"warning: {warning}" for warning in self.warnings),
             ]
         )
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def fit_machine(
@@ -99,7 +96,7 @@ def fit_machine(
     max_regions: int = REGIONS,
     max_rows: int = ROWS,
     min_blocks: int = BLOCKS,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> MachineFit:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
@@ -121,7 +118,7 @@ def fit_machine(
         That a network learns from.
     min_blocks : int
         Of time, of which every fifth is held out.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called as each network, with and without the rows held out, and the run against the log begin.
 
     Returns
@@ -134,36 +131,42 @@ def fit_machine(
         A column that is missing or in another unit, numbers that cannot be SI, a valve that never opens, too few rows with an open
         valve in the blocks held out or in the others.
     """
-    plant, needed = machine_of(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
+    plant, needed = as_machine(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
     read, source = table_of(table, needed, ["segment", *COMPARED])
     known = Known.of(plant)
     log = by_port(known, read)
     check_numbers(plant, log)
     held = held_out(log, min_blocks)
     check_rows(log, held, known)
-    begin = steps_of(progress, 2 * _OUTPUTS + 1)
+    total = 2 * _OUTPUTS + 1
 
-    def learnt(rows: Table, what: str) -> list[Model]:
-        def tell(output: str) -> None:
-            begin(f"{output}: {what}")
+    def learnt(rows: Table, what: str, before: int) -> list[Model]:
+        def tell(output: str, done: int, of: int) -> None:
+            progress(f"{output}: {what}", before + done, total)
 
         return learn(plant, rows, max_regions=max_regions, max_rows=max_rows, progress=tell)
 
-    without, models = learnt(some_rows(log, ~held), "hold out"), learnt(log, "all rows")
+    without, models = learnt(some_rows(log, ~held), "hold out", 0), learnt(log, "all rows", _OUTPUTS)
     outputs = [judged_network(plant, log, held, *pair) for pair in zip(models, without, strict=True)]
-    begin("run against the log")
+    progress("run against the log", 2 * _OUTPUTS, total)
     windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
     return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, log, source)
 
 
-def summary(outputs: Sequence[OutputFit]) -> list[list[str]]:
-    """Texts under `HEADS`: errors of all networks on the blocks held out, as flows in l/min; of an outlet at the measured pressure."""
+def heads(units: str = DEFAULT) -> tuple[str, ...]:
+    """Heads of the columns of `summary`."""
+    rms, largest = (with_unit(name, shown_unit("m3/s", units)) for name in ("rms", "largest"))
+    return ("network", "regions", rms, "of the pump", largest, "R2", "in 90% intervals")
+
+
+def summary(outputs: Sequence[OutputFit], units: str = DEFAULT) -> list[list[str]]:
+    """Texts under `heads`: errors of all networks on the blocks held out, as flows; of an outlet at the measured pressure."""
     rows = []
     for found in outputs:
         training: Any = found.model.training
-        rms, largest = (units.from_si(training[f"held_out_flow_{what}"], "l/min") for what in ("rms", "largest"))
+        rms, largest = (as_shown(training[f"held_out_flow_{what}"], "m3/s", units) for what in ("rms", "largest"))
         share = training["held_out_flow_rms"] / training["pump_flow"]
-        texts = [f"{rms:.2f}", f"{share:.2%}", f"{largest:.1f}", f"{found.r2:.4f}", f"{found.covered:.0%}"]
+        texts = [readable(rms, 3), f"{share:.2%}", readable(largest, 3), f"{found.r2:.4f}", f"{found.covered:.0%}"]
         rows.append([found.model.output.name, str(len(found.model.networks)), *texts])
     return rows
 

@@ -73,7 +73,7 @@ def by_port(known: Known, log: Table) -> Table:
         columns |= _ports(known, link, columns)
     columns["series.q_passed"] = np.clip(known.series_flow - columns["swing.q_in"], 0.0, known.series_flow)
     of_columns = UNITS | _DERIVED
-    return Table(columns, {name: of_columns.get(name.split(".")[-1], "") for name in columns})
+    return Table(columns, {name: of_columns.get(name.split(".")[-1], "") for name in columns}, dict(log.info))
 
 
 def _ports(known: Known, link: str, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

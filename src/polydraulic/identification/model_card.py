@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, as_shown, dated, moment, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
@@ -19,11 +20,13 @@ from polydraulic.identification.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
 from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.shown_model import region_names, shown_model
 from polydraulic.networks.plot import draw_network
 from polydraulic.networks.proof.bounds import model_bounds
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
-from polydraulic.tables import Table
+from polydraulic.progress import Progress, quiet
+from polydraulic.tables import Table, began, shown_table
 
 SCHEMA = 1
 _SHOWN = 12  # regions whose network is drawn and written out
@@ -46,6 +49,8 @@ def write_card(
     source: str | None = None,
     max_boxes: int = _EFFORT,
     shown: int = _SHOWN,
+    units: str = DEFAULT,
+    progress: Progress = quiet,
 ) -> dict[str, Any]:
     """Write the card of what was fitted: a page that needs nothing else, and JSON beside it.
 
@@ -60,6 +65,10 @@ def write_card(
         Sub-boxes a region that the proofs may take.
     shown : int
         Regions of a model, whose networks are drawn and written out.
+    units : str
+        Of the page: ``"metric"``, ``"field"`` or ``"si"``; columns in units of their own stay. The JSON has the units of the table.
+    progress : Progress, optional
+        Called as each model begins.
 
     Returns
     -------
@@ -73,23 +82,25 @@ def write_card(
     """
     path, source = card_ending(path), fit.source if source is None else source
     if isinstance(fit, MachineFit):
-        entries, seen = machine_facts(fit)
+        entries, seen = machine_facts(fit, units)
     else:
-        entries, seen = {}, _coverage_of(_inputs(fit.models), fit.table)
-    card: dict[str, Any] = {
-        "schema": SCHEMA,
-        "data": _data(fit.models, fit.table, source) | entries,
-        "models": [_facts(model, max_boxes) for model in fit.models],
-    }
+        entries, seen = {}, _coverage_of(_inputs(fit.models), shown_table(fit.table, units))
+    data, sections = _data(fit.models, fit.table, source), []
+    facts: list[dict[str, Any]] = []
     outputs: Sequence[OutputFit | DynamicOutputFit] = fit.outputs
-    sections = "\n".join(
-        _section(found, facts, shown) if isinstance(found, OutputFit) else _dynamic_section(found, facts, shown)
-        for found, facts in zip(outputs, card["models"], strict=True)
-    )
+    for found in outputs:
+        progress(f"card: {found.model.output.name}, proofs and pictures", len(facts), len(outputs))
+        facts.append(_facts(found.model, max_boxes))
+        read, told = found.shown(units), _shown_facts(facts[-1], found.model, units)
+        sections.append(
+            _section(read, told, shown) if isinstance(read, OutputFit) else _dynamic_section(read, told, shown)
+        )
+    card: dict[str, Any] = {"schema": SCHEMA, "data": data | entries, "models": facts}
     body = f"""<h2>Data</h2>
-{_columns(card["data"])}
+{_columns(data, units)}
 {seen}
-{sections}"""
+{_said_of_units(fit.models, units)}
+{"".join(sections)}"""
     write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
     write_text(path, document(f"Model card: {source}", body))
     return card
@@ -122,7 +133,10 @@ def _data(models: Sequence[Model], table: Table, source: str) -> dict[str, Any]:
         "held_out": models[0].training["held_out"],
     }
     if "time" in table.names:
-        found["seconds"] = float(table["time"].max() - table["time"].min())
+        first, last = (float(end) + began(table) for end in (table["time"].min(), table["time"].max()))
+        found["seconds"] = last - first
+        if dated(first):
+            found |= {"first": first, "last": last}  # s since 1970
     if "segment" in table.names:
         found["segments"] = len(np.unique(table["segment"]))
     return found
@@ -160,13 +174,37 @@ def _facts(model: Model, max_boxes: int) -> dict[str, Any]:
     }
 
 
-def _section(found: OutputFit, facts: dict[str, Any], shown: int) -> str:
+def _shown_facts(facts: dict[str, Any], model: Model, units: str) -> dict[str, Any]:
+    """The facts of a model as its page shows them; what is proved is proved of the model itself."""
+    read, unit = shown_model(model, units), model.output.unit
+    names = dict(zip(model.region_names(), region_names(read), strict=True))
+
+    def moved(entry: dict[str, Any]) -> dict[str, Any]:
+        return entry | {key: as_shown(entry[key], unit, units) for key in ("proved_low", "proved_high")}
+
+    found = moved(facts) | {
+        "output": str(read.output),
+        "domain": read.domain().tolist(),
+        "regions": [moved(region) | {"region": names[region["region"]]} for region in facts["regions"]],
+        "training": read.training,
+    }
+    return found | ({"largest_steps": list(read.dynamics.step)} if read.dynamics else {})
+
+
+def _said_of_units(models: Sequence[Model], units: str) -> str:
+    """That the page shows other units than the model file has, if so."""
+    used = [variable.unit for model in models for variable in (*model.inputs, model.output)]
+    changed = dict.fromkeys(f"{shown_unit(unit, units)} for {unit}" for unit in used if shown_unit(unit, units) != unit)
+    told = f"Shown in {', '.join(changed)}; the model file and its exports work in the units of the table."
+    return f"<p>{escape(told)}</p>" if changed else ""
+
+
+def _section(found: OutputFit, facts: dict[str, Any], most: int) -> str:
     model, training = found.model, facts["training"]
     unit = escape(unit_after(model.output))
     widths = training["interval_half_widths"]
     interval = (
-        f"{training['interval_level']:.0%} intervals of plus or minus {min(widths):.4g} to {max(widths):.4g}{unit} by region "
-        f"hold for {found.covered:.1%} of the rows they were not set by"
+        f"{training['interval_level']:.0%} intervals of plus or minus {_span(widths)}{unit} hold for {found.covered:.1%} of the rows they were not set by"
         if widths
         else "too few rows were held out to state intervals"
     )
@@ -180,12 +218,18 @@ def _section(found: OutputFit, facts: dict[str, Any], shown: int) -> str:
 {facts["proved_low"]:.6g} to {facts["proved_high"]:.6g}{unit}, whatever the inputs.</p>
 {html_table("Errors on the rows held out", ["region", "rows", *_heads("rms", "largest", model=model)], regions)}
 {_domain(model, facts)}
-{html_table("Proved range by region", ["region", "low", "high"], proved)}
+{html_table("Proved range by region", ["region", *_heads("low", "high", model=model)], proved)}
 {_picture(_errors(found.model, found.held.y, found.held.predicted))}
-{_what_it_is(model, shown)}"""
+{_what_it_is(model, most)}"""
 
 
-def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], shown: int) -> str:
+def _span(widths: Sequence[float]) -> str:
+    """Half widths of intervals in words."""
+    low, high = (f"{end(widths):.4g}" for end in (min, max))
+    return low if low == high else f"{low} to {high} by region"
+
+
+def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], most: int) -> str:
     model, unit = found.model, unit_after(found.model.output)
     rows = [
         [name, *(f"{value:.4g}" for kind in errors for value in kind)]
@@ -212,7 +256,7 @@ def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], shown: int)
 Shaded: the intervals.</p>
 {_picture(_errors(model, found.held.measured, found.held.free))}
 {_domain(model, facts)}
-{_what_it_is(model, shown)}"""
+{_what_it_is(model, most)}"""
 
 
 def _domain(model: Model, facts: dict[str, Any]) -> str:
@@ -221,11 +265,11 @@ def _domain(model: Model, facts: dict[str, Any]) -> str:
 
 
 def _what_it_is(model: Model, most: int) -> str:
-    shown = min(len(model.networks), most)
-    more = "" if shown == len(model.networks) else f"<p>The first {shown} of {len(model.networks)} regions.</p>"
+    drawn = min(len(model.networks), most)
+    more = "" if drawn == len(model.networks) else f"<p>The first {drawn} of {len(model.networks)} regions.</p>"
     text = to_text(model) if len(model.networks) <= most else "See the model file: more regions than fit here."
     return f"""<h3>What it is</h3>
-{more}{_picture(_networks(model, shown))}
+{more}{_picture(_networks(model, drawn))}
 <pre>{escape(text)}</pre>"""
 
 
@@ -234,18 +278,26 @@ def _heads(*names: str, model: Model) -> list[str]:
     return [str(Variable(name, model.output.unit)) for name in names]
 
 
-def _columns(data: dict[str, Any]) -> str:
-    rows = [[c["name"], c["unit"], f"{c['low']:.6g}", f"{c['high']:.6g}"] for c in data["columns"]]
+def _columns(data: dict[str, Any], units: str) -> str:
+    rows = [
+        [
+            c["name"],
+            shown_unit(c["unit"], units),
+            *(f"{as_shown(c[end], c['unit'], units):.6g}" for end in ("low", "high")),
+        ]
+        for c in data["columns"]
+    ]
     spans = "".join(
         f", {data[key]:.6g} {word}" for key, word in (("seconds", "s"), ("segments", "segment(s)")) if key in data
     )
-    caption = f"{data['source']}: {data['rows']} rows{spans}; held out: {data['held_out']}"
+    days = f", {moment(data['first'])} to {moment(data['last'])}" if "first" in data else ""
+    caption = f"{data['source']}: {data['rows']} rows{spans}{days}; held out: {data['held_out']}"
     return html_table(caption, ["column", "unit", "low", "high"], rows)
 
 
 def _coverage_of(inputs: Sequence[str], table: Table) -> str:
     return f"""{_picture(_coverage(inputs, table))}
-<p>Where the rows lie, for every pair of inputs; white is where nothing was seen.</p>"""
+<p>Where the rows lie, for every pair of inputs: the brighter, the more rows, white where nothing was seen.</p>"""
 
 
 def _coverage(inputs: Sequence[str], table: Table) -> Any:
@@ -261,7 +313,8 @@ def _coverage(inputs: Sequence[str], table: Table) -> Any:
             axis = axes[row, column]
             if len(names) == 1:
                 axis.hist(table[names[0]], bins=_BINS)
-                axis.set_xlabel(names[0])
+                axis.set_xlabel(with_unit(names[0], table.unit(names[0])))
+                axis.set_ylabel("rows")
             elif column > row:
                 axis.set_axis_off()
             else:
@@ -270,8 +323,8 @@ def _coverage(inputs: Sequence[str], table: Table) -> Any:
                 axis.pcolormesh(
                     xs, ys, np.where(counts > 0.0, np.log10(np.maximum(counts, 1.0)), np.nan).T, rasterized=True
                 )
-                axis.set_xlabel(names[column], fontsize="small")
-                axis.set_ylabel(names[row + 1], fontsize="small")
+                axis.set_xlabel(with_unit(names[column], table.unit(names[column])), fontsize="small")
+                axis.set_ylabel(with_unit(names[row + 1], table.unit(names[row + 1])), fontsize="small")
     return figure
 
 
@@ -284,20 +337,21 @@ def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
     left, right = figure.subplots(1, 2)
     left.plot(y, predicted, ",", rasterized=True)
     left.set_xlabel(f"measured {model.output}")
-    left.set_ylabel("predicted")
+    left.set_ylabel(f"predicted {model.output}")
     right.hist(error, bins=60)
     right.set_xlabel(str(Variable("error", model.output.unit)))
+    right.set_ylabel("rows")
     right.set_yscale("log")
     return figure
 
 
-def _networks(model: Model, shown: int) -> Any:
+def _networks(model: Model, drawn: int) -> Any:
     from matplotlib.figure import Figure
 
     height = max(2.0, 0.36 * len(model.inputs))
-    figure = Figure(figsize=(8.0, height * shown), layout="constrained")
-    axes = figure.subplots(shown, 1, squeeze=False)
-    for axis, network, name in zip(axes[:, 0], model.networks, model.region_names(), strict=False):
+    figure = Figure(figsize=(8.0, height * drawn), layout="constrained")
+    axes = figure.subplots(drawn, 1, squeeze=False)
+    for axis, network, name in zip(axes[:, 0], model.networks, region_names(model), strict=False):
         draw_network(axis, network, model.inputs, model.output)
         axis.set_title(name, fontsize="small")
     return figure

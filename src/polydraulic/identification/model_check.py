@@ -6,13 +6,23 @@ from pathlib import Path
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, amount, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.machine_log import as_judged
 from polydraulic.identification.validity import Validity, run_validity, validity
 from polydraulic.networks.model.lag_words import dynamic_notes
-from polydraulic.networks.model.model import Model
-from polydraulic.networks.proof.bounds import ModelBounds, RangeCheck, check_range, model_bounds
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.shown_model import ends_in, region_names, shown_columns, shown_model
+from polydraulic.networks.proof.bounds import (
+    Leaving,
+    ModelBounds,
+    RangeCheck,
+    check_range,
+    model_bounds,
+    range_sentence,
+)
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 
@@ -28,11 +38,14 @@ class Check:
         One a model: proved bounds; whether it stays in a range; whether it holds on data.
     notes : list of str
         What a proof of dynamic models is about.
+    units : str
+        Of what is said.
     """
 
     models: list[Model]
     found: Sequence[ModelBounds | RangeCheck | Validity]
     notes: list[str]
+    units: str = DEFAULT
 
     @property
     def holds(self) -> bool:
@@ -43,11 +56,11 @@ class Check:
         parts = [f"note: {note}" for note in self.notes]
         for model, one in zip(self.models, self.found, strict=True):
             if isinstance(one, ModelBounds):
-                parts += _bounds_lines(model, one)
+                parts += _bounds_lines(model, one, self.units)
             elif isinstance(one, RangeCheck):
-                parts.append(str(one))
+                parts.append(_range_line(model, one, self.units))
             else:
-                parts += _validity_lines(model, one)
+                parts += _validity_lines(model, one, self.units)
         return "\n".join(parts)
 
 
@@ -58,6 +71,8 @@ def check_models(
     limits: tuple[float, float] | None = None,
     box: Mapping[str, tuple[float, float]] | None = None,
     max_boxes: int = 20000,
+    units: str = DEFAULT,
+    progress: Progress = quiet,
 ) -> Check:
     """Prove where models can go, anywhere in their domain or a box; or judge them by data that they have not seen.
 
@@ -74,6 +89,10 @@ def check_models(
         Only in this part of the inputs, in their units; the domain of those that are not named.
     max_boxes : int
         Sub-boxes a region that the proof may take.
+    units : str
+        Of what is said: ``"metric"``, ``"field"`` or ``"si"``; what is in units of its own stays.
+    progress : Progress, optional
+        Called as each model begins.
 
     Returns
     -------
@@ -90,17 +109,24 @@ def check_models(
             raise InputError("data judge models by measurements; limits and a box go with a proof: give one of them")
         table, _ = table_of(data)
         static, dynamic = ([model for model in some if (model.dynamics is None) == how] for how in (True, False))
-        judged = [validity(model, as_judged(model, table)) for model in static]
-        judged += run_validity(dynamic, table) if dynamic else []
-        return Check([*static, *dynamic], judged, [])
+        judged: list[Validity] = []
+        for model in static:
+            progress(f"{model.output.name} on the new data", len(judged), len(some))
+            judged.append(validity(model, as_judged(model, table), units))
+        if dynamic:
+            progress("free runs through the new data", len(judged), len(some))
+            judged += run_validity(dynamic, table, units)
+        return Check([*static, *dynamic], judged, [], units)
     places = [_place(model, box or {}) for model in some]
-    notes = dynamic_notes(some)
-    if limits is None:
-        bounds = [model_bounds(model, place, max_boxes=max_boxes) for model, place in zip(some, places, strict=True)]
-        return Check(some, bounds, notes)
-    low, high = limits
-    ranges = [check_range(m, low, high, place, max_boxes=max_boxes) for m, place in zip(some, places, strict=True)]
-    return Check(some, ranges, notes)
+    proved: list[ModelBounds | RangeCheck] = []
+    for model, place in zip(some, places, strict=True):
+        progress(f"proof of {model.output.name}", len(proved), len(some))
+        proved.append(
+            model_bounds(model, place, max_boxes=max_boxes)
+            if limits is None
+            else check_range(model, *limits, place, max_boxes=max_boxes)
+        )
+    return Check(some, proved, dynamic_notes(some), units)
 
 
 def _place(model: Model, box: Mapping[str, tuple[float, float]]) -> np.ndarray:
@@ -113,22 +139,59 @@ def _place(model: Model, box: Mapping[str, tuple[float, float]]) -> np.ndarray:
     return found
 
 
-def _bounds_lines(model: Model, found: ModelBounds) -> list[str]:
-    lines = [f"{model.output}: proved range {found.low:.6g} to {found.high:.6g}"]
-    for name, region in zip(model.region_names(), found.regions, strict=True):
+def _bounds_lines(model: Model, bounds: ModelBounds, units: str) -> list[str]:
+    """Proved ranges of a model's output and slopes, in lines as they are shown."""
+    read, unit = shown_model(model, units), model.output.unit
+
+    def span(low: float, high: float) -> str:
+        return f"{as_shown(low, unit, units):.6g} to {as_shown(high, unit, units):.6g}"
+
+    lines = [f"{read.output}: proved range {span(bounds.low, bounds.high)}"]
+    for name, region in zip(region_names(read), bounds.regions, strict=True):
         if region is None:
             continue
-        lines.append(f"  {name}: {region.low:.6g} to {region.high:.6g}, slopes")
-        for variable, (low, high) in zip(model.inputs, region.slopes, strict=True):
-            lines.append(f"    by {variable!s:28s} {low:12.5g} to {high:12.5g}")
+        lines.append(f"  {name}: {span(region.low, region.high)}, slopes")
+        for variable, ends in zip(model.inputs, region.slopes, strict=True):
+            low, high = (as_shown(end, unit, units) / as_shown(1.0, variable.unit, units) for end in ends)
+            lines.append(
+                f"    by {Variable(variable.name, shown_unit(variable.unit, units))!s:28s} {low:12.5g} to {high:12.5g}"
+            )
     return lines
 
 
-def _validity_lines(model: Model, found: Validity) -> list[str]:
-    verdict = "holds" if found.holds else "does not hold any more"
-    lines = [f"{model.output}: {verdict}", *(f"  {statement}" for statement in found.statements)]
+def _range_line(model: Model, answer: RangeCheck, units: str) -> str:
+    """Whether a model stays in a range, in a sentence as it is shown."""
+    read, unit = shown_model(model, units), model.output.unit
+    names = dict(zip(model.region_names(), region_names(read), strict=True))
+    return range_sentence(
+        read,
+        answer._replace(
+            low=as_shown(answer.low, unit, units),
+            high=as_shown(answer.high, unit, units),
+            asked=ends_in(answer.asked, unit, units),
+            leaving=tuple(
+                Leaving(
+                    names[found.region],
+                    shown_columns(found.point[None], [variable.unit for variable in model.inputs], units)[0],
+                    as_shown(found.value, unit, units),
+                )
+                for found in answer.leaving
+            ),
+            undecided=tuple(names[region] for region in answer.undecided),
+        ),
+    )
+
+
+def _validity_lines(model: Model, found: Validity, units: str) -> list[str]:
+    verdict, read, unit = (
+        "holds" if found.holds else "does not hold any more",
+        shown_model(model, units),
+        model.output.unit,
+    )
+    lines = [f"{read.output}: {verdict}", *(f"  {statement}" for statement in found.statements)]
+    names = dict(zip(model.region_names(), region_names(read), strict=True))
     for region in found.regions:
         if region["rows"]:
-            sizes = f"rms {region['rms']:.4g}, largest {region['largest']:.4g}"
-            lines.append(f"    {region['region']}: {region['rows']} rows, {sizes}")
+            sizes = f"rms {amount(region['rms'], unit, units)}, largest {amount(region['largest'], unit, units)}"
+            lines.append(f"    {names[region['region']]}: {region['rows']} rows, {sizes}")
     return lines

@@ -4,8 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, time_axis
 from polydraulic.identification.runs import DynamicRun, ModelRuns
 from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.shown_model import shown_model
+from polydraulic.tables import began
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,22 +18,26 @@ _MEASURED, _ON_ITS_OWN = "#9ec5e8", "#e07a1f"  # as runs of the machine are draw
 _SHOWN = 6  # runs that have a panel of their own
 
 
-def plot_runs(found: ModelRuns) -> "Figure":
+def plot_runs(found: ModelRuns, *, units: str = DEFAULT) -> "Figure":
     """All runs on one axis of time, one panel an output.
 
     Parameters
     ----------
     found : ModelRuns
-        From `run_models`.
+        From `run_models`; over dates where its log has dates.
+    units : str
+        ``"metric"``, ``"field"`` or ``"si"``; outputs in units of their own stay.
     """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 0.8 + 2.4 * len(found.runs)), layout="constrained")
     axes = figure.subplots(len(found.runs), 1, squeeze=False, sharex=True)[:, 0]
-    for axis, model, run in zip(axes, found.models, found.runs, strict=True):
-        _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run))
+    label = ""
+    for axis, own, answered in zip(axes, found.models, found.runs, strict=True):
+        model, run = shown_model(own, units), answered.shown(own.output.unit, units)
+        label = _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run), began(found.log))
         axis.set_ylabel(str(model.output))
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
     return figure
 
@@ -43,27 +50,31 @@ def plot_separately(model: Model, run: DynamicRun) -> "Figure":
     shown = np.sort(np.argsort(-length, kind="stable")[:_SHOWN])
     figure = Figure(figsize=(8.0, 0.6 + 1.7 * len(shown)), layout="constrained")
     axes = figure.subplots(len(shown), 1, squeeze=False, sharey=True)[:, 0]
+    label = ""
     for axis, number in zip(axes, shown, strict=True):
-        _draw(axis, run, run.number == number, _half_width(model, run))
+        label = _draw(axis, run, run.number == number, _half_width(model, run))
         axis.set_ylabel(str(model.output), fontsize="small")
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
     return figure
 
 
-def _draw(axis: "Axes", run: DynamicRun, shown: np.ndarray, half_width: float | None) -> None:
+def _draw(axis: "Axes", run: DynamicRun, shown: np.ndarray, half_width: float | None, began: float = 0.0) -> str:
+    """Draw rows of a run; returns the label of the axis of time."""
     time, number = run.time[shown], run.number[shown]
     # no line from one run to the next
     ends = np.flatnonzero(np.diff(number)) + 1
     time, measured, free = (np.insert(values, ends, np.nan) for values in (time, run.measured[shown], run.free[shown]))
+    at, label = time_axis(time, began)
     if half_width is not None:
         axis.fill_between(
-            time, free - half_width, free + half_width, color=_ON_ITS_OWN, alpha=0.15, linewidth=0.0, rasterized=True
+            at, free - half_width, free + half_width, color=_ON_ITS_OWN, alpha=0.15, linewidth=0.0, rasterized=True
         )
-    axis.plot(time, measured, color=_MEASURED, linewidth=2.0, label="measured")
-    axis.plot(time, free, color=_ON_ITS_OWN, linewidth=1.0, label="free run")
+    axis.plot(at, measured, color=_MEASURED, linewidth=2.0, label="measured")
+    axis.plot(at, free, color=_ON_ITS_OWN, linewidth=1.0, label="free run")
     axis.margins(x=0.01)
     axis.grid(alpha=0.3)
+    return label
 
 
 def _half_width(model: Model, run: DynamicRun) -> float | None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, amount, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.judging import errors_of
@@ -49,6 +50,13 @@ class DynamicRun(NamedTuple):
     def n_run(self) -> int:
         """Number of runs."""
         return int(self.number[-1]) + 1
+
+    def shown(self, unit: str, units: str = DEFAULT) -> "DynamicRun":
+        """The run of an output in `unit` as it is shown."""
+        measured, free, one_step = (
+            as_shown(values, unit, units) for values in (self.measured, self.free, self.one_step)
+        )
+        return self._replace(measured=measured, free=free, one_step=one_step)
 
 
 def run_on(
@@ -152,7 +160,8 @@ class ModelRuns:
                 columns[name + ending], units[name + ending] = values, model.output.unit
         return Table(columns, units)
 
-    def __str__(self) -> str:
+    def text(self, units: str = DEFAULT) -> str:
+        """How far the models went and how well."""
         first = self.runs[0]
         lines = [
             f"{first.n_run} free run(s) of up to {first.longest} rows, {len(first.row)} of {len(self.log)} rows answered"
@@ -160,8 +169,12 @@ class ModelRuns:
         for model, run in zip(self.models, self.runs, strict=True):
             for name, values in (("free run", run.free), ("one step", run.one_step)):
                 r2, rms, largest = errors_of(run.measured, values)
-                lines.append(f"{model.output}, {name}: R2 {r2:.4f}, rms {rms:.4g}, largest {largest:.4g}")
+                sizes = (amount(size, model.output.unit, units) for size in (rms, largest))
+                lines.append(f"{model.output.name}, {name}: R2 {r2:.4f}, rms {next(sizes)}, largest {next(sizes)}")
         return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def run_models(

@@ -3,18 +3,25 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from sklearn.base import clone
 
+from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import Progress, check_columns, steps_of, table_of
+from polydraulic.identification.arguments import check_columns, table_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
+from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import BLOCKS, FOLD, held_rows
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
+
+if TYPE_CHECKING:
+    from polydraulic.measure.checks.deadband import Deadband
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +32,8 @@ class TableFit:
     ----------
     outputs : list of OutputFit
         One an output.
-    deadbands : list of str
-        What was found of them, in words; empty if they were not asked for.
+    deadbands : list of Deadband
+        Empty if they were not asked for.
     table : Table
         What the models were fitted to.
     source : str
@@ -34,7 +41,7 @@ class TableFit:
     """
 
     outputs: list[OutputFit]
-    deadbands: list[str]
+    deadbands: list["Deadband"]
     table: Table = field(repr=False)
     source: str
 
@@ -43,8 +50,13 @@ class TableFit:
         """The models, to be saved, exported or run."""
         return [found.model for found in self.outputs]
 
+    def text(self, units: str = DEFAULT) -> str:
+        """What was found, in lines."""
+        deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
+        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs)])
+
     def __str__(self) -> str:
-        return "\n".join([*self.deadbands, *map(str, self.outputs)])
+        return self.text()
 
 
 def fit_table(
@@ -56,7 +68,7 @@ def fit_table(
     max_regions: int = 1,
     deadbands: bool = False,
     estimator: AbductiveRegressor | None = None,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> TableFit:
     """Fit each output column from the input columns.
 
@@ -77,7 +89,7 @@ def fit_table(
         Whether regions also end where an imported log (``time``, ``segment``) shows a deadband.
     estimator : AbductiveRegressor, optional
         Cloned for every fit; one whose outputs are bounded by the data if not given.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called as each fit begins, two an output.
 
     Returns
@@ -109,16 +121,15 @@ def fit_table(
     base = AbductiveRegressor() if estimator is None else estimator
     by_index = {list(inputs).index(name): cuts for name, cuts in borders.items()}
     regressor = RegionRegressor(base, edges=by_index or None, max_regions=max_regions)
-    begin = steps_of(progress, 2 * len(outputs))
     by_time = "time" in rows.names
     X, held = rows.matrix(inputs), held_rows(len(rows), BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None)
     names = [Variable(name, rows.unit(name)) for name in inputs]
-    fits = []
+    fits: list[OutputFit] = []
     for output in outputs:
         y = rows[output]
-        begin(f"{output}: hold out")
+        progress(f"{output}: hold out", 2 * len(fits), 2 * len(outputs))
         predicted = clone(regressor).fit(X[~held], y[~held]).predict(X[held])
-        begin(f"{output}: all rows")
+        progress(f"{output}: all rows", 2 * len(fits) + 1, 2 * len(outputs))
         model = clone(regressor).fit(X, y).to_model(names, Variable(output, rows.unit(output)))
         fits.append(judged(model, HeldOut(X[held], y[held], predicted, by_time), len(y)))
     return TableFit(fits, found, rows, source)
@@ -126,8 +137,8 @@ def fit_table(
 
 def _with_deadbands(
     edges: Mapping[str, Sequence[float]], table: Table, inputs: Sequence[str], outputs: Sequence[str]
-) -> tuple[dict[str, list[float]], list[str]]:
-    """Edges, and those of the deadbands that an imported log shows; also what was found, in words."""
+) -> tuple[dict[str, list[float]], list["Deadband"]]:
+    """Edges, and those of the deadbands that an imported log shows; also the deadbands."""
     from polydraulic.measure.checks.deadband import find_deadbands  # only a log needs the extra that comes with it
 
     if not {"time", "segment"} <= set(table.names):
@@ -137,4 +148,4 @@ def _with_deadbands(
     deadbands = find_deadbands(table, inputs, outputs, raster)
     for deadband in (deadband for deadband in deadbands if deadband.found):
         found[deadband.input] = sorted({*found.get(deadband.input, []), deadband.low, deadband.high})
-    return found, [deadband.statement() for deadband in deadbands]
+    return found, deadbands

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, amount
 from polydraulic.errors import InputError
-from polydraulic.identification.judging import errors_by_region, errors_of, unit_after
+from polydraulic.identification.judging import errors_by_region, errors_of
 from polydraulic.identification.log_rows import rows_for
 from polydraulic.identification.runs import run_on
 from polydraulic.networks.dynamic.free_run import dynamics_of
@@ -47,7 +48,7 @@ class Validity(NamedTuple):
     regions: list[dict[str, Any]]
 
 
-def validity(model: Model, table: Table) -> Validity:
+def validity(model: Model, table: Table, units: str = DEFAULT) -> Validity:
     """Judge a static model by data that it has not seen.
 
     Parameters
@@ -56,6 +57,8 @@ def validity(model: Model, table: Table) -> Validity:
         From `fit_table`, or its file: its training states what to expect.
     table : Table
         With its inputs and its output, in the same units.
+    units : str
+        Of the statements: ``"metric"``, ``"field"`` or ``"si"``; what is in a unit of its own stays.
 
     Raises
     ------
@@ -66,14 +69,14 @@ def validity(model: Model, table: Table) -> Validity:
     X, y = table.matrix([variable.name for variable in model.inputs]), table[model.output.name]
     error = model.predict(X) - y
     regions = errors_by_region(model, X, error)
-    found = _judged(model, y, error, "rms error", "held_out_rms", X, regions)
+    found = _judged(model, y, error, "rms error", "held_out_rms", X, regions, units)
     unseen = [r["region"] for r in regions if r["rows"] == 0]
     if unseen:
         found.statements.append(f"no rows in {len(unseen)} of its {len(regions)} regions: nothing is said about these")
     return found
 
 
-def run_validity(models: Sequence[Model], table: Table) -> list[Validity]:
+def run_validity(models: Sequence[Model], table: Table, units: str = DEFAULT) -> list[Validity]:
     """Judge dynamic models by a log that they have not seen: they run on their own as they did when they were fitted.
 
     Free runs begin anew after as many rows as the ones that were stated, since errors grow with the length of a run.
@@ -84,6 +87,8 @@ def run_validity(models: Sequence[Model], table: Table) -> list[Validity]:
         All of a file, from `fit_dynamic`.
     table : Table
         With their signals, in the same units, at their raster; a column ``time`` unless the models do not state their raster.
+    units : str
+        Of the statements, as for `validity`.
 
     Returns
     -------
@@ -106,40 +111,43 @@ def run_validity(models: Sequence[Model], table: Table) -> list[Validity]:
     runs = whole if horizon is None else run_on(models, table, spans, horizon)
     found = []
     for model, run, long in zip(models, runs, whole, strict=True):
-        unit = unit_after(model.output)
+        unit = model.output.unit
         lags = dynamics_of(model).lags
         X = np.column_stack([table[lag.signal][run.row - lag.steps] for lag in lags])
         what = f"{run.n_run} free run(s) of up to {run.longest} rows: rms error"
-        judged = _judged(model, run.measured, run.free - run.measured, what, "free_run_rms", X, [])
+        judged = _judged(model, run.measured, run.free - run.measured, what, "free_run_rms", X, [], units)
         once, stated_once = errors_of(run.measured, run.one_step), model.training.get("one_step_rms")
-        before = f", {stated_once:.4g} when it was fitted" if isinstance(stated_once, float) else ""
-        judged.statements.append(f"one step ahead: rms error {once.rms:.4g}{unit}{before}")
+        before = f", {amount(stated_once, unit, units)} when it was fitted" if isinstance(stated_once, float) else ""
+        judged.statements.append(f"one step ahead: rms error {amount(once.rms, unit, units)}{before}")
         if long.longest > run.longest:
             rms = errors_of(long.measured, long.free).rms
-            judged.statements.append(f"run through without beginning anew, up to {long.longest} rows: {rms:.4g}{unit}")
+            judged.statements.append(
+                f"run through without beginning anew, up to {long.longest} rows: {amount(rms, unit, units)}"
+            )
         found.append(judged)
     return found
 
 
 def _judged(
-    model: Model, y: np.ndarray, error: np.ndarray, what: str, stated: str, X: np.ndarray, regions: list[dict[str, Any]]
-) -> Validity:
+    model: Model, y: np.ndarray, error: np.ndarray, what: str, stated: str, X: np.ndarray,
+    regions: list[dict[str, Any]], units: str,
+) -> Validity:  # fmt: skip
     """Errors next to what the model states under the name `stated`, and whether its inputs lie where it was learnt."""
     rms, largest = float(np.sqrt(np.mean(error * error))), float(np.abs(error).max())
     outside = float(np.mean(~model.inside(X)))
     covered = _covered(model, X, error)
     statements, holds = [], True
-    unit = unit_after(model.output)
+    unit = model.output.unit
     expected, level = model.training.get(stated), model.training.get("interval_level")
     if isinstance(expected, float):
         worse = rms > _WORSE * expected and rms > 1e-9 * max(float(np.abs(y).max()), 1e-300)
         holds &= not worse
         statements.append(
-            f"{what} {rms:.4g}{unit}, {expected:.4g} on rows held out when it was fitted: "
+            f"{what} {amount(rms, unit, units)}, {amount(expected, unit, units)} on rows held out when it was fitted: "
             f"{'it errs more than it did' if worse else 'as good as it was'}"
         )
     else:
-        statements.append(f"{what} {rms:.4g}{unit}; the model does not state what it was when it was fitted")
+        statements.append(f"{what} {amount(rms, unit, units)}; the model does not state what it was when it was fitted")
     if covered is not None and isinstance(level, float):
         before = model.training.get("interval_covered")
         reached = before if isinstance(before, float) else level

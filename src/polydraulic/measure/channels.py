@@ -8,16 +8,20 @@ from typing import Any
 
 from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
-from polydraulic.measure.log_units import conversion, quantity
+from polydraulic.measure.log_units import conversion, quantity, says_pressure
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
+from polydraulic.unit_table import ATMOSPHERE, KINDS
+from polydraulic.units import Conversion, unit_kind
 
 ROLES = ("input", "output", "time", "ignore")
 BETWEEN = ("linear", "hold")
 RESERVED = ("time", "segment")  # columns that every imported table has
 SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
-_MAP = {"raster", "interval", "channel", "flow"}
-_CHANNEL = {"source", "name", "role", "unit", "raster", "between", "range", "sign", "dates"}
+THINNEST, DENSEST = 0.3e5, 1.2e5  # Pa, of atmospheres: from the highest mountain to the deepest mine
+_SI_OF_KIND = {kind.name: kind.si for kind in KINDS}
+_MAP = {"raster", "interval", "atmosphere", "channel", "flow"}
+_CHANNEL = {"source", "name", "role", "kind", "unit", "raster", "between", "range", "sign", "dates"}
 _FLOW = {"name", "position", "area", "pressure", "compliance", "window", "role"}
 
 
@@ -35,6 +39,8 @@ class Channel:
         One of `ROLES`.
     unit : str
         Of the numbers in the log.
+    kind : str
+        SI unit of what is known to be measured, from the map or because its name says that it is a pressure; empty if nothing is.
     raster : float, s, or None
         Interval between its samples; found in the log where it is None.
     between : str
@@ -51,6 +57,7 @@ class Channel:
     name: str
     role: str = "input"
     unit: str = ""
+    kind: str = ""
     raster: float | None = None
     between: str = "linear"
     low: float = -inf
@@ -99,12 +106,20 @@ class ChannelMap:
         To reconstruct.
     interval : float, s, or None
         Between rows, of a log that has no channel of the time.
+    atmosphere : float, Pa, or None
+        Taken from absolute pressures; the standard atmosphere where it is None.
     """
 
     raster: float
     channels: tuple[Channel, ...]
     flows: tuple[FlowChannel, ...] = ()
     interval: float | None = None
+    atmosphere: float | None = None
+
+    def conversion(self, channel: Channel, unit: str | None = None) -> Conversion:
+        """How a channel converts to SI, or would if its numbers were in `unit`."""
+        atmosphere = ATMOSPHERE if self.atmosphere is None else self.atmosphere
+        return conversion(channel.unit if unit is None else unit, kind=channel.kind, atmosphere=atmosphere)
 
     @property
     def time(self) -> Channel | None:
@@ -128,8 +143,9 @@ def load_channels(path: str | Path) -> ChannelMap:
     Parameters
     ----------
     path : str or Path
-        A TOML file: ``raster = "10 ms"`` of the table; ``interval = "10 ms"`` between rows where no channel is the time; for each channel a ``[[channel]]`` with ``source``, ``role``, and
-        optional ``name``, ``unit``, ``raster``, ``between``, ``range``, ``sign``; for each flow to reconstruct a ``[[flow]]`` with
+        A TOML file: ``raster = "10 ms"`` of the table; ``interval = "10 ms"`` between rows where no channel is the time;
+        ``atmosphere = "1.01325 bar"``, taken from absolute pressures; for each channel a ``[[channel]]`` with ``source``, ``role``, and
+        optional ``name``, ``kind`` (such as ``"pressure"``), ``unit``, ``raster``, ``between``, ``range``, ``sign``; for each flow to reconstruct a ``[[flow]]`` with
         ``name``, ``position``, ``area``, and optional ``pressure``, ``compliance``, ``window``, ``role``.
 
     Raises
@@ -148,13 +164,25 @@ def load_channels(path: str | Path) -> ChannelMap:
 
 
 def channel_map(data: Mapping[str, Any]) -> ChannelMap:
-    """Check what a channel map's file holds; see `load_channels`."""
+    """Make a channel map from what its file would hold.
+
+    Parameters
+    ----------
+    data : mapping
+        Keys and values as in the TOML file that `load_channels` reads.
+
+    Raises
+    ------
+    InputError
+        As `load_channels`, without the name of a file.
+    """
     check_keys(data, _MAP, {"raster", "channel"})
     raster = duration(data["raster"], "raster")
-    channels = tuple(_channel(item, f"channel {n}") for n, item in enumerate(_tables(data, "channel"), 1))
     flows = tuple(_flow(item, f"flow {n}") for n, item in enumerate(_tables(data, "flow"), 1))
+    pressures = {flow.pressure for flow in flows}
+    channels = tuple(_channel(item, f"channel {n}", pressures) for n, item in enumerate(_tables(data, "channel"), 1))
     interval = duration(data["interval"], "interval") if "interval" in data else None
-    found = ChannelMap(raster, channels, flows, interval)
+    found = ChannelMap(raster, channels, flows, interval, _atmosphere(data))
     clocks = [c.source for c in channels if c.role == "time"]
     if len(clocks) > 1:
         raise InputError(f"channels {clocks[0]!r} and {clocks[1]!r} both have the role 'time'; one log has one time")
@@ -185,7 +213,7 @@ def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGES
 def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
     """Check a text that is not empty, one of `allowed` if given."""
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{where} = {value!r}: must be a text")
+        raise InputError(f"{where} = {value!r}: must be a string")
     if allowed is not None and value not in allowed:
         raise InputError(f"{where} = {value!r}: must be one of {list(allowed)}")
     return value
@@ -207,7 +235,18 @@ def _tables(data: Mapping[str, Any], key: str) -> list[Any]:
     return items
 
 
-def _channel(item: Any, where: str) -> Channel:
+def _atmosphere(data: Mapping[str, Any]) -> float | None:
+    if "atmosphere" not in data:
+        return None
+    value = quantity(data["atmosphere"], "Pa", "atmosphere", atmosphere=0.0)
+    if not THINNEST <= value <= DENSEST:
+        raise InputError(
+            f"atmosphere = {data['atmosphere']!r}: must lie in [{THINNEST / 1e5:g}, {DENSEST / 1e5:g}] bar"
+        )
+    return value
+
+
+def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
     check_keys(item, _CHANNEL, {"source", "role"}, where)
     source = text(item["source"], f"source in {where}")
     where = f"channel {source!r}"
@@ -216,9 +255,11 @@ def _channel(item: Any, where: str) -> Channel:
         return Channel(source, source, role)
     unit = item.get("unit", "s" if role == "time" else "")
     if not isinstance(unit, str):
-        raise InputError(f"unit of {where} = {unit!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {unit!r}: must be a string, empty for plain numbers")
+    name = source if role == "time" else text(item.get("name", source), f"name of {where}")
+    kind, why = _kind(item, where, name, pressures) if role != "time" else ("s", "its role")
     try:
-        found = conversion(unit)
+        found = conversion(unit, kind=kind)
     except InputError as error:
         raise InputError(f"unit of {where}: {error}") from error
     if role == "time":
@@ -226,10 +267,18 @@ def _channel(item: Any, where: str) -> Channel:
             raise InputError(f"unit of {where} = {unit!r}: time needs a unit of time")
         check_keys(item, {"source", "role", "unit", "raster", "dates"}, (), f"the time {where}")
         dates = text(item["dates"], f"dates of {where}", ORDERS) if "dates" in item else None
-        return Channel(source, "time", role, unit, _raster(item, where), dates=dates)
+        return Channel(source, "time", role, unit, "s", _raster(item, where), dates=dates)
     if "dates" in item:
         raise InputError(f"dates of {where}: only the channel of the time has dates")
-    name = text(item.get("name", source), f"name of {where}")
+    if why and "unit" not in item:
+        raise InputError(
+            f'{where} has no unit, but {why} says {unit_kind(kind).name}: give its unit, or unit = "" for plain numbers'
+        )
+    if why and found.si != kind and (unit.strip() or "kind" in item):
+        raise InputError(
+            f"unit of {where} = {unit!r} measures {unit_kind(found.si).name}, but {why} says {unit_kind(kind).name}: give a unit such as "
+            f"{(unit_kind(kind).offered or (kind,))[-1]!r}, or what is measured as kind = {unit_kind(found.si).name!r}"
+        )
     if name in RESERVED:
         raise InputError(f"name of {where} = {name!r}: the table has a column of this name already; choose another")
     low, high = low_and_high(item["range"], f"range of {where}") if "range" in item else (-inf, inf)
@@ -237,7 +286,18 @@ def _channel(item: Any, where: str) -> Channel:
     sign = item.get("sign", 1)
     if isinstance(sign, bool) or sign not in (1, -1):
         raise InputError(f"sign of {where} = {sign!r}: must be 1 or -1")
-    return Channel(source, name, role, unit, _raster(item, where), between, low, high, int(sign))
+    return Channel(source, name, role, unit, kind, _raster(item, where), between, low, high, int(sign))
+
+
+def _kind(item: Mapping[str, Any], where: str, name: str, pressures: set[str | None]) -> tuple[str, str]:
+    """SI unit of what a channel is known to measure, and what says so in its own entry."""
+    if "kind" in item:
+        kind = text(item["kind"], f"kind of {where}", tuple(_SI_OF_KIND))
+        return _SI_OF_KIND[kind], "its kind"
+    said = next((given for given in dict.fromkeys((name, item["source"])) if says_pressure(given)), None)
+    if said is not None:
+        return "Pa", f"its name {said!r}"
+    return ("Pa" if name in pressures else ""), ""  # `_check_flow` looks at what flows are made of
 
 
 def _raster(item: Mapping[str, Any], where: str) -> float | None:
@@ -267,7 +327,7 @@ def _flow(item: Any, where: str) -> FlowChannel:
 
 
 def _check_flow(flow: FlowChannel, channels: ChannelMap) -> None:
-    columns = {c.name: conversion(c.unit).si for c in channels.used}
+    columns = {c.name: channels.conversion(c).si for c in channels.used}
     area = "m3/rad" if columns.get(flow.position) == "rad" else "m2"
     for key, name, kinds in (
         ("position", flow.position, ("m", "rad")),

@@ -41,6 +41,10 @@ KINDS = {
     "raster": ("error", "samples come at another interval than the map says"),
     "duplicate": ("error", "the log has this name more than once; the first was taken"),
     "unit": ("error", "the log and the map give different units; the map's was taken"),
+    "atmosphere": (
+        "warning",
+        "absolute pressures, and the map has no atmosphere; the standard one was taken from them",
+    ),
     "text": ("error", "values that are no numbers; taken as missing"),
     "thousands": ("warning", "numbers with marks between thousands; the whole column is read so"),
     "decimal mark": ("error", "decimal points and decimal commas in one column; the rarer are taken as missing"),

@@ -4,13 +4,14 @@ The table has the columns ``time``, ``segment`` and one for each input and outpu
 them are known; rows of one segment follow each other without a gap.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.checks.channel_check import ChannelCheck
@@ -20,11 +21,13 @@ from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
 from polydraulic.measure.formats.campaign import expand, open_campaign
 from polydraulic.measure.formats.log import Log
-from polydraulic.measure.log_units import Conversion, conversion
+from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, table_ending, table_writer
+from polydraulic.unit_table import ATMOSPHERE
+from polydraulic.units import Conversion, unit_kind
 
-Progress = Callable[[int, int], None]
 STEPS = 1000  # of the progress
 
 
@@ -47,6 +50,8 @@ class Imported:
         Rows of segments in which no flow could be reconstructed.
     excerpt : Table
         Rows from all over the table, or all of them if they are few.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times count from 1970 themselves.
     """
 
     source: Path
@@ -58,12 +63,19 @@ class Imported:
     n_segment: int
     too_short: int
     excerpt: Table
+    began: float = 0.0
 
-    @property
-    def shown(self) -> dict[str, Conversion]:
-        """Units in which people read the columns: those of the log."""
-        found = {c.name: conversion(c.unit) for c in self.channels.used}
-        return found | {flow.name: conversion("l/min") for flow in self.channels.flows}
+    def shown(self, units: str = DEFAULT) -> dict[str, Conversion]:
+        """How the columns convert to the units that people read: those of `units`, or of the log where that system has none."""
+        found = {c.name: self.channels.conversion(c) for c in self.channels.used}
+        found |= {flow.name: conversion("m3/s") for flow in self.channels.flows}
+        for name, own in found.items():
+            read = shown_unit(own.si, units)
+            if units == "si":
+                found[name] = Conversion(1.0, 0.0, own.si, own.si)
+            elif read != own.si:
+                found[name] = conversion(read)
+        return found
 
 
 def import_log(
@@ -71,7 +83,7 @@ def import_log(
     channels: ChannelMap,
     out: str | Path,
     *,
-    progress: Progress = lambda done, total: None,
+    progress: Progress = quiet,
 ) -> Imported:
     """Read a log, or several files of one campaign, through a channel map and write the table that comes of it.
 
@@ -84,7 +96,7 @@ def import_log(
         From `load_channels`.
     out : str or Path
         Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
-    progress : function (done, total), optional
+    progress : Progress, optional
 
     Returns
     -------
@@ -103,7 +115,7 @@ def import_log(
         _names_and_units(log, channels, findings)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
         flows = FlowStream([c.name for c in channels.used], channels.flows, channels.raster)
-        units = {"time": "s", "segment": "1", **{c.name: conversion(c.unit).si for c in channels.used}}
+        units = {"time": "s", "segment": "1", **{c.name: channels.conversion(c).si for c in channels.used}}
         units |= {flow.name: "m3/s" for flow in channels.flows}
         info = {
             "source": log.path.name,
@@ -111,6 +123,7 @@ def import_log(
             "inputs": channels.of_role("input"),
             "outputs": channels.of_role("output"),
         }
+        info |= {"began": log.began} if log.began else {}
         excerpt = Excerpt(units)
         merged = _Merged(log, channels, groups, findings, resampler)
         try:
@@ -120,7 +133,7 @@ def import_log(
                         for time, segment, columns in flows.add(*rows):
                             write([time, segment, *columns])
                             excerpt.add([time, segment, *columns])
-                    progress(int(STEPS * done.share), STEPS)
+                    progress(log.path.name, int(STEPS * done.share), STEPS)
                 for time, segment, columns in flows.end():
                     write([time, segment, *columns])
                     excerpt.add([time, segment, *columns])
@@ -133,7 +146,7 @@ def import_log(
     _copies(merged.checks, findings)
     return Imported(
         log.path, channels, findings, merged.checks, merged.span,
-        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(),
+        excerpt.n_row, resampler.segment + 1, flows.too_short, excerpt.table(), log.began,
     )  # fmt: skip
 
 
@@ -167,7 +180,7 @@ class _Merged:
         for group, members in groups.items():
             name = source or (f"group {group}" if len(groups) > 1 else "")
             clock = Clock(name, factor, declared, channels.interval, findings, kind == "stamp")
-            checks = [ChannelCheck(c, clock, findings) for c in members]
+            checks = [ChannelCheck(c, channels.conversion(c), clock, findings) for c in members]
             self.clocks.append(clock)
             self.of_group.append(checks)
             self.checks += checks
@@ -234,17 +247,26 @@ def _names_and_units(log: Log, channels: ChannelMap, findings: Findings) -> None
     for channel in used:
         if channel.source in log.duplicates:
             findings.add("duplicate", channel.source)
-        signal = log.signal(channel.source)
-        given = "" if channel is channels.time and signal.kind else signal.unit
-        if given and given != channel.unit:
-            try:
-                same = conversion(given)[:2] == conversion(channel.unit)[:2]
-                same = same and conversion(given).si == conversion(channel.unit).si
-            except InputError:
-                same = False
-            if not same:
-                detail = f"the log says {given!r}, the map {channel.unit!r}"
-                findings.add("unit", channel.source, detail)
+        _compare_units(log, channels, channel, findings)
+
+
+def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: Findings) -> None:
+    """Note what the units of log and map say of a channel; a pressure of the log may not become anything else."""
+    signal, found = log.signal(channel.source), channels.conversion(channel)
+    given = "" if channel is channels.time and signal.kind else signal.unit  # times as dates or texts come in s
+    try:
+        of_log = channels.conversion(channel, given) if given else found
+    except InputError:
+        of_log = None
+    if of_log is None or of_log[:3] != found[:3]:
+        findings.add("unit", channel.source, f"the log says {given!r}, the map {channel.unit!r}")
+    if of_log is not None and of_log.si == "Pa" != found.si and channel.kind != found.si:
+        raise InputError(
+            f"{log.path}: channel {channel.source!r} is a pressure in {given!r}, but the map's unit {channel.unit!r} measures "
+            f"{unit_kind(found.si).name}: give a unit of pressure, or what is measured as kind = {unit_kind(found.si).name!r}"
+        )
+    if found.absolute and channels.atmosphere is None:
+        findings.add("atmosphere", channel.source, f"{ATMOSPHERE / 1e5:g} bar were taken from {channel.unit!r}")
 
 
 def _copies(checks: list[ChannelCheck], findings: Findings) -> None:

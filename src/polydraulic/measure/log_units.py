@@ -1,54 +1,28 @@
-"""Units of logs: anything pint can read, and what the field writes; SI as the package names it inside.
+"""Units of logs: the table of the field first, single names that it does not have from pint.
 
-pint takes long to start and is slow on single numbers, so that it is asked once for each channel.
+pint takes long to start, and reads what no engineer means (`PS` as petasiemens): so it sees only names of three letters or more, whole
+and without prefixes of one letter, never a text of a file. What it answers must be proportional, and of a kind that the table has.
 """
 
 import re
-from functools import cache
-from typing import Any, NamedTuple, TypeVar
+from functools import cache, lru_cache
+from typing import Any
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.units import FACTORS
+from polydraulic.unit_table import ATMOSPHERE, BASE, KINDS
+from polydraulic.units import FACTORS, Conversion, Symbol, read_unit
 
-# Pressures of the package are gauge pressures. Logs say so, or say nothing and mean it; absolute ones lose an atmosphere.
-_DEFINITIONS = (
-    "gpm = gallon / minute",
-    "lpm = liter / minute",
-    "cfm = foot ** 3 / minute",
-    "rev = 2 * pi * radian",
-    "barg = bar",
-    "psig = psi",
-    "bara = bar; offset: -1.01325",
-    "psia = psi; offset: -14.695948775513",
-    "Nm = newton * meter",
+_OF_BASE = {"kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "radian": "rad"}
+# names of pint that mean something else where a log of a machine has them: a standard flow is no power, a cup no volume
+_WORDS = set(
+    "slm slpm spl sound_pressure_level abc abv are bag blob bp chain circle cup cycle fifth gamma hand jig line link mas minim point pole "
+    "rod section shake shot toe".split()
 )
-_PLAIN = {"": "dimensionless", "-": "dimensionless", "1": "dimensionless", "U/min": "rev/min", "rpm": "rev/min"}
-_PLAIN |= {"RPM": "rev/min", "PSI": "psi", "Bar": "bar", "BAR": "bar", "GPM": "gpm", "LPM": "lpm"}
-_NAMED = ("N", "W")  # SI units with a name of their own that the package itself does not convert
-_LETTERS = re.compile(r"[\w/*^.()·%° \-²³Ω]*")
-_POWER = re.compile(r"(?<=[A-Za-zµ])\^?(-?\d(?:\.\d+)?)(?![A-Za-z\d])")
-
-
-Value = TypeVar("Value", float, np.ndarray)
-
-
-class Conversion(NamedTuple):
-    """SI = factor value + offset; `si` is the package's name of the SI unit, `unit` the log's."""
-
-    factor: float
-    offset: float
-    si: str
-    unit: str
-
-    def to_si(self, values: Value) -> Value:
-        """Convert from the log's unit."""
-        return values * self.factor + self.offset
-
-    def from_si(self, values: Value) -> Value:
-        """Convert to the log's unit."""
-        return (values - self.offset) / self.factor
+_NOT_ASKED = {"Pa^0.5"}  # kinds: gauss and oersted have these base units in pint
+_PRESSURE = re.compile(r"(?:^|[^a-z0-9])p_|pressure|druck", re.IGNORECASE)
 
 
 def need(module: str) -> Any:
@@ -63,42 +37,43 @@ def need(module: str) -> Any:
         ) from error
 
 
-@cache
-def conversion(unit: str) -> Conversion:
+def conversion(unit: str, *, kind: str = "", atmosphere: float = ATMOSPHERE) -> Conversion:
     """How a unit converts to SI.
 
     Parameters
     ----------
     unit : str
-        As pint reads it, or as the field writes it: ``l/min``, ``gpm``, ``barg``, ``psia``, ``in3/s``, ``rpm``, ``kg m2``. Empty
-        for plain numbers.
+        As the field writes it, see `polydraulic.units.read_unit`; or in words that pint has. Empty for plain numbers.
+    kind : str
+        SI unit of what is known to be measured: ``"Pa"`` makes ``kg/cm2`` the technical atmosphere.
+    atmosphere : float, Pa
+        Taken from absolute pressures: those of the package are gauge pressures.
 
     Returns
     -------
     Conversion
-        To the unit of `polydraulic.units` of the same kind, or to SI base units where that has none. Pressures are gauge
-        pressures: of ``bara`` and ``psia`` the standard atmosphere is taken.
 
     Raises
     ------
     InputError
-        If the unit is not known.
+        If the unit is not known, or can be read in several ways; the nearest ones are named.
 
     Examples
     --------
-    >>> conversion("l/min").si, round(conversion("barg").factor)
+    >>> conversion("l/min").si, round(conversion("bar(g)").factor)
     ('m3/s', 100000)
     """
-    base = _base(unit)
-    zero, one, two = (float(_registry().Quantity(v, _parse(unit)).to(base).magnitude) for v in (0.0, 1.0, 2.0))
-    if abs(two - 2.0 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
-        raise InputError(f"unit {unit!r} is not proportional to what it measures; convert the channel first")
-    name = _si_names().get(str(base))
-    if name is None:
-        name = format(base, "~C").replace("**", "").replace("*", " ")
-    factor = one - zero
-    own = FACTORS.get(name, {})  # the package's own factors, where it has one
-    return Conversion(own.get(unit, factor), zero, name, unit)
+    return read_unit(unit, kind=kind, atmosphere=atmosphere, library=_library)
+
+
+def says_pressure(name: str) -> bool:
+    """Whether a channel's name says that it is a pressure: ``p_head``, ``boom.p_a``, ``PumpPressure``, ``Druck A``."""
+    return _PRESSURE.search(name) is not None
+
+
+def conversion_shown(unit: str, units: str = DEFAULT) -> Conversion:
+    """How a column in `unit` converts to what it is shown in, by a system of units of `polydraulic.display`."""
+    return Conversion(1.0 / as_shown(1.0, unit, units), 0.0, unit, shown_unit(unit, units))
 
 
 def same_kind(unit: str) -> list[str]:
@@ -106,8 +81,8 @@ def same_kind(unit: str) -> list[str]:
     return [u for u in FACTORS.get(conversion(unit).si, {}) if u != unit]
 
 
-def quantity(text: Any, kind: str, where: str) -> float:
-    """Read a number with its unit, such as ``"10 ms"``, as SI of the kind `kind` (an SI unit).
+def quantity(text: Any, kind: str, where: str, *, atmosphere: float = ATMOSPHERE) -> float:
+    """Read a number with its unit, such as ``"10 ms"``, as SI of the kind `kind` (an SI unit); `atmosphere` as in `conversion`.
 
     Raises
     ------
@@ -121,41 +96,32 @@ def quantity(text: Any, kind: str, where: str) -> float:
         number = np.nan
     if match is None or not np.isfinite(number):
         raise InputError(f'{where} = {text!r}: must be a number with its unit in quotes, such as "10 {kind}"')
-    found = conversion(match[2])
+    found = conversion(match[2], kind=kind, atmosphere=atmosphere)
     if found.si != kind:
         raise InputError(f"{where} = {text!r}: must be in {kind} or a unit of that kind, not in {match[2]!r}")
-    return number * found.factor + found.offset
+    return found.to_si(number)
 
 
 @cache
 def _registry() -> Any:
-    pint = need("pint")
-    registry = pint.UnitRegistry(on_redefinition="ignore", autoconvert_offset_to_baseunit=True)
-    for definition in _DEFINITIONS:
-        registry.define(definition)
-    return registry
+    return need("pint").UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
-@cache
-def _parse(unit: str) -> Any:
-    if not _LETTERS.fullmatch(unit):
-        raise InputError(f"unknown unit {unit!r}: it holds characters that no unit has")
-    text = _PLAIN.get(unit.strip(), unit.strip())
-    text = re.sub(r"(?<=[\w²³)])[ ·](?=[A-Za-z(])", "*", text.replace("²", "2").replace("³", "3"))
+@lru_cache(maxsize=1024)
+def _library(name: str) -> Symbol | None:
+    """A single name that pint knows and that is proportional to something in the table; None if there is none."""
+    registry = _registry()
+    if name.lower() in _WORDS or not any(not prefix for prefix, _, _ in registry.parse_unit_name(name)):
+        return None
     try:
-        parsed = _registry().parse_units(_POWER.sub(r"**\1", text))
-    except Exception as error:  # pint raises errors of many kinds on odd text
-        raise InputError(
-            f"unknown unit {unit!r}; write it as in 'bar', 'l/min', 'gpm', 'barg', 'in3/s', 'deg/s', 'kg m2'"
-        ) from error
-    return parsed
-
-
-def _base(unit: str) -> Any:
-    return _registry().get_base_units(_parse(unit))[1]
-
-
-@cache
-def _si_names() -> dict[str, str]:
-    """Name of the package for base units of pint; the first where two measure in the same."""
-    return {str(_base(si)): si for si in (*_NAMED, *reversed(FACTORS))}
+        zero, one = (registry.Quantity(value, name).to_base_units() for value in (0.0, 1.0))
+        parts = {str(part): float(power) for part, power in one.unit_items()}
+        factor = float(one.magnitude)
+    except Exception:  # pint raises errors of many kinds; what it cannot convert is no unit for us
+        return None
+    if zero.magnitude != 0.0 or not set(parts) <= set(_OF_BASE) or not 1e-12 < factor < 1e12:
+        return None
+    powers = {_OF_BASE[part]: power for part, power in parts.items()}
+    base = tuple(powers.get(letter, 0.0) for letter in BASE)
+    kinds = [kind.si for kind in KINDS if kind.base == base and parts and kind.si not in _NOT_ASKED]
+    return Symbol(factor, base, kinds[-1]) if kinds else None  # the last: a foot_pound is an energy

@@ -4,15 +4,17 @@ import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from polydraulic.display import DEFAULT, moment, readable
 from polydraulic.files import write_text
-from polydraulic.measure.checks.channel_check import ChannelCheck
+from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
 from polydraulic.measure.findings import Finding
 from polydraulic.measure.flows import flow_statement
 from polydraulic.measure.importing import Imported
-from polydraulic.measure.log_units import Conversion
 from polydraulic.pages.html import Cell, bullets, document, table
+from polydraulic.unit_table import ATMOSPHERE
+from polydraulic.units import Conversion
 
 SCHEMA = 1
 
@@ -33,7 +35,7 @@ def what_it_tells(imported: Imported) -> Told:
     return Told(coverage(table, inputs), find_deadbands(table, inputs, outputs, channels.raster))
 
 
-def write_quality(imported: Imported, path: str | Path) -> Told:
+def write_quality(imported: Imported, path: str | Path, *, units: str = DEFAULT) -> Told:
     """Write the quality report: a page that needs nothing else, and JSON beside it.
 
     Parameters
@@ -42,6 +44,8 @@ def write_quality(imported: Imported, path: str | Path) -> Told:
         From `import_log`.
     path : str or Path
         Of the page; the JSON has the same name and the ending ``.json``.
+    units : str
+        Of what is read: ``"metric"``, ``"field"`` or ``"si"``; kinds that a system has no unit for stay in that of the log.
 
     Returns
     -------
@@ -55,20 +59,24 @@ def write_quality(imported: Imported, path: str | Path) -> Told:
     """
     told = what_it_tells(imported)
     path = Path(path)
-    write_text(path.with_suffix(".json"), json.dumps(quality_data(imported, told), indent=1, allow_nan=False) + "\n")
-    write_text(path, _page(imported, told))
+    write_text(
+        path.with_suffix(".json"),
+        json.dumps(quality_data(imported, told, units=units), indent=1, allow_nan=False) + "\n",
+    )
+    write_text(path, _page(imported, told, units))
     return told
 
 
-def quality_data(imported: Imported, told: Told) -> dict[str, Any]:
-    """All that the report says as plain data; in SI, but statistics of channels in the unit of the log, which is given, and texts."""
+def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dict[str, Any]:
+    """All that the report says as plain data; in SI, but statistics of channels in the unit of the log, which is given, and texts in `units`."""
     channels = imported.channels
-    shown = imported.shown
+    shown = imported.shown(units)
     return {
         "format": "polydraulic log quality",
         "schema": SCHEMA,
         "source": imported.source.name,
         "raster_s": channels.raster,
+        "atmosphere_Pa": _atmosphere(imported),
         "span_s": list(imported.span),
         "rows": imported.n_row,
         "segments": imported.n_segment,
@@ -89,6 +97,21 @@ def quality_data(imported: Imported, told: Told) -> dict[str, Any]:
         "deadbands": [d._asdict() | {"text": d.statement(shown.get(d.input))} for d in told.deadbands],
         "coverage": None if told.coverage is None else _coverage_data(told.coverage, shown),
     }
+
+
+def _atmosphere(imported: Imported) -> float | None:
+    """What was taken from absolute pressures, Pa; None if there are none."""
+    given = imported.channels.atmosphere
+    absolute = any(check.conversion.absolute for check in imported.checks)
+    return None if not absolute else ATMOSPHERE if given is None else given
+
+
+def _pressures(imported: Imported) -> str:
+    taken = _atmosphere(imported)
+    if taken is None:
+        return ""
+    whose = "the standard atmosphere" if imported.channels.atmosphere is None else "as the map says"
+    return f"The table has gauge pressures: {taken / 1e5:.6g} bar were taken from absolute ones ({whose}). "
 
 
 def _statistics(check: ChannelCheck) -> dict[str, Any]:
@@ -120,7 +143,7 @@ def _coverage_data(found: Coverage, units: dict[str, Conversion]) -> dict[str, A
     }
 
 
-def _page(imported: Imported, told: Told) -> str:
+def _page(imported: Imported, told: Told, units: str) -> str:
     from polydraulic.measure.quality_plots import coverage_svg, signals_svg
 
     findings = list(imported.findings)
@@ -131,19 +154,19 @@ def _page(imported: Imported, told: Told) -> str:
         else f'<p class="{"error" if errors else "warning"}">{errors} error(s), {len(findings) - errors} warning(s).</p>'
     )
     first, last = imported.span
-    shown, read = imported.shown, len(imported.excerpt)
+    shown, read = imported.shown(units), len(imported.excerpt)
     whole = "all rows" if read == imported.n_row else f"{read} of {imported.n_row} rows, from all over the log"
     deadbands = bullets([d.statement(shown.get(d.input)) for d in told.deadbands])
     flows = bullets([flow_statement(flow, imported.channels.raster) for flow in imported.channels.flows])
     body = f"""{verdict}
-<p>{last - first:.4g} s of log, from {first:.6g} s to {last:.6g} s. The table has {imported.n_row} rows every {imported.channels.raster:g} s in
+<p>{last - first:.4g} s of log, from {moment(first + imported.began)} to {moment(last + imported.began)}. The table has {imported.n_row} rows every {imported.channels.raster:g} s in
 {imported.n_segment} segment(s) without a gap.</p>
 <h2>What was found</h2>
 {_findings(findings)}
 <h2>Channels</h2>
-{_channels(imported.checks)}
-<p class="note">Smallest and largest value over time, in the unit of the log; red lines are the plausible range where it is near.</p>
-{signals_svg(imported.checks)}
+{_channels(imported.checks, shown)}
+<p class="note">{_pressures(imported)}Smallest and largest value over time; red lines are the plausible range where it is near.</p>
+{signals_svg(imported.checks, shown, imported.began)}
 <h2>What it can tell</h2>
 <p class="note">From {whole}.</p>
 <h3>Deadbands</h3>
@@ -166,14 +189,30 @@ def _findings(findings: list[Finding]) -> str:
     return table("", ["what", "channel", "rows", "which", "meaning"], rows) if rows else "<p>Nothing.</p>"
 
 
-def _channels(checks: list[ChannelCheck]) -> str:
-    names = ("source", "column", "role", "unit", "every s", "values", "smallest", "mean", "largest", "deviation")
+def _channels(checks: list[ChannelCheck], units: dict[str, Conversion]) -> str:
+    names = (
+        "source",
+        "unit in the log",
+        "column",
+        "role",
+        "every [s]",
+        "values",
+        "smallest",
+        "mean",
+        "largest",
+        "deviation",
+        "unit",
+    )
     rows: list[list[str | Cell]] = []
     for check in checks:
-        s = _statistics(check)
-        numbers = (s[key] for key in ("raster_s", "values", "low", "mean", "high", "deviation"))
-        texts = (str(s[key]) for key in ("source", "name", "role", "unit"))
-        rows.append([*texts, *(Cell(_number(value), "number") for value in numbers)])
+        s, unit = _statistics(check), units[check.channel.name]
+        low, mean, high = (None if s[key] is None else value_in(check, unit, s[key]) for key in ("low", "mean", "high"))
+        deviation = (
+            None if s["deviation"] is None else value_in(check, unit, s["deviation"]) - value_in(check, unit, 0.0)
+        )
+        numbers = (s["raster_s"], s["values"], low, mean, high, deviation)
+        texts = (str(s[key]) for key in ("source", "unit", "name", "role"))
+        rows.append([*texts, *(Cell(_number(value), "number") for value in numbers), unit.unit])
     return table("", names, rows)
 
 
@@ -188,4 +227,4 @@ def _coverage(found: Coverage | None, units: dict[str, Conversion]) -> str:
 
 
 def _number(value: Any) -> str:
-    return "–" if value is None else (str(value) if isinstance(value, int) else f"{value:.5g}")
+    return "–" if value is None else (str(value) if isinstance(value, int) else readable(value, 5))

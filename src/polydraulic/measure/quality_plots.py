@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.measure.checks.channel_check import ChannelCheck
+from polydraulic.display import time_axis, with_unit
+from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage
-from polydraulic.measure.log_units import Conversion
+from polydraulic.units import Conversion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,8 +18,17 @@ _MAPS = 12
 _INTERVALS = 350
 
 
-def signals_svg(checks: Sequence[ChannelCheck]) -> str:
-    """Smallest and largest value of each channel over time; gaps are blank."""
+def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion], began: float = 0.0) -> str:
+    """Smallest and largest value of each channel over time; gaps are blank.
+
+    Parameters
+    ----------
+    checks : sequence of ChannelCheck
+    units : mapping from column to Conversion
+        Units to show them in.
+    began : float, s since 1970
+        When the log's time was zero, if that is known: times are dates then.
+    """
     from matplotlib.figure import Figure
 
     shown = [check for check in checks if check.count]
@@ -26,19 +36,22 @@ def signals_svg(checks: Sequence[ChannelCheck]) -> str:
         return ""
     figure = Figure(figsize=(11.0, 1.1 * len(shown) + 0.6), layout="constrained")
     axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    label = ""
     for axis, check in zip(axes, shown, strict=True):
+        c, unit = check.channel, units[check.channel.name]
         first, last, low, high = _with_gaps(check.envelope.intervals(), check.raster)
-        time = np.column_stack([first, last]).ravel()
+        low, high = (value_in(check, unit, values) for values in (low, high))
+        time, label = time_axis(np.column_stack([first, last]).ravel(), began)
         axis.fill_between(time, np.repeat(low, 2), np.repeat(high, 2), color="#2a6fb0", linewidth=0.6)
         margin = 0.3 * (check.high - check.low)
-        for limit in (check.channel.low, check.channel.high):
+        for limit in (c.low, c.high):
             if check.low - margin <= limit <= check.high + margin:
-                axis.axhline(limit, color="#c33", linewidth=0.8)
-        axis.set_ylabel(f"[{check.channel.unit}]" if check.channel.unit else "", fontsize="small")
-        axis.set_title(check.channel.source, loc="left", fontsize="small", pad=2.0)
+                axis.axhline(value_in(check, unit, limit), color="#c33", linewidth=0.8)
+        source = "" if c.source == c.name else f"   ({c.source})"
+        axis.set_title(with_unit(c.name, unit.unit) + source, loc="left", fontsize="small", pad=2.0)
         axis.tick_params(labelsize="small")
         axis.grid(alpha=0.3)
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel(label)
     return _svg(figure, "signals")
 
 
@@ -71,7 +84,7 @@ def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
                 Rectangle((left, low), right - left, high - low, fill=False, edgecolor="#c33", linewidth=1.2)
             )
         for label, name in ((axis.set_xlabel, pair.x), (axis.set_ylabel, pair.y)):
-            label(f"{name} [{units[name].unit}]", fontsize="small")
+            label(with_unit(name, units[name].unit), fontsize="small")
         axis.set_title(f"{pair.share:.0%} of the cells", loc="left", fontsize="small")
         axis.tick_params(labelsize="x-small")
     for axis in axes[len(pairs) :]:

@@ -1,7 +1,7 @@
 """A first channel map for a log: what can be seen in the log is filled in, what only its owner knows is asked for."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import ceil, floor, inf, log10
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +14,9 @@ from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.campaign import expand
 from polydraulic.measure.formats.log import Log, Signal
 from polydraulic.measure.formats.logs import open_log
-from polydraulic.measure.log_units import conversion
+from polydraulic.measure.log_units import conversion, says_pressure
+from polydraulic.progress import Progress, quiet
+from polydraulic.units import unit_kind
 
 _TIME_NAME = re.compile(
     r"(?i)^((elapsed|relative|absolute|system|utc|local|log|sample|rel|abs)[ _]?)?"
@@ -40,7 +42,8 @@ _ROUND = (1.0, 2.0, 5.0)
 _HEAD = """\
 # A first channel map, made from what the log shows. Go through it:
 # - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out.
-# - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; bara and psia are absolute.
+# - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; from bar(a), psia and the like an
+#   atmosphere is taken: put atmosphere = "1.013 bar" at the top.
 # - range: as seen in the log; widen or narrow it to what is physically possible.
 # - between: "linear" or "hold", what is true between two samples. sign = -1 turns a channel round.
 # - name: the column in the table, such as "boom.p_a"; the source if not given.
@@ -55,16 +58,14 @@ class _Seen(NamedTuple):
     held: float
 
 
-def suggest_channels(
-    path: str | Path | Sequence[str | Path], *, progress: Callable[[int, int], None] = lambda done, total: None
-) -> str:
+def suggest_channels(path: str | Path | Sequence[str | Path], *, progress: Progress = quiet) -> str:
     """Text of a first channel map for a log, as TOML.
 
     Parameters
     ----------
     path : str, Path or sequence of them
         A log; see `open_log`. It is read once, for the ranges; of several files, which hold the same channels, all of them.
-    progress : function (done, total), optional
+    progress : Progress, optional
 
     Raises
     ------
@@ -158,7 +159,7 @@ def _time_lines(log: Log, time: Signal, unit: str) -> list[str]:
     return lines
 
 
-def _look(log: Log, time: Signal | None, unit: str, progress: Callable[[int, int], None]) -> dict[str, _Seen]:
+def _look(log: Log, time: Signal | None, unit: str, progress: Progress) -> dict[str, _Seen]:
     groups: dict[int, list[str]] = {}
     for signal in log.signals:
         if signal is not time and (time is None or log.own_clock or signal.group == time.group):
@@ -170,7 +171,7 @@ def _look(log: Log, time: Signal | None, unit: str, progress: Callable[[int, int
             clock = None if block.time is None else block.time * factor
             for name in names:
                 seen[name] = _merge(seen[name], clock, block.values[name])
-            progress(int(1000 * (number + block.done) / len(groups)), 1000)
+            progress(log.path.name, int(1000 * (number + block.done) / len(groups)), 1000)
     return seen
 
 
@@ -201,9 +202,15 @@ def _unit_line(signal: Signal) -> str:
         guess = _unit_in(signal.name)
         said = "from its name: the log itself does not tell" if guess else "the log does not tell"
         return f"unit = {_text(guess)}  # {said}"
-    if not _known(signal.unit):
-        return f'unit = ""  # the log says {_text(signal.unit)}, which is not known'
-    return f"unit = {_text(signal.unit)}"
+    pressure = says_pressure(signal.name)
+    try:
+        found = conversion(signal.unit, kind="Pa" if pressure else "")
+    except InputError as error:
+        return f'unit = ""  # the log says {_text(signal.unit)}: {_text(str(error))[1:-1]}'
+    line = f"unit = {_text(signal.unit)}"
+    if pressure and found.si != "Pa":  # a sensor that is logged as it is
+        line += f'\nkind = "{unit_kind(found.si).name}"  # its name says pressure, its unit does not'
+    return line
 
 
 def _unit_in(name: str) -> str:

@@ -111,10 +111,16 @@ class Recording:
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size:
             raise InputError(f"{self.path}: column {name!r} holds {values[bad[0]]:g} in row {bad[0] + 1}")
-        given, allowed = self._unit(name) or unit, list(units.FACTORS[unit])
-        if given not in allowed:
-            raise InputError(f"{self.path}: column {name!r} has unit {given!r}; it must be one of {allowed}")
-        return np.asarray(units.to_si(values, given))
+        given = self._unit(name) or unit
+        try:
+            found = units.read_unit(given)
+        except InputError as error:
+            raise InputError(f"{self.path}: column {name!r}: {error}") from error
+        if found.si != unit:
+            raise InputError(
+                f"{self.path}: column {name!r} has unit {given!r}; it must be one of {list(units.FACTORS[unit])}"
+            )
+        return np.asarray(found.to_si(values))
 
     def _unit(self, name: str) -> str:
         """Unit of a column as the file gives it; dates and times of day are in s."""

@@ -6,19 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.schema import LINKS
 from polydraulic.plotting.run_figure import CIRCUIT, moving_links
-from polydraulic.simulation.trajectory import effector_distance, in_field_units
-from polydraulic.tables import Table
+from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.tables import Table, shown_column
 
 MAX_FRAMES = 20_000
 
 
 class PlottedChannel(NamedTuple):
-    """A quantity to show: of a link, of the pumps or of the end-effector; one (n_frame,) array a run, in the field's unit."""
+    """A quantity to show: of a link, of the pumps or of the end-effector; one (n_frame,) array per run, as it is shown."""
 
     group: str
     title: str
@@ -39,7 +39,7 @@ class Frames(NamedTuple):
     channels: list[PlottedChannel]
 
 
-def frames_of(runs: Mapping[str, Table], rate: float) -> Frames:
+def frames_of(runs: Mapping[str, Table], rate: float, units: str = DEFAULT) -> Frames:
     """Put runs on one raster, linear between their rows, from their start to the end of the shortest.
 
     Parameters
@@ -47,6 +47,8 @@ def frames_of(runs: Mapping[str, Table], rate: float) -> Frames:
     runs : mapping from label to trajectory
     rate : float, 1/s
         Frames in a second of the run.
+    units : str
+        Of the channels.
 
     Raises
     ------
@@ -72,7 +74,7 @@ def frames_of(runs: Mapping[str, Table], rate: float) -> Frames:
         angles=angles,
         effector=effector,
         in_plane=[_in_plane(a[:, 0], e) for a, e in zip(angles, effector, strict=True)],
-        channels=_channels(thin, links),
+        channels=_channels(thin, links, units),
     )
 
 
@@ -85,21 +87,26 @@ def _in_plane(swing: np.ndarray, effector: np.ndarray) -> np.ndarray:
     return np.column_stack([effector[:, 0] * np.cos(swing) + effector[:, 1] * np.sin(swing), effector[:, 2]])
 
 
-def _channels(tables: list[Table], links: list[str]) -> list[PlottedChannel]:
+def _channels(tables: list[Table], links: list[str], units: str) -> list[PlottedChannel]:
     found = []
 
     def add(group: str, title: str, column: str) -> None:
         if all(column in table.names for table in tables):
-            read = [in_field_units(table, column) for table in tables]
+            read = [shown_column(table, column, units) for table in tables]
             found.append(PlottedChannel(group, title, read[0][1], [values for values, _ in read]))
 
     for link in links:
-        for title, quantity in (("angle", "angle"), ("flow", "q_in"), ("pressure", "p_in"), ("joystick", "voltage")):
+        for title, quantity in (
+            ("angle", "angle"),
+            ("flow in", "q_in"),
+            ("inlet pressure", "p_in"),
+            ("joystick", "voltage"),
+        ):
             add(link, title, f"{link}.{quantity}")
     for circuit in sorted({CIRCUIT[link] for link in links}):
-        add("pumps and tip", f"{circuit} pump", f"{circuit}.p_pump")
+        add("pumps and tip", f"{circuit} pump pressure", f"{circuit}.p_pump")
     add("pumps and tip", "tip height", "effector.z")
     if len(tables) > 1:
-        apart = [units.from_si(effector_distance(tables[0], table), "mm") for table in tables]
-        found.append(PlottedChannel("pumps and tip", "tip from first", "mm", apart))
+        apart = [as_shown(effector_distance(tables[0], table), "m", units) for table in tables]
+        found.append(PlottedChannel("pumps and tip", "tip from first", shown_unit("m", units), apart))
     return found

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from polydraulic import units
+from polydraulic.display import DEFAULT, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.schema import CIRCUITS, LINKS
-from polydraulic.simulation.trajectory import effector_distance, in_field_units
-from polydraulic.tables import Table
+from polydraulic.simulation.trajectory import effector_distance
+from polydraulic.tables import Table, shown_column
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,20 +20,21 @@ if TYPE_CHECKING:
 
 
 class Panel(NamedTuple):
-    """One row of the plot: what it shows of a link, full lines and dashed ones."""
+    """One row of the plot: what it shows of a link, full lines and dashed ones, and whether all links share its scale."""
 
     title: str
     full: str
     dashed: str | None = None
-    dashed_name: str = ""
+    lines: str = ""
+    shared: bool = True
 
 
 PANELS = (
     Panel("joystick", "voltage"),
     Panel("spool", "spool"),
-    Panel("flow", "q_in", "q_out", "out"),
-    Panel("pressure", "p_in", "p_pump", "pump"),
-    Panel("angle", "angle"),
+    Panel("flow", "q_in", "q_out", "full: into the actuator, dashed: out of it"),
+    Panel("pressure", "p_in", "p_pump", "full: inlet, dashed: pump"),
+    Panel("angle", "angle", shared=False),  # links work in different ranges
 )
 CIRCUIT = {link: circuit for circuit, links in CIRCUITS.items() for link in links}
 # The first run lies broad and pale below the others.
@@ -65,7 +66,7 @@ def moving_links(runs: Mapping[str, Table]) -> list[str]:
     return [link for link in LINKS if all(f"{link}.spool" in table.names for table in runs.values())]
 
 
-def plot_run(runs: Mapping[str, Table]) -> "Figure":
+def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
     """Joystick, spool, flow, pressure and angle of every moving link over time, one colour a run, and below the end-effector.
 
     The first run is the one that the others are held against: the last panel shows how far their end-effectors are from
@@ -74,16 +75,17 @@ def plot_run(runs: Mapping[str, Table]) -> "Figure":
     Parameters
     ----------
     runs : mapping from label to trajectory
+    units : str
+        ``"metric"`` (bar, l/min, mm, deg), ``"field"`` (psi, in3/s, in, deg) or ``"si"``.
 
     Returns
     -------
     matplotlib Figure
-        In the units of the field: in, in3/s, psi, deg.
 
     Raises
     ------
     InputError
-        If there is no run, or a table that is no trajectory.
+        If there is no run, a table that is no trajectory, or an unknown system of units.
     """
     from matplotlib.figure import Figure
 
@@ -91,17 +93,20 @@ def plot_run(runs: Mapping[str, Table]) -> "Figure":
     figure = Figure(figsize=(max(8.0, 4.2 * len(links)), 11.0), layout="constrained")
     grid = figure.add_gridspec(len(PANELS) + 1, len(links), height_ratios=[0.8, 0.8, 1.2, 1.2, 1.2, 1.0])
     first: Axes | None = None
+    rows: dict[int, Axes] = {}  # the first axis of each
     for column, link in enumerate(links):
-        beside: dict[int, Axes] = {}
         for row, panel in enumerate(PANELS):
-            axis = figure.add_subplot(grid[row, column], sharex=first)
+            axis = figure.add_subplot(grid[row, column], sharex=first, sharey=rows.get(row) if panel.shared else None)
             first = first or axis
-            beside[row] = axis
-            _draw_panel(axis, runs, link, panel)
-            axis.tick_params(labelbottom=row == len(PANELS) - 1)
-        beside[0].set_title(link, fontweight="bold")
+            rows.setdefault(row, axis)
+            _draw_panel(axis, runs, link, panel, units)
+            axis.tick_params(labelbottom=row == len(PANELS) - 1, labelleft=column == 0 or not panel.shared)
+            if row == 0:
+                axis.set_title(link, fontweight="bold")
+            if column:
+                axis.set_ylabel("")
     below = figure.add_subplot(grid[-1, :], sharex=first)
-    _draw_effector(below, runs)
+    _draw_effector(below, runs, units)
     below.set_xlabel("time [s]")
     title = next(iter(runs.values())).info.get("scenario", "")
     handles = [_handle(label, *line_style(number)) for number, label in enumerate(runs)]
@@ -110,36 +115,37 @@ def plot_run(runs: Mapping[str, Table]) -> "Figure":
     return figure
 
 
-def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel) -> None:
+def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel, units: str) -> None:
     unit, dashed = "", False
     for number, table in enumerate(runs.values()):
         color, width = line_style(number)
-        values, unit = in_field_units(table, f"{link}.{panel.full}")
+        values, unit = shown_column(table, f"{link}.{panel.full}", units)
         axis.plot(table["time"], values, color=color, linewidth=width)
         owner = CIRCUIT[link] if panel.dashed == "p_pump" else link
         if panel.dashed and f"{owner}.{panel.dashed}" in table.names:
-            values, unit = in_field_units(table, f"{owner}.{panel.dashed}")
+            values, unit = shown_column(table, f"{owner}.{panel.dashed}", units)
             axis.plot(table["time"], values, "--", color=color, linewidth=0.6 * width)
             dashed = True
-    axis.set_ylabel(f"{panel.title} [{unit}]")
+    axis.set_ylabel(with_unit(panel.title, unit))
     if dashed:
-        axis.set_title(f"dashed: {panel.dashed_name}", loc="right", fontsize="x-small", color="0.4", pad=2.0)
+        axis.set_title(panel.lines, loc="right", fontsize="x-small", color="0.4", pad=2.0)
     axis.grid(alpha=0.3)
 
 
-def _draw_effector(axis: "Axes", runs: Mapping[str, Table]) -> None:
+def _draw_effector(axis: "Axes", runs: Mapping[str, Table], units: str) -> None:
     reference, *others = runs.values()
     if others:
         for number, table in enumerate(others, start=1):
             color, width = line_style(number)
-            distance = units.from_si(effector_distance(reference, table), "mm")
+            distance = as_shown(effector_distance(reference, table), "m", units)
             axis.plot(table["time"], distance, color=color, linewidth=width)
-        axis.set_ylabel(f"tip from\n{next(iter(runs))} [mm]")
+        axis.set_ylabel(with_unit(f"tip from\n{next(iter(runs))}", shown_unit("m", units)))
         axis.set_ylim(bottom=0.0)
     else:
         for name, style in zip(EFFECTOR, ("-", "--", ":"), strict=True):
-            axis.plot(reference["time"], reference[name], style, color="0.25", linewidth=1.3, label=name[-1])
-        axis.set_ylabel("tip [m]")
+            values, unit = shown_column(reference, name, units)
+            axis.plot(reference["time"], values, style, color="0.25", linewidth=1.3, label=name[-1])
+            axis.set_ylabel(with_unit("tip position", unit))
         axis.legend(ncols=3, fontsize="small", frameon=False, loc="upper right")
     axis.set_xlim(float(reference["time"][0]), float(np.max(reference["time"])))
     axis.grid(alpha=0.3)
@@ -161,7 +167,19 @@ def picture_ending(path: str | Path) -> str:
 
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a figure as .svg, .png or .pdf, whole or not at all."""
+    """Write a figure, whole or not at all.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure
+    path : str or Path
+        Ends in ``.svg``, ``.png`` or ``.pdf``. The same figure gives the same SVG.
+
+    Raises
+    ------
+    InputError
+        Another ending, or a place that cannot be written.
+    """
     import matplotlib
 
     ending = picture_ending(path)

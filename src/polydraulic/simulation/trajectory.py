@@ -1,24 +1,12 @@
-"""Trajectories side by side: errors by column, and how the field reads a column."""
+"""Trajectories side by side: errors by column, and of the end-effector."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.tables import Table
-
-# What the field reads these columns in.
-FIELD_UNITS = {
-    "m": "in",
-    "Pa": "psi",
-    "m3/s": "in3/s",
-    "rad": "deg",
-    "rad/s": "deg/s",
-    "V": "V",
-    "s": "s",
-}
 
 
 class Difference(NamedTuple):
@@ -69,14 +57,3 @@ def effector_distance(reference: Table, model: Table) -> np.ndarray:
 def _difference(unit: str, t: np.ndarray, error: np.ndarray) -> Difference:
     k = int(np.argmax(np.abs(error)))
     return Difference(unit, float(error[k]), float(t[k]), float(np.sqrt(np.mean(error * error))), float(error[-1]))
-
-
-def field_unit(name: str, unit: str) -> str:
-    """Unit in which the field reads a column; effector positions stay in metres."""
-    return "m" if name.startswith("effector") else FIELD_UNITS.get(unit, unit)
-
-
-def in_field_units(table: Table, name: str) -> tuple[np.ndarray, str]:
-    """A column and its unit as the field reads it."""
-    field = field_unit(name, table.unit(name))
-    return units.from_si(table[name], field), field

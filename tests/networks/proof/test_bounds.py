@@ -285,7 +285,7 @@ def test_a_range_that_cannot_be_decided():
     check = check_range(model, -0.385, 0.3849002, max_boxes=2)
     assert check.holds is None
     assert not check.leaving
-    assert "not decided with 2 boxes a region whether it stays in [-0.385, 0.3849]; it is proved to stay in [" in str(
+    assert "not decided with 2 boxes per region whether it stays in [-0.385, 0.3849]; it is proved to stay in [" in str(
         check
     )
     assert str(check).endswith("no point outside was found; open: everywhere")

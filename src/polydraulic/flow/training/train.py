@@ -1,32 +1,61 @@
-"""Train the networks that come with the package: ``python -m polydraulic.flow.training.train FOLDER [MACHINE]``.
+"""Train the networks that come with the package, file by file; the same seed and versions give the same files."""
 
-Writes ``outlets.json``, ``inlets.json``, ``cascade.json``, ``limited.json``, ``direct.json`` and ``neural.json``; the same
-seed and versions give the same files.
-"""
-
-import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from polydraulic.flow.polynomial import TRAINED_ON
+from polydraulic.errors import InputError
 from polydraulic.flow.training.circuit_models import learn_direct, learn_outlets, train_perceptrons
 from polydraulic.flow.training.mode_models import learn_cascade, learn_inlets, learn_limited
 from polydraulic.networks.model.model_file import save_models
-from polydraulic.parameters.load import load_machine
+from polydraulic.parameters.schema import Machine
+from polydraulic.progress import Progress, quiet
+
+# file -> how its networks are learnt, and whether that says how far it has come
+FILES: dict[str, tuple[Callable[..., Any], bool]] = {
+    "outlets": (learn_outlets, False),
+    "neural": (train_perceptrons, False),
+    "inlets": (learn_inlets, True),
+    "cascade": (learn_cascade, True),
+    "limited": (learn_limited, True),
+    "direct": (learn_direct, True),
+}
 
 
-def say(output: str, asked: int, error: float) -> None:
-    """Print how far a search has come."""
-    print(f"{output}: {asked} points, largest error {error:.3g} m3/s", file=sys.stderr)
+def train_networks(machine: Machine, folder: str | Path, *, progress: Progress = quiet) -> list[Path]:
+    """Train all networks of a machine from its exact flow model.
 
+    Parameters
+    ----------
+    machine : Machine
+    folder : str or Path
+        Where the model files go, ``outlets.json`` and so on; a file is written as soon as its networks are learnt.
+    progress : Progress, optional
+        Told each file as it begins, and how its search goes on.
 
-if __name__ == "__main__":
-    folder, machine = Path(sys.argv[1]), load_machine(sys.argv[2] if len(sys.argv) > 2 else TRAINED_ON)
-    save_models(learn_outlets(machine), folder / "outlets.json")
-    save_models(train_perceptrons(machine), folder / "neural.json")
-    for file, learn in {
-        "inlets": learn_inlets,
-        "cascade": learn_cascade,
-        "limited": learn_limited,
-        "direct": learn_direct,
-    }.items():
-        save_models(learn(machine, say), folder / f"{file}.json")
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        A place that cannot be written.
+    """
+    place, total = Path(folder), len(FILES)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot write there ({error.strerror})") from error
+    written = []
+    for done, (name, (learn, tells)) in enumerate(FILES.items()):
+        path = place / f"{name}.json"
+        progress(path.name, done, total)
+
+        def searching(what: str, asked: int, most: int, path: Path = path, done: int = done) -> None:
+            progress(f"{path.name}: {what}, {asked} points", done, total)
+
+        save_models(learn(machine, progress=searching) if tells else learn(machine), path)
+        written.append(path)
+    return written

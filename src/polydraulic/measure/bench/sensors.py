@@ -1,6 +1,7 @@
 """Sensors of a virtual test bench: what they read of a run, how well and how often. A TOML file."""
 
 from dataclasses import dataclass
+from importlib.resources import files
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import duration, low_and_high, text
-from polydraulic.measure.log_units import conversion
+from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import read_toml
 from polydraulic.tables import Table
@@ -80,6 +81,11 @@ class Bench:
     pause: float = 5.0
 
 
+def example_sensors() -> str:
+    """Text of a file of sensors to begin with: all that machines are learnt from and run against, with every key explained."""
+    return (files("polydraulic.measure.bench") / "example_sensors.toml").read_text(encoding="utf-8")
+
+
 def load_sensors(path: str | Path) -> Bench:
     """Read the sensors of a virtual test bench.
 
@@ -126,9 +132,9 @@ def _sensor(item: Any, where: str) -> Sensor:
     column = text(item["column"], f"column of {where}")
     where = f"sensor {item.get('name', column)!r}"
     if not isinstance(item["unit"], str):
-        raise InputError(f"unit of {where} = {item['unit']!r}: must be a text, empty for plain numbers")
+        raise InputError(f"unit of {where} = {item['unit']!r}: must be a string, empty for plain numbers")
     try:
-        conversion(item["unit"])
+        conversion(item["unit"], kind=_kind(column))
     except InputError as error:
         raise InputError(f"unit of {where}: {error}") from error
 
@@ -162,6 +168,10 @@ def _sensor(item: Any, where: str) -> Sensor:
     )
 
 
+def _kind(column: str) -> str:
+    return "Pa" if says_pressure(column) else ""
+
+
 class Reading:
     """What one sensor reads of runs that follow each other; its drift goes on from run to run.
 
@@ -173,7 +183,7 @@ class Reading:
 
     def __init__(self, sensor: Sensor, rng: np.random.Generator) -> None:
         self.sensor, self.rng = sensor, rng
-        self.conversion = conversion(sensor.unit)
+        self.conversion = conversion(sensor.unit, kind=_kind(sensor.column))
         self._drift = 0.0
 
     def check(self, run: Table) -> None:

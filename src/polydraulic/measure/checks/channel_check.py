@@ -2,6 +2,7 @@
 
 import zlib
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from polydraulic.measure.checks.envelope import Envelope
 from polydraulic.measure.checks.run_lengths import ValueRuns
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.log_units import conversion, same_kind
+from polydraulic.units import Conversion
 
 # A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
 _SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the range, of the usual difference
@@ -27,7 +29,7 @@ class Samples:
 
 
 class ChannelCheck:
-    """Checks one channel, block by block.
+    """Checks one channel, block by block; `conversion` is that of its unit.
 
     Attributes
     ----------
@@ -37,9 +39,8 @@ class ChannelCheck:
         Of the values that can be used, in the channel's unit.
     """
 
-    def __init__(self, channel: Channel, clock: Clock, findings: Findings) -> None:
-        self.channel, self.clock, self.findings = channel, clock, findings
-        self.conversion = conversion(channel.unit)
+    def __init__(self, channel: Channel, conversion: Conversion, clock: Clock, findings: Findings) -> None:
+        self.channel, self.conversion, self.clock, self.findings = channel, conversion, clock, findings
         self.raster = channel.raster or np.nan
         self.count, self.low, self.high, self.mean, self.square = 0, inf, -inf, 0.0, 0.0
         self.farthest = 0.0  # beyond the range
@@ -148,6 +149,11 @@ class ChannelCheck:
         others = [u for u in same_kind(c.unit) if fits(self.conversion.from_si(conversion(u).to_si(value)))]
         if others:
             self.findings.add("unit by values", c.source, f"the map says {c.unit!r}; it could be {' or '.join(others)}")
+
+
+def value_in(check: ChannelCheck, unit: Conversion, value: Any) -> Any:
+    """A value of a channel, in the unit of the log, in another one."""
+    return unit.from_si(check.conversion.to_si(value))
 
 
 def _spikes(v: np.ndarray) -> np.ndarray:

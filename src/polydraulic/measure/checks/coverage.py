@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.log_units import Conversion
 from polydraulic.tables import Table
+from polydraulic.units import Conversion
 
 CELLS = 10  # along each side of a map
 LEVELS = 4  # of each input, in the box of all of them

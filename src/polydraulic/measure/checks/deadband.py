@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.log_units import Conversion
 from polydraulic.measure.smoothing import differentiate
 from polydraulic.tables import Table
+from polydraulic.units import Conversion
 
 CONFIDENCE = 0.95
 _RATES = ("m3/s", "m/s", "rad/s", "1")

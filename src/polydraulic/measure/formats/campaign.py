@@ -92,7 +92,13 @@ def _joined(logs: list[Log], time: str | None, factor: float, findings: Findings
         raise InputError(
             f"{logs[0].path} and files with it have clocks of different kinds; import those of one kind together"
         )
-    parts = _in_order([_span(log, time, factor) for log in logs], time, findings)
+    parts = [_span(log, time, factor) for log in logs]
+    if all(log.own_clock and log.began for log in logs):  # clocks that say when they began
+        parts = [p._replace(first=p.first + p.log.began, last=p.last + p.log.began) for p in parts]
+        parts = _in_order(parts, time, findings)
+        parts = [p._replace(shift=p.log.began - parts[0].log.began) for p in parts]
+    else:
+        parts = _in_order(parts, time, findings)
     first = parts[0].log
     _units(parts, findings)
 
@@ -116,7 +122,7 @@ def _joined(logs: list[Log], time: str | None, factor: float, findings: Findings
             part.log.close()
 
     names = Path(", ".join(part.log.path.name for part in parts))
-    return Log(names, first.signals, first.own_clock, read, first.duplicates, close, first.also)
+    return Log(names, first.signals, first.own_clock, read, first.duplicates, close, first.began, first.also)
 
 
 def _timed(log: Log, source: str | None) -> bool:

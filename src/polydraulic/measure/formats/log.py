@@ -84,6 +84,8 @@ class Log:
     read : function (group, names, time, findings) -> iterator of Block
     close : function ()
         Lets go of what the log holds; a log is a context that does so at its end.
+    began : float, s since 1970
+        When the log's time was zero, by the clock on the wall; 0 where the file does not say.
     """
 
     path: Path
@@ -92,6 +94,7 @@ class Log:
     read: Reader = field(repr=False)
     duplicates: list[str] = field(default_factory=list)
     close: Callable[[], None] = field(default=lambda: None, repr=False)
+    began: float = 0.0
     also: dict[str, Signal] = field(default_factory=dict, repr=False)
 
     def __enter__(self) -> "Log":

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stdout
+from datetime import UTC
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -66,7 +67,15 @@ def open_mdf(path: Path) -> Log:
             values = {n: np.full(len(rows), np.nan) if v.dtype == object else v for n, v in values.items()}
             yield LogBlock(rows, columns[0], values, text, begun / total)
 
-    return Log(path, signals, True, read, twice, close)
+    return Log(path, signals, True, read, twice, close, _began(file))
+
+
+def _began(file: Any) -> float:
+    """When the recording began, in s since 1970 by the clock on the wall; 0 where the file holds no time that is any."""
+    try:
+        return float(file.start_time.replace(tzinfo=UTC).timestamp())
+    except (OSError, OverflowError, ValueError):
+        return 0.0
 
 
 def _unit(channel: Any) -> str:

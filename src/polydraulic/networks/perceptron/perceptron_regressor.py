@@ -76,7 +76,7 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
         Weights of the hidden units (hidden_units, n_input + 1) and of the output (hidden_units + 1,), biases last.
     loss_ : float
         E of the start that was kept.
-    history_ : (n_iter_ + 1,) ndarray
+    history_ : (n,) ndarray
         E before each of its iterations, and at the end.
     n_iter_ : int
     n_features_in_ : int

@@ -74,15 +74,23 @@ class RangeCheck(NamedTuple):
         None if it could not be decided within the budget.
     low, high : float
         Proved range of the model; not tighter than the question needs.
+    asked : (float, float)
+        The range.
     leaving : tuple of Leaving
         One counterexample for each region that leaves the range.
+    undecided : tuple of str
+        Regions for which the budget of `max_boxes` sub-boxes did not do.
+    max_boxes : int
     sentence : str
     """
 
     holds: bool | None
     low: float
     high: float
+    asked: tuple[float, float]
     leaving: tuple[Leaving, ...]
+    undecided: tuple[str, ...]
+    max_boxes: int
     sentence: str
 
     def __str__(self) -> str:
@@ -216,37 +224,32 @@ def check_range(
         else:
             leaving.append(Leaving(name, point, value))
     holds = False if leaving else None if open_regions else True
-    sentence = _sentence(model, (low, high), (proved[0], proved[1]), leaving, open_regions, max_boxes)
-    return RangeCheck(holds, proved[0], proved[1], tuple(leaving), sentence)
+    answer = RangeCheck(holds, proved[0], proved[1], (low, high), tuple(leaving), tuple(open_regions), max_boxes, "")
+    return answer._replace(sentence=range_sentence(model, answer))
 
 
-def _sentence(
-    model: Model,
-    asked: tuple[float, float],
-    proved: tuple[float, float],
-    leaving: list[Leaving],
-    open_regions: list[str],
-    max_boxes: int,
-) -> str:
+def range_sentence(model: Model, answer: RangeCheck) -> str:
+    """Whether a model stays in a range, in words; numbers are taken to be in the model's units."""
+
     def span(ends: tuple[float, float]) -> str:
         return f"[{ends[0]:.6g}, {ends[1]:.6g}]" + (f" {model.output.unit}" if model.output.unit else "")
 
-    name = model.output.name
-    if leaving:
+    name, asked, proved = model.output.name, span(answer.asked), span((answer.low, answer.high))
+    if answer.leaving:
         points = []
-        for found in leaving:
+        for found in answer.leaving:
             at = ", ".join(
                 f"{variable.name} = {value:.6g} {variable.unit}".rstrip()
                 for variable, value in zip(model.inputs, found.point, strict=True)
             )
             points.append(f"{found.value:.6g} at {at} ({found.region})")
-        return f"{name} leaves {span(asked)}: {'; '.join(points)}"
-    if open_regions:
+        return f"{name} leaves {asked}: {'; '.join(points)}"
+    if answer.undecided:
         return (
-            f"{name}: not decided with {max_boxes} boxes a region whether it stays in {span(asked)}; it is proved to stay "
-            f"in {span(proved)}, and no point outside was found; open: {'; '.join(open_regions)}"
+            f"{name}: not decided with {answer.max_boxes} boxes per region whether it stays in {asked}; it is proved to stay "
+            f"in {proved}, and no point outside was found; open: {'; '.join(answer.undecided)}"
         )
-    return f"{name} cannot leave {span(asked)} anywhere in the box: proved range {span(proved)}"
+    return f"{name} cannot leave {asked} anywhere in the box: proved range {proved}"
 
 
 def _checked_box(box: np.ndarray, names: list[str]) -> np.ndarray:

@@ -173,7 +173,7 @@ def integrate(
     InputError
         If the flow model has no slopes.
     SimulationError
-        If the state leaves all reason, or steps become too small or too many.
+        If the run diverges, or steps become too small or too many.
     """
     name = flow_name(model)
     if FLOW_KINDS[name].slopes is None:
@@ -191,7 +191,7 @@ def integrate(
     if status != DONE:
         reached = float(time[min(int(counts[3]), len(time) - 1)])
         what = {
-            TOO_FAST: "a joint's rate left all reason",
+            TOO_FAST: "diverged, a joint's rate grew without bound",
             TOO_SMALL: "steps became too small, or events too many at one time",
             TOO_MANY: f"more than {MAX_STEPS} steps",
         }[status]

@@ -6,8 +6,9 @@ import numpy as np
 
 from polydraulic.parameters.scenario import load_scenario
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.trajectory import effector_distance, in_field_units
+from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
+from polydraulic.thesis.printed_units import in_field_units
 from polydraulic.thesis.three_links import ThreeLinkStudy
 
 

@@ -81,7 +81,9 @@ def content(lab: Lab) -> Content:
 def _named(conditions: Conditions) -> str:
     """What differs from the usual conditions."""
     usual = conditions_in_words(USUAL).split(", ")
-    return ", ".join(word for word in conditions_in_words(conditions).split(", ") if word not in usual) or ", ".join(usual)
+    return ", ".join(word for word in conditions_in_words(conditions).split(", ") if word not in usual) or ", ".join(
+        usual
+    )
 
 
 def _numbers(usual: Outcome, changes: dict[str, Table]) -> list[dict[str, Any]]:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.simulation.trajectory import in_field_units
 from polydraulic.tables import Table
+from polydraulic.thesis.printed_units import in_field_units
 from polydraulic.thesis.report.catalog import Figure as Catalogued
 
 if TYPE_CHECKING:

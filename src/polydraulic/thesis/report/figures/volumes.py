@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING
 
 from polydraulic.parameters.scenario import load_scenario
-from polydraulic.simulation.trajectory import in_field_units
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.flow_convergence import Convergence, Curve, flow_convergence
+from polydraulic.thesis.printed_units import in_field_units
 from polydraulic.thesis.report.catalog import Figure
 from polydraulic.thesis.report.figures.draw import canvas
 

@@ -31,17 +31,17 @@ FIT = "--inputs u --outputs y --dynamic --longest-lag 1 --layers 1 --out m.json"
 def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     code, out, _ = call(f"fit log.parquet {FIT} --card m.html")
     assert code == 0
-    assert out.startswith("y [Pa]\n  free run, 4 of up to 29 rows (0.58 s) that were held out: R2 0.99")
+    assert out.startswith("y [bar]\n  free run, 4 of up to 29 rows (0.58 s) that were held out: R2 0.99")
     assert re.search(r"reads u [01, ]+; y 1 rows ago", out)
     assert "free run" in (files / "m.html").read_text()
     assert (files / "m.card.json").is_file()
-    rms = float(re.search(r"held out: R2 \S+, rms (\S+) Pa", out)[1])
-    assert load_models("m.json")[0].training["free_run_rms"] == pytest.approx(rms, rel=1e-3)
+    rms = float(re.search(r"held out: R2 \S+, rms (\S+) bar", out)[1])
+    assert load_models("m.json")[0].training["free_run_rms"] == pytest.approx(1e5 * rms, rel=1e-3)
 
     code, out, _ = call("check m.json --data next.csv")
-    assert (code, out.splitlines()[0]) == (0, "y [Pa]: holds")
+    assert (code, out.splitlines()[0]) == (0, "y [bar]: holds")
     code, out, _ = call("check m.json --data worn.csv")
-    assert (code, out.splitlines()[0]) == (1, "y [Pa]: does not hold any more")
+    assert (code, out.splitlines()[0]) == (1, "y [bar]: does not hold any more")
     code, _, err = call("check m.json --data coarse.csv")
     assert (code, "are 0.04 s apart, those of the model 0.02 s" in err) == (2, True)
     code, _, err = call("check m.json --data untimed.csv")
@@ -49,7 +49,7 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
 
     code, out, _ = call("run m.json next.csv --out run.parquet --plot run.svg")
     assert code == 0
-    assert out.startswith("2 free run(s) of up to 299 rows, 598 of 600 rows answered\ny [Pa], free run: R2 0.99")
+    assert out.startswith("2 free run(s) of up to 299 rows, 598 of 600 rows answered\ny, free run: R2 0.99")
     assert read_table("run.parquet").names == ["time", "run", "y", "y.run", "y.one_step"]
     assert (files / "run.svg").read_text().startswith("<?xml")
     assert "20 free run(s) of up to 30 rows" in call("run m.json next.csv --every 0.6")[1]
@@ -65,7 +65,7 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     code, out, _ = call("check m.json")
     assert code == 0
     assert "note: dynamic, a function of lagged values: u" in out
-    assert re.search(r"by y\[t-1\] \[Pa\] ", out)
+    assert re.search(r"by y\[t-1\] \[bar\] ", out)
     code, out, _ = call("export m.json --to python --out m.py")
     assert code == 0
     assert "shifts them from row to row, and lets the output change from the last one y by -" in out

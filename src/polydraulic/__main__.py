@@ -1,4 +1,4 @@
-"""``python -m polydraulic.cli``."""
+"""``python -m polydraulic``: the command line."""
 
 from polydraulic.cli import main
 

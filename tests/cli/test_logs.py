@@ -7,6 +7,10 @@ import pytest
 
 from helpers.logs_made import MAP, healthy, write_csv
 from helpers.machine_log import machine_log
+from polydraulic.identification.log_replay import DRIVEN
+from polydraulic.identification.machine_log import MEASURED
+from polydraulic.measure.bench import sensors
+from polydraulic.measure.bench.sensors import load_sensors
 from polydraulic.tables import Table, write_table
 
 
@@ -28,6 +32,22 @@ def test_a_map_is_suggested(call, files):
     assert 'source = "p_head"\nrole = "input"\nunit = "bar"' in out
     assert call("import --suggest log.csv --out first.toml")[1] == "first.toml: a first channel map; go through it\n"
     assert (files / "first.toml").read_text() == out
+
+
+def test_sensors_to_begin_with_read_all_that_a_machine_is_learnt_from_and_run_against(call, tmp_path):
+    code, out, _ = call("record --example")
+    assert code == 0
+    assert call("record --example --out s.toml")[1] == "s.toml: sensors to begin with; change them as you like\n"
+    assert (tmp_path / "s.toml").read_text() == out
+    read = {sensor.column for sensor in load_sensors(tmp_path / "s.toml").sensors}
+    learnt = {f"{link}.{what}" for link in ("swing", "boom", "stick") for what in MEASURED}
+    assert read == learnt | set(DRIVEN)
+
+
+def test_sensors_to_begin_with_explain_every_key(call):
+    explained = call("record --example")[1].partition("seed =")[0]
+    for key in sensors._SENSOR | sensors._FILE - {"sensor"}:
+        assert re.search(rf"\b{key}\b", explained), key
 
 
 def test_findings_are_printed_and_the_report_lies_beside_the_table(call, files):
@@ -82,6 +102,13 @@ def test_a_log_without_a_row_is_an_error_with_a_report(call, files):
         ("record random:1:1 --sensors none.toml --out log.csv", "none.toml: no such file"),
         ("record random:1:1 --sensors map.toml --out log.xls", "a recorded log ends in one of"),
         ("record random:1:1 --sensors map.toml --out log.csv", "map.toml: unknown key"),
+        (
+            "record random:1:1 --out log.csv",
+            "a recording needs a scenario, --sensors SENSORS.toml and --out LOG; --example",
+        ),
+        ("record --sensors map.toml --out log.csv", "a recording needs a scenario"),
+        ("record random:1:1 --example --out s.toml", "--example writes sensors; scenarios and --sensors go with"),
+        ("record --example --out log.csv", "log.csv: sensors are a .toml file"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(call, files, line, message):

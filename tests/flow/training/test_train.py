@@ -1,0 +1,35 @@
+"""All files of the whole training, with stand-ins for the searches that take long."""
+
+import pytest
+
+from polydraulic import load_models
+from polydraulic.errors import InputError
+from polydraulic.flow.training import train
+from polydraulic.networks import Model, Network, Variable
+
+CONSTANT = Model((Variable("x"),), Variable("y"), (Network((), (0.0,), (1.0,), (0.0,), (1.0,), 2.0, 1.0),))
+
+
+def test_each_file_is_written_and_told(machine, tmp_path, monkeypatch):
+    def searched(given, progress):
+        assert given is machine
+        progress("y", 100, 0.5)
+        return [CONSTANT]
+
+    files = {name: (searched if tells else lambda given: [CONSTANT], tells) for name, (_, tells) in train.FILES.items()}
+    monkeypatch.setattr(train, "FILES", files)
+    told = []
+    written = train.train_networks(machine, tmp_path / "new", progress=lambda *piece: told.append(piece))
+    assert [path.name for path in written] == [
+        "outlets.json", "neural.json", "inlets.json", "cascade.json", "limited.json", "direct.json",
+    ]  # fmt: skip
+    assert all(load_models(path) == [CONSTANT] for path in written)
+    assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
+    assert told[0] == ("outlets.json", 0, 6)
+    assert told[-1] == ("direct.json: y, 100 points", 5, 6)
+
+
+def test_a_place_that_cannot_be_written_is_named_before_any_search(machine, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="file/new: cannot write there"):
+        train.train_networks(machine, tmp_path / "file" / "new")
