@@ -18,7 +18,7 @@ from polydraulic.export.c.network import polynomial
 from polydraulic.networks import Variable
 from polydraulic.networks.model.slopes import model_slopes
 from polydraulic.thesis.single_link import fit_full_box
-from polydraulic.thesis.timing import in_turn
+from polydraulic.thesis.timing import paired_times
 from show import left_out, show
 
 N, REPEATS = 1000, 200
@@ -73,13 +73,13 @@ def main():
         return
     fitted = fit_full_box(load_machine("cat215b"))
     model = fitted.estimator.to_model(fitted.inputs, Variable("net", "in3/s"))
-    whole = bundle([model], "net")
+    whole = bundle([model], name="net")
     X = whole.points(3 * N)[:N]  # inside
     with TemporaryDirectory() as place:
         folder = Path(place)
         for real in ("float", "double"):
-            (folder / "net.h").write_text(to_c(whole, real)[0])
-            (folder / "net.c").write_text(to_c(whole, real)[1])
+            (folder / "net.h").write_text(to_c(whole, real=real)[0])
+            (folder / "net.c").write_text(to_c(whole, real=real)[1])
             subprocess.run(["gcc", *FLAGS, "-c", "net.c"], cwd=folder, check=True)
             parts = subprocess.run(["size", "net.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
             code, data = parts.splitlines()[1].split()[:2]
@@ -97,7 +97,7 @@ def main():
             assert np.isclose(total(which_one, where, N, 1), expected, rtol=1e-9), LABELS[which_one]
         calls = {name: lambda k=k: total(k, where, N, REPEATS) for k, name in enumerate(LABELS)}
         title = f"{len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients: a point"
-        show(title, in_turn(calls).per(N * REPEATS), "ns")
+        show(title, paired_times(calls), "ns", per=N * REPEATS)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from polydraulic.errors import InputError
 from polydraulic.plotting.run_figure import plot_run
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
-from polydraulic.units import PSI
+from polydraulic.unit_table import PSI
 
 QUANTITIES = ["joystick [V]", "spool [mm]", "flow [l/min]", "pressure [bar]", "angle [deg]"]
 
