@@ -27,7 +27,7 @@ def work():
 
 
 @pytest.mark.parametrize(
-    ("is_terminal", "seconds", "shown"), [(True, 0.0, False), (True, 3.0, True), (False, 3.0, False)]
+    ("is_terminal", "seconds", "shown"), [(True, -600.0, False), (True, 3.0, True), (False, 3.0, False)]
 )
 def test_progress_appears_when_a_command_takes_long_and_someone_looks(terminals, capsys, is_terminal, seconds, shown):
     terminals(is_terminal, seconds)
@@ -49,7 +49,7 @@ def test_loading_is_shown_until_the_work_begins(terminals, capsys):
         printed = capsys.readouterr().err
         assert "2/2" in printed
         assert "loading" not in printed.split("work: first")[-1]
-    terminals(True, 0.0)
+    terminals(True, -600.0)
     with terminal.loading():
         pass
     assert capsys.readouterr().err == ""

@@ -109,7 +109,7 @@ def record(
 
     - Sensors to begin with: `polydraulic record --example --out sensors.toml`
 
-    - Next: `polydraulic import --suggest log.mf4 --out map.toml`, as with a log of a real machine.
+    What comes next: `polydraulic import --suggest log.mf4 --out map.toml`, as with a log of a real machine.
     """
     from polydraulic.files import write_text
     from polydraulic.measure.bench.recording import log_ending
