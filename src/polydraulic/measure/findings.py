@@ -25,6 +25,8 @@ KINDS = {
         "absolute pressures, and the map has no atmosphere; the standard one was taken from them",
     ),
     "text": ("error", "values that are no numbers; taken as missing"),
+    "status": ("warning", "texts in place of values, such as 'error' or 'not available'; taken as missing"),
+    "not read": ("warning", "parts of the log that are no channels with rows and a time; left out"),
     "infinite": ("error", "infinite values; taken as missing"),
     "empty": ("error", "no value at all"),
     "constant": ("warning", "one value throughout: the sensor is dead, or nothing moved"),

@@ -19,7 +19,7 @@ from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.checks.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
-from polydraulic.measure.formats.log import Log
+from polydraulic.measure.formats.log import Log, listed
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
@@ -230,10 +230,13 @@ def _groups(log: Log, channels: ChannelMap) -> dict[int, list[Channel]]:
 
 def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
     findings = Findings()
+    if log.left_out:
+        findings.add("not read", "", listed(log.left_out))
     used = [*channels.used, *([channels.time] if channels.time is not None and not log.own_clock else [])]
     for channel in used:
         if channel.source in log.duplicates:
-            findings.add("duplicate", channel.source)
+            others = [s.name for s in log.signals if s.name.endswith(f"/{channel.source}")]
+            findings.add("duplicate", channel.source, f"others are {', '.join(map(repr, others[:5]))}" if others else "")
         _compare_units(log, channels, channel, findings)
     return findings
 

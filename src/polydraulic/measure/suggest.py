@@ -10,7 +10,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.log import Log, Signal
+from polydraulic.measure.formats.log import Log, Signal, listed
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.units import unit_kind
@@ -90,6 +90,8 @@ def suggest_channels(path: str | Path, *, progress: Callable[[int, int], None] =
         lines.append(f"range = [{low:.10g}, {high:.10g}]")
         if signal.name in log.duplicates:
             lines.append("# the log has this name more than once: this is the first")
+    if log.left_out:
+        lines += ["", "# Not read: " + listed(log.left_out).encode("unicode_escape").decode()]
     if not used:
         raise InputError(f"{log.path}: no channel holds numbers that vary; there is nothing to import")
     return "\n".join(lines) + "\n"

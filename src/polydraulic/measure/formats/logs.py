@@ -5,11 +5,11 @@ from pathlib import Path
 from polydraulic.errors import InputError
 from polydraulic.measure.formats.log import Log
 
-ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat")
+ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mdf", ".dat", ".mat")
 
 
 def open_log(path: str | Path) -> Log:
-    """Open a log: CSV (plain or .gz), Parquet, MDF4, MAT v5 or v7.3.
+    """Open a log: CSV (plain or .gz), Parquet, MDF 3 or 4, MAT v5 or v7.3.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def open_log(path: str | Path) -> Log:
         raise InputError(f"{path}: no such file")
     if ending == ".parquet":
         from polydraulic.measure.formats.parquet_log import open_parquet as opener
-    elif ending == ".mf4":
+    elif ending in (".mf4", ".mdf", ".dat"):
         from polydraulic.measure.formats.mdf_log import open_mdf as opener
     elif ending == ".mat":
         from polydraulic.measure.formats.mat_log import open_mat as opener
