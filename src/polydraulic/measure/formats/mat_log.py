@@ -18,8 +18,8 @@ from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, listed
 def open_mat(path: Path) -> Log:
     """Open a MAT log; see `polydraulic.measure.formats.logs.open_log`."""
     with path.open("rb") as file:
-        head = file.read(128)
-    if b"MATLAB 7.3" in head or head.startswith(b"\x89HDF"):
+        head = file.read(520)
+    if b"MATLAB 7.3" in head[:128] or b"\x89HDF" in (head[:4], head[512:516]):
         from polydraulic.measure.formats.mat_hdf import arrays
     else:
         from polydraulic.measure.formats.mat_v5 import arrays

@@ -21,7 +21,8 @@ from polydraulic.measure.formats.mat_arrays import (
     object_of,
 )
 
-_LEFT_OUT = {"cell": CELL, "function": "a function", "object": object_of(""), "opaque": object_of(""), "sparse": SPARSE}
+_LEFT_OUT = {"cell": CELL, "function": "a function", "sparse": SPARSE}
+_LEFT_OUT |= dict.fromkeys(("object", "opaque", "unknown"), object_of(""))
 
 
 def arrays(path: Path) -> Arrays:
@@ -37,9 +38,10 @@ def arrays(path: Path) -> Arrays:
     # one variable in memory at a time: each signal goes to a file of its own, from which blocks are read
     folder = tempfile.TemporaryDirectory(prefix="polydraulic-")
     kept = _Kept(Path(folder.name))
-    for name, shape, kind in listed:
-        name = str(name or "(without a name)")
-        if kind in ("char", "unknown"):
+    for number, (name, shape, kind) in enumerate(listed, 1):
+        if kind == "opaque":  # SciPy does not read its name
+            name = f"(variable {number})"
+        if kind == "char" or name.startswith("__"):  # texts, and MATLAB's own bookkeeping
             continue
         if kind in _LEFT_OUT or 0 in shape:
             kept.left_out[name] = _LEFT_OUT.get(kind, EMPTY)
