@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
-.PHONY: report docs test test-all bench bench-peers lint build changes clean
+.PHONY: report docs test test-all bench bench-peers lint surface build changes clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
@@ -41,6 +41,10 @@ lint: .venv/ready
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/towncrier build --draft --version unreleased > /dev/null
+
+# After a change of public names or signatures; a file in changes/ must say it first.
+surface: .venv/ready
+	$(BIN)/python tools/public_surface.py
 
 # Wheel (made from the source distribution) and source distribution, each tried in an environment outside of the checkout.
 build: .venv/ready

@@ -73,13 +73,13 @@ def main():
         return
     fitted = fit_full_box(load_machine("cat215b"))
     model = fitted.estimator.to_model(fitted.inputs, Variable("net", "in3/s"))
-    whole = bundle([model], "net")
+    whole = bundle([model], name="net")
     X = whole.points(3 * N)[:N]  # inside
     with TemporaryDirectory() as place:
         folder = Path(place)
         for real in ("float", "double"):
-            (folder / "net.h").write_text(to_c(whole, real)[0])
-            (folder / "net.c").write_text(to_c(whole, real)[1])
+            (folder / "net.h").write_text(to_c(whole, real=real)[0])
+            (folder / "net.c").write_text(to_c(whole, real=real)[1])
             subprocess.run(["gcc", *FLAGS, "-c", "net.c"], cwd=folder, check=True)
             parts = subprocess.run(["size", "net.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
             code, data = parts.splitlines()[1].split()[:2]

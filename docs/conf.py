@@ -26,7 +26,7 @@ PUBLIC = {
 
 # the pages below each page; a page that nobody names goes below background
 NAVIGATION = {
-    "index": ["guides", "examples", "reference", "background"],
+    "index": ["guides", "examples", "api", "background"],
     "guides": [
         "simulation", "flow_models", "export_machine", "extending", "measured_logs", "machine_from_a_log", "guide", "networks",
         "dynamic_models", "export",
@@ -125,7 +125,7 @@ def _complete(app, page: str, source: list[str]) -> None:
     """Add to a page what only the site shows."""
     text = re.sub(r"^\[[^]]+\]\((\.\./examples/[\w.]+)\)$", _shown, source[0], flags=re.MULTILINE)
     below = NAVIGATION.get(page, [])
-    if page == "reference":
+    if page == "api":
         below = [f"reference/{package}" for package in PACKAGES]
     if below:
         text += "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(below) + "\n```\n"

@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from polydraulic import load_machine, load_scenario, simulate, simulate_batch
+from polydraulic import load_machine, simulate, simulate_batch
 
-machine, scenario = load_machine("cat215b"), load_scenario("single_08")
+machine = load_machine("cat215b")
 masses = machine.boom.body.mass * np.random.default_rng(0).uniform(0.8, 1.2, 100)
-loaded = [machine._replace(boom=machine.boom._replace(body=machine.boom.body._replace(mass=mass))) for mass in masses]
-batch = simulate_batch(loaded, "exact", scenario, t_end=2.0, keep=["range"], columns=["boom.angle", "boom.p_a"])
+loaded = [machine.with_values({"boom.body.mass": mass}) for mass in masses]  # kg; values are SI
+batch = simulate_batch(loaded, "exact", "single_08", t_end=2.0, keep=["range"], columns=["boom.angle", "boom.p_a"])
 highest = batch.highest[:, batch.place("boom.p_a")]
 print(f"highest head pressures: {highest.min() / 1e5:.0f} to {highest.max() / 1e5:.0f} bar")
 
 # a batch is no approximation: each machine ends where `simulate` alone would end, to the last bit
-alone = simulate(loaded[7], "exact", scenario, t_end=2.0)
+alone = simulate(loaded[7], "exact", "single_08", t_end=2.0)
 assert batch.final[7, batch.place("boom.angle")] == alone["boom.angle"][-1]
 assert np.corrcoef(masses, highest)[0, 1] > 0.9  # the heavier, the more pressure

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from polydraulic import AbductiveRegressor, RegionRegressor, load_machine, random_operator, read_table
+from polydraulic import AbductiveRegressor, RegionRegressor, random_operator, read_table
 from polydraulic.measure import import_log, load_channels, load_sensors, record, suggest_channels
 
 SENSORS = [("boom.spool", "mm", 0.02), ("boom.p_a", "bar", 0.3), ("boom.p_b", "bar", 0.3), ("boom.q_in", "l/min", 0.5)]
 sensor = '[[sensor]]\ncolumn = "{}"\nunit = "{}"\nraster = "20 ms"\nnoise = {}\n'
 Path("sensors.toml").write_text("\n".join(sensor.format(*each) for each in SENSORS))
-record(load_machine("cat215b"), [random_operator(1, 120.0)], load_sensors("sensors.toml"), "log.csv")
+record("cat215b", [random_operator(1, 120.0)], load_sensors("sensors.toml"), "log.csv")
 
 Path("map.toml").write_text(suggest_channels("log.csv"))  # a first map: of a real log, go through it
 imported = import_log("log.csv", load_channels("map.toml"), "table.parquet")

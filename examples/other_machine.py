@@ -5,8 +5,7 @@ import numpy as np
 from polydraulic import Scenario, load_machine, simulate
 
 machine = load_machine("cat215b")
-body = machine.boom.body._replace(mass=machine.boom.body.mass + 1000.0)  # kg; values are SI
-heavier = machine._replace(boom=machine.boom._replace(body=body))
+heavier = machine.with_values({"boom.body.mass": machine.boom.body.mass + 1000.0})  # kg; values are SI
 
 rest = Scenario("rest", 10.0, voltage={}, locked=("swing", "stick"))  # nobody touches a lever
 light, heavy = (simulate(m, "exact", rest, raster=0.1) for m in (machine, heavier))

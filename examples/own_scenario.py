@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from polydraulic import Table, load_machine, load_scenario, simulate, write_table
+from polydraulic import Table, simulate, write_table
 
 time = np.linspace(0.0, 4.0, 81)
 lever = 0.6 * np.clip(time - 0.5, 0.0, 1.0) * (time < 3.0)  # V: out within a second, held, let go at 3 s
 columns = {"time": time, "swing": 0.0 * time, "boom": lever, "stick": 0.0 * time}
-write_table(Table(columns, {"time": "s", "swing": "V", "boom": "V", "stick": "V"}), "recording.csv")
+write_table(Table.from_dict(columns, {"time": "s", "swing": "V", "boom": "V", "stick": "V"}), "recording.csv")
 
-run = simulate(load_machine("cat215b"), "exact", load_scenario("recording.csv"), raster=0.05)
+run = simulate("cat215b", "exact", "recording.csv", raster=0.05)
 raised = np.degrees(run["boom.angle"][-1] - run["boom.angle"][0])
 print(f"the boom went up by {raised:.1f} deg, its spool as far as {1e3 * run['boom.spool'].max():.1f} mm")
 

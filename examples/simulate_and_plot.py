@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from polydraulic import load_machine, load_scenario, simulate
+from polydraulic import simulate
 from polydraulic.plotting import plot_run
 
-machine, scenario = load_machine("cat215b"), load_scenario("task")
-run = simulate(machine, "exact", scenario)
+run = simulate("cat215b", "exact", "task")
 plot_run({"exact": run}).savefig("task.png", dpi=80)
 for time, link, what in run.info["events"][:5]:
     print(f"{time:.3f} s  {link}  {what}")

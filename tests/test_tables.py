@@ -1,11 +1,19 @@
+import re
+import sys
+
 import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.tables import Table, began, read_table, shown_column, shown_table, write_table
 from polydraulic.thesis.printed_units import in_field_units
-from polydraulic.units import PSI
+from polydraulic.units import to_si
+
+PSI = to_si(1.0, "psi")
 
 TABLE = Table({"t": np.array([0.0, 0.1, 1 / 3]), "p x": np.array([1e-300, -2.0, 3e200])}, {"t": "s"}, {"n": 3})
 
@@ -91,6 +99,123 @@ def test_names_with_commas_and_quotes_come_back(tmp_path):
     again = read_table(tmp_path / "t.csv")
     assert again.names == table.names
     assert again.unit("stiff, 10 l") == "psi"
+
+
+def test_a_table_is_read_by_names_and_its_length_is_rows():
+    assert list(TABLE) == TABLE.names == ["t", "p x"]
+    assert "t" in TABLE
+    assert "q" not in TABLE
+    assert len(TABLE) == 3
+    assert len(Table({}, {})) == 0
+
+
+def test_tables_are_equal_by_names_units_and_values():
+    def made(**other):
+        return Table.from_dict({"a": [1.0, np.nan], "b": [2.0, 3.0]} | other, {"a": "m", "b": "s"})
+
+    assert made() == made()
+    assert made() == Table(made().columns, {"a": "m", "b": "s"}, {"made": "later"})
+    assert made() != made(b=[2.0, 4.0])
+    assert made() != made(a=[1.0, 0.0])
+    assert made() != Table(made().columns, {"a": "mm", "b": "s"})
+    assert made() != Table(dict(reversed(made().columns.items())), made().units)
+    assert made() != Table({"a": made()["a"]}, {"a": "m"})
+    assert Table(made().columns, {"a": "", "b": ""}) == Table(made().columns, {})
+    assert made() != "a table"
+    with pytest.raises(TypeError, match="unhashable"):
+        {made()}
+
+
+def test_arrow_and_pandas_give_back_what_they_got():
+    table = Table(TABLE.columns | {"q": np.array([1.0, np.nan, np.inf])}, TABLE.units, TABLE.info)
+    for found in (Table.from_arrow(table.to_arrow()), Table.from_pandas(table.to_pandas())):
+        assert found == table
+        assert found.info == {"n": 3}
+        found["t"][0] = 5.0  # a copy, which may be written
+    assert table["t"][0] == 0.0
+    assert table.to_pandas().attrs["units"] == {"t": "s", "p x": "", "q": ""}
+    assert table.to_pandas()["p x"].tolist() == table["p x"].tolist()
+
+
+def test_arrow_tables_and_parquet_files_keep_units_in_one_way(tmp_path):
+    write_table(TABLE, tmp_path / "a.parquet")
+    assert pq.read_table(tmp_path / "a.parquet").schema.equals(TABLE.to_arrow().schema, check_metadata=True)
+    pq.write_table(TABLE.to_arrow(), tmp_path / "b.parquet")
+    assert read_table(tmp_path / "b.parquet") == TABLE
+
+
+def test_data_frames_of_other_kinds_are_read():
+    frame = pd.DataFrame({"a": pd.array([1, None], dtype="Int64"), 3: np.float32([0.5, 1.5])}, index=[7, 9])
+    found = Table.from_pandas(frame, {"3": "m"})
+    assert found == Table({"a": np.array([1.0, np.nan]), "3": np.array([0.5, 1.5])}, {"a": "", "3": "m"})
+    part = TABLE.to_pandas()[["p x"]]  # a part keeps the units of all
+    assert Table.from_pandas(part).units == {"p x": ""}
+
+
+def test_numbers_of_any_kind_become_columns():
+    found = Table.from_dict(
+        {"a": [1, 2.5, None], "b": range(3), "c": np.arange(3, dtype=np.uint8)}, {"b": "s"}, {"n": 1}
+    )
+    assert np.array_equal(found["a"], [1.0, 2.5, np.nan], equal_nan=True)
+    assert [found[name].dtype for name in found] == [np.float64] * 3
+    assert found.units == {"a": "", "b": "s", "c": ""}
+    assert found.info == {"n": 1}
+
+
+@pytest.mark.parametrize(
+    ("columns", "units", "message"),
+    [
+        ({"a": ["x", "y"]}, {}, "column 'a' holds 'x'; every value must be a number"),
+        ({"a": [True, False]}, {}, "column 'a' holds 'True'"),
+        ({"a": np.zeros((2, 2))}, {}, "column 'a' is no sequence of numbers"),
+        ({"a": 3.0}, {}, "column 'a' is no sequence of numbers"),
+        ({"a": [1.0, "x"]}, {}, "column 'a' is no sequence of numbers"),
+        ({"a": [2**53 + 1]}, {}, "column 'a' holds whole numbers beyond 2.53"),
+        ({"a": [1.0], "b": [1.0, 2.0]}, {}, "the columns have {'a': 1, 'b': 2} rows; they must be equally long"),
+        ({"a": [1.0]}, {"b": "s"}, "a unit is given for the column 'b'; the table has .'a'."),
+    ],
+)
+def test_what_is_no_table_is_one_clear_error(columns, units, message):
+    with pytest.raises(InputError, match=message):
+        Table.from_dict(columns, units)
+
+
+def test_names_that_stand_twice_are_refused():
+    with pytest.raises(InputError, match="column '1' appears twice"):
+        Table.from_pandas(pd.DataFrame([[1.0, 2.0]], columns=[1, "1"]))
+    with pytest.raises(InputError, match="column 'a' appears twice"):
+        Table.from_arrow(pa.table([[1.0], [2.0]], names=["a", "a"]))
+    with pytest.raises(InputError, match="column 'a' holds '2020-01-01 00:00:00'"):
+        Table.from_pandas(pd.DataFrame({"a": [pd.Timestamp("2020-01-01")]}))
+
+
+def test_whole_numbers_that_are_no_floats_are_refused_in_files(tmp_path):
+    pq.write_table(pa.table({"a": pa.array([2**53 + 1])}), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match="a.parquet: column 'a' holds whole numbers beyond 2.53"):
+        read_table(tmp_path / "a.parquet")
+
+
+def test_a_table_shows_names_units_and_both_ends():
+    many = Table.from_dict({"<t>": np.arange(1000) / 4, **{f"c{k}": np.ones(1000) for k in range(40)}}, {"<t>": "s"})
+    shown = repr(many)
+    assert shown.splitlines()[:2] == ["Table of 1000 rows and 41 columns", "  <t> [s]  0 ... 249.75"]
+    assert shown.splitlines()[-1] == "  and 11 more"
+    page = many._repr_html_()
+    assert "<caption>1000 rows, 41 columns, the first shown</caption>" in page
+    assert "<th>&lt;t&gt; [s]</th>" in page
+    rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in page.split("<tr>")[2:]]
+    assert [row[0] for row in rows] == ["0", "1", "2", "3", "4", "...", "995", "996", "997", "998", "999"]
+    assert rows[6][:3] == ["995", "248.75", "1"]
+    assert rows[5][1] == "..."
+    assert repr(Table.from_dict({"a": [2]})) == "Table of 1 rows and 1 columns\n  a  2"
+    assert repr(Table.from_dict({"a": []})) == "Table of 0 rows and 1 columns\n  a"
+    assert Table.from_dict({"a": [2]})._repr_html_().count("<tr>") == 2
+
+
+def test_pandas_is_asked_for_by_name_where_it_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(InputError, match=r"pandas is not installed; get it by: pip install 'polydraulic\[pandas\]'"):
+        TABLE.to_pandas()
 
 
 def test_tables_are_shown_column_by_column():

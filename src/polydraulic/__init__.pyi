@@ -6,8 +6,10 @@ from .networks.regions.region_regressor import RegionRegressor
 from .parameters.load import load_machine
 from .parameters.scenario import Scenario, load_scenario, random_operator
 from .parameters.schema import Machine
+from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
 from .simulation.runs import reference, simulate
+from .simulation.summary import run_summary
 from .simulation.trajectory import Difference, compare
 from .tables import Table, read_table, write_table
 
@@ -19,6 +21,7 @@ __all__ = [
     "Difference",
     "InputError",
     "Machine",
+    "Progress",
     "RegionRegressor",
     "Scenario",
     "SimulationError",
@@ -31,6 +34,7 @@ __all__ = [
     "random_operator",
     "read_table",
     "reference",
+    "run_summary",
     "save_models",
     "simulate",
     "simulate_batch",

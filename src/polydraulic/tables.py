@@ -6,43 +6,151 @@ unit in brackets, ``boom.p_in [Pa]``; in a Parquet file it is in the metadata of
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
+from polydraulic.pages import html
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+    from numpy.typing import ArrayLike
 
 _HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
 _INFO_KEY = b"polydraulic"
+_SHOWN_ROWS, _SHOWN_COLUMNS = 5, 30  # at both ends; of a table that is displayed
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Table:
     """Named columns of equal length, each with a unit.
+
+    ``len(table)`` is the number of rows; iteration and ``in`` go over the names. Two tables are equal if they have the same names in
+    the same order, the same units and the same values, where NaN equals NaN; `info` does not count.
 
     Attributes
     ----------
     columns : dict from name to (n_row,) array of float
     units : dict from name to unit; empty string where none was given
     info : what made the table (plain numbers and strings); kept in Parquet metadata
+
+    Examples
+    --------
+    >>> table = Table.from_dict({"time": [0.0, 0.1], "p": [2e5, 3e5]}, {"time": "s", "p": "Pa"})
+    >>> table
+    Table of 2 rows and 2 columns
+      time [s]  0 ... 0.1
+      p [Pa]    200000 ... 300000
+    >>> list(table), "p" in table, table["p"].max()
+    (['time', 'p'], True, np.float64(300000.0))
     """
 
     columns: dict[str, np.ndarray]
     units: dict[str, str]
     info: dict[str, object] = field(default_factory=dict)
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self.columns:
-            raise InputError(f"no column {name!r}; the table has {list(self.columns)}")
-        return self.columns[name]
+    @classmethod
+    def from_dict(
+        cls,
+        columns: Mapping[str, "ArrayLike"],
+        units: Mapping[str, str] | None = None,
+        info: Mapping[str, object] | None = None,
+    ) -> "Table":
+        """Make a table from anything that holds numbers; a missing value (None) becomes NaN.
 
-    def __len__(self) -> int:
-        return len(next(iter(self.columns.values()), ()))
+        Parameters
+        ----------
+        columns : mapping from name to (n_row,) array-like of numbers
+        units : mapping from name to unit, optional
+        info : mapping, optional
+
+        Raises
+        ------
+        InputError
+            Columns that hold anything else or are not equally long; a unit of a column that the table does not have.
+        """
+        import pyarrow as pa
+
+        data = {}
+        for name, values in columns.items():
+            try:
+                data[str(name)] = _numbers(pa.array(values), str(name), "")
+            except (pa.ArrowException, TypeError) as error:
+                raise InputError(
+                    f"column {str(name)!r} is no sequence of numbers ({str(error).splitlines()[0]})"
+                ) from error
+        lengths = {name: len(values) for name, values in data.items()}
+        if len(set(lengths.values())) > 1:
+            raise InputError(f"the columns have {lengths} rows; they must be equally long")
+        strange = [name for name in units or {} if name not in data]
+        if strange:
+            raise InputError(f"a unit is given for the column {strange[0]!r}; the table has {list(data)}")
+        return cls(data, {name: (units or {}).get(name, "") for name in data}, dict(info or {}))
+
+    @classmethod
+    def from_arrow(cls, table: "pa.Table") -> "Table":
+        """Make a table from an Arrow table; a missing value becomes NaN.
+
+        Parameters
+        ----------
+        table : pyarrow.Table
+            Units are read from the metadata of its fields, `info` from that of its schema, where `to_arrow` puts them.
+
+        Raises
+        ------
+        InputError
+            A column that holds anything else than numbers, or a name that stands twice.
+        """
+        _refuse_twice(table.column_names, "")
+        columns = {name: _numbers(table.column(name), name, "") for name in table.column_names}
+        return cls(columns, {entry.name: _unit_of(entry) for entry in table.schema}, _info_of(table.schema))
+
+    @classmethod
+    def from_pandas(cls, frame: "pd.DataFrame", units: Mapping[str, str] | None = None) -> "Table":
+        """Make a table from the columns of a data frame; its index is left out (`reset_index` makes a column of it).
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+        units : mapping from name to unit, optional
+            If not given, those in ``frame.attrs["units"]``, where `to_pandas` puts them.
+
+        Raises
+        ------
+        InputError
+            As for `from_dict` and `from_arrow`.
+        """
+        names = [str(name) for name in frame.columns]
+        _refuse_twice(names, "")
+        if units is None:
+            units = {name: unit for name, unit in frame.attrs.get("units", {}).items() if name in names}
+        columns = {name: frame.iloc[:, place] for place, name in enumerate(names)}
+        return cls.from_dict(columns, units, frame.attrs.get("info"))
+
+    def to_arrow(self) -> "pa.Table":
+        """Return an Arrow table; units stand in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
+        import pyarrow as pa
+
+        return pa.table(list(self.columns.values()), schema=_schema({n: self.unit(n) for n in self}, self.info))
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return a data frame; units stand in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
+        try:
+            import pandas as pd
+        except ImportError as error:
+            raise InputError("pandas is not installed; get it by: pip install 'polydraulic[pandas]'") from error
+        frame = pd.DataFrame(self.columns, copy=True)
+        frame.attrs.update(units={name: self.unit(name) for name in self}, info=dict(self.info))
+        return frame
 
     @property
     def names(self) -> list[str]:
@@ -56,6 +164,53 @@ class Table:
     def matrix(self, names: Sequence[str]) -> np.ndarray:
         """Return the named columns side by side, shape (n_row, n_name)."""
         return np.column_stack([self[name] for name in names])
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.columns:
+            raise InputError(f"no column {name!r}; the table has {list(self.columns)}")
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()), ()))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Table):
+            return NotImplemented
+        return (
+            self.names == other.names
+            and all(self.unit(name) == other.unit(name) for name in self)
+            and all(np.array_equal(self[name], other[name], equal_nan=True) for name in self)
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # columns are arrays, which can change
+
+    def __repr__(self) -> str:
+        heads = [_head(name, self.unit(name)) for name in self.names[:_SHOWN_COLUMNS]]
+        width = max(map(len, heads), default=0)
+        lines = [f"Table of {len(self)} rows and {len(self.columns)} columns"]
+        for head, values in zip(heads, self.columns.values(), strict=False):
+            ends = f"{values[0]:.6g} ... {values[-1]:.6g}" if len(values) > 1 else ", ".join(f"{v:.6g}" for v in values)
+            lines.append(f"  {head.ljust(width)}  {ends}".rstrip())
+        rest = len(self.columns) - len(heads)
+        return "\n".join([*lines, *([f"  and {rest} more"] if rest else [])])
+
+    def _repr_html_(self) -> str:
+        """Show the rows at both ends under names and units: what a notebook displays."""
+        names, n = self.names[:_SHOWN_COLUMNS], len(self)
+        at = range(n) if n <= 2 * _SHOWN_ROWS else [*range(_SHOWN_ROWS), *range(n - _SHOWN_ROWS, n)]
+        rows = [[str(row), *(f"{self[name][row]:.6g}" for name in names)] for row in at]
+        if n > len(rows):
+            rows.insert(_SHOWN_ROWS, ["..."] * (1 + len(names)))
+        title = f"{n} rows, {len(self.columns)} columns" + (
+            ", the first shown" if len(names) < len(self.columns) else ""
+        )
+        return html.table(title, ["row", *(_head(name, self.unit(name)) for name in names)], rows)
 
 
 def write_table(table: Table, path: str | Path) -> None:
@@ -88,9 +243,7 @@ def table_writer(
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
-                file.write(
-                    ",".join(_quoted(f"{name} [{unit}]" if unit else name) for name, unit in units.items()) + "\n"
-                )
+                file.write(",".join(_quoted(_head(name, unit)) for name, unit in units.items()) + "\n")
 
                 def write_rows(columns: Sequence[np.ndarray]) -> None:
                     np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
@@ -100,8 +253,7 @@ def table_writer(
             import pyarrow as pa
             import pyarrow.parquet as pq
 
-            fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units.items()]
-            schema = pa.schema(fields, metadata={_INFO_KEY: json.dumps(dict(info or {}))})
+            schema = _schema(units, info or {})
             with pq.ParquetWriter(temporary, schema) as file:
                 yield lambda columns: file.write_table(pa.table(list(columns), schema=schema))
 
@@ -139,15 +291,11 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
         raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({str(error).splitlines()[0]})") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    names, units = [], {}
-    for entry in raw.schema:
-        match = _HEADER.match(entry.name) if ending == ".csv" else None
-        name = match["name"] if match else entry.name
-        unit = (match["unit"] if match else (entry.metadata or {}).get(b"unit", b"").decode()) or ""
-        if name in units:
-            raise InputError(f"{path}: column {name!r} appears twice; give each column its own name")
-        names.append(name)
-        units[name] = unit
+    heads = [_HEADER.match(entry.name) if ending == ".csv" else None for entry in raw.schema]
+    names = [head["name"] if head else entry.name for head, entry in zip(heads, raw.schema, strict=True)]
+    _refuse_twice(names, f"{path}: ")
+    found = [(head["unit"] or "") if head else _unit_of(entry) for head, entry in zip(heads, raw.schema, strict=True)]
+    units = dict(zip(names, found, strict=True))
     wanted = (
         [*columns, *(name for name in optional if name in units and name not in columns)]
         if columns is not None
@@ -156,9 +304,10 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
     missing = [name for name in wanted if name not in units]
     if missing:
         raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}")
-    data = {name: _numbers(raw.column(names.index(name)), name, path) for name in wanted}
-    stored = (raw.schema.metadata or {}).get(_INFO_KEY)
-    return Table(data, {name: units[name] for name in wanted}, json.loads(stored) if stored else {})
+    data = {
+        name: finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, f"{path}: ") for name in wanted
+    }
+    return Table(data, {name: units[name] for name in wanted}, _info_of(raw.schema))
 
 
 def table_ending(path: str | Path) -> str:
@@ -169,21 +318,56 @@ def table_ending(path: str | Path) -> str:
     return ending
 
 
-def _numbers(column: object, name: str, path: Path) -> np.ndarray:
+def _numbers(column: Any, name: str, where: str) -> np.ndarray:
+    """An Arrow array as floats; NaN where a value is missing."""
     import pyarrow as pa
 
-    assert isinstance(column, pa.ChunkedArray)
-    if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
+    if len(column) and not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
         shown = next((str(v) for v in column.to_pylist() if v is not None), "no values")
-        raise InputError(f"{path}: column {name!r} holds {shown!r}; every value must be a finite number")
-    values = column.cast(pa.float64()).to_numpy(zero_copy_only=False).astype(np.float64)
+        raise InputError(f"{where}column {name!r} holds {shown!r}; every value must be a number")
+    try:
+        floats = column.cast(pa.float64())
+    except pa.ArrowInvalid as error:
+        raise InputError(f"{where}column {name!r} holds whole numbers beyond 2^53, which no float holds") from error
+    return np.array(floats.to_numpy(zero_copy_only=False), dtype=np.float64)
+
+
+def finite(values: np.ndarray, name: str, where: str = "") -> np.ndarray:
+    """The values of a column, or an InputError that names the first one that is not finite."""
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise InputError(
-            f"{path}: column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
+            f"{where}column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
             "every value must be a finite number: drop these rows or fill them first"
         )
     return values
+
+
+def _refuse_twice(names: Sequence[str], where: str) -> None:
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise InputError(f"{where}column {twice[0]!r} appears twice; give each column its own name")
+
+
+def _schema(units: Mapping[str, str], info: Mapping[str, object]) -> "pa.Schema":
+    """Names and units as Arrow and Parquet keep them."""
+    import pyarrow as pa
+
+    fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units.items()]
+    return pa.schema(fields, metadata={_INFO_KEY: json.dumps(dict(info))})
+
+
+def _unit_of(entry: "pa.Field") -> str:
+    return str((entry.metadata or {}).get(b"unit", b"").decode())
+
+
+def _info_of(schema: "pa.Schema") -> dict[str, object]:
+    stored = (schema.metadata or {}).get(_INFO_KEY)
+    return json.loads(stored) if stored else {}
+
+
+def _head(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
 
 
 def shown_column(table: Table, name: str, units: str = DEFAULT) -> tuple[np.ndarray, str]:

@@ -1,10 +1,12 @@
 """What commands show while they work, and a table of what they found."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from threading import Timer
 from typing import TYPE_CHECKING
+
+from polydraulic.progress import Progress, quiet
 
 if TYPE_CHECKING:
     from polydraulic.simulation.trajectory import Difference
@@ -23,10 +25,10 @@ def loading() -> Iterator[None]:
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
+def progress_bar(title: str) -> Iterator[Progress]:
     """A progress bar that appears once the command has taken longer than `PATIENCE`, where a terminal shows it.
 
-    The function it gives is called with what is being done, how many pieces of the work are done, and of how many.
+    What it gives is the `progress` of whatever takes long.
     """
     _loading.close()
     with _bar(title, transient=False) as tell:
@@ -34,24 +36,24 @@ def progress_bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
 
 
 @contextmanager
-def _bar(title: str, *, transient: bool) -> Iterator[Callable[[str, int, int], None]]:
+def _bar(title: str, *, transient: bool) -> Iterator[Progress]:
     """A bar without an end, until it is told of one; a transient one leaves nothing behind."""
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda what, done, total: None
+        yield quiet
         return
 
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich import progress as parts
     from rich.table import Column
 
-    text = TextColumn(
+    text = parts.TextColumn(
         "{task.fields[what]}", markup=False, table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")
     )
     # what a command prints goes to its own output, not through the bar
-    bar = Progress(
-        text, BarColumn(24), MofNCompleteColumn(), TimeElapsedColumn(), console=console, expand=True,
+    bar = parts.Progress(
+        text, parts.BarColumn(24), parts.MofNCompleteColumn(), parts.TimeElapsedColumn(), console=console, expand=True,
         transient=transient, redirect_stdout=False, redirect_stderr=False,
     )  # fmt: skip
     task = bar.add_task(title, total=None, what=title)  # it moves to and fro until the first piece is told

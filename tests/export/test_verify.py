@@ -13,7 +13,7 @@ from polydraulic.networks import Model
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 def test_all_targets_agree(exported_models):
-    found, not_tried = verify_models(exported_models["several"], 300)
+    found, not_tried = verify_models(exported_models["several"], n=300)
     targets = {a.target for a in found}
     assert targets == {
         "python", "c double", "c float", "fmi2 me", "fmi2 cs", "fmi3 me", "fmi3 cs", "onnx double", "onnx float",
@@ -43,7 +43,7 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     for module in (verify, build):
         monkeypatch.setattr(module, "find_spec", lambda name: None)
-    found, not_tried = verify_models(exported_models["single"], 60)
+    found, not_tried = verify_models(exported_models["single"], n=60)
     assert [a.target for a in found] == ["python"]
     assert not found[0].holds
     assert found[0].inside == pytest.approx(1e-6)
@@ -56,11 +56,11 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
 def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):
     monkeypatch.setattr(verify, "_targets", lambda whole, folder: [
         ("nan", True, lambda X: verify._Answers(np.full((len(X), 1), np.nan)))])  # fmt: skip
-    found, _ = verify_models(exported_models["single"], 60)
+    found, _ = verify_models(exported_models["single"], n=60)
     assert found[0].inside == np.inf
     assert not found[0].holds
 
 
 def test_too_few_points(exported_models):
     with pytest.raises(InputError, match="at least 6 points"):
-        verify_models(exported_models["single"], 3)
+        verify_models(exported_models["single"], n=3)

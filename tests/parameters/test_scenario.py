@@ -21,7 +21,7 @@ omega = { value = 2.0, unit = "rad/s", source = "test" }
 
 
 @pytest.fixture
-def readable(tmp_path):
+def written(tmp_path):
     def load(text):
         path = tmp_path / "mine.toml"
         path.write_text(text)
@@ -48,7 +48,7 @@ def test_changes_reach_the_machine(machine):
 
 def test_kinds_of_signal(written, tmp_path):
     (tmp_path / "stick.csv").write_text("t [s],v [V]\n0,0\n1,0.5\n3,-0.5\n")
-    scenario = readable(
+    scenario = written(
         BASIC
         + """
 [voltage.swing]
@@ -86,12 +86,12 @@ voltage_column = "v"
 def test_bad_scenarios_are_one_clear_error(written, old, new, message):
     assert old in BASIC
     with pytest.raises(InputError, match=f"mine.toml: {message}"):
-        readable(BASIC.replace(old, new, 1))
+        written(BASIC.replace(old, new, 1))
 
 
 def test_only_pilot_and_start_may_change(written):
     with pytest.raises(InputError, match=r"unknown key 'valve' in change.boom; allowed here: \['initial', 'pilot'\]"):
-        readable(BASIC + "[change.boom.valve]\n")
+        written(BASIC + "[change.boom.valve]\n")
 
 
 def test_times_must_rise():
@@ -103,7 +103,7 @@ def test_a_recording_with_gaps_is_refused(written, tmp_path):
     (tmp_path / "r.csv").write_text("t,v\n0,0\n1,nan\n")
     table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
     with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' holds nan in row 2"):
-        readable(BASIC[: BASIC.index("[voltage.boom]")] + table)
+        written(BASIC[: BASIC.index("[voltage.boom]")] + table)
 
 
 RECORDED = (
@@ -155,9 +155,9 @@ def test_a_recording_in_a_scenario_file_is_converted_too(written, tmp_path):
     (tmp_path / "r.csv").write_text("t [ms],v [bar]\n0,0\n1,1\n")
     table = '[voltage.boom]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
     with pytest.raises(InputError, match=r"mine.toml: voltage.boom: .*r.csv: column 'v' has unit 'bar'"):
-        readable(BASIC[: BASIC.index("[voltage.boom]")] + table)
+        written(BASIC[: BASIC.index("[voltage.boom]")] + table)
     (tmp_path / "r.csv").write_text("t [ms],v [mV]\n0,0\n1000,500\n")
-    scenario = readable(BASIC[: BASIC.index("[voltage.boom]")] + table)
+    scenario = written(BASIC[: BASIC.index("[voltage.boom]")] + table)
     assert scenario.voltages(np.array([0.5]))[0, 1] == pytest.approx(0.25)
 
 

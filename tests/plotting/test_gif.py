@@ -16,12 +16,12 @@ def test_a_gif_lasts_as_long_as_the_run(machine, whole, tmp_path):
         assert sum(durations) == 700
         assert image.info["loop"] == 0
         assert image.convert("RGB").getpixel((image.width - 1, image.height - 1)) == (255, 255, 255)
-    assert seen == [(k, 7) for k in range(1, 8)]
+    assert seen == [("frames", k, 7) for k in range(1, 8)]
     assert [path.name for path in tmp_path.iterdir()] == ["run.gif"]
 
 
 def test_an_interrupted_gif_leaves_nothing(machine, whole, tmp_path):
-    def stop(done, total):
+    def stop(what, done, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

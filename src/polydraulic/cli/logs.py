@@ -1,6 +1,5 @@
 """Commands of measured logs: import, record, fit-machine, replay."""
 
-from itertools import count
 from pathlib import Path
 from typing import Annotated
 
@@ -45,7 +44,7 @@ def import_(
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
         with progress_bar("read") as progress:
-            text = suggest_channels(log, progress=lambda done, total: progress(log.name, done, total))
+            text = suggest_channels(log, progress=progress)
         if out is None:
             print(text, end="")
         else:
@@ -59,7 +58,7 @@ def import_(
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
     with progress_bar("import") as progress:
-        imported = import_log(log, given, out, progress=lambda done, total: progress(log.name, done, total))
+        imported = import_log(log, given, out, progress=progress)
         progress("deadbands, coverage, quality report", 0, 1)
         told = write_quality(imported, page, units=units)
     for finding in imported.findings:
@@ -124,8 +123,7 @@ def record(
     what = [load_scenario(name) for name in scenario]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))
-        begun = count()
-        n = write_log(plant, what, bench, out, dt=dt, progress=lambda name: progress(name, next(begun), len(what)))
+        n = write_log(plant, what, bench, out, dt=dt, progress=progress)
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
 
 

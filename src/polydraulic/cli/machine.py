@@ -186,14 +186,7 @@ def animate(
             progress(f"simulate with flow {name}, compiled once after an installation", number, len(flows) + 1)
             runs[name] = run(plant, name, what, dt=dt)
         progress(f"draw {out}", len(flows), len(flows) + 1)
-        write_animation(
-            runs,
-            plant,
-            out,
-            rate=rate,
-            units=units,
-            progress=lambda done, total: progress(f"frames of {out}", done, total),
-        )
+        write_animation(runs, plant, out, rate=rate, units=units, progress=progress)
     print(f"{out}: {what.name}, {', '.join(flows)}")
 
 

@@ -229,7 +229,7 @@ def verify(
 
     models = load_models(model)
     with progress_bar("verify") as progress:
-        found, not_tried = verify_models(models, points, seed=seed, progress=progress)
+        found, not_tried = verify_models(models, n=points, seed=seed, progress=progress)
     print(agreement_table(found, not_tried))
     for note in dynamic_notes(models):
         print(f"note: {note}")

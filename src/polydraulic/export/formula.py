@@ -113,7 +113,7 @@ def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "s
         return sympy.Piecewise(*cases[:-1], (cases[-1][0], True))
 
 
-def to_latex(model: Model, digits: int = 6) -> str:
+def to_latex(model: Model, *, digits: int = 6) -> str:
     """`model` as LaTeX for display mathematics; needs amsmath.
 
     Parameters

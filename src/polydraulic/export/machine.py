@@ -19,11 +19,12 @@ from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
-from polydraulic.flow.dispatch import FLOW_KINDS, build_flow, flow_name, served_links
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
 from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_vector
 from polydraulic.machine.linkage import tip
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, State, initial_state
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.loop import at_rest, reasonable, record
 from polydraulic.simulation.step import machine_step
@@ -78,7 +79,7 @@ def outputs() -> list[Column]:
 
 def prepared(
     machine: Machine,
-    flow: Any,
+    flow: str | FlowModel,
     *,
     dt: float = 5e-3,
     locked: Collection[str] = (),
@@ -104,7 +105,7 @@ def prepared(
     unknown = set(locked) - set(LINKS)
     if unknown or set(locked) == set(LINKS):
         raise InputError(f"locked = {sorted(locked)}: must be some of {list(LINKS)}, and leave one free")
-    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    model = as_flow(flow, machine)
     missing = [link for link in LINKS if link not in locked and link not in served_links(model)]
     if missing:
         raise InputError(f"flow {flow_name(model)!r} does not serve {', '.join(missing)}; give locked={missing}")
@@ -117,8 +118,8 @@ def prepared(
 
 
 def machine_c(
-    machine: Machine,
-    flow: Any,
+    machine: Machine | str | Path,
+    flow: str | FlowModel,
     *,
     name: str = "machine",
     dt: float = 5e-3,
@@ -129,7 +130,7 @@ def machine_c(
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     flow : str or flow model
         Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``.
     name : str
@@ -146,6 +147,7 @@ def machine_c(
     InputError
         As `prepared`; if `name` is no C identifier; with file and line where a kernel does not translate.
     """
+    machine = as_machine(machine)
     if c_name(name) != name:
         raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
     parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
@@ -178,7 +180,7 @@ def machine_c(
     return {f"{name}{file}": text for file, text in files.items()}
 
 
-def machine_size(machine: Machine, flow: Any, *, dt: float = 5e-3) -> int:
+def machine_size(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3) -> int:
     """Numbers of 8 bytes in the struct of a machine.
 
     Parameters
@@ -186,14 +188,14 @@ def machine_size(machine: Machine, flow: Any, *, dt: float = 5e-3) -> int:
     machine, flow, dt
         As for `machine_c`.
     """
-    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    model = as_flow(flow, machine)
     n_memory = FLOW_KINDS[flow_name(model)].n_memory(model)
     return len(outputs()) + n_memory + len(LINKS) * max(1, *_delays(machine, dt)) + 2
 
 
 def export_machine(
-    machine: Machine,
-    flow: Any,
+    machine: Machine | str | Path,
+    flow: str | FlowModel,
     folder: str | Path,
     *,
     name: str = "machine",

@@ -111,7 +111,7 @@ class Bundle:
         return X
 
 
-def bundle(models: Sequence[Model], name: str | None = None) -> Bundle:
+def bundle(models: Sequence[Model], *, name: str | None = None) -> Bundle:
     """Put models together.
 
     Parameters

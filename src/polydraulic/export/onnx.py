@@ -7,7 +7,7 @@ model see all rows, and `Where` keeps those of the region.
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.partition import Partition, Split
 from polydraulic.networks.model.slopes import domain_gain
 from polydraulic.networks.model.table import Network, used_slots
+
+if TYPE_CHECKING:
+    import onnx
 
 OPSET, _IR = 17, 8  # of 2022
 
@@ -58,13 +61,13 @@ def export_onnx(
     path = Path(path)
     if path.suffix != ".onnx":
         raise InputError(f"{path}: an ONNX graph ends in .onnx")
-    content = to_onnx(bundle(models, name), real=real, opset=opset).SerializeToString()
+    content = to_onnx(bundle(models, name=name), real=real, opset=opset).SerializeToString()
     with replacing(path) as temporary:
         temporary.write_bytes(content)
     return Exported((path,), tuple(dynamic_notes(models)))
 
 
-def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> Any:
+def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx.ModelProto":
     """ONNX model of a bundle.
 
     Parameters

@@ -67,7 +67,7 @@ def export_models(
     as_file = is_file(to, out)
     if not as_file and out.suffix in _FILES:
         raise InputError(f"{out}: {to} writes {ENDINGS[to] or 'two files'}; give {_place(to)}")
-    whole = bundle(models, out.stem if as_file and name is None else name)
+    whole = bundle(models, name=out.stem if as_file and name is None else name)
     path = out if as_file else out / f"{whole.name}{ENDINGS[to]}"
     if to == "c":
         return export_c(models, out, name=whole.name, real=real)

@@ -18,6 +18,7 @@ from polydraulic.export.formula import to_python
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.export.onnx import to_onnx
 from polydraulic.networks.model.model import Model
+from polydraulic.progress import Progress, quiet
 
 ROUNDING = 1e-9  # of an output's size: what double precision may differ by
 
@@ -70,10 +71,10 @@ class _Answers(NamedTuple):
 
 def verify_models(
     models: Sequence[Model],
-    n: int = 3000,
     *,
+    n: int = 3000,
     seed: int = 0,
-    progress: Callable[[str, int, int], None] = lambda target, done, total: None,
+    progress: Progress = quiet,
 ) -> tuple[list[Agreement], dict[str, str]]:
     """Run the same points through the package and through every target.
 
@@ -85,7 +86,8 @@ def verify_models(
         Points: two thirds inside the domain, a sixth on faces and borders of regions, a sixth around the domain.
     seed : int
         Of the points.
-    progress : function (target that begins, targets done, targets in all)
+    progress : Progress, optional
+        Told each target as it begins.
 
     Returns
     -------
@@ -211,7 +213,7 @@ def _compiler() -> list[str]:
 def _c(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> _Answers:
     command = _compiler()
     try:
-        header, source = to_c(whole, real)
+        header, source = to_c(whole, real=real)
     except InputError as error:
         raise _NotHereError(str(error)) from error
     path = folder / f"{whole.name}_{real}"

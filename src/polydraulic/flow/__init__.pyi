@@ -1,4 +1,5 @@
-from .dispatch import FLOW_KINDS, FlowKind, flow_name, flow_step, served_links
+from .database import boom_table, sample_boom, sample_series
+from .dispatch import FLOW_KINDS, FlowKind, FlowModel, flow_name, flow_step, served_links
 from .exact import exact_flow
 from .interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN, Flows
 from .iterative import iterative_flow
@@ -14,7 +15,9 @@ __all__ = [
     "OK",
     "OUT_OF_DOMAIN",
     "FlowKind",
+    "FlowModel",
     "Flows",
+    "boom_table",
     "exact_flow",
     "flow_name",
     "flow_step",
@@ -23,6 +26,8 @@ __all__ = [
     "neural_flow",
     "polynomial_flow",
     "pressure_flow",
+    "sample_boom",
+    "sample_series",
     "served_links",
     "stiff_flow",
     "table_bytes",

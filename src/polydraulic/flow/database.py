@@ -1,5 +1,6 @@
 """Training databases: a circuit evaluated at random points of its operating box."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.sample import FlowSample, sample_flow
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
 from polydraulic.tables import Table
 
@@ -16,7 +18,7 @@ PRESSURE_HIGH = units.to_si(4000.0, "psi")  # upper end of the thesis' maps
 
 
 def sample_boom(
-    machine: Machine,
+    machine: Machine | str | Path,
     n: int,
     *,
     rng: np.random.Generator,
@@ -28,7 +30,7 @@ def sample_boom(
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     n : int
         Number of rows.
     rng : numpy Generator
@@ -49,22 +51,24 @@ def sample_boom(
     InputError
         If `n` is not positive.
     """
+    machine = as_machine(machine)
     return boom_table(machine, *_points(machine, n, rng, travel, pressure), relief=relief)
 
 
 def boom_table(
-    machine: Machine, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray, *, relief: bool = True
+    machine: Machine | str | Path, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray, *, relief: bool = True
 ) -> Table:
     """Build the database at given points.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     spool : (n_point,) array, m
     p_in, p_out : (n_point,) array, Pa
     relief : bool
         As for `sample_boom`.
     """
+    machine = as_machine(machine)
     flow = boom_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
     columns = {
         **_link_columns(machine, "boom", spool, p_in, p_out, flow.q_in, flow.k_out),
@@ -74,7 +78,7 @@ def boom_table(
 
 
 def sample_series(
-    machine: Machine,
+    machine: Machine | str | Path,
     n: int,
     *,
     rng: np.random.Generator,
@@ -99,7 +103,7 @@ def sample_series(
     InputError
         If `n` is not positive.
     """
-    links = CIRCUITS["series"]
+    machine, links = as_machine(machine), CIRCUITS["series"]
     places = [LINKS.index(link) for link in links]
     spool, p_in, p_out = np.zeros((3, max(n, 0), len(LINKS)))
     for place in places:

@@ -5,6 +5,7 @@ look-up. To add a model: a NamedTuple, a step kernel, a builder, and one row her
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,6 +35,10 @@ from polydraulic.machine.state import Links
 from polydraulic.networks.model.table import work_size
 from polydraulic.parameters.schema import LINKS, Machine
 
+FlowModel = (
+    ExactFlow | IterativeFlow | StiffFlow | TlmFlow | LookupFlow | PolynomialFlow | NeuralFlow | PressureFlow
+)  # what builders give and `simulate` takes
+
 
 class FlowKind(NamedTuple):
     """One way of finding the flows.
@@ -56,7 +61,7 @@ class FlowKind(NamedTuple):
 
     model: type
     step: Callable[..., Flows]
-    build: Callable[..., Any]
+    build: Callable[..., "FlowModel"]
     n_memory: Callable[[Any], int]
     balances: bool
     gives_pump_pressure: bool
@@ -89,12 +94,12 @@ FLOW_LANES = {kind.model: kind.lanes for kind in FLOW_KINDS.values() if kind.lan
 FLOW_SLOPES = {kind.model: kind.slopes for kind in FLOW_KINDS.values() if kind.slopes is not None}
 
 
-def flow_step(model: Any, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
+def flow_step(model: FlowModel, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
     """Flow through each main valve over one step; pump and valves are one subsystem, and the model owns both.
 
     Parameters
     ----------
-    model : one of the models in `FLOW_KINDS`
+    model : FlowModel
     memory : (n_memory,) array
         What the model keeps between steps; changed in place.
     spool : Links, m
@@ -169,14 +174,14 @@ def _flow_lanes_compiled(model: Any, own: Any, rows: Any, whole: Any) -> Any:
     return chosen
 
 
-def build_flow(name: str, machine: Machine, **options: Any) -> Any:
+def build_flow(name: str, machine: Machine | str | Path, **options: Any) -> FlowModel:
     """Build a flow model by name.
 
     Parameters
     ----------
     name : str
         A key of `FLOW_KINDS`.
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     **options
         Settings of that model's builder.
 
@@ -187,18 +192,24 @@ def build_flow(name: str, machine: Machine, **options: Any) -> Any:
     """
     if name not in FLOW_KINDS:
         raise InputError(f"unknown flow model {name!r}; choose one of {sorted(FLOW_KINDS)}")
-    return FLOW_KINDS[name].build(machine, **options)
+    found: FlowModel = FLOW_KINDS[name].build(machine, **options)
+    return found
 
 
-def flow_name(model: Any) -> str:
-    """Name under which a flow model stands in `FLOW_KINDS`."""
+def as_flow(flow: str | FlowModel, machine: Machine) -> FlowModel:
+    """Return a flow model that is given, or build the one of that name."""
+    return build_flow(flow, machine) if isinstance(flow, str) else flow
+
+
+def flow_name(model: object) -> str:
+    """Name under which the class of a flow model, `model`, stands in `FLOW_KINDS`."""
     for name, kind in FLOW_KINDS.items():
         if type(model) is kind.model:
             return name
     raise InputError(f"{type(model).__name__} is no flow model; choose one of {sorted(FLOW_KINDS)}")
 
 
-def served_links(model: Any) -> tuple[str, ...]:
+def served_links(model: FlowModel) -> tuple[str, ...]:
     """Links that a flow model serves."""
     kind = FLOW_KINDS[flow_name(model)]
     return kind.links if kind.served is None else kind.served(model)

@@ -1,5 +1,6 @@
 """Exact flow: Eqs (1)-(3) and (8)-(13) by clamped closed forms, without branches or convergence tests."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
 from polydraulic.machine.pump import NEVER, Pump, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_slopes, orifices, prepare_valve
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 
 
@@ -35,15 +37,16 @@ def prepare_valves(machine: Machine) -> Valves:
     return Valves(*(prepare_valve(link.valve, machine.spool) for link in (machine.swing, machine.boom, machine.stick)))
 
 
-def exact_flow(machine: Machine, *, relief: bool = True) -> ExactFlow:
+def exact_flow(machine: Machine | str | Path, *, relief: bool = True) -> ExactFlow:
     """Flow model from a machine's orifice tables.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     relief : bool
         Without it the pumps' relief valves never open: the ideal circuits of the equations, for maps.
     """
+    machine = as_machine(machine)
     setting = None if relief else NEVER
     boom, series = (
         prepare_pump(machine, flow, relief=setting) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow)

@@ -7,6 +7,7 @@ between the valves, Eqs (8)-(13). The number of sweeps is bounded; a step that r
 uses what it has.
 """
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from polydraulic.flow.interface import NOT_CONVERGED, OK, Flows
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 
 
@@ -33,13 +35,13 @@ class IterativeFlow(NamedTuple):
 
 
 def iterative_flow(
-    machine: Machine, *, eps: float = 0.05, relaxation: float = 0.2, max_sweeps: int = 200
+    machine: Machine | str | Path, *, eps: float = 0.05, relaxation: float = 0.2, max_sweeps: int = 200
 ) -> IterativeFlow:
     """Flow model that iterates on the pump pressure.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     eps : float
         Largest relative change of the pump pressure at which a sweep counts as the last (thesis 5.4: 0.05).
     relaxation : float
@@ -52,6 +54,7 @@ def iterative_flow(
     InputError
         If a setting is out of its range.
     """
+    machine = as_machine(machine)
     if not 0.0 < eps < 1.0:
         raise InputError(f"eps = {eps}: must lie between 0 and 1, for example 0.05")
     if not 0.0 < relaxation <= 1.0:

@@ -9,6 +9,7 @@ with the distance of the lines, elsewhere with its square.
 """
 
 from math import sqrt
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 
 MOST_POINTS = 64  # 0.3 GB
@@ -43,12 +45,12 @@ class LookupFlow(NamedTuple):
     limited: bool
 
 
-def lookup_flow(machine: Machine, *, points: int = 24) -> LookupFlow:
+def lookup_flow(machine: Machine | str | Path, *, points: int = 24) -> LookupFlow:
     """Flow model that interpolates in tables of the exact flow.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
         A torque limit of its pumps is in the tables.
     points : int
         Grid lines on each axis of the table of swing and stick, which grows with their fourth power; the boom's has
@@ -59,6 +61,7 @@ def lookup_flow(machine: Machine, *, points: int = 24) -> LookupFlow:
     InputError
         If there are too few points for the spool's knots, or more than `MOST_POINTS`.
     """
+    machine = as_machine(machine)
     least = len(machine.spool.knots)
     if not isinstance(points, int) or not least <= points <= MOST_POINTS:
         raise InputError(
@@ -105,7 +108,7 @@ def pressure_lines(relief: float, n: int) -> np.ndarray:
     return relief * (1.0 - np.linspace(1.0, 0.0, n) ** 2)
 
 
-def table_bytes(model: Any) -> int:
+def table_bytes(model: object) -> int:
     """Bytes of all arrays in a flow model.
 
     Parameters

@@ -14,6 +14,7 @@ both travels and sqrt(P_relief - P_i).
 from collections.abc import Sequence
 from importlib.resources import files
 from math import sqrt
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.model_file import parse_models
 from polydraulic.networks.model.partition import Regions, choose
 from polydraulic.networks.model.table import Network, NetworkTable, evaluate, work_size
-from polydraulic.parameters.load import load_machine
+from polydraulic.parameters.load import as_machine, load_machine
 from polydraulic.parameters.schema import LINKS, Machine
 
 ARRANGEMENTS = ("cascade", "direct")
@@ -115,13 +116,13 @@ class NeuralFlow(NamedTuple):
 
 
 def polynomial_flow(
-    machine: Machine, *, models: Sequence[Model] | None = None, arrangement: str = "cascade"
+    machine: Machine | str | Path, *, models: Sequence[Model] | None = None, arrangement: str = "cascade"
 ) -> PolynomialFlow:
     """Flow model from polynomial networks.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
         Its pump flows and relief setting are used; a torque limit is known only to networks that were trained with one.
     models : sequence of Model, optional
         In SI: ``boom.q_in``, ``swing.q_in``, ``stick.q_in`` and ``boom.k_out`` (or ``boom.q_out``), ``swing.k_out``,
@@ -138,6 +139,7 @@ def polynomial_flow(
         If a model is missing or reads other inputs, or there is no such arrangement; without models, if pumps, spools or
         valves are not those that the package's networks were trained on.
     """
+    machine = as_machine(machine)
     if arrangement not in ARRANGEMENTS:
         raise InputError(f"arrangement = {arrangement!r}: choose one of {ARRANGEMENTS}")
     if models is None:
@@ -146,7 +148,7 @@ def polynomial_flow(
     return PolynomialFlow(network_flow(machine, models))
 
 
-def neural_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> NeuralFlow:
+def neural_flow(machine: Machine | str | Path, *, models: Sequence[Model] | None = None) -> NeuralFlow:
     """Flow model from perceptrons.
 
     Parameters
@@ -154,6 +156,7 @@ def neural_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> N
     machine, models
         As for `polynomial_flow`.
     """
+    machine = as_machine(machine)
     if models is None:
         _check_circuits(machine)
         models = shipped_models("neural")

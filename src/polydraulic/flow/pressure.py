@@ -5,6 +5,7 @@ small difference, a large error of the flow, and nothing holds the flows to what
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepa
 from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.partition import Regions, choose
 from polydraulic.networks.model.table import NetworkTable, evaluate
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 
 P_PUMP = (Variable("boom.p_pump", "Pa"), BOOM_IN[1])
@@ -35,12 +37,12 @@ class PressureFlow(NamedTuple):
     boom_pump: Pump
 
 
-def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) -> PressureFlow:
+def pressure_flow(machine: Machine | str | Path, *, models: Sequence[Model] | None = None) -> PressureFlow:
     """Flow model from networks of the pump pressure.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     models : sequence of Model
         Must hold ``boom.p_pump`` (of ``boom.travel``, ``boom.p_in``), in SI.
 
@@ -49,6 +51,7 @@ def pressure_flow(machine: Machine, *, models: Sequence[Model] | None = None) ->
     InputError
         If no models are given: none come with the package.
     """
+    machine = as_machine(machine)
     if models is None:
         raise InputError("flow 'pressure' needs models=[...]: fit one of 'boom.p_pump' on a sampled table first")
     model = choose_model(models, P_PUMP)

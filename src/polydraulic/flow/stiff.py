@@ -9,6 +9,7 @@ side. All passes are fixed in number. As the volumes shrink, the flows approach 
 """
 
 from math import isfinite
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ from polydraulic.machine.feed import (
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 
 SERIES_PASSES = 6
@@ -49,13 +51,13 @@ class StiffFlow(NamedTuple):
 
 
 def stiff_flow(
-    machine: Machine, *, volume: float = 1e-3, volume_between: float = 2e-4, bulk_modulus: float = 1.0e9
+    machine: Machine | str | Path, *, volume: float = 1e-3, volume_between: float = 2e-4, bulk_modulus: float = 1.0e9
 ) -> StiffFlow:
     """Flow model with the pump pressures as states.
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     volume : float, m3
         Oil between each pump and its first valve; one litre is two metres of pipe with a bore of 25 mm.
     volume_between : float, m3
@@ -68,6 +70,7 @@ def stiff_flow(
     InputError
         If one of them is not positive and finite.
     """
+    machine = as_machine(machine)
     boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
     first, between = compliances(volume, volume_between, bulk_modulus)
     return StiffFlow(prepare_valves(machine), boom, series, first, between)

@@ -11,6 +11,7 @@ Pump -> line -> swing valve -> line -> stick valve, and pump -> line -> boom val
 rises above the relief setting. As volumes and substep shrink together, the flows approach those of `exact`.
 """
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from polydraulic.machine.feed import Bypass, Feed, draw
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifices
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 
 _LIMIT_PASSES = 5
@@ -43,7 +45,7 @@ class TlmFlow(NamedTuple):
 
 
 def tlm_flow(
-    machine: Machine,
+    machine: Machine | str | Path,
     *,
     volume: float = 1e-3,
     volume_between: float = 2e-4,
@@ -55,7 +57,7 @@ def tlm_flow(
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     volume, volume_between, bulk_modulus : float
         As for flow ``stiff``.
     alpha : float
@@ -68,6 +70,7 @@ def tlm_flow(
     InputError
         If a setting is out of its range.
     """
+    machine = as_machine(machine)
     if not 0.0 <= alpha < 1.0:
         raise InputError(f"alpha = {alpha}: must lie in [0, 1), for example 0.1")
     if not isinstance(substeps, int) or substeps < 1:

@@ -1,6 +1,6 @@
-"""What the functions of this package are given: tables, models and machines, or where they are; what each of them checks."""
+"""What the functions of this package are given: tables and models, or where they are; what each of them checks."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +8,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.model_file import load_models
-from polydraulic.parameters.load import load_machine
-from polydraulic.parameters.schema import Machine
-from polydraulic.tables import Table, read_table
-
-Progress = Callable[[str, int, int], object]  # what begins, how much is done, how much there is in all
+from polydraulic.tables import Table, finite, read_table
 
 
 def table_of(
@@ -34,36 +30,13 @@ def table_of(
     if not len(table):
         raise InputError("the table has no rows")
     for name in wanted:
-        bad = np.flatnonzero(~np.isfinite(table[name]))
-        if bad.size:
-            raise InputError(
-                f"column {name!r} holds {table[name][bad[0]]} in row {bad[0] + 1} ({bad.size} of {len(table)} rows); "
-                "every value must be a finite number: drop these rows or fill them first"
-            )
+        finite(table[name], name)
     return table, "table"
 
 
 def models_of(given: Sequence[Model] | str | Path) -> list[Model]:
     """Models, or those of a model file."""
     return load_models(given) if isinstance(given, str | Path) else list(given)
-
-
-def machine_of(given: Machine | str | Path) -> Machine:
-    """A machine, or a parameter set by its name or file."""
-    return given if isinstance(given, Machine) else load_machine(given)
-
-
-def steps_of(progress: Progress | None, total: int) -> Callable[[str], None]:
-    """A function that is called as each of `total` steps begins, and tells `progress` how many are done."""
-    begun = 0
-
-    def begin(what: str) -> None:
-        nonlocal begun
-        if progress is not None:
-            progress(what, begun, total)
-        begun += 1
-
-    return begin
 
 
 def check_columns(table: Table, inputs: Sequence[str], outputs: Sequence[str]) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import count
 from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,7 +11,7 @@ from sklearn.base import BaseEstimator
 
 from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import Progress, check_columns, table_of
+from polydraulic.identification.arguments import check_columns, table_of
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
@@ -28,6 +27,7 @@ from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
 from polydraulic.networks.model.shown_model import shown_model
 from polydraulic.networks.model.table import Network, Node
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
@@ -125,7 +125,7 @@ def fit_dynamic(
     *,
     estimator: AbductiveRegressor | None = None,
     longest_lag: int = 8,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> DynamicFit:
     """Fit all outputs together; they may read each other's past.
 
@@ -141,7 +141,7 @@ def fit_dynamic(
         Of every network; chosen by free runs if not given.
     longest_lag : int
         In rows.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called with each choice that is tried.
 
     Returns
@@ -156,7 +156,6 @@ def fit_dynamic(
     table, source = table_of(table, [*inputs, *outputs], ["time", "segment"])
     check_columns(table, inputs, outputs)
     rows = log_rows(table)
-    tell = progress or (lambda what, done, total: None)
     spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
     held = _held_out(spans, longest_lag)
     X, y = table.matrix(inputs), table.matrix(outputs)
@@ -165,13 +164,12 @@ def fit_dynamic(
     names = [Variable(name, table.unit(name)) for name in inputs], [Variable(o, table.unit(o)) for o in outputs]
 
     def search(targets: np.ndarray, what: str, done: int) -> DynamicRegressor:
-        tell(what, done, 2)
-        tried = count(1)
+        progress(what, done, 2)
 
-        def tell_choice(choice: Choice) -> None:
-            tell(f"{what}: choice {next(tried)}, lags to {choice.longest}, {choice.error:.2f}", done, 2)
+        def tell(choice: str, tried: int, most: int) -> None:
+            progress(f"{what}: choice {tried}, {choice}", done, 2)
 
-        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, verbose=tell_choice)
+        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, progress=tell)
         return regressor.fit(X, targets, rows.segments)
 
     judged = search(without, "hold out", 0)
@@ -181,7 +179,7 @@ def fit_dynamic(
     # terms that were chosen need not read the longest of the lags on offer, a linear model reads them all
     found, plain = side_by_side([judged.to_models(*names), linear.to_models(*names)], table, held)
     final = search(y, "all rows", 1)
-    tell("all rows", 2, 2)
+    progress("all rows", 2, 2)
     fits = []
     choices = {"choice": _choice(final.choice_), "choice_held_out": _choice(judged.choice_)}
     for k, model in enumerate(final.to_models(*names)):

@@ -7,19 +7,21 @@ flow model and parameter set (masses, friction, lines) together.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.arguments import Progress, machine_of, models_of, table_of
+from polydraulic.flow.dispatch import FlowModel, build_flow
+from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.tables import Table, began
 
@@ -112,12 +114,12 @@ class Replay:
 def replay(
     log: Table | str | Path,
     machine: Machine | str | Path = "cat215b",
-    flow: Any = "polynomial",
+    flow: str | FlowModel = "polynomial",
     *,
     models: Sequence[Model] | str | Path | None = None,
     seconds: float = SECONDS,
     rows: np.ndarray | None = None,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> Replay:
     """Run a machine over windows of a log of the real one, each begun from the measured state.
 
@@ -138,7 +140,7 @@ def replay(
         Length of a window.
     rows : (n_row,) array of bool, optional
         Which rows may be in a window; all if not given.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
 
     Returns
     -------
@@ -153,7 +155,7 @@ def replay(
     if models is not None and flow not in ("polynomial", "neural"):
         raise InputError(f"models go with the flow models 'polynomial' and 'neural', not with {flow!r}")
     table, source = table_of(log, ["time", *DRIVEN])
-    plant = machine_of(machine)
+    plant = as_machine(machine)
     if isinstance(flow, str):
         flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
     windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
@@ -164,12 +166,12 @@ def replay(
 
 def replayed(
     machine: Machine,
-    flow: Any,
+    flow: str | FlowModel,
     log: Table,
     *,
     seconds: float = SECONDS,
     rows: np.ndarray | None = None,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> list[Window]:
     """Windows of `replay`; none where no piece of the log is long enough."""
     for name in ("time", *DRIVEN):
@@ -193,9 +195,8 @@ def replayed(
             voltage[number, :, place] = np.interp(late, time, log[f"{link}.voltage"])
         x0[number] = _state(log, begin)
     columns = [f"{link}.angle" for link in LINKS]
-    tell = None if progress is None else (lambda done, total: progress("replay", done, total))
     batch = simulate_batch(
-        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=tell
+        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=progress
     )  # after the dead time
     windows = []
     for number, begin in enumerate(begins):
@@ -232,7 +233,7 @@ def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
     return rows
 
 
-def against_log(machine: Machine, flow: Any, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
+def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
     """How far joints and tip drift in the rows of a log that were held out, and in words over what; or why that is not known.
 
     Parameters

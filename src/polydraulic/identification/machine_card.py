@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from polydraulic.display import DEFAULT
-from polydraulic.identification.arguments import machine_of, models_of, table_of
+from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
 from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
 from polydraulic.identification.machine_log import MEASURED, Known, by_port, judging_rows
@@ -17,6 +17,7 @@ from polydraulic.measure.log_units import conversion_shown
 from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 from polydraulic.units import Conversion
@@ -85,7 +86,7 @@ def machine_coverage(
     machine : Machine, str or Path
         Or a parameter set by its name or file.
     """
-    plant = machine_of(machine)
+    plant = as_machine(machine)
     log, _ = table_of(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
     return _covered(plant, models_of(models), by_port(Known.of(plant), log))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_unit
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.arguments import Progress, machine_of, steps_of, table_of
+from polydraulic.identification.arguments import table_of
 from polydraulic.identification.judging import OutputFit
 from polydraulic.identification.log_replay import COMPARED, DRIFT_HEADS, Drift, against_log, drift_rows
 from polydraulic.identification.machine_judging import check_numbers, check_rows, held_out, judged_network, one_sided
@@ -18,7 +18,9 @@ from polydraulic.identification.machine_log import MEASURED, Known, by_port, som
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 _OUTPUTS = 2 * len(LINKS)
@@ -94,7 +96,7 @@ def fit_machine(
     max_regions: int = REGIONS,
     max_rows: int = ROWS,
     min_blocks: int = BLOCKS,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> MachineFit:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
@@ -116,7 +118,7 @@ def fit_machine(
         That a network learns from.
     min_blocks : int
         Of time, of which every fifth is held out.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called as each network, with and without the rows held out, and the run against the log begin.
 
     Returns
@@ -129,24 +131,24 @@ def fit_machine(
         A column that is missing or in another unit, numbers that cannot be SI, a valve that never opens, too few rows with an open
         valve in the blocks held out or in the others.
     """
-    plant, needed = machine_of(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
+    plant, needed = as_machine(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
     read, source = table_of(table, needed, ["segment", *COMPARED])
     known = Known.of(plant)
     log = by_port(known, read)
     check_numbers(plant, log)
     held = held_out(log, min_blocks)
     check_rows(log, held, known)
-    begin = steps_of(progress, 2 * _OUTPUTS + 1)
+    total = 2 * _OUTPUTS + 1
 
-    def learnt(rows: Table, what: str) -> list[Model]:
-        def tell(output: str) -> None:
-            begin(f"{output}: {what}")
+    def learnt(rows: Table, what: str, before: int) -> list[Model]:
+        def tell(output: str, done: int, of: int) -> None:
+            progress(f"{output}: {what}", before + done, total)
 
         return learn(plant, rows, max_regions=max_regions, max_rows=max_rows, progress=tell)
 
-    without, models = learnt(some_rows(log, ~held), "hold out"), learnt(log, "all rows")
+    without, models = learnt(some_rows(log, ~held), "hold out", 0), learnt(log, "all rows", _OUTPUTS)
     outputs = [judged_network(plant, log, held, *pair) for pair in zip(models, without, strict=True)]
-    begin("run against the log")
+    progress("run against the log", 2 * _OUTPUTS, total)
     windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
     return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, log, source)
 

@@ -1,6 +1,6 @@
 """Networks of a whole machine from a log of its work: three inlets by region, three outlets."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 ROWS, REGIONS = 30_000, 16  # that a network learns from, and regions it may find
@@ -24,7 +25,7 @@ def learn(
     *,
     max_regions: int = REGIONS,
     max_rows: int = ROWS,
-    progress: Callable[[str], None] = lambda step: None,
+    progress: Progress = quiet,
 ) -> list[Model]:
     """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband.
 
@@ -37,24 +38,24 @@ def learn(
         That the network of an inlet may find.
     max_rows : int
         That a network learns from.
-    progress : function of str
-        Called with each of six outputs as it begins.
+    progress : Progress, optional
+        Told each of six outputs as it begins.
     """
     rng = np.random.default_rng(_SEED)
-    models = []
+    models: list[Model] = []
     for link, (output, inputs), high in (
         ("boom", BOOM_IN, machine.pumps.boom_flow),
         ("swing", (q_in("swing"), BOTH), machine.pumps.series_flow),
         ("stick", (q_in("stick"), PASSED), machine.pumps.series_flow),
     ):
-        progress(output.name)
+        progress(output.name, len(models), 2 * len(LINKS))
         # a flow model lets nothing in at relief, whatever a network says
         below = np.flatnonzero(log[f"{link}.p_in"] < BELOW_RELIEF * machine.pumps.relief)
         rows = below[_chosen(log[f"{link}.travel"][below] > machine.spool.deadband, max_rows, rng)]
         settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
         models.append(_fit(settings, log, inputs, output, rows, max_regions))
     for link in LINKS:
-        progress(f"{link}.k_out")
+        progress(f"{link}.k_out", len(models), 2 * len(LINKS))
         models.append(_learn_outlet(machine, log, link, max_rows, rng))
     return models
 

@@ -13,7 +13,6 @@ from polydraulic.display import DEFAULT, as_shown, dated, moment, shown_unit, wi
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
-from polydraulic.identification.arguments import Progress, steps_of
 from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
 from polydraulic.identification.judging import OutputFit, unit_after
 from polydraulic.identification.machine_card import machine_facts
@@ -26,6 +25,7 @@ from polydraulic.networks.plot import draw_network
 from polydraulic.networks.proof.bounds import model_bounds
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, began, shown_table
 
 SCHEMA = 1
@@ -50,7 +50,7 @@ def write_card(
     max_boxes: int = _EFFORT,
     shown: int = _SHOWN,
     units: str = DEFAULT,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> dict[str, Any]:
     """Write the card of what was fitted: a page that needs nothing else, and JSON beside it.
 
@@ -67,7 +67,7 @@ def write_card(
         Regions of a model, whose networks are drawn and written out.
     units : str
         Of the page: ``"metric"``, ``"field"`` or ``"si"``; columns in units of their own stay. The JSON has the units of the table.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called as each model begins.
 
     Returns
@@ -85,11 +85,11 @@ def write_card(
         entries, seen = machine_facts(fit, units)
     else:
         entries, seen = {}, _coverage_of(_inputs(fit.models), shown_table(fit.table, units))
-    data, facts, sections = _data(fit.models, fit.table, source), [], []
+    data, sections = _data(fit.models, fit.table, source), []
+    facts: list[dict[str, Any]] = []
     outputs: Sequence[OutputFit | DynamicOutputFit] = fit.outputs
-    begin = steps_of(progress, len(outputs))
     for found in outputs:
-        begin(f"card: {found.model.output.name}, proofs and pictures")
+        progress(f"card: {found.model.output.name}, proofs and pictures", len(facts), len(outputs))
         facts.append(_facts(found.model, max_boxes))
         read, told = found.shown(units), _shown_facts(facts[-1], found.model, units)
         sections.append(

@@ -8,7 +8,7 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import Progress, models_of, steps_of, table_of
+from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.machine_log import as_judged
 from polydraulic.identification.validity import Validity, run_validity, validity
 from polydraulic.networks.model.lag_words import dynamic_notes
@@ -22,6 +22,7 @@ from polydraulic.networks.proof.bounds import (
     model_bounds,
     range_sentence,
 )
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 
@@ -71,7 +72,7 @@ def check_models(
     box: Mapping[str, tuple[float, float]] | None = None,
     max_boxes: int = 20000,
     units: str = DEFAULT,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> Check:
     """Prove where models can go, anywhere in their domain or a box; or judge them by data that they have not seen.
 
@@ -90,7 +91,7 @@ def check_models(
         Sub-boxes a region that the proof may take.
     units : str
         Of what is said: ``"metric"``, ``"field"`` or ``"si"``; what is in units of its own stays.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called as each model begins.
 
     Returns
@@ -107,21 +108,19 @@ def check_models(
         if limits is not None or box:
             raise InputError("data judge models by measurements; limits and a box go with a proof: give one of them")
         table, _ = table_of(data)
-        begin = steps_of(progress, len(some))
         static, dynamic = ([model for model in some if (model.dynamics is None) == how] for how in (True, False))
-        judged = []
+        judged: list[Validity] = []
         for model in static:
-            begin(f"{model.output.name} on the new data")
+            progress(f"{model.output.name} on the new data", len(judged), len(some))
             judged.append(validity(model, as_judged(model, table), units))
         if dynamic:
-            begin("free runs through the new data")
+            progress("free runs through the new data", len(judged), len(some))
             judged += run_validity(dynamic, table, units)
         return Check([*static, *dynamic], judged, [], units)
     places = [_place(model, box or {}) for model in some]
-    begin = steps_of(progress, len(some))
     proved: list[ModelBounds | RangeCheck] = []
     for model, place in zip(some, places, strict=True):
-        begin(f"proof of {model.output.name}")
+        progress(f"proof of {model.output.name}", len(proved), len(some))
         proved.append(
             model_bounds(model, place, max_boxes=max_boxes)
             if limits is None

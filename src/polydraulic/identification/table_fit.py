@@ -10,13 +10,14 @@ from sklearn.base import clone
 
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import Progress, check_columns, steps_of, table_of
+from polydraulic.identification.arguments import check_columns, table_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import BLOCKS, FOLD, held_rows
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def fit_table(
     max_regions: int = 1,
     deadbands: bool = False,
     estimator: AbductiveRegressor | None = None,
-    progress: Progress | None = None,
+    progress: Progress = quiet,
 ) -> TableFit:
     """Fit each output column from the input columns.
 
@@ -88,7 +89,7 @@ def fit_table(
         Whether regions also end where an imported log (``time``, ``segment``) shows a deadband.
     estimator : AbductiveRegressor, optional
         Cloned for every fit; one whose outputs are bounded by the data if not given.
-    progress : function (what, done, total), optional
+    progress : Progress, optional
         Called as each fit begins, two an output.
 
     Returns
@@ -120,16 +121,15 @@ def fit_table(
     base = AbductiveRegressor() if estimator is None else estimator
     by_index = {list(inputs).index(name): cuts for name, cuts in borders.items()}
     regressor = RegionRegressor(base, edges=by_index or None, max_regions=max_regions)
-    begin = steps_of(progress, 2 * len(outputs))
     by_time = "time" in rows.names
     X, held = rows.matrix(inputs), held_rows(len(rows), BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None)
     names = [Variable(name, rows.unit(name)) for name in inputs]
-    fits = []
+    fits: list[OutputFit] = []
     for output in outputs:
         y = rows[output]
-        begin(f"{output}: hold out")
+        progress(f"{output}: hold out", 2 * len(fits), 2 * len(outputs))
         predicted = clone(regressor).fit(X[~held], y[~held]).predict(X[held])
-        begin(f"{output}: all rows")
+        progress(f"{output}: all rows", 2 * len(fits) + 1, 2 * len(outputs))
         model = clone(regressor).fit(X, y).to_model(names, Variable(output, rows.unit(output)))
         fits.append(judged(model, HeldOut(X[held], y[held], predicted, by_time), len(y)))
     return TableFit(fits, found, rows, source)

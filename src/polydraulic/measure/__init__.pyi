@@ -1,6 +1,6 @@
 from .bench.recording import record
-from .bench.sensors import load_sensors
-from .channels import ChannelMap, load_channels
+from .bench.sensors import example_sensors, load_sensors
+from .channels import ChannelMap, channel_map, load_channels
 from .checks.coverage import coverage
 from .checks.deadband import deadband, find_deadbands
 from .flows import add_flows, reconstruct_flow
@@ -16,10 +16,12 @@ __all__ = [
     "Imported",
     "add_flows",
     "assumption",
+    "channel_map",
     "conversion",
     "coverage",
     "deadband",
     "differentiate",
+    "example_sensors",
     "find_deadbands",
     "import_log",
     "load_channels",

@@ -160,7 +160,18 @@ def load_channels(path: str | Path) -> ChannelMap:
 
 
 def channel_map(data: Mapping[str, Any]) -> ChannelMap:
-    """Check what a channel map's file holds; see `load_channels`."""
+    """Make a channel map from what its file would hold.
+
+    Parameters
+    ----------
+    data : mapping
+        Keys and values as in the TOML file that `load_channels` reads.
+
+    Raises
+    ------
+    InputError
+        As `load_channels`, without the name of a file.
+    """
     check_keys(data, _MAP, {"raster", "channel"})
     raster = duration(data["raster"], "raster")
     flows = tuple(_flow(item, f"flow {n}") for n, item in enumerate(_tables(data, "flow"), 1))

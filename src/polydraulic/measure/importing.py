@@ -4,7 +4,7 @@ The table has the columns ``time``, ``segment`` and one for each input and outpu
 them are known; rows of one segment follow each other without a gap.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -23,11 +23,11 @@ from polydraulic.measure.formats.log import Log, listed
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, table_ending, table_writer
 from polydraulic.unit_table import ATMOSPHERE
 from polydraulic.units import Conversion, unit_kind
 
-Progress = Callable[[int, int], None]
 STEPS = 1000  # of the progress
 
 
@@ -78,9 +78,7 @@ class Imported:
         return found
 
 
-def import_log(
-    path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = lambda done, total: None
-) -> Imported:
+def import_log(path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = quiet) -> Imported:
     """Read a log through a channel map and write the table that comes of it.
 
     Parameters
@@ -91,7 +89,7 @@ def import_log(
         From `load_channels`.
     out : str or Path
         Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
-    progress : function (done, total), optional
+    progress : Progress, optional
 
     Returns
     -------
@@ -127,7 +125,7 @@ def import_log(
                         for time, segment, columns in flows.add(*rows):
                             write([time, segment, *columns])
                             excerpt.add([time, segment, *columns])
-                    progress(int(STEPS * done.share), STEPS)
+                    progress(log.path.name, int(STEPS * done.share), STEPS)
                 for time, segment, columns in flows.end():
                     write([time, segment, *columns])
                     excerpt.add([time, segment, *columns])

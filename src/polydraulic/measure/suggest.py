@@ -1,7 +1,6 @@
 """A first channel map for a log: what can be seen in the log is filled in, what only its owner knows is asked for."""
 
 import re
-from collections.abc import Callable
 from math import ceil, floor, inf, log10
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +12,7 @@ from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, Signal, listed
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion, says_pressure
+from polydraulic.progress import Progress, quiet
 from polydraulic.units import unit_kind
 
 _TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
@@ -49,14 +49,14 @@ class _Seen(NamedTuple):
     held: float
 
 
-def suggest_channels(path: str | Path, *, progress: Callable[[int, int], None] = lambda done, total: None) -> str:
+def suggest_channels(path: str | Path, *, progress: Progress = quiet) -> str:
     """Text of a first channel map for a log, as TOML.
 
     Parameters
     ----------
     path : str or Path
         A log; see `open_log`. It is read once, for the ranges.
-    progress : function (done, total), optional
+    progress : Progress, optional
 
     Raises
     ------
@@ -106,7 +106,7 @@ def _time_of(log: Log) -> Signal | None:
     return None
 
 
-def _look(log: Log, time: Signal | None, progress: Callable[[int, int], None]) -> dict[str, _Seen]:
+def _look(log: Log, time: Signal | None, progress: Progress) -> dict[str, _Seen]:
     groups: dict[int, list[str]] = {}
     for signal in log.signals:
         if signal is not time and (time is None or log.own_clock or signal.group == time.group):
@@ -118,7 +118,7 @@ def _look(log: Log, time: Signal | None, progress: Callable[[int, int], None]) -
             clock = None if block.time is None else block.time * factor
             for name in names:
                 seen[name] = _merge(seen[name], clock, block.values[name])
-            progress(int(1000 * (number + block.done) / len(groups)), 1000)
+            progress(log.path.name, int(1000 * (number + block.done) / len(groups)), 1000)
     return seen
 
 

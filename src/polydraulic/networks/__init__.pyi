@@ -13,6 +13,7 @@ from .model.partition import Split, grid
 from .model.slopes import distance_outside, model_slopes
 from .model.table import Network, NetworkTable, Node
 from .perceptron.perceptron_regressor import PerceptronRegressor, hidden_unit_sweep
+from .plot import draw_history, draw_network, draw_regions
 from .proof.bounds import Bounds, check_range, model_bounds, network_bounds
 from .regions.learn_from import Learnt, learn_from
 from .regions.region_regressor import RegionRegressor as RegionRegressor
@@ -36,6 +37,9 @@ __all__ = [
     "compiled",
     "describe",
     "distance_outside",
+    "draw_history",
+    "draw_network",
+    "draw_regions",
     "dump_models",
     "free_run",
     "grid",

@@ -17,7 +17,16 @@ _BOX = {"boxstyle": "round,pad=0.35", "linewidth": 0.8}
 
 
 def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], output: Variable) -> None:
-    """Draw a network from its inputs (left) to its output (right); a line is as wide as its coefficients are large."""
+    """Draw a network from its inputs (left) to its output (right); a line is as wide as its coefficients are large.
+
+    Parameters
+    ----------
+    axis : matplotlib Axes
+    network : Network
+    inputs : sequence of Variable
+        Of the network's model.
+    output : Variable
+    """
     layer = [0] * network.n_inputs
     for node in network.nodes:
         layer.append(1 + max(layer[slot] for slot in node.inputs))
@@ -66,7 +75,16 @@ def _shares(node: Node) -> list[float]:
 
 
 def draw_history(axis: "Axes", history: Sequence[GrowthStep], unit: str) -> None:
-    """PSE, FSE and penalty against the number of coefficients, one point a layer."""
+    """PSE, FSE and penalty against the number of coefficients, one point a layer.
+
+    Parameters
+    ----------
+    axis : matplotlib Axes
+    history : sequence of GrowthStep
+        ``history_`` of a regressor.
+    unit : str
+        Of the output.
+    """
     k = [step.n_coefficients for step in history[1:]]
     for values, label, style in (
         ([step.pse for step in history[1:]], "PSE", "o-"),
@@ -82,8 +100,16 @@ def draw_history(axis: "Axes", history: Sequence[GrowthStep], unit: str) -> None
     axis.legend(fontsize="small")
 
 
-def draw_regions(axis: "Axes", model: Model, x: int = 0, y: int = 1) -> None:
-    """Draw the borders of a model's regions over two of its inputs, within its domain."""
+def draw_regions(axis: "Axes", model: Model, *, x: int = 0, y: int = 1) -> None:
+    """Draw the borders of a model's regions over two of its inputs, within its domain.
+
+    Parameters
+    ----------
+    axis : matplotlib Axes
+    model : Model
+    x, y : int
+        Places of the two inputs.
+    """
     low, high = model.domain().T
     for box in model.region_boxes():
         (left, right), (bottom, top) = (np.clip(box[i], low[i], high[i]) for i in (x, y))

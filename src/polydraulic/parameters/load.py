@@ -4,15 +4,15 @@ Every entry of a parameter file is ``key = { value = ..., unit = "...", source =
 """
 
 import tomllib
-import types
-from math import isfinite, pi, sin
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
+from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.parameters.conditions import broken_conditions
 from polydraulic.parameters.keys import check_keys
-from polydraulic.parameters.schema import Cylinder, Machine, Quantity
+from polydraulic.parameters.quantity import Quantity, is_number, leaf_of
+from polydraulic.parameters.schema import Machine
 
 Tree = TypeVar("Tree", bound=tuple)
 _SETS = Path(__file__).parent / "sets"
@@ -47,8 +47,15 @@ def load_machine(source: str | Path) -> Machine:
     """
     path = find(source, _SETS, "parameter set")
     machine = build(Machine, read_toml(path), where="", path=path)
-    _check(machine, path)
+    broken = broken_conditions(machine)
+    if broken:
+        raise InputError(f"{path}: " + "; ".join(broken))
     return machine
+
+
+def as_machine(machine: Machine | str | Path) -> Machine:
+    """Return a machine that is given, or load the parameter set of that name or path."""
+    return machine if isinstance(machine, Machine) else load_machine(machine)
 
 
 def machine_entries(source: str | Path) -> list[Entry]:
@@ -68,6 +75,8 @@ def machine_entries(source: str | Path) -> list[Entry]:
 
 def find(source: str | Path, folder: Path, what: str, more: str = "") -> Path:
     """Path of a TOML file given by path, or by its name in a folder of the package; `more` says what else may be given."""
+    if not isinstance(source, str | Path):
+        raise InputError(f"a {what} is given by its name or the path of a .toml file, not as {type(source).__name__}")
     if Path(source).suffix == ".toml":
         if not Path(source).is_file():
             raise InputError(f"{what} {source}: no such file")
@@ -97,15 +106,13 @@ def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | No
     for key, hint in hints.items():
         if key not in data:
             values[key] = getattr(base, key)
-        elif isinstance(hint, type) and issubclass(hint, tuple):
+        elif (leaf := leaf_of(hint)) is None:
             part = None if base is None else getattr(base, key)
             values[key] = build(hint, data[key], where=f"{where}{key}.", path=path, base=part)
-        elif hint is bool:
+        elif leaf.quantity is None:
             values[key] = _switch(data[key], f"{where}{key}", path)
         else:
-            shape, quantity = get_args(hint)
-            size = len(get_args(shape)) if isinstance(shape, types.GenericAlias) else 0
-            values[key] = read_quantity(data[key], quantity, f"{where}{key}", path, size)
+            values[key] = read_quantity(data[key], leaf.quantity, f"{where}{key}", path, leaf.size)
     return cls(**values)
 
 
@@ -130,12 +137,12 @@ def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int
 
 
 def _number(value: Any, unit: units.Conversion, quantity: Quantity, key: str, path: Path) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if not is_number(value):
         raise InputError(f"{path}: {key} = {value!r}: must be a number")
     si = unit.to_si(float(value))
-    if not isfinite(si) or not quantity.allows(si):
-        allowed = Quantity(unit.unit, *map(unit.from_si, (quantity.low, quantity.high, quantity.above)))
-        raise InputError(f"{path}: {key} = {value} {unit.unit}: must be finite and {allowed.range} {unit.unit}")
+    if not quantity.allows(si):
+        here = Quantity(unit.unit, *map(unit.from_si, (quantity.low, quantity.high, quantity.above)))
+        raise InputError(f"{path}: {key} = {value} {unit.unit}: {here.demand}")
     return si
 
 
@@ -151,63 +158,3 @@ def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
         raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a string")
-
-
-def _check(machine: Machine, path: Path) -> None:
-    """Conditions between several numbers."""
-
-    def require(good: bool, key: str, value: object, allowed: str) -> None:
-        if not good:
-            raise InputError(f"{path}: {key} = {value}: must be {allowed}")
-
-    spool, pumps, tank = machine.spool, machine.pumps, machine.tank
-    rising = all(a < b for a, b in zip(spool.knots, spool.knots[1:], strict=False)) and spool.knots[0] == 0.0
-    require(rising, "spool.knots", spool.knots, "rising from 0 m")
-    for key in ("deadband", "bypass_closed"):
-        require(
-            getattr(spool, key) in spool.knots,
-            f"spool.{key}",
-            getattr(spool, key),
-            f"one of the knots {spool.knots}",
-        )
-    require(spool.deadband < spool.bypass_closed, "spool.deadband", spool.deadband, "below spool.bypass_closed")
-    require(pumps.relief > tank.return_pressure, "pumps.relief", pumps.relief, "above tank.return_pressure")
-    for name in ("swing", "boom", "stick"):
-        link = getattr(machine, name)
-        shut = [k <= spool.deadband for k in spool.knots]
-        for key in ("inlet", "outlet_positive", "outlet_negative"):
-            table = getattr(link.valve, key)
-            closed = all(v == 0.0 for v, s in zip(table, shut, strict=True) if s)
-            require(closed, f"{name}.valve.{key}", table, "0 up to spool.deadband")
-        open_ends = [v for v, k in zip(link.valve.bypass, spool.knots, strict=True) if k >= spool.bypass_closed]
-        require(not any(open_ends), f"{name}.valve.bypass", link.valve.bypass, "0 from spool.bypass_closed on")
-        friction, stops, start, relief = link.friction, link.stops, link.initial, link.line.relief
-        require(
-            friction.static >= friction.coulomb,
-            f"{name}.friction.static",
-            friction.static,
-            "at least coulomb",
-        )
-        require(stops.low < stops.high, f"{name}.stops.low", stops.low, "below stops.high")
-        require(stops.low <= start.angle <= stops.high, f"{name}.initial.angle", start.angle, "within the stops")
-        require(relief > tank.return_pressure, f"{name}.line.relief", relief, "above tank.return_pressure")
-        for key in ("p_a", "p_b"):
-            value = getattr(start, key)
-            require(
-                tank.floor <= value <= relief,
-                f"{name}.initial.{key}",
-                value,
-                f"in [{tank.floor:g}, {relief:g}] Pa",
-            )
-    for name, sign in (("boom", 1.0), ("stick", -1.0)):
-        link = getattr(machine, name)
-        cylinder: Cylinder = link.cylinder
-        require(cylinder.rod < cylinder.bore, f"{name}.cylinder.rod", cylinder.rod, "below the bore")
-        ends = [sign * angle + cylinder.angle_offset for angle in link.stops]
-        turned = all(0.0 < angle < pi and sin(angle) > 0.0 for angle in ends)
-        require(
-            turned,
-            f"{name}.cylinder.angle_offset",
-            cylinder.angle_offset,
-            "so that the triangle never folds flat",
-        )

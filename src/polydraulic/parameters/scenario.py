@@ -18,7 +18,8 @@ from polydraulic.errors import InputError
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import build, find, read_quantity, read_toml
 from polydraulic.parameters.operator import random_signals
-from polydraulic.parameters.schema import LINKS, Machine, Quantity
+from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 from polydraulic.tables import read_table
 
@@ -85,7 +86,7 @@ def load_scenario(source: str | Path) -> Scenario:
     """
     if str(source).startswith(_RANDOM):
         return _random(str(source))
-    if Path(source).suffix.lower() in (".csv", ".parquet"):
+    if isinstance(source, str | Path) and Path(source).suffix.lower() in (".csv", ".parquet"):
         return _recording(Path(source))
     path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     data = read_toml(path)
@@ -101,6 +102,11 @@ def load_scenario(source: str | Path) -> Scenario:
     for link, part in changes.items():
         check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
     return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path)
+
+
+def as_scenario(scenario: Scenario | str | Path) -> Scenario:
+    """Return a scenario that is given, or load the one of that name or path."""
+    return scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
 
 
 def random_operator(

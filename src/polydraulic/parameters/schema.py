@@ -5,34 +5,15 @@ Named tuples are immutable, typed, and understood by numba as they are. The load
 documentation read unit and range from the annotations.
 """
 
-from dataclasses import dataclass
-from math import inf
+from collections.abc import Mapping, Sequence
 from typing import Annotated, NamedTuple
+
+from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.values import replaced
 
 LINKS = ("swing", "boom", "stick")
 CIRCUITS = {"boom": ("boom",), "series": ("swing", "stick")}  # links that a pump feeds
 N_KNOT = 6
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """SI unit and allowed range of a parameter; `above` is a limit that the value itself may not touch."""
-
-    unit: str
-    low: float = -inf
-    high: float = inf
-    above: float = -inf
-
-    def allows(self, value: float) -> bool:
-        """Whether a finite `value` lies in the range."""
-        return self.low <= value <= self.high and value > self.above
-
-    @property
-    def range(self) -> str:
-        """The range in words, SI."""
-        if self.above > -inf:
-            return f"above {self.above:g}" + (f", at most {self.high:g}" if self.high < inf else "")
-        return f"in [{self.low:g}, {self.high:g}]"
 
 
 Knots = tuple[float, float, float, float, float, float]
@@ -211,3 +192,30 @@ class Machine(NamedTuple):
     boom: Arm
     stick: Arm
     geometry: Geometry
+
+    def with_values(self, values: Mapping[str, float | bool | Sequence[float]]) -> "Machine":
+        """Return a copy with other values.
+
+        Parameters
+        ----------
+        values : mapping from path to value in SI
+            Paths are those of a parameter file: ``boom.body.mass``. A table, ``boom.valve.inlet``, takes all its six numbers;
+            ``boom.valve.inlet[3]`` is one of them. Values are put in their places in the order of the mapping.
+
+        Returns
+        -------
+        Machine
+
+        Raises
+        ------
+        InputError
+            Unknown paths, values out of their range, values that do not go together: all of them in one message.
+
+        Examples
+        --------
+        >>> from polydraulic import load_machine
+        >>> heavy = load_machine("cat215b").with_values({"boom.body.mass": 900, "pumps.torque_limit_enabled": True})
+        >>> heavy.boom.body.mass, heavy.pumps.torque_limit_enabled
+        (900.0, True)
+        """
+        return replaced(self, values)

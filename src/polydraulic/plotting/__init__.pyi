@@ -1,7 +1,8 @@
 from .animation import write_animation
-from .run_figure import plot_run
+from .run_figure import plot_run, save_figure
 
 __all__ = [
     "plot_run",
+    "save_figure",
     "write_animation",
 ]

@@ -11,12 +11,14 @@ import numpy as np
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 from polydraulic.plotting.frames import Frames, frames_of
-from polydraulic.plotting.gif import Progress, write_gif
+from polydraulic.plotting.gif import write_gif
 from polydraulic.plotting.run_figure import line_style
 from polydraulic.plotting.scene import FIRST_EDGE, views
 from polydraulic.plotting.shapes import AT_STOP, GROUND, Shapes, linkage_shapes
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 # Frames a second. A GIF counts hundredths of a second; the page draws between its frames.
@@ -25,17 +27,14 @@ _TEMPLATE = Path(__file__).parent / "templates" / "animation.html"
 _PLACE = "__ANIMATION__"
 
 
-def _silent(done: int, total: int) -> None: ...
-
-
 def write_animation(
     runs: Mapping[str, Table],
-    machine: Machine,
+    machine: Machine | str | Path,
     path: str | Path,
     *,
     rate: float | None = None,
     units: str = DEFAULT,
-    progress: Progress = _silent,
+    progress: Progress = quiet,
 ) -> None:
     """Write an animation of one run or of several on top of each other, whole or not at all.
 
@@ -45,7 +44,7 @@ def write_animation(
     ----------
     runs : mapping from label to trajectory
         From `simulate`; the animation lasts as long as the shortest.
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
         The machine that made them: its lengths, cylinders and end stops are drawn.
     path : str or Path
         Ends in ``.gif`` or ``.html``.
@@ -53,7 +52,8 @@ def write_animation(
         Frames in a second of the run; `RATES` if not given.
     units : str
         Of what is shown: ``"metric"``, ``"field"`` or ``"si"``.
-    progress : function (frames done, frames in all), optional
+    progress : Progress, optional
+        Told how many frames are drawn.
 
     Raises
     ------
@@ -61,13 +61,14 @@ def write_animation(
         Another ending, no run, a table that is no trajectory, a rate that is not positive, a place that cannot be written.
     """
     ending = animation_ending(path)
-    frames, shapes = frames_of(runs, RATES[ending] if rate is None else rate, units), linkage_shapes(machine)
+    shapes = linkage_shapes(as_machine(machine))
+    frames = frames_of(runs, RATES[ending] if rate is None else rate, units)
     if ending == ".gif":
         write_gif(frames, shapes, path, progress)
     else:
         page = _TEMPLATE.read_text(encoding="utf-8")
         write_text(path, page.replace(_PLACE, _script_text(page_data(frames, shapes)), 1))
-        progress(len(frames.time), len(frames.time))
+        progress("frames", len(frames.time), len(frames.time))
 
 
 def animation_ending(path: str | Path) -> str:

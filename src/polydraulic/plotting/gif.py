@@ -1,6 +1,6 @@
 """GIF files of a scene: what stands still is drawn once, and all frames share one palette."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,8 +10,7 @@ from polydraulic.files import replacing
 from polydraulic.plotting.frames import Frames
 from polydraulic.plotting.scene import STOP, moving_artists, scene
 from polydraulic.plotting.shapes import Shapes
-
-Progress = Callable[[int, int], None]
+from polydraulic.progress import Progress
 
 
 class Colors(NamedTuple):
@@ -30,7 +29,7 @@ def write_gif(frames: Frames, shapes: Shapes, path: str | Path, progress: Progre
 
     def counted() -> Iterator[Any]:
         for number, image in enumerate(_images(frames, shapes), start=1):
-            progress(number, total)
+            progress("frames", number, total)
             yield image
 
     images = counted()

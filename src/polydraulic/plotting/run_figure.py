@@ -167,7 +167,19 @@ def picture_ending(path: str | Path) -> str:
 
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a figure as .svg, .png or .pdf, whole or not at all."""
+    """Write a figure, whole or not at all.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure
+    path : str or Path
+        Ends in ``.svg``, ``.png`` or ``.pdf``. The same figure gives the same SVG.
+
+    Raises
+    ------
+    InputError
+        Another ending, or a place that cannot be written.
+    """
     import matplotlib
 
     ending = picture_ending(path)

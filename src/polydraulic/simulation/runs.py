@@ -1,12 +1,13 @@
 """`simulate`: a machine, a flow model and a scenario in, a table of named columns out."""
 
 from math import isfinite
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow.dispatch import FLOW_KINDS, FlowKind, build_flow, flow_name, served_links
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowKind, FlowModel, as_flow, flow_name, served_links
 from polydraulic.flow.record import (
     ANGLE,
     EFFECTOR,
@@ -21,7 +22,8 @@ from polydraulic.flow.record import (
 from polydraulic.machine.linkage import end_effector
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, initial_state
-from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
 from polydraulic.simulation.loop import FASTEST, run
@@ -33,9 +35,9 @@ METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbr
 
 
 def simulate(
-    machine: Machine,
-    flow: Any,
-    scenario: Scenario,
+    machine: Machine | str | Path,
+    flow: str | FlowModel,
+    scenario: Scenario | str | Path,
     *,
     dt: float = 5e-3,
     t_end: float | None = None,
@@ -48,11 +50,12 @@ def simulate(
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
         The scenario's own pilots and initial state replace the machine's.
     flow : str or flow model
         Name of a flow model, or a model from one of the builders in `polydraulic.flow`.
-    scenario : Scenario
+    scenario : Scenario, or name or path of one
+        What `load_scenario` takes.
     dt : float, s
         Time step; for the methods that choose their own steps, the raster of the result.
     t_end : float, s, optional
@@ -86,6 +89,7 @@ def simulate(
     SimulationError
         If the run diverges, or a solver fails; says when and where.
     """
+    machine, scenario = as_machine(machine), as_scenario(scenario)
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}; choose one of {list(METHODS)}")
     least = METHODS[method]
@@ -152,7 +156,7 @@ class Arranged(NamedTuple):
 
 def arrange(
     machine: Machine,
-    flow: Any,
+    flow: str | FlowModel,
     scenario: Scenario,
     *,
     dt: float = 5e-3,
@@ -162,7 +166,7 @@ def arrange(
     """Check the arguments of `simulate` and allocate what the compiled loop needs."""
     machine = scenario.adapt(machine)
     plant = prepare(machine, dt, scenario.locked)
-    model = build_flow(flow, machine) if isinstance(flow, str) else flow
+    model = as_flow(flow, machine)
     check_links(scenario, model)
     n_step = n_steps(scenario, dt, t_end, every)
     return Arranged(
@@ -278,9 +282,9 @@ def recorded_steps(dt: float, every: int, raster: float | None) -> int:
 
 
 def reference(
-    machine: Machine,
-    flow: Any,
-    scenario: Scenario,
+    machine: Machine | str | Path,
+    flow: str | FlowModel,
+    scenario: Scenario | str | Path,
     *,
     dt: float = 5e-3,
     rtol: float = 1e-9,

@@ -97,10 +97,10 @@ class Lab:
     machine: Machine
     computed: Cache
     shown: Cache
-    say: Callable[[str], None] = lambda what: None
+    say: Callable[[str], object] = lambda what: None
 
 
-def open_lab(machine: Machine, folder: Path | None = None, say: Callable[[str], None] = lambda what: None) -> Lab:
+def open_lab(machine: Machine, folder: Path | None = None, say: Callable[[str], object] = lambda what: None) -> Lab:
     """Return the lab of a machine, with what earlier runs of the same code left in `folder`.
 
     Results of other code or parameters are removed: they would never be read again.

@@ -22,7 +22,7 @@ class Compiled:
     """The functions of an exported source."""
 
     def __init__(self, models, folder, real="double", name=None):
-        self.whole, self.type = bundle(models, name), np.float64 if real == "double" else np.float32
+        self.whole, self.type = bundle(models, name=name), np.float64 if real == "double" else np.float32
         self.source = next(p for p in export_c(models, folder, real=real, name=name) if p.suffix == ".c")
         library = folder / f"{self.whole.name}.so"
         subprocess.run(["gcc", *FLAGS, "-shared", "-fPIC", str(self.source), "-o", str(library), "-lm"], check=True)
@@ -135,7 +135,7 @@ def test_what_is_not_a_number_gives_that_and_a_flag_and_infinite_inputs_are_outs
 
 
 def test_names_units_and_domain_are_comments_and_constants(exported_models, tmp_path):
-    header, source = to_c(bundle(exported_models["regions"], "f"))
+    header, source = to_c(bundle(exported_models["regions"], name="f"))
     assert " * f: out put [Pa] from" in header
     assert " *   x[0]  a [m], domain -" in header
     assert "#define F_INPUT_A 0" in header

@@ -25,7 +25,7 @@ def evaluate(coef, limit):
 def lowered(start, rules=RULES, **limits):
     losses = []
     coef, there = lower_loss(
-        start, evaluate(start, np.inf), evaluate, rules, progress=lambda attempt, loss: losses.append(loss), **limits
+        start, evaluate(start, np.inf), evaluate, rules, watch=lambda attempt, loss: losses.append(loss), **limits
     )
     return coef, there, losses
 

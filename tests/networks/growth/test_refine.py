@@ -44,7 +44,7 @@ def test_a_known_network_is_found_again():
     true = [*NODES[:2], Node(2, NODES[2].inputs, tuple(last / s.y_scale))]
     start = [Node(n.kind, n.inputs, tuple(np.array(n.coef) * (1 + 0.03 * RNG.normal(size=len(n.coef))))) for n in true]
     losses = []
-    _, fse = refine(start, rows, (-1e9, 1e9), max_iterations=200, progress=lambda i, loss: losses.append(loss))
+    _, fse = refine(start, rows, (-1e9, 1e9), max_iterations=200, watch=lambda i, loss: losses.append(loss))
     assert fse < 1e-6 * losses[0]
     assert all(later <= earlier for earlier, later in pairwise(losses))
 
@@ -59,7 +59,7 @@ def test_terms_left_out_stay_out():
 def test_the_bound_on_passes_holds():
     counted = []
     rows = rows_in_memory(X, np.exp(X[:, 0]), None)
-    refine(NODES, rows, (-9.0, 9.0), max_iterations=3, progress=lambda i, loss: counted.append(i))
+    refine(NODES, rows, (-9.0, 9.0), max_iterations=3, watch=lambda i, loss: counted.append(i))
     assert len(counted) <= 3
 
 

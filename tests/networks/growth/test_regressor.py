@@ -164,11 +164,13 @@ def test_a_thousand_columns():
     assert {slot for node in model.network_.nodes for slot in node.inputs} >= {3, 777}
 
 
-def test_progress_is_told(capsys):
-    AbductiveRegressor(verbose=True, max_layers=2).fit(X, Y)
-    told = capsys.readouterr().err
-    assert "layer 1: K " in told
-    assert "refinement 0: FSE " in told
+def test_growth_is_logged_and_nothing_printed(caplog, capsys):
+    with caplog.at_level("DEBUG", logger="polydraulic"):
+        AbductiveRegressor(max_layers=2).fit(X, Y)
+    told = [(record.levelname, record.getMessage().split(",")[0].split(":")[0]) for record in caplog.records]
+    assert told[:2] == [("INFO", "layer 0"), ("INFO", "layer 1")]
+    assert ("DEBUG", "refinement 0") in told
+    assert capsys.readouterr() == ("", "")
 
 
 def test_bad_data_are_named():

@@ -1,6 +1,7 @@
 import copy
 import json
 from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,6 +59,30 @@ def dynamic(**other):
 
 
 M, N = ("models", 0), ("models", 0, "networks", 0)
+OLDER = (Path(__file__).parent / "schema_1.json").read_text()
+
+
+def older(**other):
+    data = json.loads(OLDER)
+    data["models"][0] |= other
+    return json.dumps(data)
+
+
+def test_files_of_schema_1_are_read():
+    """The networks of the file are 100, 200, ... 600 + u and, last, (p - 15) / 5 clamped to [-1, 1], cubed; numbered with p fastest."""
+    (model,) = parse_models(OLDER, "schema_1.json")
+    u, p, q = (
+        [0.5, 1.0, 1.5, 2.0, 2.5, 2.5],
+        [5.0, 15.0, 10.0, 11.0, 10.0, 17.5],
+        [100.5, 201.0, 301.5, 402.0, 502.5, 0.125],
+    )
+    assert model.predict(np.column_stack([u, p])) == pytest.approx(q, rel=1e-12)
+    assert [str(variable) for variable in (*model.inputs, model.output)] == ["u [V]", "p [bar]", "q [l/min]"]
+    assert model.region_names()[1] == "u in (-inf, 1] and p in (10, inf)"
+    assert model.training == {"cpm": 1.0}
+    again = dump_models([model])
+    assert json.loads(again)["schema"] == 2
+    assert parse_models(again, "again") == [model]
 
 
 @pytest.mark.parametrize(
@@ -66,7 +91,17 @@ M, N = ("models", 0), ("models", 0, "networks", 0)
         ("{", "not a model file"),
         ("[]", "not a polydraulic model file"),
         ("{}", "not a polydraulic model file"),
-        (change(("schema",), 1), "has schema 1, this version reads 2"),
+        (change(("schema",), 3), "has schema 3, this version reads 1 to 2; it was written by a newer version: update"),
+        (change(("schema",), 0), "has schema 0, this version reads 1 to 2; write the model again"),
+        (change(("schema",), "2"), "has schema '2', this version reads 1 to 2; write the model again"),
+        (change(("schema",), True), "has schema True, this version reads 1 to 2"),
+        (change(("schema",), 1), "damaged model file: missing 'edges'"),
+        (older(edges=[{"input": 2, "at": [1.0]}]), "a split of input 2"),
+        (older(edges=[{"input": "u", "at": [1.0]}]), "a split of input 'u'"),
+        (older(edges=[{"input": 0, "at": [1.0]}, {"input": 0, "at": [2.0]}]), "the edges .* of input 0"),
+        (older(edges=[{"input": 0, "at": []}]), "the edges .* of input 0"),
+        (older(edges=[{"input": 0, "at": [2.0, 1.0]}, {"input": 1, "at": [10.0]}]), "a region that is empty"),
+        (older(edges=[{"input": 0, "at": [1.0, 2.0]}]), "the partition leads to networks"),
         (change(("models",), []), "holds no model"),
         (change((*M, "networks"), DATA["models"][0]["networks"][:1]), "networks \\[0, 1\\] of 1"),
         (change((*M, "partition", "input"), 7), "a split of input 7"),

@@ -201,7 +201,7 @@ def test_results_do_not_depend_on_threads(machine):
     ]
     for name in ("rows", "final", "lowest", "highest", "steps"):
         assert np.array_equal(*(getattr(batch, name) for batch in batches))
-    assert seen[-1] == (n, n)
+    assert seen[-1] == ("simulate", n, n)
     assert len(seen) == 2 * -(-n // LANES)
 
 
@@ -238,7 +238,7 @@ def test_a_machine_that_leaves_all_reason_does_not_spoil_the_others(machine, flo
         ({"n": 2}, {"x0": np.zeros((5, 15))}, "2 machines, 1 inputs, 5 initial states"),
         ({"n": 0}, {}, "0 machines"),
         ({"inputs": np.zeros((4, 2))}, {}, "the array has shape (4, 2)"),
-        ({"inputs": "task"}, {}, "not str"),
+        ({"inputs": 3}, {}, "not int"),
         ({"inputs": np.full((2, 3), np.nan)}, {}, "the swing voltage in step 0 of machine 0 is nan"),
         ({"inputs": np.zeros((4, 3))}, {"t_end": 1.0}, "t_end = 1.0 s: the voltages last 4 steps"),
         ({"flow": BOOM_ONLY}, {}, "serves boom; give scenarios that lock the others"),
@@ -294,3 +294,16 @@ def test_lanes_are_vector_instructions(machine, differ):
     # the two solves of an end stop, and a root for all lanes at once; machines of their own leave a scalar version for overlaps
     assert differ or scalar <= 3
     assert "NRT_" not in fresh.inspect_llvm(fresh.signatures[0])
+
+
+def test_machines_and_scenarios_may_be_given_by_name(machine):
+    scenario = load_scenario("single_08")
+    short = {"t_end": 0.02, "keep": ["rows"]}
+    named = simulate_batch(["cat215b", machine, "cat215b"], "exact", ["single_08", scenario, "single_08"], **short)
+    assert np.array_equal(named.rows, simulate_batch([machine] * 3, "exact", scenario, **short).rows)
+    one = simulate_batch("cat215b", "exact", "single_08", **short)
+    assert np.array_equal(one.rows[0], named.rows[2])
+    with pytest.raises(InputError, match="unknown scenario 'dig'"):
+        simulate_batch(machine, "exact", "dig")
+    with pytest.raises(InputError, match="given by its name .*, not as int"):
+        simulate_batch([machine, 3], "exact", "single_08")

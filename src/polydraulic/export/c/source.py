@@ -47,14 +47,14 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
     InputError
         If the models do not go together, a number does not fit into a float, or the folder cannot be written.
     """
-    whole = bundle(models, name)
+    whole = bundle(models, name=name)
     files = tuple(Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c"))
-    for path, text in zip(files, to_c(whole, real), strict=True):
+    for path, text in zip(files, to_c(whole, real=real), strict=True):
         write_text(path, text)
     return Exported(files, (*whole.name_notes(), *dynamic_notes(models)))
 
 
-def to_c(whole: Bundle, real: str = "double") -> tuple[str, str]:
+def to_c(whole: Bundle, *, real: str = "double") -> tuple[str, str]:
     """Header and source of C functions for models.
 
     Parameters

@@ -6,7 +6,7 @@ The C is that of `export.machine`; here are its variables, and the functions tha
 from collections.abc import Collection, Iterator
 from html import escape
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,10 @@ from polydraulic.export.machine import machine_c, machine_size, outputs, prepare
 from polydraulic.export.translate.names import field_name
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.pages.html import document, table
-from polydraulic.parameters.schema import LINKS, Machine, Quantity
+from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.values import leaves_of
 
 _NOMINAL = {"m": 0.01, "Pa": 1e7, "rad": 1.0, "rad/s": 1.0, "m3/s": 1e-3, "V": 1.0}
 _STOP = 13.0
@@ -44,7 +47,7 @@ class MachineParameter(NamedTuple):
 
 
 def export_machine_fmu(
-    machine: Machine,
+    machine: Machine | str | Path,
     flow: str,
     path: str | Path,
     *,
@@ -59,7 +62,7 @@ def export_machine_fmu(
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine, or name or path of a parameter set
     flow : str
         Name of a flow model; see `machine_c`.
     path : str or Path
@@ -87,6 +90,7 @@ def export_machine_fmu(
     InputError
         As `machine_c` and `write_fmu`.
     """
+    machine = as_machine(machine)
     sources = machine_c(machine, flow, name=name, dt=dt, locked=locked)
     parameters = direct_parameters(machine, flow, dt=dt, locked=locked)
     size = machine_size(machine, flow, dt=dt)
@@ -157,7 +161,11 @@ def direct_parameters(
     dt : float, s
     locked : collection of str
     """
-    paths = [path for path, _ in _quantities(Machine)]
+    quantities = {
+        tuple(path.split(".")): leaf.quantity
+        for path, leaf in leaves_of(Machine).items()
+        if leaf.quantity is not None and not leaf.size
+    }
     base = prepared(machine, flow, dt=dt, locked=locked)
     before, found = dict(_leaves(base)), []
 
@@ -175,12 +183,12 @@ def direct_parameters(
     in_model = set()  # parts of the machine that the flow model reads; it is slow to build
     for part in Machine._fields:
         changed = machine
-        for path in paths:
+        for path in quantities:
             changed = _replaced(changed, path, _other(_at(machine, path))) if path[0] == part else changed
         numbers = after(changed, True)
         if not numbers or any(place[0] == "model" for place in differing(numbers)):
             in_model.add(part)
-    for path, quantity in _quantities(Machine):
+    for path, quantity in quantities.items():
         if path[-1].startswith("torque_limit"):  # without a limit they do nothing, with one they enter `log_least` too
             continue
         value = _at(machine, path)
@@ -193,15 +201,6 @@ def direct_parameters(
 
 def _other(value: float) -> float:
     return value * 1.001 if value else 1e-3
-
-
-def _quantities(cls: type, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Quantity]]:
-    """Paths of all single numbers of a class of parameters."""
-    for name, hint in get_type_hints(cls, include_extras=True).items():
-        if hasattr(hint, "_fields"):
-            yield from _quantities(hint, (*path, name))
-        elif get_origin(hint) is Annotated and get_args(hint)[0] is float:
-            yield (*path, name), get_args(hint)[1]
 
 
 def _at(tree: Any, path: tuple[str, ...]) -> float:

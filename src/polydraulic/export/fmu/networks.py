@@ -57,7 +57,7 @@ def export_fmu(
     InputError
         If the models do not go together, a compiler is missing, or the file cannot be written.
     """
-    whole = bundle(models, name)
+    whole = bundle(models, name=name)
     header, source = to_c(whole)
     what = describe_networks(whole)
     sources = {f"{whole.name}.h": header, f"{whole.name}.c": source, "equations.h": _equations(whole)}

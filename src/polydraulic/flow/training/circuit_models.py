@@ -20,6 +20,7 @@ from polydraulic.networks.perceptron.perceptron_regressor import PerceptronRegre
 from polydraulic.networks.regions.learn_from import learn_from
 from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
+from polydraulic.progress import Progress, quiet
 
 TOLERANCE = units.to_si(1.0, "in3/s")
 BELOW_RELIEF = units.to_si(30.0, "psi")
@@ -73,20 +74,21 @@ def circuit_targets(machine: Machine) -> dict[str, Target]:
     }  # fmt: skip
 
 
-def learn_direct(machine: Machine, progress: Callable[[str, int, float], None] = lambda *_: None) -> list[Model]:
+def learn_direct(machine: Machine, progress: Progress = quiet) -> list[Model]:
     """Network of the stick's input flow in the direct arrangement: all modes of the pump at once.
 
     Parameters
     ----------
     machine : Machine
-    progress : function of (output, points asked, largest error in m3/s)
+    progress : Progress, optional
+        Told the output and its largest error so far in m3/s, and how many points have been asked.
     """
     target = circuit_targets(machine)["stick direct"]
     found = learn_from(
         target.function, target.box, tolerance=TOLERANCE, edges=target.edges, budget=10_000_000,
         max_regions=REGIONS, rows=ROWS, estimator=AbductiveRegressor(max_layers=3, output_bounds=(0.0, target.high)),
         inputs=target.inputs, output=target.output, random_state=SEED,
-        progress=lambda asked, error: progress(target.output.name, asked, error),
+        progress=lambda what, asked, most: progress(f"{target.output.name}: {what}", asked, most),
     )  # fmt: skip
     return [found.model]
 

@@ -4,7 +4,6 @@ Without the kinks between modes, which are curved, each is smooth between border
 A flow above the pump's counts as the pump's: the least of the modes is never more.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +29,7 @@ from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.regions.learn_from import learn_from
 from polydraulic.parameters.schema import CIRCUITS, Machine, Pumps
+from polydraulic.progress import Progress, quiet
 
 _ALWAYS_OPEN = 1e3  # times its flow, a pump's relief valve is open at any spool travel
 _UP_TO = 16.0  # times its flow, the law of the torque limit goes on below its start: no flow of interest meets that end
@@ -74,19 +74,16 @@ OF_TWO = Effort(FINE, 64, 1500)
 OF_THREE = Effort(FINE, 48, 1500, AbductiveRegressor(max_layers=4, carve=False), 2000)
 OF_FOUR = Effort(FINE, 150, 1500, AbductiveRegressor(max_layers=5, carve=False), 2500)
 OF_FOUR_LIMITED = Effort(FINE, 56, 1500, AbductiveRegressor(max_layers=4, carve=False), 2500)
-Progress = Callable[[str, int, float], None]
 
 
-def _quiet(output: str, asked: int, error: float) -> None: ...
-
-
-def learn_inlets(machine: Machine, progress: Progress = _quiet) -> list[Model]:
+def learn_inlets(machine: Machine, progress: Progress = quiet) -> list[Model]:
     """Networks of boom and swing: input flows at constant pump flow, conductances of the inlets for the open relief valve.
 
     Parameters
     ----------
     machine : Machine
-    progress : function of (output, points asked, largest error in m3/s)
+    progress : Progress, optional
+        Told the output and its largest error so far in m3/s, and how many points have been asked.
     """
     flows = [
         _learn(_boom(machine, at_constant_flow(machine), BOOM_IN), OF_TWO, progress),
@@ -95,7 +92,7 @@ def learn_inlets(machine: Machine, progress: Progress = _quiet) -> list[Model]:
     return [*flows, *(_learn_k_in(machine, link) for link in ("boom", "swing"))]
 
 
-def learn_cascade(machine: Machine, progress: Progress = _quiet) -> list[Model]:
+def learn_cascade(machine: Machine, progress: Progress = quiet) -> list[Model]:
     """Networks of the stick's flow, of what reaches its valve, and with the relief valve open.
 
     Parameters
@@ -124,7 +121,7 @@ def learn_cascade(machine: Machine, progress: Progress = _quiet) -> list[Model]:
     return [_learn(target, OF_THREE, progress) for target in (stick, stick_relief)]
 
 
-def learn_limited(machine: Machine, progress: Progress = _quiet) -> list[Model]:
+def learn_limited(machine: Machine, progress: Progress = quiet) -> list[Model]:
     """Networks of the input flows at the torque limit.
 
     Parameters
@@ -171,7 +168,7 @@ def _learn(target: Target, effort: Effort, progress: Progress) -> Model:
         target.function, target.box, tolerance=effort.tolerance, edges=target.edges, budget=10_000_000,
         max_regions=effort.regions, rows=effort.rows, estimator=AbductiveRegressor(max_layers=3, output_bounds=bounds),
         finer=finer, finer_rows=effort.finer_rows, inputs=target.inputs, output=target.output, random_state=SEED,
-        progress=lambda asked, error: progress(target.output.name, asked, error),
+        progress=lambda what, asked, most: progress(f"{target.output.name}: {what}", asked, most),
     ).model  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from polydraulic.flow.training.circuit_models import learn_direct, learn_outlets
 from polydraulic.flow.training.mode_models import learn_cascade, learn_inlets, learn_limited
 from polydraulic.networks.model.model_file import save_models
 from polydraulic.parameters.schema import Machine
+from polydraulic.progress import Progress, quiet
 
 # file -> how its networks are learnt, and whether that says how far it has come
 FILES: dict[str, tuple[Callable[..., Any], bool]] = {
@@ -21,12 +22,7 @@ FILES: dict[str, tuple[Callable[..., Any], bool]] = {
 }
 
 
-def train_networks(
-    machine: Machine,
-    folder: str | Path,
-    *,
-    progress: Callable[[str, int, int], object] = lambda what, done, total: None,
-) -> list[Path]:
+def train_networks(machine: Machine, folder: str | Path, *, progress: Progress = quiet) -> list[Path]:
     """Train all networks of a machine from its exact flow model.
 
     Parameters
@@ -34,8 +30,8 @@ def train_networks(
     machine : Machine
     folder : str or Path
         Where the model files go, ``outlets.json`` and so on; a file is written as soon as its networks are learnt.
-    progress : function (what, files done, files in all), optional
-        Called as each file begins, and as its search goes on.
+    progress : Progress, optional
+        Told each file as it begins, and how its search goes on.
 
     Returns
     -------
@@ -57,9 +53,9 @@ def train_networks(
         path = place / f"{name}.json"
         progress(path.name, done, total)
 
-        def searching(what: str, asked: int, _: float, path: Path = path, done: int = done) -> None:
+        def searching(what: str, asked: int, most: int, path: Path = path, done: int = done) -> None:
             progress(f"{path.name}: {what}, {asked} points", done, total)
 
-        save_models(learn(machine, searching) if tells else learn(machine), path)
+        save_models(learn(machine, progress=searching) if tells else learn(machine), path)
         written.append(path)
     return written

@@ -1,6 +1,6 @@
 """A virtual test bench: simulated runs as sensors read them, written as a log, so that a path from logs can meet a known truth."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +9,10 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.measure.bench.sensors import Bench, Reading
 from polydraulic.measure.log_units import need
-from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.runs import simulate
 from polydraulic.tables import Table
 
@@ -19,20 +21,20 @@ Samples = dict[str, tuple[np.ndarray, np.ndarray]]  # by sensor: times, values
 
 
 def record(
-    machine: Machine,
-    scenarios: Sequence[Scenario],
+    machine: Machine | str | Path,
+    scenarios: Sequence[Scenario | str | Path],
     bench: Bench,
     out: str | Path,
     *,
     dt: float = 5e-3,
-    progress: Callable[[str], None] = lambda step: None,
+    progress: Progress = quiet,
 ) -> int:
     """Simulate scenarios with the exact flow and write what sensors read of them.
 
     Parameters
     ----------
-    machine : Machine
-    scenarios : sequence of Scenario
+    machine : Machine, or name or path of a parameter set
+    scenarios : sequence of Scenario, or names or paths of some
         One after the other, with a pause in which nothing is recorded.
     bench : Bench
         From `load_sensors`. The same seed gives the same log.
@@ -41,8 +43,8 @@ def record(
         each raster.
     dt : float, s
         Time step of the simulation.
-    progress : function (step)
-        Called with the name of each scenario as it begins.
+    progress : Progress, optional
+        Told the name of each scenario as it begins.
 
     Returns
     -------
@@ -57,16 +59,17 @@ def record(
     ending = log_ending(out)
     if not scenarios:
         raise InputError("there is no scenario to record; give at least one")
+    machine, runs = as_machine(machine), [as_scenario(scenario) for scenario in scenarios]
     rngs = [np.random.default_rng([bench.seed, n]) for n in range(len(bench.sensors))]
     readings = [Reading(sensor, rng) for sensor, rng in zip(bench.sensors, rngs, strict=True)]
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {sensor.name: [] for sensor in bench.sensors}
-    for scenario in scenarios:  # before any of them takes long
+    for scenario in runs:  # before any of them takes long
         beginning = simulate(machine, "exact", scenario, dt=dt, t_end=min(dt, scenario.duration))
         for reading in readings:
             reading.check(beginning)
     begin = 0.0
-    for scenario in scenarios:
-        progress(scenario.name)
+    for number, scenario in enumerate(runs):
+        progress(scenario.name, number, len(runs))
         run = simulate(machine, "exact", scenario, dt=dt)
         for reading in readings:
             time, value = reading.of(run)

@@ -1,8 +1,9 @@
 """DynamicRegressor: networks on lagged inputs and outputs (polynomial NARX), judged by how they run on their own."""
 
-import sys
-from collections.abc import Callable, Iterator, Sequence
+import logging
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,9 @@ from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR
 from polydraulic.networks.model.table import Network, Node
+from polydraulic.progress import Progress, quiet
 
+_log = logging.getLogger(__name__)
 _MARGIN = 0.1  # of their range, by which the limits of outputs and of their changes are wider than the data
 _HORIZONS, _OWN_HORIZONS = (8, 16, 32, 64, 128, 256), (None, 8, 64)  # to choose from; for a given estimator
 _PATIENCE = 8  # so many more terms of each output without a gain end the growth
@@ -55,8 +58,8 @@ class DynamicRegressor(BaseEstimator):
         Blocks of rows that follow each other in time, each held out once.
     raster : float, optional
         Time between rows in s; it goes into the model file.
-    verbose : bool or function of Choice, default=False
-        Print a line for each choice of lags and horizon that is tried to standard error, or call a function with it.
+    progress : Progress, optional
+        Told each choice of lags and horizon that was tried.
 
     Attributes
     ----------
@@ -99,7 +102,7 @@ class DynamicRegressor(BaseEstimator):
         longest_lag: int = 8,
         n_blocks: int = 4,
         raster: float | None = None,
-        verbose: bool | Callable[[Choice], None] = False,
+        progress: Progress = quiet,
     ) -> None:
         self.estimator = estimator
         self.input_lags = input_lags
@@ -110,7 +113,7 @@ class DynamicRegressor(BaseEstimator):
         self.longest_lag = longest_lag
         self.n_blocks = n_blocks
         self.raster = raster
-        self.verbose = verbose
+        self.progress = progress
 
     def fit(self, X: Any, y: Any, segments: Any = None) -> "DynamicRegressor":
         """Choose what is left open, and learn from all rows.
@@ -197,16 +200,15 @@ class DynamicRegressor(BaseEstimator):
         options = self._options()
         if self.estimator is not None and not options.open:
             return [options.at(1, 1)]
-        blocks = self._blocks(spans, options.longest)
-        if self.estimator is None:
-            return select_terms(options, lambda choice: self._held_out_path(choice, signals, spans, blocks), self._say)
-        return select(options, lambda choice: self._held_out_error(choice, signals, spans, blocks), self._say)
+        blocks, tried = self._blocks(spans, options.longest), count(1)
 
-    def _say(self, choice: Choice) -> None:
-        if callable(self.verbose):
-            self.verbose(choice)
-        elif self.verbose:
-            print(choice, file=sys.stderr)
+        def tell(choice: Choice) -> None:
+            _log.info("%s", choice)
+            self.progress(f"lags to {choice.longest}, error {choice.error:.2f}", next(tried), options.most)
+
+        if self.estimator is None:
+            return select_terms(options, lambda choice: self._held_out_path(choice, signals, spans, blocks), tell)
+        return select(options, lambda choice: self._held_out_error(choice, signals, spans, blocks), tell)
 
     def _options(self) -> Options:
         longest, own = self._whole("longest_lag"), self.estimator is not None

@@ -64,6 +64,11 @@ class Options(NamedTuple):
         lags = [self.ladder if some is None else some for some in (self.input_lags, self.output_lags)]
         return max(1, *lags[0], *lags[1])
 
+    @property
+    def most(self) -> int:
+        """Choices that may be tried at most: three at each rung of both ladders, then what else is open."""
+        return 1 + 6 * len(self.ladder) + len(self.increments) + len(self.horizons)
+
     def at(self, n_in: int, n_out: int) -> Choice:
         """Return the first choice with so many lags from the ladder."""
         lags = [

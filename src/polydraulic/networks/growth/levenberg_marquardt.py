@@ -59,7 +59,7 @@ def lower_loss(
     *,
     max_attempts: float = inf,
     max_steps: float = inf,
-    progress: Callable[[int, float], None] = lambda attempt, loss: None,
+    watch: Callable[[int, float], None] = lambda attempt, loss: None,
 ) -> tuple[np.ndarray, Equations]:
     """Lower a sum of squares.
 
@@ -73,7 +73,7 @@ def lower_loss(
     rules : Damping
     max_attempts, max_steps : float
         Evaluations, and steps that lower the loss, at most.
-    progress : function (attempt, loss)
+    watch : function (attempt, loss)
         Called after each step.
 
     Returns
@@ -99,7 +99,7 @@ def lower_loss(
         damping, raise_by = max(damping * rules.lower(gained / promised), rules.smallest), rules.raise_by
         slow = slow + 1 if gained < rules.enough * here.loss else 0
         coef, here, steps = coef - step, there, steps + 1
-        progress(attempt - 1, here.loss)
+        watch(attempt - 1, here.loss)
         if slow == rules.last_steps or here.loss <= rules.perfect:
             break
     return coef, here

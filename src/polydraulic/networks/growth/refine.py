@@ -34,7 +34,7 @@ def refine(
     bounds: tuple[float, float],
     *,
     max_iterations: int,
-    progress: Callable[[int, float], None] = lambda iteration, loss: None,
+    watch: Callable[[int, float], None] = lambda iteration, loss: None,
 ) -> tuple[list[Node], float]:
     """Lower the squared error over all coefficients that are not zero.
 
@@ -47,7 +47,7 @@ def refine(
         Of the normalized output.
     max_iterations : int
         Passes over the rows at most.
-    progress : function (iteration, loss)
+    watch : function (iteration, loss)
 
     Returns
     -------
@@ -65,7 +65,7 @@ def refine(
         lambda coef, limit: _normal(nodes, free, coef, rows, bounds, limit),
         _RULES,
         max_attempts=max_iterations,
-        progress=progress,
+        watch=watch,
     )
     return _with(nodes, free, found), there.loss
 

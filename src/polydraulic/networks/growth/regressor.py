@@ -1,9 +1,9 @@
 """AbductiveRegressor: polynomial abductive networks as a scikit-learn estimator."""
 
-import sys
+import logging
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
@@ -24,6 +24,7 @@ from polydraulic.networks.model.model import Model, Variable, describe
 from polydraulic.networks.model.nodes import POLYNOMIALS
 from polydraulic.networks.model.table import UNBOUNDED, Network
 
+_log = logging.getLogger(__name__)
 _SMALLEST = 4  # coefficients of the smallest node with a constant
 _MAX_REFINEMENTS = 100  # passes over the rows
 _MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
@@ -77,8 +78,6 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Share of the rows that is held out to state prediction intervals.
     random_state : int, RandomState or None, default=None
         Chooses the rows that are held out; without calibration nothing is random.
-    verbose : bool, default=False
-        Print a line a layer and a refinement to standard error.
 
     Attributes
     ----------
@@ -120,7 +119,6 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         output_bounds: str | tuple[float, float] | None = "data",
         calibration: float = 0.0,
         random_state: Any = None,
-        verbose: bool = False,
     ) -> None:
         self.max_layers = max_layers
         self.n_survivors = n_survivors
@@ -136,7 +134,6 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.output_bounds = output_bounds
         self.calibration = calibration
         self.random_state = random_state
-        self.verbose = verbose
 
     def __sklearn_tags__(self) -> Tags:
         tags = super().__sklearn_tags__()
@@ -201,7 +198,17 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.residuals_ = [np.zeros(0)]
         return self
 
-    def predict(self, X: Any, *, return_domain: bool = False, return_interval: float | None = None) -> Any:
+    @overload
+    def predict(self, X: Any) -> np.ndarray: ...
+
+    @overload
+    def predict(
+        self, X: Any, *, return_domain: bool = ..., return_interval: float | None = ...
+    ) -> np.ndarray | tuple[np.ndarray, ...]: ...
+
+    def predict(
+        self, X: Any, *, return_domain: bool = False, return_interval: float | None = None
+    ) -> np.ndarray | tuple[np.ndarray, ...]:
         """Outputs for `X`, shape (n_row,), or (n_row, n_output) if fitted on several.
 
         Parameters
@@ -267,7 +274,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)
         inputs = inputs[s.varies[inputs]]
         grown, history = synthesize(rows, inputs, settings)
-        self._say(*(f"layer {h.layer}: K {h.n_coefficients}, PSE {h.pse:.6g}, {h.n_candidates} tried" for h in history))
+        for h in history:
+            _log.info("layer %d: K %d, PSE %.6g, %d tried", h.layer, h.n_coefficients, h.pse, h.n_candidates)
         y_low, y_high = self._output_bounds(s)
         bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
         depth, without = len(grown) - 1, np.inf
@@ -282,7 +290,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self.refine and nodes:
             refined, its_fse = refine(
                 nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS,
-                progress=lambda i, loss: self._say(f"refinement {i}: FSE {loss * s.y_scale**2:.6g}"),
+                watch=lambda i, loss: _log.debug("refinement %d: FSE %.6g", i, loss * s.y_scale**2),
             )  # fmt: skip
             if not self.leave_one_out or leave_one_out(refined, rows, bounds) <= without:
                 nodes, fse = refined, its_fse
@@ -355,7 +363,3 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if not good:
             raise InputError(f"output_bounds = {bounds!r}: must be 'data', None, or (low, high) with low <= high")
         return Settings(kinds, int(self.max_layers), int(self.n_survivors), float(self.cpm), prior, bool(self.carve))
-
-    def _say(self, *lines: str) -> None:
-        if self.verbose:
-            print(*lines, sep="\n", file=sys.stderr)

@@ -1,7 +1,8 @@
 """Model files: fitted models as JSON, data only.
 
 A file holds one model or several (one an output). Reading checks everything that the compiled evaluation relies on,
-so that a damaged file is an error and never a wrong number.
+so that a damaged file is an error and never a wrong number. Files of older schemas are read: what they hold is first put
+into the form of today.
 """
 
 import json
@@ -15,10 +16,10 @@ from polydraulic.files import write_text
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import KIND_NAMES, N_INPUTS, terms
-from polydraulic.networks.model.partition import Partition, Split, networks_of, region_boxes
+from polydraulic.networks.model.partition import Partition, Split, grid, networks_of, region_boxes
 from polydraulic.networks.model.table import Network, Node
 
-SCHEMA = 2
+SCHEMA = 2  # 1 had a grid of edges in the place of a partition
 _SCALARS = ("y_mean", "y_scale", "y_low", "y_high")
 _VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
 
@@ -50,7 +51,7 @@ def load_models(path: str | Path) -> list[Model]:
     Raises
     ------
     InputError
-        Missing, damaged, or written by a newer version.
+        Missing, damaged, or of a newer schema than this version reads.
     """
     path = Path(path)
     try:
@@ -68,13 +69,13 @@ def parse_models(text: str, name: str) -> list[Model]:
         raise InputError(f"{name}: not a model file: {error}") from error
     if not isinstance(data, dict) or data.get("format") != "polydraulic model":
         raise InputError(f"{name}: not a polydraulic model file")
-    if data.get("schema") != SCHEMA:
-        raise InputError(
-            f"{name}: has schema {data.get('schema')!r}, this version reads {SCHEMA}; "
-            "update polydraulic or write the model again"
-        )
+    schema = data.get("schema")
+    if type(schema) is not int or not 1 <= schema <= SCHEMA:
+        newer = type(schema) is int and schema > SCHEMA
+        mend = "it was written by a newer version: update polydraulic" if newer else "write the model again"
+        raise InputError(f"{name}: has schema {schema!r}, this version reads 1 to {SCHEMA}; {mend}")
     try:
-        models = [_read_model(item) for item in data["models"]]
+        models = [_read_model(item if schema > 1 else _from_schema_1(item)) for item in data["models"]]
     except (KeyError, TypeError, ValueError, IndexError) as error:
         what = f"missing {error}" if isinstance(error, KeyError) else str(error)
         raise InputError(f"{name}: damaged model file: {what}") from error
@@ -102,6 +103,15 @@ def _model_data(model: Model) -> dict[str, Any]:
             for network in model.networks
         ],
     }
+
+
+def _from_schema_1(data: Any) -> dict[str, Any]:
+    edges: dict[int, tuple[float, ...]] = {}
+    for item in data["edges"]:
+        axis, cuts = item["input"], _floats(item["at"], "edges")
+        _require(axis not in edges and len(cuts) > 0, f"the edges {cuts} of input {axis!r}")
+        edges[axis] = cuts
+    return {**data, "partition": _partition_data(grid(edges))}
 
 
 def _read_model(data: Any) -> Model:

@@ -20,6 +20,7 @@ from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import checked_edges, grid, region_boxes
 from polydraulic.networks.regions.split_search import best_cut
 from polydraulic.networks.regions.tree import Halves, Leaf, box_halves, grow_tree
+from polydraulic.progress import Progress, quiet
 
 _ON_FACES = 0.25  # of a region's points
 _MARGIN = 0.8  # a region is good enough at this share of the tolerance: a finer grid finds a little more
@@ -80,7 +81,7 @@ def learn_from(
     inputs: Sequence[Variable] | None = None,
     output: Variable | None = None,
     random_state: Any = 0,
-    progress: Callable[[int, float], None] = lambda n_evaluations, largest: None,
+    progress: Progress = quiet,
 ) -> Learnt:
     """Networks by region that follow a function to a tolerance.
 
@@ -111,7 +112,8 @@ def learn_from(
         Names and units for the model.
     random_state : int, RandomState or None
         Places the points.
-    progress : function (n_evaluations, largest error of the region that is to be cut)
+    progress : Progress, optional
+        Told the largest error of each region that is to be cut, and how much of the budget is spent.
 
     Returns
     -------
@@ -151,7 +153,7 @@ def learn_from(
 
     def cut(parent: Leaf, settings: AbductiveRegressor = base, rows: int = rows) -> Halves | None:
         region = parent.fitted
-        progress(asked, region.error)
+        progress(f"largest error {region.error:.3g}", asked, budget)
         if asked + 2 * price > budget:
             return None
         min_rows = max(1, round(_NEAR_BORDER * rows))

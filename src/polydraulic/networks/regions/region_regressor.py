@@ -1,7 +1,7 @@
 """RegionRegressor: a network in each region, whose borders are given (thesis Table 3) or found as a tree."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, clone
@@ -76,8 +76,8 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     def __init__(
         self,
         estimator: AbductiveRegressor | None = None,
-        edges: Mapping[Any, Sequence[float]] | None = None,
         *,
+        edges: Mapping[Any, Sequence[float]] | None = None,
         max_regions: int = 8,
         min_rows: int = 50,
         borrow: float = 0.0,
@@ -125,7 +125,17 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.residuals_ = [list(np.sort(errors[region == k].T)) for k in range(len(self.estimators_))]
         return self
 
-    def predict(self, X: Any, *, return_domain: bool = False, return_interval: float | None = None) -> Any:
+    @overload
+    def predict(self, X: Any) -> np.ndarray: ...
+
+    @overload
+    def predict(
+        self, X: Any, *, return_domain: bool = ..., return_interval: float | None = ...
+    ) -> np.ndarray | tuple[np.ndarray, ...]: ...
+
+    def predict(
+        self, X: Any, *, return_domain: bool = False, return_interval: float | None = None
+    ) -> np.ndarray | tuple[np.ndarray, ...]:
         """Outputs for `X`; arguments and results as `AbductiveRegressor.predict`.
 
         Intervals are region-wise: each region has the width that its own held-out rows ask for.

@@ -9,12 +9,13 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, flow_name
 from polydraulic.flow.lanes import LANES, P_IN, leaves
 from polydraulic.flow.record import (
     ANGLE,
@@ -34,6 +35,7 @@ from polydraulic.flow.record import (
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
 from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, Kept, LaneBlock, run_block
 from polydraulic.simulation.loop import run
@@ -102,9 +104,9 @@ class Batch:
 
 
 def simulate_batch(
-    machines: Machine | Sequence[Machine],
-    flow: Any,
-    inputs: Scenario | Sequence[Scenario] | np.ndarray,
+    machines: Machine | str | Path | Sequence[Machine | str | Path],
+    flow: str | FlowModel,
+    inputs: Scenario | str | Path | Sequence[Scenario | str | Path] | np.ndarray,
     *,
     dt: float = 5e-3,
     t_end: float | None = None,
@@ -113,7 +115,7 @@ def simulate_batch(
     columns: Sequence[str] | None = None,
     every: int = 1,
     threads: int | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = quiet,
 ) -> Batch:
     """Simulate many machines with the loop of `simulate`; the results have the same bits.
 
@@ -122,10 +124,10 @@ def simulate_batch(
 
     Parameters
     ----------
-    machines : Machine or sequence of Machine
+    machines : Machine, or name or path of a parameter set, or sequence of these
     flow : str or flow model
         A name builds the model of each machine; a model serves all of them.
-    inputs : Scenario, sequence of Scenario, or array
+    inputs : Scenario, or name or path of one, or sequence of these, or array
         An array of shape (n_step, 3) or (n_machine, n_step, 3) holds the voltages at the pilots, after any dead time, each
         constant over a step. Machines, inputs and initial states may each be one for all, or one for each.
     dt : float, s
@@ -143,8 +145,8 @@ def simulate_batch(
         Record every so many steps.
     threads : int, optional
         By default as many as there are processors. Results do not depend on it.
-    progress : function (done, n_machine), optional
-        Called in the calling thread when machines are done.
+    progress : Progress, optional
+        Told how many machines are done.
 
     Returns
     -------
@@ -305,17 +307,14 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _share_out(
-    work: Sequence[Callable[[], int]], threads: int, n: int, progress: Callable[[int, int], object] | None
-) -> None:
+def _share_out(work: Sequence[Callable[[], int]], threads: int, n: int, progress: Progress) -> None:
     """Do all work, each piece in some thread; a piece returns how many machines are done."""
     with ThreadPoolExecutor(threads) as pool:
         try:
             done = 0
             for piece in as_completed([pool.submit(task) for task in work]):
                 done += piece.result()
-                if progress is not None:
-                    progress(done, n)
+                progress("simulate", done, n)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise

@@ -1,16 +1,19 @@
 """The cases of a batch: which machine meets which inputs from which state, checked and prepared."""
 
 from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import build_flow, flow_name, served_links
+from polydraulic.flow.dispatch import FlowModel, as_flow, flow_name, served_links
 from polydraulic.flow.record import N_STATE, to_vector
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import initial_state
-from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.load import load_machine
+from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.runs import check_links, n_steps, step_voltages
 
@@ -49,9 +52,9 @@ class Cases(NamedTuple):
 
 
 def arrange_cases(
-    machines: Machine | Sequence[Machine],
-    flow: Any,
-    inputs: Scenario | Sequence[Scenario] | np.ndarray,
+    machines: Machine | str | Path | Sequence[Machine | str | Path],
+    flow: str | FlowModel,
+    inputs: Scenario | str | Path | Sequence[Scenario | str | Path] | np.ndarray,
     *,
     dt: float,
     t_end: float | None,
@@ -59,7 +62,9 @@ def arrange_cases(
     every: int,
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
-    given = [machines] if isinstance(machines, Machine) else list(machines)
+    named = cache(load_machine)  # machines of one name are one kind
+    items = [machines] if isinstance(machines, Machine | str | Path) else machines
+    given = [item if isinstance(item, Machine) else named(item) for item in items]
     scenarios = _scenarios(inputs)
     voltage = None if scenarios else _voltages(inputs)
     starts = None if x0 is None else _starts(x0)
@@ -89,10 +94,10 @@ def arrange_cases(
     return Cases(kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free)
 
 
-def _kind(machine: Machine, scenario: Scenario | None, flow: Any, dt: float) -> Kind:
+def _kind(machine: Machine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
     adapted = scenario.adapt(machine) if scenario else machine
     plant = prepare(adapted, dt, scenario.locked if scenario else ())
-    model = build_flow(flow, adapted) if isinstance(flow, str) else flow
+    model = as_flow(flow, adapted)
     if scenario:
         check_links(scenario, model)
     elif served_links(model) != LINKS:
@@ -104,17 +109,16 @@ def _kind(machine: Machine, scenario: Scenario | None, flow: Any, dt: float) -> 
 
 
 def _scenarios(inputs: Any) -> list[Scenario]:
-    if isinstance(inputs, Scenario):
-        return [inputs]
-    if isinstance(inputs, Sequence) and inputs and all(isinstance(item, Scenario) for item in inputs):
-        return list(inputs)
+    if isinstance(inputs, Scenario | str | Path):
+        return [as_scenario(inputs)]
+    if isinstance(inputs, Sequence) and inputs and all(isinstance(item, Scenario | str | Path) for item in inputs):
+        named = cache(load_scenario)
+        return [item if isinstance(item, Scenario) else named(item) for item in inputs]
     return []
 
 
 def _voltages(inputs: Any) -> np.ndarray:
-    wanted = (
-        "inputs must be a scenario, a list of scenarios, or voltages of shape (n_step, 3) or (n_machine, n_step, 3)"
-    )
+    wanted = "inputs must be a scenario (or its name), a list of scenarios, or voltages of shape (n_step, 3) or (n_machine, n_step, 3)"
     if not isinstance(inputs, np.ndarray):
         raise InputError(f"{wanted}, not {type(inputs).__name__}")
     if inputs.ndim not in (2, 3) or inputs.shape[-1] != len(LINKS) or not inputs.size:

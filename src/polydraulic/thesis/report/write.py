@@ -8,6 +8,7 @@ from typing import Any
 from polydraulic.errors import InputError
 from polydraulic.files import replacing, write_text
 from polydraulic.parameters.schema import Machine
+from polydraulic.progress import Progress, quiet
 from polydraulic.tables import write_table
 from polydraulic.thesis.cache import Lab, open_lab
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Figure, Grid, Paragraph, results
@@ -20,15 +21,13 @@ CHAPTERS: dict[int, Chapter] = {
     for module in (chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8)
 }
 
-Progress = Callable[[str, int, int], None]
-
 
 def write_report(
     machine: Machine,
     folder: Path,
     *,
     chapters: Sequence[int] | None = None,
-    progress: Progress = lambda what, done, total: None,
+    progress: Progress = quiet,
 ) -> list[dict[str, Any]]:
     """Write ``index.html``, a page for each chapter, ``figures``, ``data`` and ``results.json``.
 
@@ -41,7 +40,7 @@ def write_report(
     folder : Path
     chapters : sequence of int, optional
         All if not given.
-    progress : function (what, done, total)
+    progress : Progress, optional
         Called as each chapter and figure begins.
 
     Returns
@@ -88,9 +87,7 @@ def write_report(
     return rows
 
 
-def write_figure(
-    machine: Machine, folder: Path, number: str, *, progress: Progress = lambda what, done, total: None
-) -> Path:
+def write_figure(machine: Machine, folder: Path, number: str, *, progress: Progress = quiet) -> Path:
     """Make one figure alone, computing no more than it shows; return the path of its picture.
 
     Parameters
@@ -99,7 +96,7 @@ def write_figure(
     folder : Path
     number : str
         As in `CHAPTERS`, such as ``"5-19"``.
-    progress : function (what, done, total)
+    progress : Progress, optional
 
     Raises
     ------

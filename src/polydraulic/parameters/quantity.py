@@ -1,0 +1,55 @@
+"""What a parameter may be: its SI unit, its range, and the one check that a value lies in it."""
+
+import types
+from dataclasses import dataclass
+from math import inf, isfinite
+from numbers import Real
+from typing import Any, NamedTuple, get_args
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """SI unit and allowed range of a parameter; `above` is a limit that the value itself may not touch."""
+
+    unit: str
+    low: float = -inf
+    high: float = inf
+    above: float = -inf
+
+    @property
+    def range(self) -> str:
+        """The range in words."""
+        if self.above > -inf:
+            return f"above {self.above:g}" + (f", at most {self.high:g}" if self.high < inf else "")
+        return f"in [{self.low:g}, {self.high:g}]"
+
+    @property
+    def demand(self) -> str:
+        """What every value must be, in words."""
+        return f"must be finite and {self.range} {self.unit}"
+
+    def allows(self, value: float) -> bool:
+        """Whether a value is finite and lies in the range."""
+        return isfinite(value) and self.low <= value <= self.high and value > self.above
+
+
+class Leaf(NamedTuple):
+    """A value of a parameter tree: a quantity, `size` of them, or a switch."""
+
+    quantity: Quantity | None
+    size: int = 0  # 0: a single number
+
+
+def leaf_of(hint: Any) -> Leaf | None:
+    """What an annotation of the schema says of a value; None where it is a tree."""
+    if hint is bool:
+        return Leaf(None)
+    if isinstance(hint, type) and issubclass(hint, tuple):
+        return None
+    shape, quantity = get_args(hint)
+    return Leaf(quantity, len(get_args(shape)) if isinstance(shape, types.GenericAlias) else 0)
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a number; true and false are none."""
+    return isinstance(value, Real) and not isinstance(value, bool)
