@@ -26,6 +26,7 @@ KINDS = {
     ),
     "text": ("error", "values that are no numbers; taken as missing"),
     "status": ("warning", "texts in place of values, such as 'error' or 'not available'; taken as missing"),
+    "short frame": ("error", "frames shorter than their message; signals beyond their end are missing"),
     "not read": ("warning", "parts of the log that are no channels with rows and a time; left out"),
     "infinite": ("error", "infinite values; taken as missing"),
     "empty": ("error", "no value at all"),

@@ -1,5 +1,6 @@
 """MDF logs, versions 3 and 4: groups of channels, each group with a clock of its own."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stdout
 from datetime import UTC
@@ -19,7 +20,7 @@ from polydraulic.measure.log_units import conversion, need
 
 _FRAGMENT = 4 << 20  # bytes of a block
 _MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
-_BUS = 0b110  # flags of a group whose rows are events of a bus
+_BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
 
 
 def open_mdf(path: Path) -> Log:
@@ -35,7 +36,7 @@ def open_mdf(path: Path) -> Log:
     try:
         for number, group in enumerate(file.groups):
             master = file.masters_db.get(number)
-            names.append(_group_name(group, number, version))
+            names.append(_group_name(group, number))
             reason = _no_rows(group, names[-1], master, version)
             if reason:
                 reasons[reason] = None
@@ -93,7 +94,7 @@ def open_mdf(path: Path) -> Log:
                 note.add(rows, one.said)
             yield LogBlock(rows, clock * factors[group], values, text, begun / total)
 
-    return Log(path, signals, True, read, twice, close, _began(file), also=also, left_out=left_out)
+    return Log(path, signals, True, read, twice, close, mdf_began(file), also=also, left_out=left_out)
 
 
 def mdf_file(path: Path) -> tuple[Any, Any]:
@@ -115,7 +116,7 @@ def mdf_file(path: Path) -> tuple[Any, Any]:
     return file, close
 
 
-def _group_name(group: Any, number: int, version: int) -> GroupName:
+def _group_name(group: Any, number: int) -> GroupName:
     name = str(getattr(group.channel_group, "acq_name", "") or "").strip("\0 ")
     comment = str(group.channel_group.comment or "").strip("\0 ")
     comment = "" if "<" in comment or "\n" in comment else comment
@@ -123,19 +124,21 @@ def _group_name(group: Any, number: int, version: int) -> GroupName:
     return GroupName(name or f"group {number}", others)
 
 
-def is_bus(group: Any, version: int) -> bool:
-    """Whether the rows of a group are frames or events of a bus, not samples of channels."""
-    if version < 4:
-        return False
-    names = [channel.name for channel in group.channels]
-    return bool(group.channel_group.flags & _BUS) and any(
-        name.split(".")[0].endswith(("Frame", "Frame_Header", "Overload", "ChecksumError", "ReceiveError")) for name in names
-    )
+def bus_events(group: Any) -> bool:
+    """Whether the rows of a group are frames or events of a bus, not samples of channels: a structure with its parts."""
+    names = {channel.name for channel in group.channels}
+    return any(_BUS.fullmatch(name) and any(n.startswith(f"{name}.") for n in names) for name in names)
+
+
+def bus_frames(group: Any) -> dict[str, int]:
+    """Places of the parts of CAN data frames in a group; none where it has no such frames."""
+    begin = "CAN_DataFrame."
+    return {c.name[len(begin) :]: n for n, c in enumerate(group.channels) if c.name.startswith(begin)}
 
 
 def _no_rows(group: Any, name: GroupName, master: int | None, version: int) -> str:
     """Why a group has no rows with a time; empty if it has."""
-    if is_bus(group, version):
+    if bus_events(group):
         return (
             f"group {name.label!r} is a raw bus log (frames with identifiers and data bytes, no decoded signals); "
             "decode it with --dbc FILE"
@@ -164,7 +167,7 @@ def _si(unit: str) -> str:
         return ""
 
 
-def _began(file: Any) -> float:
+def mdf_began(file: Any) -> float:
     """When the recording began, in s since 1970 by the clock on the wall; 0 where the file holds no time that is any."""
     try:
         return float(file.start_time.replace(tzinfo=UTC).timestamp())

@@ -44,21 +44,19 @@ def in_groups(found: Sequence[Signal], groups: Sequence[GroupName]) -> Named:
     groups : sequence of GroupName
         By the number of the group.
     """
-    count: dict[str, int] = {}
-    for group in groups:
-        count[group.label] = count.get(group.label, 0) + 1
-    labels = [g.label if g.label and count[g.label] == 1 else f"{g.label or 'group'} {n}" for n, g in enumerate(groups)]
     signals: list[Signal] = []
     twice: dict[str, None] = {}
     also: dict[str, Signal] = {}
     origin: dict[str, int] = {}
     plain = {signal.name for signal in found}
     for n, signal in enumerate(found):
-        full = f"{labels[signal.group]}/{signal.name}"
-        number = 1
+        label = groups[signal.group].label
+        full, number = f"{label}/{signal.name}", 1
+        if full in origin or full in plain:  # groups of one name
+            full = f"{label} {signal.group}/{signal.name}"
         while full in origin or full in plain:
             number += 1
-            full = f"{labels[signal.group]}/{signal.name}[{number}]"
+            full = f"{label} {signal.group}/{signal.name}[{number}]"
         if signal.name in origin:
             twice[signal.name] = None
             signals.append(signal._replace(name=full))
