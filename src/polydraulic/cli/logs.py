@@ -12,7 +12,12 @@ from polydraulic.terminal import progress_bar
 
 @app.command("import")
 def import_(
-    log: Annotated[Path, typer.Argument(help="Log: .csv, .csv.gz, .parquet, .mf4 (MDF4) or .mat (v5, v7.3).")],
+    log: Annotated[
+        Path,
+        typer.Argument(
+            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN)."
+        ),
+    ],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,
     out: Annotated[
         Path | None, typer.Option(help="Table to write, .parquet or .csv (SI); with --suggest the channel map.")
@@ -21,6 +26,7 @@ def import_(
     report: Annotated[
         Path | None, typer.Option(help="Quality report, .html; beside the table if not given. Its data as .json.")
     ] = None,
+    dbc: Annotated[list[Path] | None, typer.Option(help="CAN database of a bus log, .dbc; may be given again.")] = None,
     units: UnitsOption = METRIC,
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
@@ -44,7 +50,7 @@ def import_(
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
         with progress_bar("read") as progress:
-            text = suggest_channels(log, progress=progress)
+            text = suggest_channels(log, dbc=dbc or (), progress=progress)
         if out is None:
             print(text, end="")
         else:
@@ -58,7 +64,7 @@ def import_(
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
     with progress_bar("import") as progress:
-        imported = import_log(log, given, out, progress=progress)
+        imported = import_log(log, given, out, dbc=dbc or (), progress=progress)
         progress("deadbands, coverage, quality report", 0, 1)
         told = write_quality(imported, page, units=units)
     for finding in imported.findings:

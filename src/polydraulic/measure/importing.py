@@ -4,7 +4,7 @@ The table has the columns ``time``, ``segment`` and one for each input and outpu
 them are known; rows of one segment follow each other without a gap.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -19,7 +19,7 @@ from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.checks.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
-from polydraulic.measure.formats.log import Log, listed
+from polydraulic.measure.formats.log import Log, by_reason
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
@@ -78,7 +78,14 @@ class Imported:
         return found
 
 
-def import_log(path: str | Path, channels: ChannelMap, out: str | Path, *, progress: Progress = quiet) -> Imported:
+def import_log(
+    path: str | Path,
+    channels: ChannelMap,
+    out: str | Path,
+    *,
+    dbc: Sequence[str | Path] = (),
+    progress: Progress = quiet,
+) -> Imported:
     """Read a log through a channel map and write the table that comes of it.
 
     Parameters
@@ -89,6 +96,8 @@ def import_log(path: str | Path, channels: ChannelMap, out: str | Path, *, progr
         From `load_channels`.
     out : str or Path
         Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
+    dbc : sequence of str or Path, optional
+        CAN databases (DBC) of a bus log.
     progress : Progress, optional
 
     Returns
@@ -102,7 +111,7 @@ def import_log(path: str | Path, channels: ChannelMap, out: str | Path, *, progr
         A file that is no log, a channel that it does not have, a place that cannot be written.
     """
     table_ending(out)
-    with open_log(path) as log:
+    with open_log(path, dbc=dbc) as log:
         groups = _groups(log, channels)
         findings = _names_and_units(log, channels)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
@@ -229,12 +238,14 @@ def _groups(log: Log, channels: ChannelMap) -> dict[int, list[Channel]]:
 def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
     findings = Findings()
     if log.left_out:
-        findings.add("not read", "", listed(log.left_out))
+        findings.add("not read", "", by_reason(log.left_out))
     used = [*channels.used, *([channels.time] if channels.time is not None and not log.own_clock else [])]
     for channel in used:
         if channel.source in log.duplicates:
             others = [s.name for s in log.signals if s.name.endswith(f"/{channel.source}")]
-            findings.add("duplicate", channel.source, f"others are {', '.join(map(repr, others[:5]))}" if others else "")
+            findings.add(
+                "duplicate", channel.source, f"others are {', '.join(map(repr, others[:5]))}" if others else ""
+            )
         _compare_units(log, channels, channel, findings)
     return findings
 

@@ -1,6 +1,7 @@
 """A first channel map for a log: what can be seen in the log is filled in, what only its owner knows is asked for."""
 
 import re
+from collections.abc import Sequence
 from math import ceil, floor, inf, log10
 from pathlib import Path
 from typing import NamedTuple
@@ -9,7 +10,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.log import Log, Signal, listed
+from polydraulic.measure.formats.log import Log, Signal, by_reason
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.progress import Progress, quiet
@@ -49,13 +50,15 @@ class _Seen(NamedTuple):
     held: float
 
 
-def suggest_channels(path: str | Path, *, progress: Progress = quiet) -> str:
+def suggest_channels(path: str | Path, *, dbc: Sequence[str | Path] = (), progress: Progress = quiet) -> str:
     """Text of a first channel map for a log, as TOML.
 
     Parameters
     ----------
     path : str or Path
         A log; see `open_log`. It is read once, for the ranges.
+    dbc : sequence of str or Path, optional
+        CAN databases (DBC) of a bus log.
     progress : Progress, optional
 
     Raises
@@ -63,7 +66,7 @@ def suggest_channels(path: str | Path, *, progress: Progress = quiet) -> str:
     InputError
         A file that is no log.
     """
-    with open_log(path) as log:
+    with open_log(path, dbc=dbc) as log:
         time = None if log.own_clock else _time_of(log)
         seen = _look(log, time, progress)
     used = [s for s in log.signals if s is not time and seen[s.name].n and seen[s.name].low < seen[s.name].high]
@@ -91,7 +94,7 @@ def suggest_channels(path: str | Path, *, progress: Progress = quiet) -> str:
         if signal.name in log.duplicates:
             lines.append("# the log has this name more than once: this is the first")
     if log.left_out:
-        lines += ["", "# Not read: " + listed(log.left_out).encode("unicode_escape").decode()]
+        lines += ["", "# Not read: " + by_reason(log.left_out).encode("unicode_escape").decode()]
     if not used:
         raise InputError(f"{log.path}: no channel holds numbers that vary; there is nothing to import")
     return "\n".join(lines) + "\n"

@@ -93,9 +93,13 @@ def test_ranges_of_texts_beside_a_scaling_are_missing_and_named(tmp_path, n):
     from asammdf import Signal
 
     raw = (np.arange(n) % 20 + 1010).astype(np.uint16)
-    codes = table((0.1, 0.0), lower_0=1020, upper_0=1022, text_0="reserved", lower_1=1023, upper_1=1023, text_1="no signal")
+    codes = table(
+        (0.1, 0.0), lower_0=1020, upper_0=1022, text_0="reserved", lower_1=1023, upper_1=1023, text_1="no signal"
+    )
     findings = Findings()
-    found = only(mdf(tmp_path / "a.mf4", [Signal(raw, raw * 0.0 + np.arange(n), "bar", "p", conversion=codes)]), "p", findings)
+    found = only(
+        mdf(tmp_path / "a.mf4", [Signal(raw, raw * 0.0 + np.arange(n), "bar", "p", conversion=codes)]), "p", findings
+    )
     assert found == pytest.approx(np.where((raw >= 1020) & (raw <= 1023), np.nan, 0.1 * raw), nan_ok=True)
     assert "'reserved', 'no signal'" in str(findings.of("status", "p")[0])
 
@@ -125,7 +129,9 @@ def test_numbers_of_states_are_values(tmp_path):
     assert only(path, "named")[:4].tolist() == [0, 1, 2, 3]
 
 
-@pytest.mark.parametrize(("kind", "unit", "said"), [(2, "deg", "an angle"), (3, "m", "a distance"), (4, "", "an index")])
+@pytest.mark.parametrize(
+    ("kind", "unit", "said"), [(2, "deg", "an angle"), (3, "m", "a distance"), (4, "", "an index")]
+)
 def test_masters_that_are_no_time_are_refused_by_name(tmp_path, kind, unit, said):
     from asammdf import MDF, Signal
 

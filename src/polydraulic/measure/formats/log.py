@@ -114,7 +114,7 @@ def once(signals: list[Signal]) -> tuple[list[Signal], list[str]]:
     return list(first.values()), list(twice)
 
 
-def listed(left_out: dict[str, str], most: int = 5) -> str:
+def by_reason(left_out: dict[str, str], most: int = 5) -> str:
     """Parts of a log that are not read, by reason."""
     names: dict[str, list[str]] = {}
     for name, reason in left_out.items():

@@ -23,7 +23,7 @@ from polydraulic.measure.log_units import need
 _NUMBERS = {"double", "single", "logical"} | {f"{u}int{n}" for u in ("", "u") for n in (8, 16, 32, 64)}
 
 
-def arrays(path: Path) -> Arrays:
+def arrays_of_hdf(path: Path) -> Arrays:
     """Columns of numbers of a file."""
     library = need("h5py")
     try:

@@ -12,7 +12,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, listed, once
+from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, by_reason, once
 
 
 def open_mat(path: Path) -> Log:
@@ -20,14 +20,14 @@ def open_mat(path: Path) -> Log:
     with path.open("rb") as file:
         head = file.read(520)
     if b"MATLAB 7.3" in head[:128] or b"\x89HDF" in (head[:4], head[512:516]):
-        from polydraulic.measure.formats.mat_hdf import arrays
+        from polydraulic.measure.formats.mat_hdf import arrays_of_hdf as arrays_of
     else:
-        from polydraulic.measure.formats.mat_v5 import arrays
-    found = arrays(path)
+        from polydraulic.measure.formats.mat_v5 import arrays_of_v5 as arrays_of
+    found = arrays_of(path)
     lengths = found.lengths
     if not lengths:
         found.close()
-        why = f"; it has {listed(found.left_out)}" if found.left_out else ""
+        why = f"; it has {by_reason(found.left_out)}" if found.left_out else ""
         raise InputError(f"{path}: the file has no numeric vectors or matrices{why}")
     # signals of one length share their rows
     groups = {length: number for number, length in enumerate(dict.fromkeys(lengths.values()))}

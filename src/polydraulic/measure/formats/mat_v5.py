@@ -25,7 +25,7 @@ _LEFT_OUT = {"cell": CELL, "function": "a function", "sparse": SPARSE}
 _LEFT_OUT |= dict.fromkeys(("object", "opaque", "unknown"), object_of(""))
 
 
-def arrays(path: Path) -> Arrays:
+def arrays_of_v5(path: Path) -> Arrays:
     """Columns of numbers of a file."""
     from scipy import io
 

@@ -150,7 +150,9 @@ def _no_rows(group: Any, name: GroupName, master: int | None, version: int) -> s
     if kind != 1 and not (kind == 0 and _si(_unit(channel)) == "s"):
         what = _MASTERS.get(kind, "of no known kind")
         unit = _unit(channel)
-        return f"group {name.label!r} is over {channel.name!r}" + (f" [{unit}]" if unit else "") + f", {what} and no time"
+        return (
+            f"group {name.label!r} is over {channel.name!r}" + (f" [{unit}]" if unit else "") + f", {what} and no time"
+        )
     return "" if group.channel_group.cycles_nr else f"group {name.label!r} has no rows"
 
 

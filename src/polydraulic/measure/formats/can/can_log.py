@@ -15,7 +15,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.can.bits import unsigned
 from polydraulic.measure.formats.can.database import CanSignal, Message, Messages, Selection
-from polydraulic.measure.formats.can.frames import Frames, frames
+from polydraulic.measure.formats.can.frames import BusFrames, bus_frames_of
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
@@ -48,12 +48,14 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
     folder = tempfile.TemporaryDirectory(prefix="polydraulic-")
     try:
         spool = _Spool(messages, Path(folder.name))
-        for block in frames(path):
+        for block in bus_frames_of(path):
             spool.add(block)
         spool.flush()
         if not spool.known:
             seen = ", ".join(sorted(spool.unknown)[:5]) or "none"
-            raise InputError(f"{path}: no frame that {', '.join(p.name for p in databases)} knows; identifiers of the log: {seen}")
+            raise InputError(
+                f"{path}: no frame that {', '.join(p.name for p in databases)} knows; identifiers of the log: {seen}"
+            )
     except BaseException:
         folder.cleanup()
         raise
@@ -103,7 +105,7 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
 
 
 class _Spool:
-    """Frames in one file for each message, sender and bus."""
+    """BusFrames in one file for each message, sender and bus."""
 
     def __init__(self, messages: Messages, folder: Path) -> None:
         self.messages, self.folder = messages, folder
@@ -115,7 +117,7 @@ class _Spool:
         self._parts: dict[_Key, list[bytes]] = {}
         self._waiting = 0
 
-    def add(self, block: Frames) -> None:
+    def add(self, block: BusFrames) -> None:
         """Sort the frames of a block."""
         self.began = self.began or block.began
         code = (block.bus << 30) | (block.frame << 1) | block.extended
@@ -148,7 +150,7 @@ class _Spool:
         self._waiting = 0
 
     def records(self, key: _Key) -> Iterator[tuple[int, np.ndarray]]:
-        """Frames of a message in blocks, with the number of those that have been read."""
+        """BusFrames of a message in blocks, with the number of those that have been read."""
         kind = _record(self.known[key])
         for begun in range(0, self.count[key], BLOCK):
             part = np.fromfile(self._files[key], dtype=kind, count=BLOCK, offset=begun * kind.itemsize)

@@ -72,7 +72,7 @@ class CanSignal:
             return np.full(len(data), np.nan), {}, np.flatnonzero(short)
         number = as_number(unsigned(data, self.field), self.field.length, signed=self.signed, real=self.real)
         values = np.where(short, np.nan, self.scale * number + self.offset)
-        said = {}
+        said: dict[str, np.ndarray] = {}
         for low, high, text in self.codes:
             there = (number >= low) & (number <= high) & ~short
             if there.any():

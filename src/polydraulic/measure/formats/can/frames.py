@@ -1,4 +1,4 @@
-"""Frames of a bus log, in blocks: MDF4 bus logging through asammdf, BLF and ASC through python-can."""
+"""BusFrames of a bus log, in blocks: MDF4 bus logging through asammdf, BLF and ASC through python-can."""
 
 from collections.abc import Iterator
 from contextlib import redirect_stdout
@@ -19,7 +19,7 @@ _LENGTHS = np.array([*range(9), 12, 16, 20, 24, 32, 48, 64])  # bytes by their c
 _EXTENDED = 1 << 31  # mark of an identifier of 29 bits
 
 
-class Frames(NamedTuple):
+class BusFrames(NamedTuple):
     """Data frames in the order of the file.
 
     Attributes
@@ -48,12 +48,12 @@ class Frames(NamedTuple):
     began: float
 
 
-def frames(path: Path) -> Iterator[Frames]:
+def bus_frames_of(path: Path) -> Iterator[BusFrames]:
     """Blocks of data frames of a log; an InputError where it cannot be read."""
     return _of_mdf(path) if path.suffix.lower() == ".mf4" else _of_can(path)
 
 
-def _of_mdf(path: Path) -> Iterator[Frames]:
+def _of_mdf(path: Path) -> Iterator[BusFrames]:
     file, close = mdf_file(path)
     try:
         began = mdf_began(file)
@@ -64,7 +64,10 @@ def _of_mdf(path: Path) -> Iterator[Frames]:
                 continue
             names = [n for n in ("ID", "DataBytes", "IDE", "DataLength", "DLC", "BusChannel") if n in members]
             indices = [master, *(members[n] for n in names)]
-            parts = [file.iter_get(group=number, index=index, samples_only=True, raw=n > 0) for n, index in enumerate(indices)]
+            parts = [
+                file.iter_get(group=number, index=index, samples_only=True, raw=n > 0)
+                for n, index in enumerate(indices)
+            ]
             done, total = 0, int(group.channel_group.cycles_nr)
             while done < total:
                 with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
@@ -79,7 +82,7 @@ def _of_mdf(path: Path) -> Iterator[Frames]:
         close()
 
 
-def _columns(time: np.ndarray, found: dict[str, np.ndarray], began: float) -> Frames:
+def _columns(time: np.ndarray, found: dict[str, np.ndarray], began: float) -> BusFrames:
     n = len(time)
     frame = found["ID"].astype(np.int64)
     extended = (frame & _EXTENDED) != 0
@@ -95,17 +98,29 @@ def _columns(time: np.ndarray, found: dict[str, np.ndarray], began: float) -> Fr
     else:  # of lengths of their own
         rows = [bytes(row) for row in given]
         there = np.array([len(row) for row in rows], dtype=np.int64)
-        data[:] = np.frombuffer(b"".join(row[:LONGEST].ljust(LONGEST, b"\0") for row in rows), np.uint8).reshape(n, LONGEST)
+        data[:] = np.frombuffer(b"".join(row[:LONGEST].ljust(LONGEST, b"\0") for row in rows), np.uint8).reshape(
+            n, LONGEST
+        )
     length = found["DataLength"].astype(np.int64) if "DataLength" in found else there
     if "DataLength" not in found and "DLC" in found:
         length = _LENGTHS[found["DLC"].astype(np.int64) & 0xF]
-    return Frames(time, found.get("BusChannel", np.zeros(n)).astype(np.int64), frame, extended, np.minimum(length, there), data, began)
+    return BusFrames(
+        time,
+        found.get("BusChannel", np.zeros(n)).astype(np.int64),
+        frame,
+        extended,
+        np.minimum(length, there),
+        data,
+        began,
+    )
 
 
-def _of_can(path: Path) -> Iterator[Frames]:
+def _of_can(path: Path) -> Iterator[BusFrames]:
     can = need("can", "can")
     try:
-        with (can.BLFReader if path.suffix.lower() == ".blf" else can.ASCReader)(str(path)) as reader:
+        blf = path.suffix.lower() == ".blf"
+        with path.open("rb") if blf else path.open(encoding="utf-8", errors="replace") as file:
+            reader = (can.BLFReader if blf else can.ASCReader)(file)
             began = float(getattr(reader, "start_timestamp", 0.0) or 0.0)
             messages = (m for m in reader if not (m.is_error_frame or m.is_remote_frame))
             while batch := list(islice(messages, _BATCH)):
@@ -114,9 +129,9 @@ def _of_can(path: Path) -> Iterator[Frames]:
         raise InputError(f"{path}: cannot be read as a bus log ({error})") from error
 
 
-def _messages(batch: list[Any], began: float) -> Frames:
+def _messages(batch: list[Any], began: float) -> BusFrames:
     data = b"".join(bytes(m.data).ljust(LONGEST, b"\0") for m in batch)
-    return Frames(
+    return BusFrames(
         np.array([m.timestamp for m in batch]) - began,
         np.array([m.channel if isinstance(m.channel, int) else 0 for m in batch], dtype=np.int64),
         np.array([m.arbitration_id for m in batch], dtype=np.int64),
