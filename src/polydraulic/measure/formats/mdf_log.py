@@ -18,6 +18,7 @@ from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
 from polydraulic.measure.log_units import conversion, need
 
+_HEAD = 64 + 104  # bytes of the two blocks that every file begins with
 _FRAGMENT = 4 << 20  # bytes of a block
 _MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
 _BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
@@ -106,6 +107,11 @@ def mdf_file(path: Path) -> tuple[Any, Any]:
         file.close()
         raw.close()
 
+    head = raw.read(_HEAD)
+    raw.seek(0)
+    if not (len(head) == _HEAD and head[:8] in (b"MDF     ", b"UnFinMF ") and head[64:68].strip(b"#")[:2] == b"HD"):
+        raw.close()
+        raise InputError(f"{path}: cannot be read as an MDF log (it does not begin like one)")
     try:
         file = library.MDF(raw)
         file.configure(read_fragment_size=_FRAGMENT)
