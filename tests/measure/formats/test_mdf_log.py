@@ -196,3 +196,37 @@ def test_a_time_in_milliseconds_is_taken_in_seconds(tmp_path):
     with open_log(tmp_path / "a.mf4") as log:
         (block,) = log.read(0, ["p"], None, Findings())
     assert block.time == pytest.approx(0.001 * x)
+
+
+@pytest.mark.parametrize(("version", "ending"), [("4.10", "mf4"), ("3.30", "mdf")])
+def test_texts_that_are_no_utf_8_are_read(tmp_path, version, ending):
+    from asammdf import Signal
+
+    raw, time = np.arange(20, dtype=np.uint16), np.arange(20) * 0.1
+    conversion = table((0.1, 0.0), val_0=7, text_0="gestoert") if version > "4" else None
+    path = mdf(tmp_path / f"a.{ending}", [Signal(raw, time, "grdC", "p", conversion=conversion)], version=version)
+    path.write_bytes(path.read_bytes().replace(b"grdC", b"\xb0C\0\0").replace(b"gestoert", b"gest\xf6rt\0"))
+    findings = Findings()
+    assert np.nanmax(only(path, "p", findings)) == pytest.approx(1.9 if version > "4" else 19.0)
+    with open_log(path) as log:
+        assert log.signal("p").unit == "°C"
+    assert [f.detail for f in findings.of("status")] == (["'gestört'"] if version > "4" else [])
+
+
+@pytest.mark.parametrize(("version", "ending"), [("4.10", "mf4"), ("3.30", "mdf")])
+def test_a_file_cut_anywhere_is_refused_or_read(tmp_path, version, ending):
+    from asammdf import Signal
+
+    x = np.arange(50.0)
+    whole = mdf(tmp_path / f"whole.{ending}", [Signal(x, x, "bar", "p")], version=version).read_bytes()
+    path = tmp_path / f"a.{ending}"
+    refused = 0
+    for end in range(0, len(whole), len(whole) // 40):
+        path.write_bytes(whole[:end])
+        try:
+            found = only(path, "p")
+        except InputError as error:
+            refused += str(error).startswith(str(path))
+        else:
+            assert np.array_equal(found, x[: len(found)])
+    assert refused >= 10

@@ -118,7 +118,12 @@ def _is_text(item: Any) -> bool:
 
 
 def _text(item: bytes | str) -> str:
-    text = item.decode("utf-8", "replace") if isinstance(item, bytes) else item
+    if isinstance(item, str):
+        return item.strip("\0 ")
+    try:
+        text = item.decode("utf-8")
+    except UnicodeDecodeError:  # against the standard, and as many tools write
+        text = item.decode("latin-1")
     return text.strip("\0 ")
 
 

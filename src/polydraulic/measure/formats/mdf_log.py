@@ -6,6 +6,7 @@ from contextlib import redirect_stdout
 from datetime import UTC
 from io import StringIO
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 import numpy as np
@@ -118,8 +119,19 @@ def mdf_file(path: Path) -> tuple[Any, Any]:
         _ = file.groups, file.masters_db
     except Exception as error:  # asammdf raises errors of many kinds on damaged files
         raw.close()
+        _let_go(error)
         raise InputError(f"{path}: cannot be read as an MDF log ({error})") from error
     return file, close
+
+
+def _let_go(error: Exception) -> None:
+    """Give what asammdf left half made the parts that it wants to delete, or it writes a traceback of its own."""
+    for frame, _ in walk_tb(error.__traceback__):
+        half = frame.f_locals.get("self")
+        if type(half).__module__.startswith("asammdf.blocks.mdf_v"):
+            for part in ("header", "identification"):
+                if not hasattr(half, part):
+                    setattr(half, part, None)
 
 
 def _group_name(group: Any, number: int) -> GroupName:
