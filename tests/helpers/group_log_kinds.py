@@ -127,7 +127,8 @@ KINDS = {
                                                           for k, t in enumerate(TIME)]), "temp", ("status",)),
         "frames shorter than their message": (can("blf"), "late", ("short frame",)),
         "frames without a database are named": (can("blf"), "p_head", ("not read",)),
-        "cut off": (cut(can("blf"), 0.1), "p_head", REFUSED),
+        "BLF, cut off": (cut(can("blf"), 0.5), "p_head", ("not read",)),
+        "MDF 4 or ASC, cut off within a row": (cut(can("mf4"), 0.5), "p_head", REFUSED),
     },
 }  # fmt: skip
 

@@ -166,6 +166,17 @@ def test_databases_that_contradict_each_other_are_refused(tmp_path):
         open_log(tmp_path / "a.csv", dbc=[tmp_path / "a.dbc"])
 
 
+def test_a_blf_log_that_is_cut_off_is_named(tmp_path):
+    (tmp_path / "a.dbc").write_text(DBC)
+    path = write_bus(tmp_path / "a.blf", bus(60))
+    size = path.stat().st_size
+    path.write_bytes(path.read_bytes()[: size // 2])
+    with open_log(path, dbc=[tmp_path / "a.dbc"]) as log:
+        (block,) = log.read(log.signal("spool").group, ["spool"], None, Findings())
+        assert 10 < len(block.time) < 50
+        assert log.left_out["the end of the log"] == f"the file is cut off after {size // 2} of {size} bytes"
+
+
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_a_damaged_bus_log_is_one_error(tmp_path, ending):
     (tmp_path / "a.dbc").write_text(DBC)

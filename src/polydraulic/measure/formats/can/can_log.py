@@ -15,7 +15,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.can.bits import unsigned
 from polydraulic.measure.formats.can.database import CanSignal, Message, Messages, Selection
-from polydraulic.measure.formats.can.frames import BusFrames, bus_frames_of
+from polydraulic.measure.formats.can.frames import BusFrames, bus_frames_of, cut_off
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
@@ -72,7 +72,7 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
             found.append(Signal(signal.name, signal.unit, groups.index(group)))
             of.append(signal)
     signals, twice, also, origin = in_groups(found, names)
-    left_out = dict.fromkeys(sorted(spool.unknown), "frames that no database knows")
+    left_out = cut_off(path) | dict.fromkeys(sorted(spool.unknown), "frames that no database knows")
     for message in messages.exact.values():
         if all(message is not known for known in spool.known.values()):
             for signal in message.signals:

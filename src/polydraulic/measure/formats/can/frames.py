@@ -115,6 +115,16 @@ def _columns(time: np.ndarray, found: dict[str, np.ndarray], began: float) -> Bu
     )
 
 
+def cut_off(path: Path) -> dict[str, str]:
+    """What a BLF log says that it has and does not, as of a logger that lost its power; python-can reads on to the end that is there."""
+    if path.suffix.lower() != ".blf":
+        return {}
+    with path.open("rb") as file:
+        said = int(need("can", "can").BLFReader(file).file_size)
+        is_ = path.stat().st_size
+    return {"the end of the log": f"the file is cut off after {is_} of {said} bytes"} if is_ < said else {}
+
+
 def _of_can(path: Path) -> Iterator[BusFrames]:
     can = need("can", "can")
     try:
