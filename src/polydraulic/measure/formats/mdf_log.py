@@ -22,6 +22,7 @@ from polydraulic.measure.log_units import conversion, need
 _HEAD = 64 + 104  # bytes of the two blocks that every file begins with
 _FRAGMENT = 4 << 20  # bytes of a block
 _MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
+_CAN = re.compile(r"CAN_(Data|Remote|Error|Overload)Frame(\.|$)")
 _BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
 
 
@@ -145,6 +146,8 @@ def _group_name(group: Any, number: int) -> GroupName:
 def bus_events(group: Any) -> bool:
     """Whether the rows of a group are frames or events of a bus, not samples of channels: a structure with its parts."""
     names = {channel.name for channel in group.channels}
+    if any(_CAN.match(name) for name in names):
+        return True
     return any(_BUS.fullmatch(name) and any(n.startswith(f"{name}.") for n in names) for name in names)
 
 
