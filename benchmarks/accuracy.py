@@ -1,6 +1,6 @@
 """Accuracy of abductive networks next to other learners, by cross-validation: Markdown tables.
 
-On each fold the learners take turns, so that times of fits are compared fold by fold; those of `.venv-peers` follow, each through
+All learners fit one fold, then the next, so that times are compared fold by fold; those of `.venv-peers` follow, each through
 all folds in a process of its own.
 """
 
@@ -20,7 +20,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
 from polydraulic import AbductiveRegressor
-from polydraulic.thesis.timing import Ratio, Turns, timed
+from polydraulic.thesis.timing import Ratio, ratio_of, timed
 from separate import fit_separately, separate_learners
 from show import table
 
@@ -63,7 +63,7 @@ def folds_of(data, count=5):
         yield data.X[train], data.y[train], data.X[test], data.y[test]
 
 
-def fit_in_turn(folds):
+def fit_fold_by_fold(folds):
     """Learner -> predictions and CPU seconds of each fold."""
     found = {name: [] for name in LEARNERS}
     for X_train, y_train, X_test, _ in folds:
@@ -94,7 +94,7 @@ def accuracy(sets, peers):
     found = {}
     for set_name, data in sets.items():
         folds = list(folds_of(data))
-        fitted = fit_in_turn(folds)
+        fitted = fit_fold_by_fold(folds)
         for name in separate:
             fitted[name] = fit_separately(name, [fold[:3] for fold in folds])
         found[set_name] = {name: outcome(answers, folds) for name, answers in fitted.items()}
@@ -114,8 +114,7 @@ def accuracy(sets, peers):
 def summary(title, names, found):
     """Mean ranks of the mean R2, 1 the best; fit time as ratio to ours, median and quartiles of the folds, geometric means over sets."""
     means = np.array([[np.mean(result.scores) for result in row.values()] for row in found.values()])
-    times = [Turns({name: result.seconds for name, result in row.items()}) for row in found.values()]
-    ratios = np.array([[one.ratio(name, OURS) for name in names] for one in times])  # (n_set, n_learner, 3)
+    ratios = np.array([[ratio_of(row[name].seconds, row[OURS].seconds) for name in names] for row in found.values()])
     formula = np.array([name not in NO_FORMULA for name in names])
     overall = rankdata(-means, axis=1).mean(axis=0)
     among = np.full(len(names), np.nan)

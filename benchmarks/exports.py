@@ -18,7 +18,7 @@ from polydraulic.export.c.network import polynomial
 from polydraulic.networks import Variable
 from polydraulic.networks.model.slopes import model_slopes
 from polydraulic.thesis.single_link import fit_full_box
-from polydraulic.thesis.timing import in_turn
+from polydraulic.thesis.timing import paired_times
 from show import left_out, show
 
 N, REPEATS = 1000, 200
@@ -97,7 +97,7 @@ def main():
             assert np.isclose(total(which_one, where, N, 1), expected, rtol=1e-9), LABELS[which_one]
         calls = {name: lambda k=k: total(k, where, N, REPEATS) for k, name in enumerate(LABELS)}
         title = f"{len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients: a point"
-        show(title, in_turn(calls).per(N * REPEATS), "ns")
+        show(title, paired_times(calls), "ns", per=N * REPEATS)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.flow.sample import sample_flow
 from polydraulic.parameters.schema import LINKS
-from polydraulic.thesis.timing import TURNS, time_runs
+from polydraulic.thesis.timing import PAIRS, time_runs
 from show import table
 
 SCENARIOS = ("sine", "step", "pulse", "task")
@@ -84,16 +84,11 @@ def main():
             rows.append([name, *errors, f"{table_bytes(model) / 1e6:.3g}"])
     header = ["flow model", *LINKS, "arrays, MB"]
     table("Error of the input flow over random spools and pressures, rms / largest, % of the pump's flow", header, rows)
-    times = {}
-    for name in ("sine", "task"):
-        scenario = load_scenario(name)
-        times[name] = time_runs(machine, models, scenario).per(round(scenario.duration / 5e-3))
-    rows = [
-        [name, *(str(turns.ratio(name, "exact")) for turns in times.values())] for name in models if name != "exact"
-    ]
-    table(f"CPU time of a step, ratio to exact, median and quartiles of {TURNS} turns", ["flow model", *times], rows)
-    for name, turns in times.items():
-        print(f"\nexact, {name}: {turns.median('exact') * 1e9:.0f} ns a step")
+    times = {name: time_runs(machine, models, load_scenario(name), base="exact") for name in ("sine", "task")}
+    rows = [[name, *(str(found[name].ratio) for found in times.values())] for name in models if name != "exact"]
+    table(f"CPU time of a step, ratio to exact, median and quartiles of {PAIRS} pairs", ["flow model", *times], rows)
+    for name, found in times.items():
+        print(f"\nexact, {name}: {found['exact'].seconds / 2600 * 1e9:.0f} ns a step")
     torque_limit(machine)
 
 

@@ -26,10 +26,10 @@ from polydraulic.simulation.batch.batch import _processors
 from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.simulation.step import seen_pressures
-from polydraulic.thesis.timing import Ratio, in_turn
+from polydraulic.thesis.timing import Ratio, paired_ratio, paired_times
 from show import show
 
-PER_PROCESSOR = 1024
+MACHINES, PER_PROCESSOR = 256, 1024  # of a batch whose CPU time, or whose elapsed time, counts
 OPERATIONS = {
     "division": "div",
     "square root": "sqrt",
@@ -88,15 +88,16 @@ def scalar_flows(model, memory, rows):
     return total
 
 
-def throughput(body, wide):
-    """Nanoseconds an operation, 16 of them a value, on values that do not depend on each other."""
+def throughput(body, wide, step, n_step):
+    """Time of an operation, 16 of them a value, on values that do not depend on each other; ratio to a scalar step."""
     names = {"sqrt": sqrt}
     stay = "" if wide else "            if x < 0.0: return 1\n"  # a way out of the loop keeps it scalar
     text = "def loop(values, c, n):\n    for _ in range(n):\n        for i in range(128):\n            x = values[i]\n"
     exec(text + stay + f"            x = {body}\n" * 16 + "            values[i] = x\n    return 0\n", names)
     loop, values = fresh(names["loop"]), np.full(128, 1.5)
-    turns = in_turn({"loop": lambda: loop(values, 1.0000001, 2000)}, turns=9)
-    return turns.per(2000 * 128 * 16).median("loop") * 1e9
+    work = {"step": n_step, "operation": 500 * 128 * 16}
+    calls = {"step": step, "operation": lambda: loop(values, 1.0000001, 500)}
+    return paired_times(calls, work=work)["operation"]
 
 
 def compiled_step(model, plant, rows):
@@ -130,23 +131,25 @@ def compiled_step(model, plant, rows):
     return whole.inspect_asm(whole.signatures[0])
 
 
-def limits(assembly):
-    """Nanoseconds that the operations of a step take one by one and in lanes, if nothing else took time."""
+def limits(assembly, step, n_step, lane_step):
+    """How far steps are from what their operations take one by one and in lanes, if nothing else took time."""
     bodies = ("c / x", "sqrt(x)", "c * x", "c + x")
     width = 8 if "zmm" in assembly else 4
     print(f"\noperations of a step, in vectors of {width}, and their throughput")
-    table = {}
+    busy = {}
     for (name, code), body in zip(OPERATIONS.items(), bodies, strict=True):
         count = len(re.findall(rf"\tv{code}pd\t", assembly))
-        one, many = throughput(body, False), throughput(body, True)
-        table[name] = np.array([count * one, count * many])
-        print(f"  {name:24s} {count:5d}   one by one {one:6.3f} ns, in vectors {many:6.3f} ns a value")
-    divider = table["division"] + table["square root"]
-    products, sums = table["product"], table["sum, minimum, maximum"]
+        one, many = (throughput(body, wide, step, n_step) for wide in (False, True))
+        busy[name] = count * np.array([one.ratio.median, many.ratio.median])
+        times = f"one by one {one.seconds * 1e9:6.3f} ns, in vectors {many.seconds * 1e9:6.3f} ns a value"
+        print(f"  {name:24s} {count:5d}   {times}")
+    divider = busy["division"] + busy["square root"]
+    products, sums = busy["product"], busy["sum, minimum, maximum"]
     for name, (one, many) in (("divider, for roots too", divider), ("products", products), ("sums", sums)):
-        print(f"  {name:24s} busy {one:4.0f} ns a step one by one, {many:5.1f} ns in lanes")
+        print(f"  {name:24s} busy {one:4.0%} of a scalar step one by one, {many / lane_step:4.0%} of a step in lanes")
     # the units work side by side, so that the busiest sets the limit
-    return np.max([divider, products, sums], axis=0)
+    least, least_lanes = np.max([divider, products, sums], axis=0)
+    print(f"  a scalar step takes {1.0 / least:.2f} times its limit, one in lanes {lane_step / least_lanes:.2f} times")
 
 
 def one_block(machine, scenario):
@@ -171,63 +174,69 @@ def steps(machine, name):
     n_step = len(arranged.voltage)
     every = arrange(machine, "exact", scenario)
     run(*every)
+    states = np.ascontiguousarray(every.rows[:, :9])  # few bytes, since a step reads none
     model, plant, start = one_block(machine, scenario)
-    voltage = arranged.voltage[None] * np.linspace(0.7, 1.3, PER_PROCESSOR)[:, None, None]
+    voltage = arranged.voltage[None] * np.linspace(0.7, 1.3, MACHINES)[:, None, None]
     n_lane = 500
 
     def repeated(loop):
         rows = start.ravel().copy()
         loop(model, plant, rows, n_lane)
 
-    scalar, batch = "scalar step", f"simulate_batch, {PER_PROCESSOR} machines, 1 thread"
+    scalar, batch = "scalar step", f"simulate_batch, {MACHINES} machines, 1 thread"
     alone, staged, rest = "scalar flow model alone", "stages in lanes", "the same without the flow model"
     calls = {
         scalar: lambda: run(*arranged),
-        alone: lambda: scalar_flows(every.model, every.memory, every.rows),
+        alone: lambda: scalar_flows(every.model, every.memory, states),
         staged: lambda: repeated(lane_steps),
         rest: lambda: repeated(lane_rest),
         batch: lambda: simulate_batch(machine, "exact", voltage, threads=1),
     }
     work = {
         scalar: n_step,
-        alone: len(every.rows),
+        alone: len(states),
         staged: n_lane * LANES,
         rest: n_lane * LANES,
-        batch: n_step * PER_PROCESSOR,
+        batch: n_step * MACHINES,
     }
-    turns = in_turn(calls, turns=15, clock=process_time).per(work)  # the batch works in a thread of its own
-    faster = {name: f"scalar / this {turns.ratio(scalar, name)}" for name in (staged, rest, batch)}
+    # processor time of the process, since the batch works in a thread of its own
+    times = paired_times(calls, pairs=15, clock=process_time, work=work)
+    notes = {one: f"scalar / this {1.0 / times[one].ratio.median:6.2f}" for one in (staged, rest, batch)}
     limit = "on" if machine.pumps.torque_limit_enabled else "off"
-    show(f"{name}, exact flow, torque limit {limit}: a step", turns, "ns", notes=faster)
-    without = turns.ratio(rest, staged)
+    show(f"{name}, exact flow, torque limit {limit}: a step", times, "ns", notes=notes)
+    without = paired_ratio(calls[rest], calls[staged], pairs=15)
     lane_share = Ratio(1.0 - without.median, 1.0 - without.high, 1.0 - without.low)
-    print(f"  share of the flow model: scalar {turns.ratio(alone, scalar)}, lanes {lane_share}")
-    return turns.median(scalar) * 1e9, turns.median(staged) * 1e9
+    print(f"  share of the flow model: scalar {times[alone].ratio}, lanes {lane_share}")
+    return calls[scalar], n_step, times[staged].ratio.median
 
 
 def threads(machine):
-    """One machine, and many on one and all processors, in elapsed time, which neighbours on the same processors disturb."""
+    """One machine after another, and many on one and on all processors, in elapsed time.
+
+    All calls are about as long, so that other programs take about as much of each.
+    """
     scenario, n = load_scenario("task"), _processors()
     arranged = arrange(machine, "exact", scenario, every=10**6)
     voltage = arranged.voltage[None] * np.linspace(0.7, 1.3, n * PER_PROCESSOR)[:, None, None]
-    calls = {"simulate, one machine": lambda: run(*arranged)}
+    runs = len(voltage) // 3
+    calls = {"simulate, one machine": lambda: [run(*arranged) for _ in range(runs)]}
     for count in sorted({1, n}):
         calls[f"simulate_batch, {len(voltage)} machines, {count} threads"] = lambda count=count: simulate_batch(
             machine, "exact", voltage, threads=count
         )
-    turns = in_turn(calls, turns=9, clock=perf_counter)
-    work = {name: len(arranged.voltage) * (1 if "one" in name else len(voltage)) for name in calls}
-    show(f"elapsed time of a step of a machine, {n} processors", turns.per(work), "ns")
+    work = {name: len(arranged.voltage) * (runs if "one" in name else len(voltage)) for name in calls}
+    times = paired_times(calls, pairs=7, clock=perf_counter, work=work)
+    show(f"elapsed time of a step of a machine, {n} processors", times, "ns")
 
 
 def main():
     machine = load_machine("cat215b")
     limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
-    measured = {name: steps(machine, name) for name in ("sine", "task", "step")}
+    for name in ("sine", "step"):
+        steps(machine, name)
+    measured = steps(machine, "task")
     model, plant, rows = one_block(machine, load_scenario("task"))
-    least_scalar, least_lanes = limits(compiled_step(model, plant, rows.ravel()))
-    for name, (scalar, lane) in measured.items():
-        print(f"  {name:6s} scalar {scalar / least_scalar:5.2f} times its limit, lanes {lane / least_lanes:5.2f} times")
+    limits(compiled_step(model, plant, rows.ravel()), *measured)
     for name in ("sine", "step"):
         steps(limited, name)
     threads(machine)

@@ -11,6 +11,7 @@ import resource
 import subprocess
 import tempfile
 import warnings
+from functools import partial
 from pathlib import Path
 from shutil import which
 
@@ -28,7 +29,7 @@ from polydraulic.networks.growth.moments import moments
 from polydraulic.networks.growth.scoring import squared_errors
 from polydraulic.networks.model.compiled import compiled
 from polydraulic.networks.model.nodes import DOUBLE, TRIPLE, design
-from polydraulic.thesis.timing import in_turn, timed
+from polydraulic.thesis.timing import paired_ratio, paired_times, timed
 from show import left_out, show
 
 FLOPS = 53  # useful operations a row and Triple: its moments that no pair of variables has
@@ -39,7 +40,6 @@ def scoring(n_row, n=60, sample=12, side=1500):
     v, t, a = rng.normal(size=(n_row, n)), rng.normal(size=n_row), rng.normal(size=(side, side))
     doubles = np.array([(i, j) for i in range(n) for j in range(i)])
     triples = np.array([(i, j, k) for i in range(n) for j in range(i) for k in range(j)])
-    count, useful = len(doubles) + len(triples), FLOPS * n_row * len(triples)
 
     def scored():
         m = moments(v, t)
@@ -48,17 +48,15 @@ def scoring(n_row, n=60, sample=12, side=1500):
     def one_by_one():
         return [np.linalg.lstsq(design(TRIPLE, v[:, i]), t) for i in triples[:: len(triples) // sample][:sample]]
 
-    calls = {"scoring": scored, "moments": lambda: moments(v, t), "product": lambda: a @ a, "lstsq": one_by_one}
-    turns = in_turn(calls, turns=5)
-    operations = turns.per({"scoring": useful, "moments": useful, "product": 2.0 * side**3, "lstsq": sample})
-    candidates = turns.per({"scoring": count, "moments": count, "product": 1.0, "lstsq": sample})
-    print(f"\nscoring {count} candidates, {n} inputs, {n_row} rows; ratios with quartiles of 5 turns")
-    print(f"  {turns.median('scoring'):.3f} s, of which moments {turns.median('moments'):.3f} s")
-    print(f"  useful operations, as a share of the DGEMM rate: {operations.ratio('product', 'scoring')}", end="; ")
-    print(f"moments alone: {operations.ratio('product', 'moments')}")
+    count = len(doubles) + len(triples)
+    share = FLOPS * n_row * len(triples) / (2.0 * side**3)  # useful operations of a scoring over those of a product
+    useful, alone = (paired_ratio(lambda: a @ a, call, pairs=7) for call in (scored, lambda: moments(v, t)))
+    lstsq = paired_ratio(one_by_one, scored, pairs=7)
+    print(f"\nscoring {count} candidates, {n} inputs, {n_row} rows; ratios with quartiles of 7 pairs")
     print(
-        f"  a candidate by numpy's lstsq ({sample} tried), in times of scoring: {candidates.ratio('lstsq', 'scoring')}"
+        f"  useful operations, as a share of the DGEMM rate: {useful.times(share)}; moments alone: {alone.times(share)}"
     )
+    print(f"  a candidate by numpy's lstsq ({sample} tried), in times of scoring: {lstsq.times(count / sample)}")
 
 
 def fitting(quick):
@@ -69,7 +67,7 @@ def fitting(quick):
         f"{OURS}, refine=False": AbductiveRegressor(refine=False),
     }
     calls = {name: (lambda model=model: model.fit(X, y)) for name, model in learners.items()}
-    show("fitting friedman1, 1000 rows, 10 inputs", in_turn(calls, turns=11), "ms")
+    show("fitting friedman1, 1000 rows, 10 inputs", paired_times(calls, pairs=11), "ms")
     if quick:
         return
     rng = np.random.default_rng(0)
@@ -111,7 +109,7 @@ __attribute__((flatten)) int columns(const double *restrict x, long n, double *r
 
 
 def in_c(model, rows, folder):
-    """Calls of the exported C over all rows, each with the array that it fills."""
+    """Calls of the exported C over all rows, each of which returns a new array, as `Model.predict` does."""
     (name,) = (path.stem for path in export_c([model], folder) if path.suffix == ".c")
     assert len(model.networks) == 1  # value_0_0 is all of it
     n, columns = len(model.inputs), np.ascontiguousarray(rows.T)
@@ -124,10 +122,14 @@ def in_c(model, rows, folder):
     ):
         library = Path(folder) / f"{entry}.so"
         subprocess.run(["gcc", *flags, *STRICT, "loops.c", "-o", library, "-lm"], check=True, cwd=folder)
-        function, out = getattr(ctypes.CDLL(str(library)), entry), np.empty(len(rows))
-        arguments = ctypes.c_void_p(x.ctypes.data), ctypes.c_long(len(rows)), ctypes.c_void_p(out.ctypes.data)
-        calls[label] = (lambda function=function, arguments=arguments, x=x: function(*arguments), out)
+        calls[label] = partial(into_new_array, getattr(ctypes.CDLL(str(library)), entry), x, len(rows))
     return calls
+
+
+def into_new_array(function, x, n):
+    y = np.empty(n)
+    function(ctypes.c_void_p(x.ctypes.data), ctypes.c_long(n), ctypes.c_void_p(y.ctypes.data))
+    return y
 
 
 def evaluation(n_row=20_000):
@@ -143,11 +145,11 @@ def evaluation(n_row=20_000):
         with tempfile.TemporaryDirectory() as folder:
             peers = in_c(model, rows, folder) if which("gcc") else {}
             calls = {"Model.predict": lambda model=model: model.predict(rows)}
-            turns = in_turn(calls | {label: call for label, (call, _) in peers.items()})
-        for label, (_, found) in peers.items():
-            assert np.array_equal(found, model.predict(rows)), f"{model.output}: {label} and Model.predict differ"
+        for label, call in peers.items():
+            assert np.array_equal(call(), model.predict(rows)), f"{model.output}: {label} and Model.predict differ"
+        times = paired_times(calls | peers, pairs=201)
         title = f"{model.output}: {len(model.networks[0].nodes)} nodes, {model.n_coefficients} coefficients"
-        show(f"{title}, {n_row} rows, bits equal: each row", turns.per(n_row), "ns")
+        show(f"{title}, {n_row} rows, bits equal: each row", times, "ns", per=n_row)
     one_row(models["network"], AbductiveRegressor().fit(X, y), rows[:1].copy())
 
 
@@ -161,7 +163,7 @@ def one_row(model, learner, one, times=200):
         "compiled(model)": lambda: [function(single) for _ in range(times)],
         "source of to_python": lambda: [place["formula"](*values) for _ in range(times)],
     }
-    show("one row, asked from Python", in_turn(calls).per(times), "us")
+    show("one row, asked from Python", paired_times(calls), "us", per=times)
 
 
 def main():

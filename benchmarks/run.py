@@ -13,13 +13,8 @@ from polydraulic import AbductiveRegressor, build_flow, load_machine, load_scena
 from polydraulic.networks.growth.moments import moments
 from polydraulic.networks.growth.scoring import squared_errors
 from polydraulic.networks.model.nodes import TRIPLE, design
-from polydraulic.thesis.timing import in_turn, time_runs
+from polydraulic.thesis.timing import paired_times, time_runs
 from show import show
-
-
-def each_step(machine, models, scenario):
-    """Times of one step of 5 ms."""
-    return time_runs(machine, models, scenario).per(round(scenario.duration / 5e-3))
 
 
 def steps():
@@ -30,7 +25,7 @@ def steps():
         "iterative, eps 0.001": build_flow("iterative", machine, eps=0.001),
         "polynomial, shipped networks": build_flow("polynomial", machine),
     }
-    show("one step, boom alone", each_step(machine, models, scenario), "ns")
+    show("one step, boom alone", time_runs(machine, models, scenario), "ns", per=2000)
     limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
     models = {
         "exact": build_flow("exact", machine),
@@ -43,7 +38,7 @@ def steps():
         "tlm, 4 substeps": build_flow("tlm", machine),
     }
     for name in ("sine", "task"):
-        show(f"one step of all three links, {name}", each_step(machine, models, load_scenario(name)), "ns")
+        show(f"one step of all three links, {name}", time_runs(machine, models, load_scenario(name)), "ns", per=2600)
 
 
 def scoring():
@@ -56,7 +51,7 @@ def scoring():
             np.linalg.lstsq(design(TRIPLE, v[:, inputs]), t)
 
     calls = {"moments": lambda: squared_errors(moments(v, t), TRIPLE, triples), "least squares, one by one": one_by_one}
-    show(f"scoring {len(triples)} triples on 4000 rows", in_turn(calls, turns=7), "ms")
+    show(f"scoring {len(triples)} triples on 4000 rows", paired_times(calls, pairs=7), "ms")
 
 
 def fitting():
@@ -71,7 +66,7 @@ def fitting():
         "full cubic polynomial": make_pipeline(StandardScaler(), PolynomialFeatures(3), LinearRegression()),
     }
     calls = {name: (lambda model=model: model.fit(X[train], y[train])) for name, model in learners.items()}
-    show("fitting friedman1 with noise 1, 2000 rows", in_turn(calls, turns=7), "ms")
+    show("fitting friedman1 with noise 1, 2000 rows", paired_times(calls, pairs=7), "ms")
     for name, model in learners.items():
         print(f"  {name:34s} R2 on 2000 other rows {model.score(X[test], y[test]):.4f}")
 

@@ -1,16 +1,16 @@
-"""What all benchmarks print alike: times of calls in turn with their ratios, Markdown tables, and peers that are left out."""
+"""What all benchmarks print alike: times with their ratios, Markdown tables, and peers that are left out."""
+
+SCALES = {"ns": 1e9, "us": 1e6, "ms": 1e3}
 
 
-def show(title, turns, unit, *, base=None, notes=None):
-    """Median times and the ratios to `base`, by default the first; `notes` holds what follows on a line."""
-    scale = {"ns": 1e9, "us": 1e6, "ms": 1e3}[unit]
-    base = base or next(iter(turns.seconds))
-    width = max(34, *(len(name) for name in turns.seconds))
+def show(title, times, unit, *, per=1, notes=None):
+    """Median times of one of `per` units of work, and their ratios; `notes` holds what follows on a line."""
+    width = max(34, *(len(name) for name in times))
     print(f"\n{title}\n  {'':{width}s} {'median':>12s}      ratio (quartiles)")
-    for name in turns.seconds:
-        ratio = "1" if name == base else str(turns.ratio(name, base))
+    for name, (seconds, ratio) in times.items():
+        text = "1" if ratio.low == ratio.high == 1.0 else str(ratio)
         line = (
-            f"  {name:{width}s} {turns.median(name) * scale:12.3f} {unit}   {ratio:24s} {(notes or {}).get(name, '')}"
+            f"  {name:{width}s} {seconds / per * SCALES[unit]:12.3f} {unit}   {text:24s} {(notes or {}).get(name, '')}"
         )
         print(line.rstrip(), flush=True)
 

@@ -11,9 +11,7 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.tables import Table, began, read_table, shown_column, shown_table, write_table
 from polydraulic.thesis.printed_units import in_field_units
-from polydraulic.units import to_si
-
-PSI = to_si(1.0, "psi")
+from polydraulic.unit_table import PSI
 
 TABLE = Table({"t": np.array([0.0, 0.1, 1 / 3]), "p x": np.array([1e-300, -2.0, 3e200])}, {"t": "s"}, {"n": 3})
 

@@ -65,7 +65,7 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     code, out, _ = call("check m.json")
     assert code == 0
     assert "note: dynamic, a function of lagged values: u" in out
-    assert re.search(r"by y\[t-1\] \[Pa\] ", out)
+    assert re.search(r"by y\[t-1\] \[bar\] ", out)
     code, out, _ = call("export m.json --to python --out m.py")
     assert code == 0
     assert "shifts them from row to row, and lets the output change from the last one y by -" in out

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, Table, write_table
-from polydraulic.identification.arguments import check_columns, steps_of, table_of
+from polydraulic.identification.arguments import check_columns, table_of
 
 
 def test_a_table_and_its_file_are_the_same_with_another_name(tmp_path):
@@ -32,11 +32,3 @@ def test_columns_that_cannot_be_learnt_are_named():
         check_columns(table, ["b"], ["a"])
     with pytest.raises(InputError, match="it needs no model"):
         check_columns(table, ["a"], ["b"])
-
-
-def test_progress_tells_how_much_is_done_when_a_step_begins():
-    told = []
-    begin = steps_of(lambda *what: told.append(what), 2)
-    begin("grow")
-    begin("judge")
-    assert told == [("grow", 0, 2), ("judge", 1, 2)]

@@ -16,7 +16,7 @@ from polydraulic.identification.machine_judging import held_out, one_sided
 from polydraulic.identification.machine_log import Known, as_judged, by_port, judging_rows
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
-from polydraulic.units import CUBIC_INCH
+from polydraulic.unit_table import CUBIC_INCH
 
 OUTPUTS = ["boom.q_in", "swing.q_in", "stick.q_in", "swing.k_out", "boom.k_out", "stick.k_out"]
 

@@ -169,22 +169,34 @@ PRESSURES = {
 @pytest.mark.parametrize("unit", PRESSURES)
 def test_gauge_and_absolute_pressures_of_logs(tmp_path, unit):
     factor, absolute = PRESSURES[unit]
-    pascal = healthy()["p_head"] * 1e5
-    columns = {**healthy(), "p_head": pascal / factor}
-    free = re.sub(r"range = \[5, 250\]\n", "", MAP).replace('"bar"', f'"{unit}"')
+    log = healthy(n=500)
+    columns = {**log, "p_head": log["p_head"] * 1e5 / factor}
+    free = re.sub(r"range = \[.*\]\n", "", MAP).replace('"bar"', f'"{unit}"')
     for stated, atmosphere in (("", 101325.0), ('atmosphere = "0.95 bar"\n', 95000.0)):
         found = imported(tmp_path, columns, stated + free, units={**UNITS, "p_head": unit})
-        assert [f.kind for f in found.findings] == (["atmosphere"] if absolute and not stated else [])
-        assert all("1.01325 bar were taken from" in str(f) for f in found.findings)
-        above = atmosphere if absolute else 0.0
-        assert found.excerpt["boom.p_a"] == pytest.approx(pascal[:3999] - above, rel=1e-9)
-        assert found.shown["boom.p_a"].from_si(found.excerpt["boom.p_a"][:5]) == pytest.approx(
-            columns["p_head"][:5], rel=1e-9
-        )
-        write_quality(found, tmp_path / "quality.html")
-        page, data = (tmp_path / "quality.html").read_text(), json.loads((tmp_path / "quality.json").read_text())
-        assert data["atmosphere_Pa"] == (atmosphere if absolute else None)
-        assert (f"{atmosphere / 1e5:g} bar were taken from absolute ones" in page) == absolute
+        named = [f for f in found.findings if f.channel == "p_head"]
+        assert [f.kind for f in named] == (["atmosphere"] if absolute and not stated else [])
+        assert all("1.01325 bar were taken from" in str(f) for f in named)
+        gauge = found.excerpt["boom.p_a"]
+        assert gauge == pytest.approx(log["p_head"][:-1] * 1e5 - (atmosphere if absolute else 0.0), rel=1e-9)
+        back = found.channels.conversion(found.channels.used[1])
+        assert back.from_si(gauge) == pytest.approx(columns["p_head"][:-1], rel=1e-9)
+
+
+@pytest.mark.parametrize(("unit", "stated", "taken", "why"), [
+    ("bar", "", None, ""),
+    ("bar(a)", "", 101325.0, "1.01325 bar were taken from absolute ones (the standard atmosphere)"),
+    ("bar(a)", 'atmosphere = "0.95 bar"\n', 95000.0, "0.95 bar were taken from absolute ones (as the map says)"),
+])  # fmt: skip
+def test_the_report_names_the_atmosphere(tmp_path, unit, stated, taken, why):
+    found = imported(
+        tmp_path, healthy(n=500), stated + MAP.replace('"bar"', f'"{unit}"'), units={**UNITS, "p_head": unit}
+    )
+    write_quality(found, tmp_path / "quality.html")
+    assert json.loads((tmp_path / "quality.json").read_text())["atmosphere_Pa"] == taken
+    page = (tmp_path / "quality.html").read_text()
+    assert why in page
+    assert ("were taken from absolute ones" in page) == (taken is not None)
 
 
 def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):

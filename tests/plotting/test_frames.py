@@ -3,9 +3,7 @@ import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.plotting.frames import frames_of
-from polydraulic.units import to_si
-
-PSI = to_si(1.0, "psi")
+from polydraulic.unit_table import PSI
 
 
 def test_frames_lie_on_their_raster_and_between_rows(whole):

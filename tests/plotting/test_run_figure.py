@@ -7,9 +7,7 @@ from polydraulic.errors import InputError
 from polydraulic.plotting.run_figure import plot_run
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
-from polydraulic.units import to_si
-
-PSI = to_si(1.0, "psi")
+from polydraulic.unit_table import PSI
 
 QUANTITIES = ["joystick [V]", "spool [mm]", "flow [l/min]", "pressure [bar]", "angle [deg]"]
 

@@ -1,16 +1,27 @@
 """Ratios of run times on a clock of our own, with load on the machine whenever a test wants it."""
 
+import json
+
 import pytest
 
 from polydraulic import build_flow, load_scenario
 from polydraulic.thesis import timing
-from polydraulic.thesis.timing import Ratio, Turns, in_turn, time_runs, timed
+from polydraulic.thesis.timing import (
+    Ratio,
+    Time,
+    paired_ratio,
+    paired_times,
+    ratio_of,
+    restored,
+    time_runs,
+    timed,
+)
 
 
 class Clock:
-    """Seconds that pass only while something works, slower under load: `load(turn, name)` says how much."""
+    """Seconds that pass only while something works: `load(n, name)` times as many in the n-th call of `name`."""
 
-    def __init__(self, load=lambda turn, name: 1.0):
+    def __init__(self, load=lambda n, name: 1.0):
         self.now, self.load, self.made = 0.0, load, []
 
     def __call__(self):
@@ -18,60 +29,80 @@ class Clock:
 
     def call(self, name, seconds):
         def work():
-            turn = self.made.count(name)
+            n = self.made.count(name)  # pair 0 is the one that does not count
             self.made.append(name)
-            self.now += seconds * self.load(turn, name)  # the turn that does not count is turn 0
+            self.now += seconds * self.load(n, name)
             return name
 
         return work
 
 
-def timed_pair(load, turns=31):
+def ratio_under(load, pairs=31):
+    """Of a call b that takes 1.7 s to a call a that takes 1 s."""
     clock = Clock(load)
-    return in_turn({"a": clock.call("a", 1.0), "b": clock.call("b", 1.7)}, turns=turns, clock=clock)
+    return paired_ratio(clock.call("b", 1.7), clock.call("a", 1.0), pairs=pairs, clock=clock)
 
 
-def test_calls_take_turns_and_the_first_does_not_count():
-    clock = Clock(lambda turn, name: 1000.0 if turn == 0 else 1.0)
-    found = in_turn({"a": clock.call("a", 1.0), "b": clock.call("b", 1.7)}, turns=3, clock=clock)
-    assert clock.made == ["a", "b"] * 4
-    assert found.seconds == {"a": pytest.approx([1.0] * 3), "b": pytest.approx([1.7] * 3)}
-    assert found.ratio("b", "a") == pytest.approx((1.7, 1.7, 1.7))
-    assert found.ratio("a", "b").median == pytest.approx(1.0 / 1.7)
+def test_calls_alternate_with_the_base_and_the_first_pair_does_not_count():
+    # slow: b and c when they are first called, and a each time that it meets a new partner
+    clock = Clock(lambda n, name: 1000.0 if (name, n) in (("a", 0), ("a", 3), ("b", 0), ("c", 0)) else 1.0)
+    calls = {"a": clock.call("a", 1.0), "b": clock.call("b", 1.7), "c": clock.call("c", 0.5)}
+    found = paired_times(calls, pairs=2, clock=clock)
+    assert "".join(clock.made) == "ababab" + "acacac"
+    assert list(found) == ["a", "b", "c"]
+    assert [time.seconds for time in found.values()] == pytest.approx([1.0, 1.7, 0.5])
+    assert [time.ratio.median for time in found.values()] == pytest.approx([1.0, 1.7, 0.5])
 
 
-def test_a_burst_disturbs_pairs_and_leaves_the_ratio():
-    def burst(turn, name):  # begins between a and b of turn 8, ends between a and b of turn 15
-        return 3.0 if (8, "b") <= (turn, name) <= (15, "a") else 1.0
+def test_any_call_may_be_the_base():
+    clock = Clock()
+    calls = {"a": clock.call("a", 1.0), "b": clock.call("b", 1.7)}
+    found = paired_times(calls, base="b", pairs=3, clock=clock)
+    assert "".join(clock.made) == "babababa"
+    assert found["a"].ratio == pytest.approx((1.0 / 1.7,) * 3)
+    assert found["b"].ratio == Ratio(1.0, 1.0, 1.0)
 
-    found = timed_pair(burst)
-    assert sorted(b / a for a, b in zip(*found.seconds.values(), strict=True))[::30] == pytest.approx([1.7 / 3, 5.1])
-    assert found.ratio("b", "a") == pytest.approx((1.7, 1.7, 1.7))
+
+def test_the_ratio_of_an_idle_machine():
+    assert ratio_under(lambda n, name: 1.0) == pytest.approx((1.7, 1.7, 1.7))
+
+
+def test_a_burst_that_splits_pairs_leaves_the_ratio():
+    seen = []
+
+    def burst(n, name):  # from between a and b of pair 8 to between a and b of pair 15
+        seen.append(3.0 if (8, "b") <= (n, name) <= (15, "a") else 1.0)
+        return seen[-1]
+
+    assert ratio_under(burst) == pytest.approx((1.7, 1.7, 1.7))
+    split = [(a, b) for a, b in zip(seen[::2], seen[1::2], strict=True) if a != b]
+    assert split == [(1.0, 3.0), (3.0, 1.0)]
 
 
 def test_load_that_comes_halfway_does_not_triple_the_ratio():
-    found = timed_pair(lambda turn, name: 3.0 if (turn, name) >= (16, "b") else 1.0)
-    assert found.median("b") / found.median("a") == pytest.approx(5.1)  # what medians by themselves make of it
-    assert found.ratio("b", "a").median == pytest.approx(1.7)
+    # medians of a and of b by themselves would be 1 s and 5.1 s
+    assert ratio_under(lambda n, name: 3.0 if (n, name) >= (16, "b") else 1.0) == pytest.approx((1.7, 1.7, 1.7))
 
 
 def test_a_machine_that_slows_down_all_the_time_leaves_the_ratio():
-    found = timed_pair(lambda turn, name: 1.1**turn)
-    assert found.median("a") == pytest.approx(1.1**16)
-    assert found.ratio("b", "a") == pytest.approx((1.7, 1.7, 1.7))
+    assert ratio_under(lambda n, name: 1.1**n) == pytest.approx((1.7, 1.7, 1.7))
 
 
 def test_quartiles_show_that_pairs_are_disturbed():
-    found = timed_pair(lambda turn, name: 2.0 if (name, turn % 3) in (("b", 0), ("a", 1)) else 1.0, turns=30)
-    assert found.ratio("b", "a") == pytest.approx((1.7, 0.85, 3.4))
+    found = ratio_under(lambda n, name: 2.0 if (name, n % 3) in (("b", 0), ("a", 1)) else 1.0, pairs=30)
+    assert found == pytest.approx((1.7, 0.85, 3.4))
 
 
-def test_times_of_a_unit_of_work():
-    found = Turns({"a": [2.0, 4.0, 6.0], "b": [30.0, 10.0, 20.0]})
-    assert found.per(2.0).seconds == {"a": [1.0, 2.0, 3.0], "b": [15.0, 5.0, 10.0]}
-    each = found.per({"a": 2.0, "b": 10.0})
-    assert (each.median("a"), each.median("b")) == (2.0, 2.0)
-    assert each.ratio("b", "a").median == pytest.approx(2.0 / 3.0)
+def test_times_and_ratios_of_a_unit_of_work():
+    clock = Clock()
+    calls = {"a": clock.call("a", 10.0), "b": clock.call("b", 34.0)}
+    found = paired_times(calls, pairs=3, clock=clock, work={"a": 5.0, "b": 10.0})
+    assert [time.seconds for time in found.values()] == pytest.approx([2.0, 3.4])
+    assert found["b"].ratio.median == pytest.approx(1.7)
+
+
+def test_ratios_of_what_was_measured_elsewhere():
+    assert ratio_of([2.0, 9.0, 4.0], [1.0, 3.0, 1.0]) == pytest.approx((3.0, 2.5, 3.5))
 
 
 def test_one_long_call_gives_its_result_and_its_seconds():
@@ -85,18 +116,26 @@ def test_one_long_call_gives_its_result_and_its_seconds():
         (Ratio(1.694, 1.66, 1.7449), "1.69 (1.66 to 1.74)"),
         (Ratio(0.0153, 0.01, 0.02), "0.0153 (0.0100 to 0.0200)"),
         (Ratio(990.0, 101.4, 1234.5), "990 (101 to 1234)"),
+        (Ratio(5.0, 4.0, 6.0).times(0.1), "0.500 (0.400 to 0.600)"),
     ],
 )
 def test_ratios_are_printed_with_three_digits_and_their_quartiles(ratio, text):
     assert str(ratio) == text
 
 
-def test_runs_of_a_scenario_take_turns(machine, monkeypatch):
+def test_times_go_through_json():
+    times = {"a": Time(0.25, Ratio(1.0, 1.0, 1.0)), "b": Time(0.5, Ratio(2.0, 1.9, 2.1))}
+    again = restored(json.loads(json.dumps(times)))
+    assert again == times
+    assert str(again["b"].ratio) == "2.00 (1.90 to 2.10)"
+
+
+def test_runs_of_a_scenario_alternate(machine, monkeypatch):
     made = []
     monkeypatch.setattr(
         timing, "run", lambda model, memory, plant, x0, voltage, *others: made.append((model, len(voltage)))
     )
-    models = {"exact": build_flow("exact", machine), "iterative": build_flow("iterative", machine)}
-    found = time_runs(machine, models, load_scenario("sine"), turns=2)
-    assert made == [(model, 2600) for model in models.values()] * 3
-    assert {name: len(values) for name, values in found.seconds.items()} == {"exact": 2, "iterative": 2}
+    models = {name: build_flow(name, machine) for name in ("iterative", "exact")}
+    found = time_runs(machine, models, load_scenario("sine"), base="exact", pairs=2)
+    assert made == [(models["exact"], 2600), (models["iterative"], 2600)] * 3
+    assert list(found) == ["iterative", "exact"]

@@ -33,21 +33,21 @@ class Quantity:
         return isfinite(value) and self.low <= value <= self.high and value > self.above
 
 
-class Leaf(NamedTuple):
+class LeafKind(NamedTuple):
     """A value of a parameter tree: a quantity, `size` of them, or a switch."""
 
     quantity: Quantity | None
     size: int = 0  # 0: a single number
 
 
-def leaf_of(hint: Any) -> Leaf | None:
+def leaf_of(hint: Any) -> LeafKind | None:
     """What an annotation of the schema says of a value; None where it is a tree."""
     if hint is bool:
-        return Leaf(None)
+        return LeafKind(None)
     if isinstance(hint, type) and issubclass(hint, tuple):
         return None
     shape, quantity = get_args(hint)
-    return Leaf(quantity, len(get_args(shape)) if isinstance(shape, types.GenericAlias) else 0)
+    return LeafKind(quantity, len(get_args(shape)) if isinstance(shape, types.GenericAlias) else 0)
 
 
 def is_number(value: Any) -> bool:

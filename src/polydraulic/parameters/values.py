@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_type_hints
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.conditions import broken_conditions
-from polydraulic.parameters.quantity import Leaf, is_number, leaf_of
+from polydraulic.parameters.quantity import LeafKind, is_number, leaf_of
 
 Tree = TypeVar("Tree", bound=tuple)
 _PATH = re.compile(r"(?P<name>[^\[\]]+)(?:\[(?P<place>\d+)\])?")
@@ -31,7 +31,7 @@ def replaced(machine: Tree, values: Mapping[str, Any]) -> Tree:
                     f"{path}: {f'the last one is {name}[{leaf.size - 1}]' if leaf.size else 'is a single value'}"
                 )
                 continue
-            leaf = Leaf(leaf.quantity)
+            leaf = LeafKind(leaf.quantity)
         refusals = _refusals(str(path), value, leaf)
         wrong += refusals
         if place is not None:
@@ -47,23 +47,23 @@ def replaced(machine: Tree, values: Mapping[str, Any]) -> Tree:
 
 
 @cache
-def leaves_of(cls: type, where: str = "") -> dict[str, Leaf]:
+def leaves_of(cls: type, where: str = "") -> dict[str, LeafKind]:
     """Every value of a parameter tree, by its path."""
-    found: dict[str, Leaf] = {}
+    found: dict[str, LeafKind] = {}
     for name, hint in get_type_hints(cls, include_extras=True).items():
         leaf = leaf_of(hint)
         found |= leaves_of(hint, f"{where}{name}.") if leaf is None else {where + name: leaf}
     return found
 
 
-def _refusals(path: str, value: Any, leaf: Leaf) -> list[str]:
+def _refusals(path: str, value: Any, leaf: LeafKind) -> list[str]:
     """What is wrong with a value in SI."""
     if leaf.quantity is None:
         return [] if isinstance(value, bool) else [f"{path} = {value!r}: must be True or False"]
     if leaf.size:
         if not _is_list(value) or len(value) != leaf.size:
             return [f"{path} = {value!r}: must be {leaf.size} numbers"]
-        one = Leaf(leaf.quantity)
+        one = LeafKind(leaf.quantity)
         return [line for i, item in enumerate(value) for line in _refusals(f"{path}[{i}]", item, one)]
     if not is_number(value):
         return [f"{path} = {value!r}: must be a number"]
@@ -74,7 +74,7 @@ def _is_list(value: Any) -> bool:
     return hasattr(value, "__len__") and hasattr(value, "__getitem__") and not isinstance(value, str | Mapping)
 
 
-def _instead(path: str, known: Mapping[str, Leaf]) -> str:
+def _instead(path: str, known: Mapping[str, LeafKind]) -> str:
     """Say what may be meant by a path that is none."""
     below = [name for name in known if name.startswith(f"{path}.")]
     if below:

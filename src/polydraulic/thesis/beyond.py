@@ -98,13 +98,13 @@ class Cost(NamedTuple):
 
 
 def costs(study: ThreeLinkStudy) -> dict[str, Cost]:
-    """Time and memory of every flow model, measured in turn on the task."""
+    """Time and memory of every flow model, measured on the task."""
 
     def measured() -> dict[str, Any]:
         study.lab.say("run times of every flow model")
         models = {kind: study.flow(kind) for kind in FLOWS}
-        times = time_runs(study.machine(), models, load_scenario("task"))
-        return {kind: [times.ratio(kind, "exact"), table_bytes(models[kind])] for kind in FLOWS}
+        times = time_runs(study.machine(), models, load_scenario("task"), base="exact")
+        return {kind: [times[kind].ratio, table_bytes(models[kind])] for kind in FLOWS}
 
     found = study.lab.computed.data("costs", measured)
     return {kind: Cost(Ratio(*time), memory) for kind, (time, memory) in found.items()}

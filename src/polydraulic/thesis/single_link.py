@@ -24,7 +24,7 @@ from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, BoomModels, fit_boom
 from polydraulic.thesis.boom_perceptrons import PerceptronModels, fit_perceptrons, sweep_hidden_units
 from polydraulic.thesis.cache import Lab
-from polydraulic.thesis.timing import Turns, time_runs
+from polydraulic.thesis.timing import Time, restored, time_runs
 
 SCENARIOS = ("single_08", "single_05")
 N_FULL_BOX = 4000  # KP = 25.0 with K = 26 and CPM = 1 means N = 3985
@@ -129,16 +129,16 @@ class BoomStudy:
         return self.lab.computed.table("convergence", made)
 
     @cached_property
-    def run_times(self) -> Turns:
-        """Run times of single_08, by flow model."""
+    def run_times(self) -> dict[str, Time]:
+        """Run times of single_08, by flow model, and ratios to the iteration."""
 
-        def measured() -> dict[str, list[float]]:
+        def measured() -> dict[str, Time]:
             self.lab.say("run times")
             timed = {kind: self._flow(kind) for kind in KINDS if kind != "pressure"}
             timed["iterative 0.001"] = build_flow("iterative", self.machine, eps=0.001)
-            return time_runs(self.machine, timed, load_scenario("single_08")).seconds
+            return time_runs(self.machine, timed, load_scenario("single_08"), base="iterative")
 
-        return Turns(self.lab.computed.data("seconds boom", measured))
+        return restored(self.lab.computed.data("seconds boom", measured))
 
     def _flow(self, kind: str) -> Any:
         if kind == "polynomial":

@@ -5,6 +5,7 @@ from polydraulic.measure.channels import Channel
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.findings import Findings
+from polydraulic.units import read_unit
 
 N = 2000
 WAVE = 50.0 + 20.0 * np.sin(np.arange(N) / 50.0) + np.random.default_rng(0).normal(0.0, 0.1, N)
@@ -14,7 +15,7 @@ def checked(value, *, text=(), **channel):
     """What is kept of a channel in bar, and its findings as (kind, rows)."""
     findings = Findings()
     clock = Clock("time", 1.0, None, None, findings)
-    check = ChannelCheck(Channel("p", "p", "input", "bar", **channel), clock, findings)
+    check = ChannelCheck(Channel("p", "p", "input", "bar", **channel), read_unit("bar"), clock, findings)
     marks = np.zeros(len(value), dtype=bool)
     marks[list(text)] = True
     rows, no = np.arange(len(value)), np.zeros(len(value), dtype=bool)

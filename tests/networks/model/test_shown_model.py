@@ -7,7 +7,7 @@ from polydraulic.identification.table_fit import fit_table
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.shown_model import region_names, shown_model
 from polydraulic.tables import Table
-from polydraulic.units import CUBIC_INCH, INCH, PSI
+from polydraulic.unit_table import CUBIC_INCH, INCH, PSI
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from polydraulic.pages.html import document
 from polydraulic.thesis.beyond import N_OPERATORS, OPERATOR_SECONDS
 from polydraulic.thesis.report.catalog import Chapter, Number, Paragraph
 from polydraulic.thesis.report.page import THESIS, Shown, figure_html, navigation, paragraphs, results_table
-from polydraulic.thesis.timing import TURNS
+from polydraulic.thesis.timing import PAIRS
 
 Values = Mapping[str, dict[str, Any]]  # rows of results.json by id
 
@@ -149,7 +149,7 @@ def _cost(values: Values) -> Headline | None:
         "Cost of a time step",
         f"{step['computed']:.2f} × exact",
         "Computing time of a whole time step with polydraulic's networks, as a multiple of that with the exact closed-form flow; "
-        f"measured on the computer that made this report in {TURNS} interleaved repetitions; {step['note']}.",
+        f"measured on the computer that made this report in {PAIRS} pairs; {step['note']}.",
         f"Speed is not the reason to use networks. The thesis saved {saved['thesis']:.0f} % of its iteration's computing time; here, networks in the "
         f"thesis' setting {_saving(saved['computed'])}. Their use: they are learnt from measured flows, without knowing orifice areas.",
     )

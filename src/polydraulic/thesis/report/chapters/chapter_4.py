@@ -23,7 +23,7 @@ from polydraulic.thesis.single_link import (
     output_map_error,
     pressure_flow_error,
 )
-from polydraulic.thesis.timing import TURNED
+from polydraulic.thesis.timing import PAIRED
 
 Errors = dict[str, dict[str, Difference]]  # by flow model, by column
 
@@ -37,8 +37,8 @@ def content(lab: Lab) -> Content:
     pressure = v08["pressure"]
     maps, neural = _map_numbers(study, study.historical), _map_numbers(study, study.perceptrons)
     times = study.run_times
-    seconds = {kind: times.median(kind) for kind in ("iterative", "polynomial", "neural")}
-    saved = {kind: 100.0 * (1.0 - times.ratio(kind, "iterative").median) for kind in ("polynomial", "neural")}
+    seconds = {kind: time.seconds for kind, time in times.items()}
+    saved = {kind: 100.0 * (1.0 - times[kind].ratio.median) for kind in ("polynomial", "neural")}
     spool_peak = units.from_si(float(np.abs(study.run("single_08", "exact")["boom.spool"]).max()), "in")
     fails_elsewhere = (
         f"not met: with the printed voltage the spool reaches {spool_peak:.3f} in here, where the inlet is narrow and a pressure "
@@ -185,14 +185,14 @@ def _table(study: BoomStudy, title: str, networks: str) -> Grid:
     rows = [
         [
             label,
-            f"{1e3 * times.median(kind):.3f}",
-            f"{1e9 * times.median(kind) / 2000:.0f}",
-            str(times.ratio(kind, "iterative")),
+            f"{1e3 * times[kind].seconds:.3f}",
+            f"{1e9 * times[kind].seconds / 2000:.0f}",
+            str(times[kind].ratio),
         ]
         for kind, label in labels.items()
     ]
     return Grid(
-        f"{title} on this computer: 10 s of motion (2000 steps), compiled, CPU time of one core, {TURNED}",
+        f"{title} on this computer: 10 s of motion (2000 steps), compiled, CPU time of one core, {PAIRED}",
         ["flow model", "time [ms]", "per step [ns]", "ratio to iterative"],
         rows,
     )
@@ -225,7 +225,7 @@ def _comparison(study: BoomStudy, v08: Errors, v05: Errors) -> Grid:
 def _extra(study: BoomStudy, v08: Errors, v05: Errors) -> list[dict[str, Any]]:
     flow_error = units.from_si(float(np.abs(pressure_flow_error(study)).max()), "in3/s")
     rows = [
-        result("polydraulic.table_1.exact_s", "4.2.2", "computing time for 10 s of motion, exact model", "s", study.run_times.median("exact")),
+        result("polydraulic.table_1.exact_s", "4.2.2", "computing time for 10 s of motion, exact model", "s", study.run_times["exact"].seconds),
         result("polydraulic.pressure_model.flow_error_max_in3_s", "4.2.1",
                "pump-pressure networks: largest error of the flow that Eq. (1) gives, over the map", "in3/s", flow_error),
     ]  # fmt: skip

@@ -19,7 +19,7 @@ from polydraulic.thesis.report.differences import compared
 from polydraulic.thesis.report.figures.chapter_7 import FIGURES
 from polydraulic.thesis.report.figures.draw import name_of
 from polydraulic.thesis.three_links import SCENARIOS, ThreeLinkStudy, three_link_study
-from polydraulic.thesis.timing import TURNED
+from polydraulic.thesis.timing import PAIRED
 
 _PROVED = "input flows: proved, see the last table"
 _BOUNDS = {
@@ -133,7 +133,7 @@ def _flow_models(study: ThreeLinkStudy) -> Grid:
         "needs",
         "bounds of its flows",
     ]
-    return Grid(f"Every flow model: largest end-effector errors, time of a whole step against exact ({TURNED}), memory, bounds", header, rows)  # fmt: skip
+    return Grid(f"Every flow model: largest end-effector errors, time of a whole step against exact ({PAIRED}), memory, bounds", header, rows)  # fmt: skip
 
 
 def _operators(study: ThreeLinkStudy) -> Grid:
