@@ -13,6 +13,7 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
+    "columns/": ("measure/formats/test_csv_log.py", "files of all kinds are opened, and read as a whole"),
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
     "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
@@ -28,13 +29,17 @@ TESTED_ELSEWHERE = {
     "identification/validity.py": ("identification/test_model_card.py", "what the card says is held to new data"),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
-    "measure/formats/can/database.py": ("measure/formats/can/test_can_log.py", "a database is seen by what it makes of frames"),
+    "measure/formats/can/database.py": (
+        "measure/formats/can/test_can_log.py",
+        "a database is seen by what it makes of frames",
+    ),
     "measure/formats/can/frames.py": ("measure/formats/can/test_can_log.py", "every format gives the same signals"),
     "measure/formats/mat_arrays.py": ("measure/formats/test_mat_log.py", "both versions give the same columns"),
     "measure/formats/mat_hdf.py": ("measure/formats/test_mat_log.py", "both versions give the same columns"),
     "measure/formats/mat_v5.py": ("measure/formats/test_mat_log.py", "both versions give the same columns"),
     "measure/formats/mdf_conversion.py": ("measure/formats/test_mdf_log.py", "conversions are seen in files"),
-    "measure/formats/parquet_log.py": ("measure/formats/test_logs.py", "every format gives the same table"),
+    "measure/formats/parquet_log.py": ("measure/formats/test_csv_log.py", "in one list with text files"),
+    "parameters/recording.py": ("parameters/test_scenario.py", "recordings are scenarios"),
     "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
     "parameters/conditions.py": ("parameters/test_load.py", "conditions refuse files as ranges of single numbers do"),
     "parameters/quantity.py": ("parameters/test_values.py", "ranges are held by whoever sets a value"),

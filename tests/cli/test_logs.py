@@ -61,6 +61,26 @@ def test_findings_are_printed_and_the_report_lies_beside_the_table(call, files):
     assert (files / "r" / "q.html").is_file()
 
 
+def test_strict_is_an_exit_code_for_what_is_wrong(call, files):
+    code, out, _ = call("import bad.csv --channels map.toml --out table.csv --strict")
+    assert code == 1
+    assert "range [5, 250] bar, such as 999" in out
+    assert out.endswith("--strict: 1 error(s) above\n")
+    assert (files / "table.csv").is_file()
+    assert call("import log.csv --channels map.toml --out t.csv --strict")[0] == 0
+
+
+def test_several_files_are_one_campaign(call, files):
+    code, out, _ = call("import bad.csv log.csv --channels map.toml --out table.csv")
+    assert code == 0
+    assert "warning: files begin anew" in out
+    assert "table.csv: 1198 rows in 2 segment(s)" in out
+    assert call('import "none.*" --channels map.toml --out t.csv')[0] == 2
+    assert "no file matches" in call('import "x*.csv" --channels map.toml --out t.csv')[2]
+    highest = re.findall(r"range = \[.*, (.*)\]", call("import --suggest log.csv bad.csv")[1])
+    assert max(map(float, highest)) > 999.0
+
+
 def test_a_log_without_a_row_is_an_error_with_a_report(call, files):
     code, out, error = call("import none.csv --channels map.toml --out table.csv")
     assert code == 2

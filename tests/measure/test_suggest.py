@@ -1,5 +1,7 @@
 import re
 
+import pytest
+
 from polydraulic.measure import suggest_channels
 
 
@@ -15,3 +17,36 @@ def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path
         "boom_speed_deg_per_sec": "deg/s", "force_lift_MN": "MN", "engine_speed_rps": "rev/s", "p_A": "", "lever": "V", "x_mm": "m",
     }  # fmt: skip
     assert text.count("from its name: the log itself does not tell") == 3
+
+
+@pytest.mark.parametrize(
+    ("header", "first", "step", "unit"),
+    [
+        ("Zeitstempel", 1_711_850_398_000, 10, "ms"),
+        ("timestamp", 1_711_850_398_000_000, 10_000, "us"),
+        ("t", 1_711_850_398_000_000_000, 10_000_000, "ns"),
+        ("Time", 1_711_850_398, 1, "s"),
+        ("Elapsed Time (ms)", 0, 10, "ms"),
+        ("time_us", 0, 10_000, "us"),
+        ("time", 0, 1, "s"),
+    ],
+)
+def test_the_time_and_its_unit_are_seen(tmp_path, header, first, step, unit):
+    log = tmp_path / "log.csv"
+    log.write_text(f"p,{header}\n" + "".join(f"{k % 7},{first + k * step}\n" for k in range(50)))
+    text = suggest_channels(log)
+    assert f'role = "time"\nunit = "{unit}"\n' in text
+    assert f'raster = "{"1 s" if step == 1 else "10 ms"}"' in text
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_dates_in_doubt_are_asked_for(tmp_path, ending):
+    import pyarrow as pa
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    table = pa.table({"time": [f"03/04/2024 10:00:{k:02d}" for k in range(50)], "p": [float(k % 7) for k in range(50)]})
+    (pa.csv.write_csv if ending == "csv" else pa.parquet.write_table)(table, tmp_path / f"log.{ending}")
+    text = suggest_channels(tmp_path / f"log.{ending}")
+    assert '# "03/04/2024 10:00:00" can be read in two ways; say which:\n# dates = "dd/mm/yyyy"\n' in text
+    assert 'raster = "1 s"' in text

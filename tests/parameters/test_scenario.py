@@ -130,9 +130,38 @@ def test_a_recording_may_come_without_units_in_others_or_as_parquet(tmp_path):
         assert found.voltages(t) == pytest.approx(bare.voltages(t), abs=1e-15)
 
 
+def test_a_recording_may_be_written_as_any_log(tmp_path):
+    (tmp_path / "bare.csv").write_text("time,swing,boom,stick\n0,0,0.1,0\n1,0,0.2,0\n")
+    (tmp_path / "german.csv").write_text("sep=;\nZeit [s];swing;boom;stick\n0,0;0;0,1;0\n1,0;0;0,2;0\n", "utf-16")
+    (tmp_path / "dated.txt").write_text(
+        "# joysticks\ntime\tswing\tboom\tstick\n2024-03-31T01:00:00Z\t0\t0.1\t0\n2024-03-31T01:00:01Z\t0\t0.2\t0\n"
+    )
+    t = np.linspace(0.0, 1.0, 5)
+    for name in ("german.csv", "dated.txt"):
+        found, bare = load_scenario(tmp_path / name), load_scenario(tmp_path / "bare.csv")
+        assert found.voltages(t) == pytest.approx(bare.voltages(t), abs=1e-6)
+
+
+def test_a_recording_of_one_link_leaves_the_others_at_rest(tmp_path):
+    (tmp_path / "boom.csv").write_text("time,boom\n0,0.1\n1,0.2\n")
+    scenario = load_scenario(tmp_path / "boom.csv")
+    assert scenario.voltages(np.array([0.5])) == pytest.approx(np.array([[0.0, 0.15, 0.0]]))
+    assert scenario.title == "Recording of 1 s; of boom alone"
+
+
+def test_columns_that_are_no_link_are_named(tmp_path):
+    (tmp_path / "r.csv").write_text(RECORDED)
+    assert load_scenario(tmp_path / "r.csv").title == "Recording of 2 s; not used: engine"
+    (tmp_path / "r.csv").write_text("time,boom,stik\n0,0.1,0\n1,0.2,0\n")
+    with pytest.raises(InputError, match=r"no column 'swing'; .* of which \['stik'\] are no link; leave these out"):
+        load_scenario(tmp_path / "r.csv")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("2.5,0,", "2.5,on,", "r.csv: column 'swing' holds no number in row 2"),
+        ("2.5,0,0.2,-0.5,1800", "2.5,0", "r.csv: missing line: row 2"),
         ("2.5,", "1.5,", "r.csv: signal times must rise; time 1 is 1.5 after 2.0"),
         ("2.5,", "2.0,", "r.csv: signal times must rise; time 1 is 2.0 after 2.0"),
         ("boom [V]", "boom [bar]", r"r.csv: column 'boom' has unit 'bar'; it must be one of \['V', 'mV'\]"),
@@ -141,7 +170,7 @@ def test_a_recording_may_come_without_units_in_others_or_as_parquet(tmp_path):
         ("time [s]", "t [s]", "r.csv: no column 'time'"),
         ("-0.5", "", "r.csv: column 'stick' holds nan in row 2"),
         ("2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: a recording needs two rows at least"),
-        ("2.0,0,0.1,0,1800\n2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: the table has no rows"),
+        ("2.0,0,0.1,0,1800\n2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: the log has no rows"),
     ],
 )
 def test_bad_recordings_are_one_clear_error(tmp_path, old, new, message):

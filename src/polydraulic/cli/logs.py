@@ -13,9 +13,9 @@ from polydraulic.terminal import progress_bar
 @app.command("import")
 def import_(
     log: Annotated[
-        Path,
+        list[str],
         typer.Argument(
-            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN)."
+            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN); several files of one campaign, or a pattern in quotes."
         ),
     ],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,
@@ -27,6 +27,10 @@ def import_(
         Path | None, typer.Option(help="Quality report, .html; beside the table if not given. Its data as .json.")
     ] = None,
     dbc: Annotated[list[Path] | None, typer.Option(help="CAN database of a bus log, .dbc; may be given again.")] = None,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Exit with 1 if the log has errors, such as values beyond a range of the map."),
+    ] = False,
     units: UnitsOption = METRIC,
 ) -> None:
     """Make a table from a measured log, and say what is wrong with the log.
@@ -36,6 +40,8 @@ def import_(
     Example: `polydraulic import log.mf4 --channels map.toml --out table.parquet`
 
     - A first channel map, to be gone through: `polydraulic import --suggest log.mf4 --out map.toml`
+
+    - A campaign: `polydraulic import "day1_*.csv" --channels map.toml --out table.parquet --strict`
 
     What comes next: look at the quality report in a browser and mend the map; then `polydraulic fit` learns from the table,
     `polydraulic fit-machine` the pump and valves of a whole machine.
@@ -72,10 +78,14 @@ def import_(
     for found in told.deadbands:
         print(found.statement(imported.shown(units).get(found.input)))
     if imported.n_row == 0:
-        raise InputError(f"{log}: no row of a table came of it; {page} says why")
+        raise InputError(f"{imported.source}: no row of a table came of it; {page} says why")
     print(
         f"{out}: {imported.n_row} rows in {imported.n_segment} segment(s); {page}: {len(imported.findings)} finding(s)"
     )
+    errors = sum(finding.level == "error" for finding in imported.findings)
+    if strict and errors:
+        print(f"--strict: {errors} error(s) above")
+        raise typer.Exit(1)
 
 
 @app.command()

@@ -6,6 +6,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
+from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
 from polydraulic.measure.log_units import conversion, quantity, says_pressure
 from polydraulic.parameters.keys import check_keys
@@ -20,7 +21,7 @@ SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
 THINNEST, DENSEST = 0.3e5, 1.2e5  # Pa, of atmospheres: from the highest mountain to the deepest mine
 _SI_OF_KIND = {kind.name: kind.si for kind in KINDS}
 _MAP = {"raster", "interval", "atmosphere", "channel", "flow"}
-_CHANNEL = {"source", "name", "role", "kind", "unit", "raster", "between", "range", "sign"}
+_CHANNEL = {"source", "name", "role", "kind", "unit", "raster", "between", "range", "sign", "dates"}
 _FLOW = {"name", "position", "area", "pressure", "compliance", "window", "role"}
 
 
@@ -48,6 +49,8 @@ class Channel:
         Plausible range in `unit`; a value beyond it is none.
     sign : int
         -1 turns the channel round.
+    dates : str or None
+        Of the time: how its dates are written, one of `ORDERS`; None where the log tells.
     """
 
     source: str
@@ -60,6 +63,7 @@ class Channel:
     low: float = -inf
     high: float = inf
     sign: int = 1
+    dates: str | None = None
 
 
 @dataclass(frozen=True)
@@ -261,8 +265,11 @@ def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
     if role == "time":
         if found.si != "s":
             raise InputError(f"unit of {where} = {unit!r}: time needs a unit of time")
-        check_keys(item, {"source", "role", "unit", "raster"}, (), f"the time {where}")
-        return Channel(source, "time", role, unit, "s", _raster(item, where))
+        check_keys(item, {"source", "role", "unit", "raster", "dates"}, (), f"the time {where}")
+        dates = text(item["dates"], f"dates of {where}", ORDERS) if "dates" in item else None
+        return Channel(source, "time", role, unit, "s", _raster(item, where), dates=dates)
+    if "dates" in item:
+        raise InputError(f"dates of {where}: only the channel of the time has dates")
     if why and "unit" not in item:
         raise InputError(
             f'{where} has no unit, but {why} says {unit_kind(kind).name}: give its unit, or unit = "" for plain numbers'

@@ -11,10 +11,31 @@ SHOWN = 20  # spans of rows that are kept of each kind and channel
 # kind -> (level, what it means and what was done about it)
 KINDS = {
     "missing line": ("error", "lines with too few or too many fields; left out"),
+    "short line": (
+        "warning",
+        "lines with fewer fields than others, as many of this log have; what is not there is missing",
+    ),
+    "comment": ("warning", "lines of comment between the rows; left out"),
     "no time": ("error", "rows without a readable time; left out"),
     "clock jump": ("error", "single times that jump away and come back; left out"),
     "time repeats": ("error", "rows with the time of the row before; left out"),
     "overlap": ("error", "rows from times that were recorded already; left out"),
+    "impossible time": (
+        "error",
+        "times before 1980 or after 2100: the logger's clock was not set, or its unit is another; those beyond any calendar are left out",
+    ),
+    "midnight": ("warning", "times of day pass midnight; taken as those of the next day"),
+    "clock change": ("warning", "times step by an hour: the clock was changed, as for summer time"),
+    "files begin anew": (
+        "warning",
+        "files of one campaign whose times begin anew; each is put behind the one before, with a gap",
+    ),
+    "files overlap": ("error", "files of one campaign with the same times; what was recorded already is left out"),
+    "file repeats": ("error", "files with the same rows as another one; left out"),
+    "units of files": (
+        "error",
+        "files of one campaign give different units; that of the map was taken for all of them",
+    ),
     "gap": ("warning", "no row for longer than samples may be apart; the table has a new segment after it"),
     "irregular": ("warning", "intervals between samples differ by more than a quarter of the usual one"),
     "raster": ("error", "samples come at another interval than the map says"),
@@ -28,6 +49,10 @@ KINDS = {
     "status": ("warning", "texts in place of values, such as 'error' or 'not available'; taken as missing"),
     "short frame": ("error", "frames shorter than their message; signals beyond their end are missing"),
     "not read": ("warning", "parts of the log that are no channels with rows and a time; left out"),
+    "thousands": ("warning", "numbers with marks between thousands; the whole column is read so"),
+    "decimal mark": ("error", "decimal points and decimal commas in one column; the rarer are taken as missing"),
+    "doubtful numbers": ("warning", "three digits behind every mark: thousands, or decimals; taken as decimals"),
+    "on and off": ("warning", "words for on and off; taken as 1 and 0"),
     "infinite": ("error", "infinite values; taken as missing"),
     "empty": ("error", "no value at all"),
     "constant": ("warning", "one value throughout: the sensor is dead, or nothing moved"),

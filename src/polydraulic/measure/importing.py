@@ -19,8 +19,8 @@ from polydraulic.measure.checks.clock import Clock, ClockedRows
 from polydraulic.measure.checks.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
+from polydraulic.measure.formats.campaign import expand, open_campaign
 from polydraulic.measure.formats.log import Log, by_reason
-from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
 from polydraulic.progress import Progress, quiet
@@ -79,19 +79,20 @@ class Imported:
 
 
 def import_log(
-    path: str | Path,
+    path: str | Path | Sequence[str | Path],
     channels: ChannelMap,
     out: str | Path,
     *,
     dbc: Sequence[str | Path] = (),
     progress: Progress = quiet,
 ) -> Imported:
-    """Read a log through a channel map and write the table that comes of it.
+    """Read a log, or several files of one campaign, through a channel map and write the table that comes of it.
 
     Parameters
     ----------
-    path : str or Path
-        A log; see `open_log`.
+    path : str, Path or sequence of them
+        A log; see `open_log`. Several files, or patterns such as ``day1_*.csv``, are joined in the order of their times; gaps between
+        them stay gaps. Rows are counted on from file to file.
     channels : ChannelMap
         From `load_channels`.
     out : str or Path
@@ -111,9 +112,10 @@ def import_log(
         A file that is no log, a channel that it does not have, a place that cannot be written.
     """
     table_ending(out)
-    with open_log(path, dbc=dbc) as log:
+    findings = Findings()
+    with _opened(path, channels, dbc, findings) as log:
         groups = _groups(log, channels)
-        findings = _names_and_units(log, channels)
+        _names_and_units(log, channels, findings)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
         flows = FlowStream([c.name for c in channels.used], channels.flows, channels.raster)
         units = {"time": "s", "segment": "1", **{c.name: channels.conversion(c).si for c in channels.used}}
@@ -168,8 +170,9 @@ class _Merged:
         self, log: Log, channels: ChannelMap, groups: dict[int, list[Channel]], findings: Findings, resampler: Resampler
     ) -> None:
         time = channels.time
-        factor = 1.0 if log.own_clock or time is None else conversion(time.unit).factor
         source = None if log.own_clock or time is None else time.source
+        kind = log.signal(source).kind if source is not None else ""
+        factor = 1.0 if source is None or time is None or kind else conversion(time.unit).factor
         declared = None if log.own_clock or time is None else time.raster
         self.resampler = resampler
         self.place = {c.source: n for n, c in enumerate(channels.used)}
@@ -179,7 +182,7 @@ class _Merged:
         self.sources: list[Iterator[ClockedRows]] = []
         for group, members in groups.items():
             name = source or (f"group {group}" if len(groups) > 1 else "")
-            clock = Clock(name, factor, declared, channels.interval, findings)
+            clock = Clock(name, factor, declared, channels.interval, findings, kind == "stamp")
             checks = [ChannelCheck(c, channels.conversion(c), clock, findings) for c in members]
             self.clocks.append(clock)
             self.of_group.append(checks)
@@ -235,8 +238,16 @@ def _groups(log: Log, channels: ChannelMap) -> dict[int, list[Channel]]:
     return groups
 
 
-def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
-    findings = Findings()
+def _opened(
+    path: str | Path | Sequence[str | Path], channels: ChannelMap, dbc: Sequence[str | Path], findings: Findings
+) -> Log:
+    time = channels.time
+    factor = 1.0 if time is None else conversion(time.unit).factor
+    dates = None if time is None else time.dates
+    return open_campaign(expand(path), None if time is None else time.source, factor, dates, findings, dbc)
+
+
+def _names_and_units(log: Log, channels: ChannelMap, findings: Findings) -> None:
     if log.left_out:
         findings.add("not read", "", by_reason(log.left_out))
     used = [*channels.used, *([channels.time] if channels.time is not None and not log.own_clock else [])]
@@ -247,12 +258,12 @@ def _names_and_units(log: Log, channels: ChannelMap) -> Findings:
                 "duplicate", channel.source, f"others are {', '.join(map(repr, others[:5]))}" if others else ""
             )
         _compare_units(log, channels, channel, findings)
-    return findings
 
 
 def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: Findings) -> None:
     """Note what the units of log and map say of a channel; a pressure of the log may not become anything else."""
-    given, found = log.signal(channel.source).unit, channels.conversion(channel)
+    signal, found = log.signal(channel.source), channels.conversion(channel)
+    given = "" if channel is channels.time and signal.kind else signal.unit  # times as dates or texts come in s
     try:
         of_log = channels.conversion(channel, given) if given else found
     except InputError:

@@ -8,15 +8,24 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
+from polydraulic.measure.formats.campaign import expand
 from polydraulic.measure.formats.log import Log, Signal, by_reason
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.progress import Progress, quiet
 from polydraulic.units import unit_kind
 
-_TIME_NAMES = ("time", "t", "timestamp", "timestamps", "zeit", "time_s", "t_s")
+_TIME_NAME = re.compile(
+    r"(?i)^([\w.\[\]]+\.)?"  # structures that it is in
+    r"((elapsed|relative|absolute|system|utc|local|log|sample|rel|abs)[ _]?)?"
+    r"(time|t|timestamps?|time[ _]?stamp|date[ _]?time|zeit|zeitstempel|uhrzeit|zeitpunkt|epoch|datum|date)"
+    r"([ _]?(?P<unit>s|sec|ms|us|µs|ns))?$"
+)
+_UNITS = {"sec": "s"}
+_SINCE_1970 = ((1e8, "s"), (1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
 _ENDINGS = {
     unit: unit
@@ -50,13 +59,15 @@ class _Seen(NamedTuple):
     held: float
 
 
-def suggest_channels(path: str | Path, *, dbc: Sequence[str | Path] = (), progress: Progress = quiet) -> str:
+def suggest_channels(
+    path: str | Path | Sequence[str | Path], *, dbc: Sequence[str | Path] = (), progress: Progress = quiet
+) -> str:
     """Text of a first channel map for a log, as TOML.
 
     Parameters
     ----------
-    path : str or Path
-        A log; see `open_log`. It is read once, for the ranges.
+    path : str, Path or sequence of them
+        A log; see `open_log`. It is read once, for the ranges; of several files, which hold the same channels, all of them.
     dbc : sequence of str or Path, optional
         CAN databases (DBC) of a bus log.
     progress : Progress, optional
@@ -66,10 +77,26 @@ def suggest_channels(path: str | Path, *, dbc: Sequence[str | Path] = (), progre
     InputError
         A file that is no log.
     """
-    with open_log(path, dbc=dbc) as log:
+    paths = expand(path)
+    with open_log(paths[0], dbc=dbc) as log:
         time = None if log.own_clock else _time_of(log)
-        seen = _look(log, time, progress)
-    used = [s for s in log.signals if s is not time and seen[s.name].n and seen[s.name].low < seen[s.name].high]
+        unit = "s" if time is None else _unit_of_time(log, time)
+        in_doubt = time is not None and any(s.doubt for s in log.signals if s.name in (time.name, time.beside))
+        if in_doubt:  # intervals are the same in either order, but for midnights
+            with open_log(paths[0], dates=ORDERS[0]) as either:
+                seen = _look(either, time, unit, progress)
+        else:
+            seen = _look(log, time, unit, progress)
+        for more in paths[1:]:
+            with open_log(more, dates=ORDERS[0] if in_doubt else None, dbc=dbc) as another:
+                again = _look(another, time, unit, progress)
+            seen = {name: _wider(old, again.get(name)) for name, old in seen.items()}
+        lines_of_time = [] if time is None else _time_lines(log, time, unit)
+    used = [
+        s
+        for s in log.signals
+        if s is not time and not s.kind and seen[s.name].n and seen[s.name].low < seen[s.name].high
+    ]
     rasters = [seen[s.name].raster for s in used if np.isfinite(seen[s.name].raster)]
     lines = [_HEAD, f"raster = {_text(_span(min(rasters, default=0.01)))}  # of the table"]
     if time is None and not log.own_clock:
@@ -77,12 +104,14 @@ def suggest_channels(path: str | Path, *, dbc: Sequence[str | Path] = (), progre
     for signal in log.signals:
         lines += ["", "[[channel]]", f"source = {_text(signal.name)}"]
         if signal is time:
-            unit = signal.unit if _known(signal.unit) == "s" else "s"
-            lines += ['role = "time"', f"unit = {_text(unit)}"]
+            lines += lines_of_time
+            continue
+        if time is not None and signal.name == time.beside:
+            lines += ['role = "ignore"  # read together with the time']
             continue
         found = seen[signal.name]
         if signal not in used:
-            why = "it holds no numbers" if not found.n else "it is constant"
+            why = "it holds times" if signal.kind else "it holds no numbers" if not found.n else "it is constant"
             lines += [f'role = "ignore"  # {why}']
             continue
         lines += ['role = "input"', _unit_line(signal)]
@@ -101,21 +130,49 @@ def suggest_channels(path: str | Path, *, dbc: Sequence[str | Path] = (), progre
 
 
 def _time_of(log: Log) -> Signal | None:
-    """The first channel with a name and a unit of time."""
-    for signal in log.signals:
-        name = signal.name.strip().lower()
-        if name in _TIME_NAMES and _known(signal.unit or "s") == "s":
-            return signal
-    return None
+    """The channel of the time: by its name, or by dates or times of day that it holds."""
+    named = [s for s in log.signals if _TIME_NAME.match(s.name.strip()) and _known(s.unit or "s") == "s"]
+    typed = [s for s in log.signals if s.kind]
+    both = [s for s in named if s.kind] or named or typed
+    # of a date and a time of day that stand side by side the second one is named
+    return next((s for s in both if not (s.beside and s.kind == "stamp")), both[0] if both else None)
 
 
-def _look(log: Log, time: Signal | None, progress: Progress) -> dict[str, _Seen]:
+def _unit_of_time(log: Log, time: Signal) -> str:
+    """Unit of numbers of time: as the log says, as the name ends, or as only times since 1970 can be."""
+    if _known(time.unit) == "s":
+        return time.unit
+    if time.kind:
+        return "s"
+    match = _TIME_NAME.match(time.name.strip())
+    unit = match["unit"] if match else None
+    if unit:
+        return _UNITS.get(unit.lower(), unit.lower())
+    block = next(iter(log.read(time.group, [time.name], None, Findings())), None)
+    first = block.values[time.name] if block is not None else np.zeros(0)
+    first = np.abs(first[np.isfinite(first)])
+    usual = float(np.median(first)) if first.size else 0.0
+    return next((unit for least, unit in reversed(_SINCE_1970) if usual >= least), "s")
+
+
+def _time_lines(log: Log, time: Signal, unit: str) -> list[str]:
+    lines = ['role = "time"', f"unit = {_text(unit)}"]
+    if time.kind:
+        lines[1] += "  # the log has " + {"stamp": "dates", "clock": "times of day", "elapsed": "durations"}[time.kind]
+    date = time if time.doubt else next((s for s in log.signals if s.name == time.beside and s.doubt), None)
+    if date is not None:
+        lines.append(f"# {_text(date.doubt)} can be read in two ways; say which:")
+        lines += [f"# dates = {_text(order)}" for order in ORDERS]
+    return lines
+
+
+def _look(log: Log, time: Signal | None, unit: str, progress: Progress) -> dict[str, _Seen]:
     groups: dict[int, list[str]] = {}
     for signal in log.signals:
         if signal is not time and (time is None or log.own_clock or signal.group == time.group):
             groups.setdefault(signal.group, []).append(signal.name)
     seen = {s.name: _Seen(inf, -inf, 0, np.nan, 0.0) for s in log.signals}
-    factor = conversion(time.unit).factor if time is not None and _known(time.unit) == "s" else 1.0
+    factor = 1.0 if time is None or time.kind else conversion(unit).factor
     for number, (group, names) in enumerate(groups.items()):
         for block in log.read(group, names, None if time is None else time.name, Findings()):
             clock = None if block.time is None else block.time * factor
@@ -123,6 +180,11 @@ def _look(log: Log, time: Signal | None, progress: Progress) -> dict[str, _Seen]
                 seen[name] = _merge(seen[name], clock, block.values[name])
             progress(log.path.name, int(1000 * (number + block.done) / len(groups)), 1000)
     return seen
+
+
+def _wider(a: _Seen, b: _Seen | None) -> _Seen:
+    """What was seen in two files."""
+    return a if b is None else a._replace(low=min(a.low, b.low), high=max(a.high, b.high), n=a.n + b.n)
 
 
 def _merge(before: _Seen, clock: np.ndarray | None, value: np.ndarray) -> _Seen:

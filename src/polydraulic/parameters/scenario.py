@@ -13,20 +13,20 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.load import build, find, read_quantity, read_toml
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.recording import ENDINGS, Recording
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
-from polydraulic.tables import read_table
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
 _SECTIONS = {"title", "source", "duration", "locked", "voltage", "change"}
 _CHANGEABLE = {"pilot", "initial"}
 _RANDOM = "random:"
+_TIME_NAMES = ("time", "zeit", "timestamp", "zeitstempel")  # of the column of the time in a recording
 _TIME, _VOLT = Quantity("s"), Quantity("V")
 _KINDS = {
     "sine": {"amplitude", "omega"},
@@ -76,8 +76,8 @@ def load_scenario(source: str | Path) -> Scenario:
     ----------
     source : str or Path
         Name of a scenario that comes with the package (``"single_08"``); the path of a TOML file; the path of a recording,
-        ``.csv`` or ``.parquet``, with the columns ``time``, ``swing``, ``boom`` and ``stick`` in s and V or in the units of
-        the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"`` for a `random_operator`.
+        ``.csv``, ``.csv.gz``, ``.txt`` or ``.parquet``, with the columns ``time`` and ``swing``, ``boom``, ``stick`` or some of
+        these (the others get 0 V), in s and V or in the units of the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"`` for a `random_operator`.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def load_scenario(source: str | Path) -> Scenario:
     """
     if str(source).startswith(_RANDOM):
         return _random(str(source))
-    if isinstance(source, str | Path) and Path(source).suffix.lower() in (".csv", ".parquet"):
+    if isinstance(source, str | Path) and str(source).lower().endswith(ENDINGS):
         return _recording(Path(source))
     path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     data = read_toml(path)
@@ -167,45 +167,42 @@ def _signal(item: Any, where: str, path: Path) -> Signal:
                 np.array(time), np.array(read_quantity(item["voltage"], _VOLT, f"{where}.voltage", path, -1))
             )
         time, voltage = str(item["time_column"]), str(item["voltage_column"])
-        return _recorded(path.parent / str(item["file"]), time, [voltage])[0]
+        return _recorded(Recording(path.parent / str(item["file"])), time, [voltage])[0]
     except InputError as error:
         if str(path) in str(error):
             raise
         raise InputError(f"{path}: {where}: {error}") from error
 
 
-def _recorded(path: Path, time: str, voltages: list[str]) -> list[Piecewise]:
-    """Signals from the columns of a table, in SI; a column without a unit is in s or V."""
-    table = read_table(path, [time, *voltages])
-
-    def si(name: str, unit: str) -> np.ndarray:
-        given = table.unit(name) or unit
-        try:
-            found = units.read_unit(given)
-        except InputError as error:
-            raise InputError(f"{path}: column {name!r}: {error}") from error
-        if found.si != unit:
-            raise InputError(
-                f"{path}: column {name!r} has unit {given!r}; it must be one of {list(units.FACTORS[unit])}"
-            )
-        return found.to_si(table[name])
-
-    seconds, volts = si(time, "s"), [si(name, "V") for name in voltages]
+def _recorded(recording: Recording, time: str, voltages: list[str]) -> list[Piecewise]:
+    """Signals from the columns of a recording, in SI; a column without a unit is in s or V."""
+    seconds, *volts = recording.columns(time, voltages)
     try:
         return [Piecewise(seconds, values) for values in volts]
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise InputError(f"{recording.path}: {error}") from error
 
 
 def _recording(path: Path) -> Scenario:
-    signals = _recorded(path, "time", list(LINKS))
-    time = signals[0].time - signals[0].time[0]
-    if len(time) < 2:
+    recording = Recording(path)
+    time = next((name for name in recording.names if name.lower() in _TIME_NAMES), "time")
+    links = [link for link in LINKS if link in recording.names]
+    unknown = [name for name in recording.names if name not in LINKS and name != time]
+    missing = [link for link in LINKS if link not in links]
+    if missing and (unknown or not links):  # a link misspelt would rest unseen
+        raise InputError(
+            f"{path}: no column {missing[0]!r}; the table has {recording.names}, of which {unknown} are no link; leave these out, "
+            'or name columns in a scenario file with kind = "table"'
+        )
+    signals = _recorded(recording, time, links)
+    seconds = signals[0].time - signals[0].time[0]
+    if len(seconds) < 2:
         raise InputError(f"{path}: a recording needs two rows at least")
-    moved: dict[str, Signal] = {
-        link: Piecewise(time, signal.voltage) for link, signal in zip(LINKS, signals, strict=True)
-    }
-    return Scenario(path.stem, float(time[-1]), moved, title=f"Recording of {time[-1]:g} s", path=path)
+    moved: dict[str, Signal] = {link: Piecewise(seconds, s.voltage) for link, s in zip(links, signals, strict=True)}
+    title = f"Recording of {seconds[-1]:g} s"
+    title += f"; of {', '.join(links)} alone" if missing else ""
+    title += f"; not used: {', '.join(unknown)}" if unknown else ""
+    return Scenario(path.stem, float(seconds[-1]), moved, title=title, path=path)
 
 
 def _random(source: str) -> Scenario:

@@ -82,3 +82,28 @@ def test_a_log_without_a_clock_counts_rows():
     kept, _, findings, _ = checked(STEADY, interval=0.5)
     assert kept == pytest.approx(0.5 * np.arange(100))
     assert findings == []
+
+
+@pytest.mark.parametrize(
+    ("begin", "factor", "named"),
+    [
+        (0.0, 1.0, False),
+        (-5.0, 1.0, False),
+        (1.7e9, 1.0, False),
+        (-5e8, 1.0, True),
+        (1.7e18, 1.0, True),
+        (1.7e12, 1e-3, False),
+    ],
+)
+def test_times_that_cannot_be_are_named(begin, factor, named):
+    times = begin + STEADY / factor
+    if begin > 1e17:  # beyond any calendar: left out, so that one that can be is wanted
+        times[0] = 0.0
+    kept, _, findings, _ = checked(times, factor=factor)
+    assert ("impossible time" in dict(findings)) == named
+    assert len(kept) == (1 if begin > 1e17 else 100)
+
+
+def test_rows_from_before_a_clock_was_set_are_named():
+    found = dict(checked(np.concatenate([STEADY[:10], 1.7e9 + STEADY]))[2])
+    assert found["impossible time"] == [(1, 10)]

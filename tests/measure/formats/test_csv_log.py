@@ -1,12 +1,130 @@
+"""What text and Parquet files may look like: each kind is read, named or refused, as the documentation says."""
+
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from polydraulic.measure import open_log
+from helpers.log_kinds import PRESSURE, READ, REFUSED, TIME, cases, clocked, documented, lines, write
+from polydraulic.errors import InputError
+from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
+from polydraulic.measure.channels import channel_map
 from polydraulic.measure.findings import Findings
+from polydraulic.tables import read_table
+
+ABOUT_VALUES = {"constant", "copy", "coarse", "clipped", "frozen", "spike", "dropout", "gap", "irregular"}
+CASES = [pytest.param(*case, id=f"{case[0]}: {case[1]}") for case in cases()]
 
 
-def test_dates_are_times(tmp_path):
-    (tmp_path / "a.csv").write_text("t,a\n2024-01-01 12:00:00.000,1\n2024-01-01 12:00:00.010,2\n")
-    with open_log(tmp_path / "a.csv") as log:
-        (block,) = log.read(0, ["a"], "t", Findings())
-    assert np.diff(block.time) == pytest.approx([0.01], rel=1e-4)
+def import_of(log, unit="s", raster="10 ms", dates=None, out="table.parquet", p_unit="bar"):
+    time = {"source": "time", "role": "time", "unit": unit} | ({"dates": dates} if dates else {})
+    channels = [time, {"source": "p", "role": "input", "unit": p_unit}]
+    found = import_log(log, channel_map({"raster": raster, "channel": channels}), log.parent / out)
+    return found, read_table(log.parent / out) if found.n_row else None
+
+
+@pytest.mark.parametrize(("group", "what", "content", "came"), CASES)
+def test_what_comes_of_a_file(tmp_path, group, what, content, came):
+    log = write(tmp_path, what, content)
+    unit = "ns" if "since 1970" in what else "ms" if "whole numbers" in what else "s"
+    if came == REFUSED:
+        with pytest.raises(InputError, match=log.name):
+            import_of(log, unit)
+        return
+    found, table = import_of(log, unit, "1 ms" if unit == "ms" else "10 ms")
+    kinds = {f.kind for f in found.findings} - ABOUT_VALUES
+    assert kinds == (set() if came == READ else set(came))
+    assert found.n_row >= 58
+    assert np.diff(table["time"]) == pytest.approx(np.full(found.n_row - 1, 0.001 if unit == "ms" else 0.01), abs=1e-6)
+    if came == READ:
+        assert np.interp(TIME[:59], table["time"] - table["time"][0], table["p"]) == pytest.approx(
+            1e5 * PRESSURE[:59], rel=2e-3
+        )
+
+
+def test_the_documentation_says_what_comes_of_each_file():
+    text = (Path(__file__).parents[3] / "docs" / "measured_logs.md").read_text(encoding="utf-8")
+    assert documented() in text
+
+
+@pytest.mark.parametrize("given", [case[2] for case in cases() if case[3] == READ and isinstance(case[2], str)][:20])
+def test_a_suggested_map_is_one_that_imports(tmp_path, given):
+    log = write(tmp_path, "text", given)
+    (tmp_path / "map.toml").write_text(suggest_channels(log))
+    assert 'role = "time"' in (tmp_path / "map.toml").read_text()
+    assert import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.parquet").n_row >= 58
+
+
+def test_a_whole_column_is_read_in_one_way(tmp_path):
+    (tmp_path / "log.csv").write_text("time;p\n" + "".join(f"{i};{'999,5' if i % 2 else '1.002'}\n" for i in range(60)))
+    found, table = import_of(tmp_path / "log.csv", "ms", "1 ms", p_unit="kPa")
+    assert (table["p"].min(), table["p"].max()) == pytest.approx((999.5e3, 1002e3))
+    assert "such as '1.002'" in found.findings.of("thousands")[0].detail
+
+
+@pytest.mark.parametrize("n", [300, 300_000])
+def test_thousands_that_come_late_hold_for_all_rows(tmp_path, n):
+    cells = [f"{900 + i % 90}" if i < n - 50 else f"1.{i % 90:03d},5" for i in range(n)]
+    (tmp_path / "log.csv").write_text("time;p\n" + "".join(f"{i};{cell}\n" for i, cell in enumerate(cells)))
+    with open_log(tmp_path / "log.csv") as log:
+        findings = Findings()
+        values = np.concatenate([b.values["p"] for b in log.read(0, ["p"], "time", findings)])
+    assert values[0] == 900.0
+    assert values[-50:] == pytest.approx(1000.5 + np.arange(n - 50, n) % 90)
+    assert [f.kind for f in findings] == ["thousands"]
+
+
+def test_dates_are_never_guessed(tmp_path):
+    (tmp_path / "log.csv").write_text(clocked("03/04/2024 {}", 40000.0))
+    with pytest.raises(InputError, match=re.escape("'03/04/2024 11:06:40.000' can be read in two ways")):
+        import_of(tmp_path / "log.csv")
+    for order, day in (("dd/mm/yyyy", "2024-04-03"), ("mm/dd/yyyy", "2024-03-04")):
+        _, table = import_of(tmp_path / "log.csv", dates=order)
+        assert table["time"][0] == pytest.approx(np.datetime64(day).astype("datetime64[s]").astype(float) + 40000.0)
+    suggested = suggest_channels(tmp_path / "log.csv")
+    assert '# dates = "dd/mm/yyyy"' in suggested
+    (tmp_path / "map.toml").write_text(suggested)
+    with pytest.raises(InputError, match="can be read in two ways"):
+        import_log(tmp_path / "log.csv", load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
+
+
+def test_a_late_day_tells_the_order_of_all_dates(tmp_path):
+    rows = [f"{day:02d}/04/2024 10:00:00,{day}\n" for day in range(1, 20)]
+    (tmp_path / "log.csv").write_text("time,p\n" + "".join(rows * 1))
+    found, table = import_of(tmp_path / "log.csv", raster="1 h")
+    assert table["time"][0] == pytest.approx(np.datetime64("2024-04-01T10").astype("datetime64[s]").astype(float))
+    assert table["time"][-1] - table["time"][0] == pytest.approx(18 * 86400.0)
+    assert "no time" not in {f.kind for f in found.findings}
+
+
+def test_a_time_that_cannot_be_read_says_nothing_about_the_channels(tmp_path):
+    (tmp_path / "log.csv").write_text(lines("at {t:.2f},{p}\n"))
+    found, _ = import_of(tmp_path / "log.csv")
+    assert [f.kind for f in found.findings] == ["no time", "no rows"]
+    assert "such as 'at 0.00'" in found.findings.of("no time")[0].detail
+
+
+def test_the_headers_own_text_names_a_channel_too(tmp_path):
+    (tmp_path / "log.csv").write_text(
+        lines("{t:.2f},{p}\n", "Time (s),p (bar),p (A),p (B)\n").replace("\n", ",1,2\n").replace("(B),1,2", "(B)")
+    )
+    with open_log(tmp_path / "log.csv") as log:
+        assert [(s.name, s.unit) for s in log.signals] == [("Time", "s"), ("p", "bar"), ("p (A)", ""), ("p (B)", "")]
+        assert log.signal("p (bar)") == log.signal("p")
+        (block,) = log.read(0, ["p (bar)"], "Time (s)", Findings())
+    assert np.array_equal(block.values["p (bar)"], PRESSURE)
+
+
+def test_ragged_rows_stay_in_their_order_across_blocks(tmp_path):
+    n = 400_000
+    text = "time,p,x\n" + "".join(f"{i},{i % 100}.5" + (",1\n" if i % 3 else "\n") for i in range(n))
+    (tmp_path / "log.csv").write_text(text)
+    with open_log(tmp_path / "log.csv") as log:
+        findings = Findings()
+        blocks = list(log.read(0, ["p", "x"], "time", findings))
+    assert len(blocks) > 1
+    assert np.array_equal(np.concatenate([b.rows for b in blocks]), np.arange(n) + 1)
+    assert np.array_equal(np.concatenate([b.time for b in blocks]), np.arange(n))
+    assert np.array_equal(np.isnan(np.concatenate([b.values["x"] for b in blocks])), np.arange(n) % 3 == 0)
+    assert findings.of("short line")[0].count == -(-n // 3)

@@ -17,7 +17,7 @@ def test_of_a_name_that_comes_twice_the_first_counts():
 
 
 def test_a_signal_is_found_by_name_or_those_there_are_listed():
-    assert log(3).signal("s2") == ("s2", "bar", 0)
+    assert log(3).signal("s2") == Signal("s2", "bar", 0)
     with pytest.raises(InputError, match=r"a.csv: no channel 'x'; the log has \['s0', 's1'\]"):
         log(2).signal("x")
     with pytest.raises(InputError, match="'s29'] and 20 more"):

@@ -52,6 +52,7 @@ def test_simulink_structures_with_time_are_read(tmp_path, version):
         (block,) = log.read(group, ["out.signals[1].values", *wide], "out.time", Findings())
     assert np.array_equal(block.time, time)
     assert np.array_equal(block.values["out.signals[1].values"], p)
+    assert 'source = "out.time"\nrole = "time"\nunit = "s"' in suggest_channels(tmp_path / f"{version}.mat")
     for k in range(5):
         assert np.array_equal(block.values[wide[k]], np.arange(3) * 5.0 + k)
 

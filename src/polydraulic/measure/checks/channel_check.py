@@ -17,6 +17,7 @@ from polydraulic.units import Conversion
 # A spike within the usual range may be a pressure peak between two samples, so that it must be larger.
 _SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the range, of the usual difference
 _MOST, _NEARLY_ALL = 0.5, 0.95
+_PEAK = 1.0  # of the range: what is no farther beyond it may be a peak that the range cuts
 _KEPT = 20_000  # values kept to try other units on
 
 
@@ -42,7 +43,8 @@ class ChannelCheck:
         self.channel, self.conversion, self.clock, self.findings = channel, conversion, clock, findings
         self.raster = channel.raster or np.nan
         self.count, self.low, self.high, self.mean, self.square = 0, inf, -inf, 0.0, 0.0
-        self.given, self.implausible = 0, 0
+        self.farthest = 0.0  # beyond the range
+        self.given, self.implausible, self.seen = 0, 0, 0
         self.envelope, self.runs = Envelope(), ValueRuns()
         self.crc = 0
         self.lost = 0.0
@@ -61,6 +63,7 @@ class ChannelCheck:
         there = np.flatnonzero(np.isfinite(raw))
         value = c.sign * raw[there]
         self.given += len(value)
+        self.seen += len(raw)
         self.crc = zlib.crc32(raw[there].tobytes(), self.crc)
         if sum(map(len, self._kept)) < _KEPT:
             self._kept.append(value[:: max(1, len(value) // 2000)])
@@ -68,6 +71,11 @@ class ChannelCheck:
         self.implausible += int(outside.sum())
         if outside.any():
             detail = f"range [{c.low:g}, {c.high:g}] {c.unit}, such as {value[outside][0]:.6g}"
+            self.farthest = max(
+                self.farthest, float(np.max(np.maximum(c.low - value[outside], value[outside] - c.high)))
+            )
+            if self.farthest <= _PEAK * (c.high - c.low):
+                detail += "; none is far beyond it: if these are peaks of the signal, the range is too narrow: widen it"
             f.add_rows("implausible", name, rows.rows[there[outside]], detail)
         there, value = there[~outside], value[~outside]
         if c.between == "linear":
@@ -116,7 +124,8 @@ class ChannelCheck:
         """Note what is known only when all rows have been seen."""
         c, f = self.channel, self.findings
         if self.given == 0:
-            f.add("empty", c.source)
+            if self.seen:  # rows without a time were not looked at
+                f.add("empty", c.source)
             return
         if self.implausible > _MOST * self.given:
             self._wrong_unit(np.concatenate(self._kept))

@@ -11,6 +11,9 @@ from polydraulic.measure.formats.log import LogBlock
 JOIN = 2.5  # samples at most so many rasters apart belong together; farther apart is a gap
 _IRREGULAR = 0.25  # of the raster
 _SHARE = 0.01  # of the intervals that may be irregular
+_FROM, _TO = 315_532_800.0, 4_102_444_800.0  # s since 1970: 1980 and 2100
+_BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
+_FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
 
 
@@ -50,12 +53,21 @@ class Clock:
     interval : float, s, or None
         Between rows of a log without a clock.
     findings : Findings
+    dates : bool
+        Whether times are dates, in s since 1970.
     """
 
     def __init__(
-        self, name: str, factor: float, raster: float | None, interval: float | None, findings: Findings
+        self,
+        name: str,
+        factor: float,
+        raster: float | None,
+        interval: float | None,
+        findings: Findings,
+        dates: bool = False,
     ) -> None:
         self.name, self.factor, self.declared, self.interval, self.findings = name, factor, raster, interval, findings
+        self.dates = dates
         self.raster = np.nan
         self.first = np.nan
         self.last = -np.inf
@@ -88,7 +100,8 @@ class Clock:
         time, rows, f = self._times(block), block.rows, self.findings
         good = np.isfinite(time)
         f.add_rows("no time", self.name, rows[~good])
-        place = np.flatnonzero(good)
+        self._impossible(rows[good], time[good])
+        place = np.flatnonzero(good & (np.abs(time) < _FAR))
         t = time[place]
         before = np.concatenate([[self.last], t[:-1]])
         after = np.concatenate([t[1:], [following]])
@@ -109,6 +122,13 @@ class Clock:
             marks[places] = True
             text[name] = marks[place]
         return ClockedRows(rows[place], t, {k: v[place] for k, v in block.values.items()}, text, after_gap, block.done)
+
+    def _impossible(self, rows: np.ndarray, t: np.ndarray) -> None:
+        """Note times that no log of a machine has; a clock that shows a date of our days once shows dates."""
+        self.dates = self.dates or bool(((t > _FROM) & (t < _TO)).any())
+        strange = (t < (_FROM if self.dates else _BEFORE)) | (t > _TO)
+        if strange.any():
+            self.findings.add_rows("impossible time", self.name, rows[strange], f"such as {t[strange][0]:.10g} s")
 
     def _note_behind(self, rows: np.ndarray, behind: np.ndarray) -> None:
         """Single rows that lie behind are jumps, several in a row are an overlap."""

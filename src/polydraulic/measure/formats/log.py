@@ -14,11 +14,29 @@ BLOCK = 1 << 16  # rows
 
 
 class Signal(NamedTuple):
-    """A signal of a log: its name, its unit as the log gives it (empty if it gives none), its group."""
+    """A signal of a log.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        As the log gives it; empty if it gives none.
+    group : int
+        Signals of one group have common rows.
+    kind : str
+        ``"stamp"`` for dates, ``"clock"`` for times of day, ``"elapsed"`` for durations: these come in s, whatever a map says.
+    beside : str
+        Of a date or a time of day that stands alone: the signal that holds the other one, and is read with it.
+    doubt : str
+        A date that can be read in two ways, where nothing in the log says which.
+    """
 
     name: str
     unit: str
     group: int
+    kind: str = ""
+    beside: str = ""
+    doubt: str = ""
 
 
 class LogBlock(NamedTuple):

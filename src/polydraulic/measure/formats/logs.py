@@ -10,13 +10,15 @@ ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mdf", ".dat", ".mat"
 _BUS = (".mf4", ".blf", ".asc")
 
 
-def open_log(path: str | Path, *, dbc: Sequence[str | Path] = ()) -> Log:
+def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | Path] = ()) -> Log:
     """Open a log: CSV (plain or .gz), Parquet, MDF 3 or 4, MAT v5 or v7.3; a CAN bus log (MDF 4, BLF, ASC) with its databases.
 
     Parameters
     ----------
     path : str or Path
         A CSV header may carry units as ``name [unit]``, or in a line of their own below it.
+    dates : str, optional
+        ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates as texts that can be read in two ways.
     dbc : sequence of str or Path, optional
         CAN databases that say what is in the frames of a bus log.
 
@@ -43,11 +45,15 @@ def open_log(path: str | Path, *, dbc: Sequence[str | Path] = ()) -> Log:
 
         return open_can(path, [Path(file) for file in dbc])
     if ending == ".parquet":
-        from polydraulic.measure.formats.parquet_log import open_parquet as opener
-    elif ending in (".mf4", ".mdf", ".dat"):
+        from polydraulic.measure.formats.parquet_log import open_parquet
+
+        return open_parquet(path, dates)
+    if ending in (".mf4", ".mdf", ".dat"):
         from polydraulic.measure.formats.mdf_log import open_mdf as opener
     elif ending == ".mat":
         from polydraulic.measure.formats.mat_log import open_mat as opener
     else:
-        from polydraulic.measure.formats.csv_log import open_csv as opener
+        from polydraulic.measure.formats.csv_log import open_csv
+
+        return open_csv(path, dates)
     return opener(path)

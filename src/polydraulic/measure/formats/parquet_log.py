@@ -6,13 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.columns.cells import is_time, numbers
+from polydraulic.columns.local_clock import LocalClock
+from polydraulic.columns.survey import Notation, TextColumn, survey
+from polydraulic.columns.timestamps import DateOrder, doubt, seconds, time_kind
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.arrow import numbers
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, once
 
+_SAMPLE = 200  # cells that tell whether texts are times
 
-def open_parquet(path: Path) -> Log:
+
+def open_parquet(path: Path, dates: str | None = None) -> Log:
     """Open a Parquet log; see `polydraulic.measure.formats.logs.open_log`."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -20,37 +25,149 @@ def open_parquet(path: Path) -> Log:
     try:
         with pq.ParquetFile(path) as file:
             schema, n_row = file.schema_arrow, file.metadata.num_rows
-    except (pa.ArrowInvalid, OSError) as error:
-        raise InputError(f"{path}: cannot be read as a Parquet log ({str(error).splitlines()[0]})") from error
+    except (pa.ArrowException, OSError, UnicodeError) as error:
+        raise InputError(f"{path}: cannot be read as a Parquet log ({_said(error)})") from error
     if n_row == 0:
         raise InputError(f"{path}: the log has no rows")
-    signals, twice = once([Signal(f.name, _unit(f), 0) for f in schema if not pa.types.is_nested(f.type)])
-    places = {s.name: schema.names.index(s.name) for s in signals}
+    kinds = {f.name: _kind(path, f) for f in schema if not pa.types.is_nested(f.type)}
+    orders = {
+        f.name: _order(path, f.name, kinds[f.name], dates) for f in schema if f.name in kinds and _is_text(f.type)
+    }
+    doubts = {name: "" if order.settled else order.example for name, order in orders.items()}
+    signals, twice = once(
+        [Signal(f.name, _unit(f), 0, kinds[f.name], doubt=doubts.get(f.name, "")) for f in schema if f.name in kinds]
+    )
+    if not signals:
+        raise InputError(f"{path}: the log has no columns of single values; it has {schema.names}")
 
     def read(group: int, wanted: Sequence[str], time: str | None, findings: Findings) -> Iterator[LogBlock]:
         begun = 0
-        with pq.ParquetFile(
-            path, pre_buffer=False, buffer_size=1 << 20
-        ) as file:  # buffered ahead, the file is in memory
-            columns = list(dict.fromkeys([*([time] if time else []), *wanted]))
-            try:
-                for batch in file.iter_batches(BLOCK, columns=columns):
-                    of = {name: numbers(batch.column(batch.schema.names.index(name))) for name in columns}
-                    rows = np.arange(begun, begun + batch.num_rows) + 1
-                    begun += batch.num_rows
-                    yield LogBlock(
-                        rows,
-                        of[time][0] if time else None,
-                        {name: of[name][0] for name in wanted},
-                        {name: of[name][1] for name in wanted},
-                        begun / n_row,
-                    )
-            except (pa.ArrowInvalid, OSError) as error:
-                raise InputError(f"{path}: damaged after row {begun} ({str(error).splitlines()[0]})") from error
+        names = list(dict.fromkeys([*([time] if time else []), *wanted]))
+        texts = {
+            name: _Texts(path, name, kinds[name], orders[name], findings)
+            for name in names
+            if _is_text(schema.field(name).type)
+        }
+        if time in texts:
+            texts[time].refuse_doubt(path)
+        local = None
+        if (
+            time
+            and kinds[time]
+            and not getattr(schema.field(time).type, "tz", None)
+            and not _elapsed(schema.field(time))
+        ):
+            local = LocalClock(time, kinds[time] == "clock", findings)
+        for batch in _batches(path, names):
+            of = {}
+            for name in names:
+                column = batch.column(batch.schema.names.index(name))
+                of[name] = texts[name].numbers(column) if name in texts else numbers(column)
+            rows = np.arange(begun, begun + batch.num_rows) + 1
+            begun += batch.num_rows
+            at = of[time][0] if time else None
+            yield LogBlock(
+                rows,
+                at if at is None or local is None else local.times(at, rows),
+                {name: of[name][0] for name in wanted},
+                {name: of[name][1] for name in wanted},
+                begun / n_row,
+            )
 
-    assert len(places) == len(signals)
     return Log(path, signals, False, read, twice)
 
 
+def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    begun = 0
+    # buffered ahead, the file is in memory
+    with pq.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20) as file:
+        try:
+            for batch in file.iter_batches(BLOCK, columns=list(names)):
+                begun += batch.num_rows
+                yield batch
+        except (pa.ArrowException, OSError) as error:
+            raise InputError(f"{path}: damaged after row {begun} ({_said(error)})") from error
+
+
+class _Texts:
+    """A column of texts: times, or numbers."""
+
+    def __init__(self, path: Path, name: str, kind: str, order: DateOrder, findings: Findings) -> None:
+        self.name, self.kind, self.order = name, kind, order
+
+        def whole() -> Notation:
+            found = survey(({name: _plain(batch.column(0))} for batch in _batches(path, [name])), [name], ".")[name]
+            if found.kind:
+                findings.add(found.kind, name, found.detail)
+            return found
+
+        self.column = TextColumn(Notation(), whole)
+
+    def refuse_doubt(self, path: Path) -> None:
+        """Raise an error if the dates can be read in two ways."""
+        if not self.order.settled:
+            raise doubt(path, self.name, self.order.example)
+
+    def numbers(self, column: Any) -> tuple[np.ndarray, np.ndarray]:
+        cells = _plain(column)
+        if not self.kind:
+            return self.column.numbers(cells)
+        found = seconds(cells, self.kind, self.order.order)
+        return found, np.flatnonzero(~np.isfinite(found) & cells.is_valid().to_numpy(zero_copy_only=False))
+
+
+def _order(path: Path, name: str, kind: str, dates: str | None) -> DateOrder:
+    """What the dates of a column of texts tell about their order; `dates` if that is said."""
+    found = DateOrder()
+    found.order = dates
+    if kind == "stamp" and dates is None:
+        for batch in _batches(path, [name]):
+            found.look(_plain(batch.column(0)))
+            if found.settled:
+                break
+    return found
+
+
+def _plain(column: Any) -> Any:
+    import pyarrow as pa
+
+    if pa.types.is_dictionary(column.type):
+        column = column.dictionary_decode()
+    return column.cast(pa.string())
+
+
+def _is_text(kind: Any) -> bool:
+    import pyarrow as pa
+
+    kind = kind.value_type if pa.types.is_dictionary(kind) else kind
+    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
+
+
+def _elapsed(field: Any) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_duration(field.type))
+
+
+def _kind(path: Path, field: Any) -> str:
+    """As `Signal.kind`: whether a column holds times, by its type or by its first texts."""
+    import pyarrow as pa
+
+    if is_time(field.type):
+        of_day = pa.types.is_time(field.type)
+        return "clock" if of_day else "elapsed" if pa.types.is_duration(field.type) else "stamp"
+    if not _is_text(field.type):
+        return ""
+    batch = next(_batches(path, [field.name]), None)
+    return "" if batch is None else time_kind(c for c in _plain(batch.column(0))[:_SAMPLE].to_pylist() if c is not None)
+
+
+def _said(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
+
+
 def _unit(field: Any) -> str:
-    return (field.metadata or {}).get(b"unit", b"").decode()
+    return (field.metadata or {}).get(b"unit", b"").decode("utf-8", "replace")

@@ -2,7 +2,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from polydraulic.measure.formats.arrow import numbers
+from polydraulic.columns.cells import numbers
 
 
 @pytest.mark.parametrize(
@@ -23,9 +23,25 @@ def test_numbers_of_any_kind(column, values, bad):
     assert places.tolist() == bad
 
 
-def test_times_of_day_are_seconds():
-    stamps = pa.array(["2024-01-01 12:00:00.000", "2024-01-01 12:00:00.250"])
-    for column in (stamps, stamps.cast(pa.timestamp("ms"))):
+def test_times_of_every_type_are_seconds():
+    stamps = pa.array(["2024-01-01 12:00:00.000", "2024-01-01 12:00:00.250"]).cast(pa.timestamp("ms"))
+    for column in (
+        stamps,
+        stamps.cast(pa.timestamp("us")),
+        stamps.cast(pa.time32("ms")),
+        pa.array([10, 260], pa.duration("ms")),
+    ):
         found, places = numbers(column)
         assert np.diff(found) == pytest.approx([0.25], abs=1e-6)
         assert places.size == 0
+    assert numbers(pa.array([19723], pa.date32()))[0] == pytest.approx([1704067200.0])
+
+
+def test_whole_numbers_above_2_53_are_rounded_and_the_outermost_are_none():
+    limits = np.iinfo(np.int64)
+    found, places = numbers(pa.array([2**53 + 1, limits.min, limits.max, -5, None], pa.int64()))
+    assert found[:1] == pytest.approx([2.0**53], rel=1e-15)
+    assert found[3] == -5.0
+    assert np.isnan(found[[1, 2, 4]]).all()
+    assert places.tolist() == [1, 2]
+    assert numbers(pa.array([7, 2**64 - 1], pa.uint64()))[1].tolist() == [1]

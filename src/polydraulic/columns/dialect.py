@@ -1,0 +1,223 @@
+"""What a text file is: its delimiter, where its rows begin, names and units of its columns; from its first lines."""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from polydraulic.columns.header import names_and_units, unit_line
+from polydraulic.columns.source import HEAD, Scan
+from polydraulic.columns.timestamps import time_kind
+from polydraulic.errors import InputError
+
+BLANKS = "blanks"  # as a delimiter: any run of blanks or tabs
+_LINES = 200  # that are looked at
+_USUAL = 0.05  # share of the rows that may be shorter than the header and are no damage
+_NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d+)*[.,]?|[.,]\d+)([eEdD][+-]?\d+)?\s*$")
+_COMMENT = ("#", "//", "%")
+_MISSING = ("", "nan", "na", "n/a", "null", "-", "inf", "-inf", "+inf")
+
+
+class Dialect(NamedTuple):
+    """How a text file is written.
+
+    Attributes
+    ----------
+    delimiter : str
+        One character, or `BLANKS`.
+    names, units : list of str
+        Of the columns.
+    n_column : int
+        Columns there are; rows that end in a delimiter have a field more.
+    begin : int
+        Bytes (of the file as UTF-8) before the first row.
+    width : int
+        Fields of a row.
+    short : frozenset of int
+        Numbers of fields, fewer than `width`, that rows may have.
+    above : list of str
+        Lines above the header: comments, metadata.
+    sample : list of list of str
+        The cells of the first rows.
+    """
+
+    delimiter: str
+    names: list[str]
+    units: list[str]
+    n_column: int
+    begin: int
+    width: int
+    short: frozenset[int]
+    above: list[str]
+    sample: list[list[str]]
+
+
+def find_dialect(path: Path, found: Scan) -> Dialect:
+    """Find out how a text file is written.
+
+    Raises
+    ------
+    InputError
+        A file that is empty or has no rows.
+    """
+    head = found.head
+    lines = head.splitlines(keepends=True)
+    lines = lines[:-1] if len(head) >= HEAD and len(lines) > 1 else lines  # the last may be cut
+    lines = lines[:_LINES]
+    texts = [line.decode("utf-8", "replace").lstrip("\ufeff").rstrip("\r\n") for line in lines]
+    if not any(text.strip() for text in texts):
+        raise InputError(f"{path}: the file is empty")
+    said = next((n for n, text in enumerate(texts) if re.match(r"^\s*sep=.\s*$", text)), None)
+    told = texts[said].strip()[4:] if said is not None else ("\t" if re.match(r"^\s*sep=\t", texts[0]) else None)
+    plain = [n for n, text in enumerate(texts) if text.strip() and n != said and not text.lstrip().startswith(_COMMENT)]
+    delimiter = told or (_delimiter([texts[n] for n in plain]) if plain else ",")
+    if delimiter != ";":
+        plain = [n for n in plain if not texts[n].startswith(";")]
+    if not plain:
+        raise InputError(f"{path}: the log has no rows")
+    cells = {n: fields(texts[n], delimiter) for n in plain}
+    first = _first_row(plain, cells)
+    if first is None:
+        if len(plain) < 2:
+            raise InputError(f"{path}: the log has no rows")
+        first = plain[1]  # words in all columns: the first line is the header
+    body = [cells[n] for n in plain if n >= first]
+    above = [n for n in plain if n < first]
+    units: list[str] | None = None
+    header: list[str] | None = None
+    kept = above
+    if above:
+        wide = [n for n in above if len(_trimmed(cells[n])) > 1 or len(_trimmed(body[0])) == 1]
+        last = wide[-1] if wide else above[-1]
+        header, kept = cells[last], [n for n in above if n < last]
+        # two lines directly above the rows: names, and units below them
+        if len(wide) > 1 and wide[-2] == last - 1 and unit_line(cells[last], cells[wide[-2]]):
+            header, units, kept = cells[wide[-2]], cells[last], [n for n in kept if n < wide[-2]]
+    elif (named := _commented_header(texts, first, delimiter, body[0])) is not None:
+        header = named
+    width, short = _widths(body, header)
+    n_named = width if header is None else len(_trimmed(header))
+    filled = {place for row in body for place, cell in enumerate(row) if cell}
+    n_column = max([n_named, *(place + 1 for place in filled)])
+    if header is None:
+        header = [f"column {n}" for n in range(1, width + 1)]
+        names, of_names = header, [""] * width
+    else:
+        names, of_names = names_and_units(header, width)
+    if units is not None:
+        below = [cell.strip("[]() ") for cell in units] + [""] * width
+        of_names = [given or cell for given, cell in zip(of_names, below[:width], strict=True)]
+    begin = sum(len(line) for line in lines[:first])
+    return Dialect(
+        delimiter, names, of_names, min(n_column, width), begin, width, short, [texts[n] for n in kept], body
+    )
+
+
+def fields(line: str, delimiter: str) -> list[str]:
+    """Cells of a line, without the blanks around them."""
+    if delimiter == BLANKS:
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+
+
+def looks_numeric(cell: str) -> bool:
+    """Whether a cell is a number, with a point or a comma."""
+    return bool(_NUMBER.match(cell)) or cell.strip().lower() in ("nan", "inf", "-inf")
+
+
+def _delimiter(lines: Sequence[str]) -> str:
+    """The delimiter that makes most numbers and times of the lower half of the lines, in rows of one length."""
+    body = list(lines[len(lines) // 2 :]) or list(lines)
+    best, most = ",", 0.0
+    for candidate in ("\t", ";", "|", ",", BLANKS):
+        try:
+            rows = [fields(line, candidate) for line in body]
+        except csv.Error:
+            continue
+        lengths = Counter(len(row) for row in rows)
+        usual, count = lengths.most_common(1)[0]
+        if usual < 2:
+            continue
+        cells = [cell for row in rows for cell in row]
+        good = sum(_clean(cell, candidate) for cell in cells)
+        score = good / len(cells) + 0.5 * count / len(rows)
+        if score > most + 1e-9:
+            best, most = candidate, score
+    return best
+
+
+def _clean(cell: str, delimiter: str) -> float:
+    """1 for a number or a time, less for words, nothing for what holds another delimiter."""
+    if any(mark in cell for mark in ";\t|" if mark != delimiter):
+        return 0.0
+    if looks_numeric(cell):
+        return 1.0
+    if cell.lower() in _MISSING:
+        return 0.7
+    if time_kind([cell]):
+        return 1.1 if delimiter != BLANKS else 0.9
+    return 0.5 if "," not in cell else 0.2
+
+
+def _first_row(plain: Sequence[int], cells: dict[int, list[str]]) -> int | None:
+    """The first line of the rows: it has a number or a time, and as many fields as most of the lines below it."""
+    body = plain[len(plain) // 2 :]
+    usual = {len(cells[n]) for n in body} | {len(_trimmed(cells[n])) for n in body}
+    frequent = Counter(len(_trimmed(cells[n])) for n in body).most_common(1)[0][0]
+    where = {place for n in body for place, cell in enumerate(cells[n]) if _value(cell)}
+    found = None
+    for n in reversed(plain):
+        row = cells[n]
+        values = [place for place, cell in enumerate(row) if _value(cell)]
+        fits = len(row) in usual or len(_trimmed(row)) in usual
+        if fits and (len(_trimmed(row)) > 1 or frequent == 1) and where.intersection(values):
+            words = sum(bool(cell) and not _value(cell) for cell in row)
+            if found is None or words <= max(len(values), _words(cells[found])):
+                found = n
+                continue
+        if found is not None and _heads(row):
+            break
+    return found
+
+
+def _words(row: Sequence[str]) -> int:
+    return sum(bool(cell) and not _value(cell) for cell in row)
+
+
+def _heads(row: Sequence[str]) -> bool:
+    """Whether a line can stand above rows: all words."""
+    return any(row) and not any(_value(cell) for cell in row)
+
+
+def _value(cell: str) -> bool:
+    return looks_numeric(cell) or bool(time_kind([cell]))
+
+
+def _commented_header(texts: Sequence[str], first: int, delimiter: str, row: Sequence[str]) -> list[str] | None:
+    """Names in a comment directly above the rows, as NumPy writes them."""
+    text = texts[first - 1].strip() if first else ""
+    if not text.startswith(_COMMENT):
+        return None
+    names = fields(text.lstrip("#/% "), delimiter)
+    return names if len(names) == len(row) and len(names) > 1 else None
+
+
+def _trimmed(row: Sequence[str]) -> list[str]:
+    """A row without the empty fields at its end."""
+    end = len(row)
+    while end and not row[end - 1]:
+        end -= 1
+    return list(row[:end])
+
+
+def _widths(body: Sequence[Sequence[str]], header: Sequence[str] | None) -> tuple[int, frozenset[int]]:
+    """Fields of the rows, and the smaller numbers of fields that many of them have."""
+    lengths = Counter(len(row) for row in body)
+    named = len(_trimmed(header)) if header is not None else 0
+    filled = max((len(_trimmed(row)) for row in body if lengths[len(row)] >= _USUAL * len(body)), default=1)
+    usual = lengths.most_common(1)[0][0]
+    width = max(usual, min(named, max(lengths)), filled)
+    short = frozenset(n for n, count in lengths.items() if n < width and count >= max(2, _USUAL * len(body)))
+    return width, short

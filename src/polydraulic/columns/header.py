@@ -1,0 +1,60 @@
+"""Names and units in the header of a text file: ``name [unit]``, ``name (unit)``, or units in a line of their own."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from polydraulic.units import FACTORS
+
+_BRACKETS = re.compile(r"^\s*(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*$")
+_PARENTHESES = re.compile(r"^\s*(?P<name>.*?\S)\s*\((?P<unit>[^()]*(?:\([^()]*\))?)\)\s*$")
+# What may be a unit in parentheses; single letters that are names of ports (A, B, C, P, T) are none.
+_SYMBOLS = frozenset(
+    "s ms us µs ns min h sec m mm cm km µm um in ft bar mbar barg bara psi psig psia Pa hPa kPa MPa Nm N kN MN J kJ W kW V mV kV "
+    "mA kg t l L ml cc cm3 m3 rev U deg ° grad rad rpm RPM 1/min Hz kHz °C degC degF K % gpm GPM lpm LPM lbf lb hp PS g Ω Ohm".split()
+) | {unit for units in FACTORS.values() for unit in units if len(unit) > 1}
+_POWER = re.compile(r"[\^*]*-?[\d²³]+$")
+
+
+def names_and_units(header: Sequence[str], width: int) -> tuple[list[str], list[str]]:
+    """Names and units of `width` columns; a column without a name is called by its number."""
+    heads = [*header, *[""] * width][:width]
+    split = [_split(head) for head in heads]
+    count = Counter(name for name, _ in split)
+    raw = Counter(heads)
+    names, units = [], []
+    for number, (head, (name, unit)) in enumerate(zip(heads, split, strict=True), 1):
+        if count[name] > 1 and raw[head] == 1 and not _BRACKETS.match(head):
+            name, unit = head, ""  # what stands in the parentheses tells columns apart
+        names.append(name or f"column {number}")
+        units.append(unit)
+    return names, units
+
+
+def unit_line(cells: Sequence[str], header: Sequence[str]) -> bool:
+    """Whether a line between header and rows gives units: short texts, as many as there are names at most."""
+    given = [cell for cell in cells if cell]
+    return bool(given) and len(cells) <= len(header) + 1 and all(len(cell) <= 12 for cell in given)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text looks like a unit, such as ``bar``, ``l/min`` or ``m/s^2``."""
+    parts = [part for part in re.split(r"[/·* ]", text.strip()) if part]
+    return bool(parts) and all(
+        part in _SYMBOLS or _POWER.sub("", part) in _SYMBOLS or (part == "1" and len(parts) > 1) for part in parts
+    )
+
+
+def _split(head: str) -> tuple[str, str]:
+    match = _BRACKETS.match(head)
+    if match:
+        return match["name"], match["unit"].strip()
+    match = _PARENTHESES.match(head)
+    if match:
+        inner = match["unit"].strip()
+        pressure = re.match(r"(?i)^(p|pressure|druck)\b", match["name"])
+        if is_unit(inner) or (
+            inner in ("A", "bar(g)", "bar(a)", "psi(g)", "psi(a)") and not (pressure and inner == "A")
+        ):
+            return match["name"], inner
+    return head.strip(), ""

@@ -1,0 +1,104 @@
+"""Several files of one campaign as one log."""
+
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.measure import import_log, suggest_channels
+from polydraulic.measure.channels import channel_map
+from polydraulic.measure.formats.campaign import expand
+from polydraulic.tables import read_table
+
+MAP = {
+    "raster": "10 ms",
+    "channel": [
+        {"source": "time", "role": "time"},
+        {"source": "p", "role": "input", "unit": "bar", "range": [50, 150]},
+    ],
+}
+
+
+def put(folder, name, begin, n=200, unit="bar", stamp=False):
+    t = begin + 0.01 * np.arange(n)
+    times = [f"2024-03-31T10:00:{x:06.3f}Z" if stamp else f"{x:.2f}" for x in t]
+    text = "".join(f"{a},{100 + 10 * np.sin(x):.3f}\n" for a, x in zip(times, t, strict=True))
+    (folder / name).write_text(f"time,p [{unit}]\n{text}")
+    return folder / name
+
+
+def joined(folder, *names):
+    found = import_log([folder / name for name in names], channel_map(MAP), folder / "t.parquet")
+    return found, read_table(folder / "t.parquet")
+
+
+@pytest.mark.parametrize("stamp", [False, True])
+def test_files_are_joined_in_the_order_of_their_times(tmp_path, stamp):
+    put(tmp_path, "late.csv", 5.0, stamp=stamp), put(tmp_path, "early.csv", 0.0, stamp=stamp)
+    found, table = joined(tmp_path, "late.csv", "early.csv")
+    time = table["time"] - table["time"][0]
+    assert time == pytest.approx(np.concatenate([0.01 * np.arange(200), 5.0 + 0.01 * np.arange(200)]), abs=1e-6)
+    assert table["p"] == pytest.approx(1e5 * (100 + 10 * np.sin(time)), rel=1e-5)
+    assert [(f.kind, f.rows) for f in found.findings] == [("gap", [(201, 201)])]
+    assert (found.n_segment, found.source.name) == (2, "early.csv, late.csv")
+
+
+def test_files_that_overlap_are_named_and_read_once(tmp_path):
+    put(tmp_path, "a.csv", 0.0), put(tmp_path, "b.csv", 1.5)
+    found, table = joined(tmp_path, "a.csv", "b.csv")
+    assert found.findings.of("files overlap")[0].detail == "b.csv begins before a.csv ends"
+    assert table["time"] == pytest.approx(0.01 * np.arange(350))
+
+
+def test_a_file_that_repeats_is_left_out(tmp_path):
+    (tmp_path / "b.csv").write_bytes(put(tmp_path, "a.csv", 0.0).read_bytes())
+    found, table = joined(tmp_path, "a.csv", "b.csv")
+    assert [(f.kind, f.detail) for f in found.findings] == [("file repeats", "b.csv is a.csv")]
+    assert len(table) == 200
+
+
+def test_clocks_that_begin_anew_are_put_one_behind_the_other(tmp_path):
+    put(tmp_path, "b.csv", 0.0), put(tmp_path, "a.csv", 0.0, n=150)
+    found, table = joined(tmp_path, "b.csv", "a.csv")
+    assert found.findings.of("files begin anew")[0].detail == "b.csv, a.csv, 60 s apart"
+    assert (len(table), found.n_segment) == (350, 2)
+    assert table["time"][200] == pytest.approx(61.99)
+
+
+def test_units_that_differ_are_named(tmp_path):
+    put(tmp_path, "a.csv", 0.0), put(tmp_path, "b.csv", 5.0, unit="psi")
+    found, _ = joined(tmp_path, "a.csv", "b.csv")
+    assert found.findings.of("units of files", "p")[0].detail == "a.csv says 'bar', b.csv 'psi'"
+
+
+def test_files_need_clocks_of_one_kind_and_the_same_channels(tmp_path):
+    put(tmp_path, "a.csv", 0.0), put(tmp_path, "b.csv", 5.0, stamp=True)
+    with pytest.raises(InputError, match="clocks of different kinds"):
+        joined(tmp_path, "a.csv", "b.csv")
+    (tmp_path / "c.csv").write_text("time,q\n9.0,1\n9.1,2\n")
+    with pytest.raises(InputError, match=r"c.csv: no channel 'p'"):
+        joined(tmp_path, "a.csv", "c.csv")
+
+
+def test_patterns_stand_for_files(tmp_path):
+    a, b = put(tmp_path, "a.csv", 0.0), put(tmp_path, "b.csv", 5.0)
+    assert expand([str(tmp_path / "?.csv")]) == [a, b]
+    assert expand(a) == [a]
+    with pytest.raises(InputError, match="no file matches"):
+        expand(str(tmp_path / "*.txt"))
+
+
+def test_a_range_suggested_from_one_file_is_loud_about_the_peaks_of_the_next(tmp_path):
+    a = put(tmp_path, "a.csv", 0.0, n=50)
+    b = put(tmp_path, "b.csv", 1.0)
+    import tomllib
+
+    ranges = [
+        next(c["range"] for c in tomllib.loads(suggest_channels(files))["channel"] if c["source"] == "p")
+        for files in (a, [a, b])
+    ]
+    assert ranges[0][1] < 109.0
+    assert ranges[1][1] > 110.0
+    narrow = MAP | {"channel": [MAP["channel"][0], MAP["channel"][1] | {"range": ranges[0]}]}
+    found = import_log([a, b], channel_map(narrow), tmp_path / "t.parquet")
+    assert found.findings.of("implausible", "p")[0].level == "error"
+    assert "widen it" in found.findings.of("implausible", "p")[0].detail
