@@ -140,6 +140,27 @@ def test_senders_of_one_j1939_message_are_kept_apart(tmp_path):
         assert "torque" in log.duplicates
 
 
+FRAME_FORMAT = 'BA_ "VFrameFormat" BO_ 2566844672 {};'
+
+
+@pytest.mark.parametrize(
+    ("attributes", "j1939"),
+    [
+        (FRAME_FORMAT.format(3), True),
+        (FRAME_FORMAT.format(1), False),
+        ('BA_DEF_ "ProtocolType" STRING ;\nBA_DEF_DEF_ "ProtocolType" "";\nBA_ "ProtocolType" "J1939";', True),
+        ("", False),
+    ],
+)
+def test_messages_are_of_j1939_where_the_database_says_so(tmp_path, attributes, j1939):
+    (tmp_path / "bus.dbc").write_text(DBC.replace(FRAME_FORMAT.format(3), attributes))
+    frame = 2566844672 & 0x1FFFFFFF
+    path = write_bus(tmp_path / "a.blf", [(0.01 * k, frame, True, bytes([0, 250 + k] + [0] * 6)) for k in range(6)])
+    with open_log(path, dbc=[tmp_path / "bus.dbc"]) as log:
+        (block,) = log.read(log.signal("torque").group, ["torque"], None, Findings())
+    assert np.isnan(block.values["torque"]).tolist() == [False] * 4 + [j1939] * 2
+
+
 @pytest.mark.parametrize(
     ("dbc", "message"),
     [

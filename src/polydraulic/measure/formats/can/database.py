@@ -146,19 +146,23 @@ def _read(path: Path) -> list[tuple[int, bool, Message]]:
     except UnicodeDecodeError:  # what most tools write
         text = content.decode("cp1252", "replace")
     try:
-        found = cantools.database.load_string(text, database_format="dbc", strict=False).messages
+        database = cantools.database.load_string(text, database_format="dbc", strict=False)
+        protocol = database.dbc.attributes.get("ProtocolType") if database.dbc else None
+        bus = protocol is not None and str(protocol.value).upper().startswith("J1939")
         return [
-            (int(m.frame_id), bool(m.is_extended_frame), _message(m, path))
-            for m in found
+            (int(m.frame_id), bool(m.is_extended_frame), _message(m, path, bus))
+            for m in database.messages
             if m.name != "VECTOR__INDEPENDENT_SIG_MSG"  # signals that are in no message
         ]
     except Exception as error:  # cantools raises errors of many kinds
         raise InputError(f"{path}: cannot be read as a CAN database ({error})") from error
 
 
-def _message(message: Any, path: Path) -> Message:
+def _message(message: Any, path: Path, bus: bool) -> Message:
+    """Take a message over; on a bus of J1939 those with long identifiers are of it, unless they say otherwise themselves."""
     by_name = {signal.name: signal for signal in message.signals}
-    j1939 = message.protocol == "j1939"
+    own = message.dbc is not None and "VFrameFormat" in message.dbc.attributes
+    j1939 = message.protocol == "j1939" or (bus and bool(message.is_extended_frame) and not own)
     signals = tuple(_signal(signal, by_name, j1939) for signal in message.signals)
     return Message(message.name, int(message.length), j1939, signals, path)
 
