@@ -102,10 +102,11 @@ def _joined(logs: list[Log], time: str | None, factor: float, findings: Findings
             f"{logs[0].path} and files with it have clocks of different kinds; import those of one kind together"
         )
     parts = [_span(log, time, factor) for log in logs]
-    if all(log.own_clock and log.began for log in logs):  # clocks that say when they began
-        parts = [p._replace(first=p.first + p.log.began, last=p.last + p.log.began) for p in parts]
-        parts = _in_order(parts, time, findings)
-        parts = [p._replace(shift=p.log.began - parts[0].log.began) for p in parts]
+    dated = [p._replace(first=p.first + p.log.began, last=p.last + p.log.began) for p in parts]
+    dated.sort(key=lambda p: p.first)
+    # programs that give a file the time when it was saved make overlaps that are none: such files count as begun anew
+    if all(log.own_clock and log.began for log in logs) and not _overlapping(dated):
+        parts = [p._replace(shift=p.log.began - dated[0].log.began) for p in dated]
     else:
         parts = _in_order(parts, time, findings)
     first = parts[0].log
