@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from helpers.can_made import DBC, bus, write_bus
 from helpers.logs_made import MAP, healthy, write_csv
 from helpers.machine_log import machine_log
 from polydraulic.identification.log_replay import DRIVEN
@@ -87,6 +88,32 @@ def test_a_log_without_a_row_is_an_error_with_a_report(call, files):
     assert "no row of a table came of it; table.quality.html says why" in error
     assert not (files / "table.csv").exists()
     assert (files / "table.quality.html").is_file()
+
+
+def test_a_bus_log_is_imported_by_its_databases(call, tmp_path):
+    (tmp_path / "bus.dbc").write_text(DBC)
+    write_bus(tmp_path / "bus.blf", bus(100))
+    code, _, error = call("import --suggest bus.blf")
+    assert code != 0
+    assert "a raw bus log" in error
+    assert "--dbc" in error
+    assert call("import --suggest bus.blf --dbc bus.dbc --out map.toml")[0] == 0
+    text = (tmp_path / "map.toml").read_text()
+    assert 'source = "p_head"' in text
+    (tmp_path / "map.toml").write_text("""raster = "10 ms"
+[[channel]]
+source = "speed"
+role = "input"
+unit = "rpm"
+[[channel]]
+source = "p_head"
+role = "output"
+unit = "bar"
+""")
+    code, out, _ = call("import bus.blf --dbc bus.dbc --channels map.toml --out t.parquet")
+    assert code == 0
+    assert "status 'speed' (20 rows)" in out
+    assert "(frames that no database knows)" in out
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ def import_(
     log: Annotated[
         list[str],
         typer.Argument(
-            help="Log: .csv, .csv.gz, .parquet, .mf4 (MDF4) or .mat (v5, v7.3); several files of one campaign, or a pattern in quotes."
+            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN); several files of one campaign, or a pattern in quotes."
         ),
     ],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,
@@ -26,6 +26,7 @@ def import_(
     report: Annotated[
         Path | None, typer.Option(help="Quality report, .html; beside the table if not given. Its data as .json.")
     ] = None,
+    dbc: Annotated[list[Path] | None, typer.Option(help="CAN database of a bus log, .dbc; may be given again.")] = None,
     strict: Annotated[
         bool,
         typer.Option("--strict", help="Exit with 1 if the log has errors, such as values beyond a range of the map."),
@@ -55,7 +56,7 @@ def import_(
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
         with progress_bar("read") as progress:
-            text = suggest_channels(log, progress=progress)
+            text = suggest_channels(log, dbc=dbc or (), progress=progress)
         if out is None:
             print(text, end="")
         else:
@@ -69,7 +70,7 @@ def import_(
         raise InputError(f"{page}: a quality report ends in .html")
     given = load_channels(channels)
     with progress_bar("import") as progress:
-        imported = import_log(log, given, out, progress=progress)
+        imported = import_log(log, given, out, dbc=dbc or (), progress=progress)
         progress("deadbands, coverage, quality report", 0, 1)
         told = write_quality(imported, page, units=units)
     for finding in imported.findings:

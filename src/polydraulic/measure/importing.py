@@ -20,7 +20,7 @@ from polydraulic.measure.checks.excerpt import Excerpt
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.flows import FlowStream
 from polydraulic.measure.formats.campaign import expand, open_campaign
-from polydraulic.measure.formats.log import Log
+from polydraulic.measure.formats.log import Log, by_reason
 from polydraulic.measure.log_units import conversion
 from polydraulic.measure.resample import Resampler
 from polydraulic.progress import Progress, quiet
@@ -83,6 +83,7 @@ def import_log(
     channels: ChannelMap,
     out: str | Path,
     *,
+    dbc: Sequence[str | Path] = (),
     progress: Progress = quiet,
 ) -> Imported:
     """Read a log, or several files of one campaign, through a channel map and write the table that comes of it.
@@ -96,6 +97,8 @@ def import_log(
         From `load_channels`.
     out : str or Path
         Table to write, ``.parquet`` or ``.csv``; not written if no row comes of the log.
+    dbc : sequence of str or Path, optional
+        CAN databases (DBC) of a bus log.
     progress : Progress, optional
 
     Returns
@@ -110,7 +113,7 @@ def import_log(
     """
     table_ending(out)
     findings = Findings()
-    with _opened(path, channels, findings) as log:
+    with _opened(path, channels, dbc, findings) as log:
         groups = _groups(log, channels)
         _names_and_units(log, channels, findings)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
@@ -235,18 +238,25 @@ def _groups(log: Log, channels: ChannelMap) -> dict[int, list[Channel]]:
     return groups
 
 
-def _opened(path: str | Path | Sequence[str | Path], channels: ChannelMap, findings: Findings) -> Log:
+def _opened(
+    path: str | Path | Sequence[str | Path], channels: ChannelMap, dbc: Sequence[str | Path], findings: Findings
+) -> Log:
     time = channels.time
     factor = 1.0 if time is None else conversion(time.unit).factor
     dates = None if time is None else time.dates
-    return open_campaign(expand(path), None if time is None else time.source, factor, dates, findings)
+    return open_campaign(expand(path), None if time is None else time.source, factor, dates, findings, dbc)
 
 
 def _names_and_units(log: Log, channels: ChannelMap, findings: Findings) -> None:
+    if log.left_out:
+        findings.add("not read", "", by_reason(log.left_out))
     used = [*channels.used, *([channels.time] if channels.time is not None and not log.own_clock else [])]
     for channel in used:
         if channel.source in log.duplicates:
-            findings.add("duplicate", channel.source)
+            others = [s.name for s in log.signals if s.name.endswith(f"/{channel.source}")]
+            findings.add(
+                "duplicate", channel.source, f"others are {', '.join(map(repr, others[:5]))}" if others else ""
+            )
         _compare_units(log, channels, channel, findings)
 
 

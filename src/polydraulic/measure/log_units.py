@@ -25,15 +25,15 @@ _NOT_ASKED = {"Pa^0.5"}  # kinds: gauss and oersted have these base units in pin
 _PRESSURE = re.compile(r"(?:^|[^a-z0-9])p_|pressure|druck", re.IGNORECASE)
 
 
-def need(module: str) -> Any:
-    """Import a library of the extra `measure`, or say how to get it."""
+def need(module: str, extra: str = "measure") -> Any:
+    """Import a library of an extra, or say how to get it."""
     from importlib import import_module
 
     try:
         return import_module(module)
     except ImportError as error:
         raise InputError(
-            f"{module} is not installed; logs need the extra: pip install 'polydraulic[measure]'"
+            f"{module} is not installed; this log needs an extra: pip install 'polydraulic[{extra}]'"
         ) from error
 
 

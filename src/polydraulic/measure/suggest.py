@@ -12,14 +12,15 @@ from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.campaign import expand
-from polydraulic.measure.formats.log import Log, Signal
+from polydraulic.measure.formats.log import Log, Signal, by_reason
 from polydraulic.measure.formats.logs import open_log
 from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.progress import Progress, quiet
 from polydraulic.units import unit_kind
 
 _TIME_NAME = re.compile(
-    r"(?i)^((elapsed|relative|absolute|system|utc|local|log|sample|rel|abs)[ _]?)?"
+    r"(?i)^([\w.\[\]]+\.)?"  # structures that it is in
+    r"((elapsed|relative|absolute|system|utc|local|log|sample|rel|abs)[ _]?)?"
     r"(time|t|timestamps?|time[ _]?stamp|date[ _]?time|zeit|zeitstempel|uhrzeit|zeitpunkt|epoch|datum|date)"
     r"([ _]?(?P<unit>s|sec|ms|us|µs|ns))?$"
 )
@@ -58,13 +59,17 @@ class _Seen(NamedTuple):
     held: float
 
 
-def suggest_channels(path: str | Path | Sequence[str | Path], *, progress: Progress = quiet) -> str:
+def suggest_channels(
+    path: str | Path | Sequence[str | Path], *, dbc: Sequence[str | Path] = (), progress: Progress = quiet
+) -> str:
     """Text of a first channel map for a log, as TOML.
 
     Parameters
     ----------
     path : str, Path or sequence of them
         A log; see `open_log`. It is read once, for the ranges; of several files, which hold the same channels, all of them.
+    dbc : sequence of str or Path, optional
+        CAN databases (DBC) of a bus log.
     progress : Progress, optional
 
     Raises
@@ -73,7 +78,7 @@ def suggest_channels(path: str | Path | Sequence[str | Path], *, progress: Progr
         A file that is no log.
     """
     paths = expand(path)
-    with open_log(paths[0]) as log:
+    with open_log(paths[0], dbc=dbc) as log:
         time = None if log.own_clock else _time_of(log)
         unit = "s" if time is None else _unit_of_time(log, time)
         in_doubt = time is not None and any(s.doubt for s in log.signals if s.name in (time.name, time.beside))
@@ -83,7 +88,7 @@ def suggest_channels(path: str | Path | Sequence[str | Path], *, progress: Progr
         else:
             seen = _look(log, time, unit, progress)
         for more in paths[1:]:
-            with open_log(more, dates=ORDERS[0] if in_doubt else None) as another:
+            with open_log(more, dates=ORDERS[0] if in_doubt else None, dbc=dbc) as another:
                 again = _look(another, time, unit, progress)
             seen = {name: _wider(old, again.get(name)) for name, old in seen.items()}
         lines_of_time = [] if time is None else _time_lines(log, time, unit)
@@ -117,6 +122,8 @@ def suggest_channels(path: str | Path | Sequence[str | Path], *, progress: Progr
         lines.append(f"range = [{low:.10g}, {high:.10g}]")
         if signal.name in log.duplicates:
             lines.append("# the log has this name more than once: this is the first")
+    if log.left_out:
+        lines += ["", "# Not read: " + by_reason(log.left_out).encode("unicode_escape").decode()]
     if not used:
         raise InputError(f"{log.path}: no channel holds numbers that vary; there is nothing to import")
     return "\n".join(lines) + "\n"

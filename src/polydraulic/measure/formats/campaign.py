@@ -51,7 +51,14 @@ def expand(paths: str | Path | Sequence[str | Path]) -> list[Path]:
     return found
 
 
-def open_campaign(paths: Sequence[Path], time: str | None, factor: float, dates: str | None, findings: Findings) -> Log:
+def open_campaign(
+    paths: Sequence[Path],
+    time: str | None,
+    factor: float,
+    dates: str | None,
+    findings: Findings,
+    dbc: Sequence[str | Path] = (),
+) -> Log:
     """Open files of one campaign as one log; one file is opened as it is.
 
     Parameters
@@ -63,6 +70,8 @@ def open_campaign(paths: Sequence[Path], time: str | None, factor: float, dates:
         Of the numbers of the time, in s.
     dates : str or None
         As for `open_log`.
+    dbc : sequence of str or Path, optional
+        As for `open_log`.
     findings : Findings
         Takes ``file repeats``, ``files overlap``, ``files begin anew`` and units that differ.
 
@@ -72,11 +81,11 @@ def open_campaign(paths: Sequence[Path], time: str | None, factor: float, dates:
         A file that is no log, or that has not the channels of the first one.
     """
     if len(paths) == 1:
-        return open_log(paths[0], dates=dates)
+        return open_log(paths[0], dates=dates, dbc=dbc)
     logs = []
     try:
         for path in _different(paths, findings):
-            logs.append(open_log(path, dates=dates))
+            logs.append(open_log(path, dates=dates, dbc=dbc))
         if len(logs) == 1:
             return logs[0]
         return _joined(logs, time, factor, findings)
@@ -123,7 +132,8 @@ def _joined(logs: list[Log], time: str | None, factor: float, findings: Findings
             part.log.close()
 
     names = Path(", ".join(part.log.path.name for part in parts))
-    return Log(names, first.signals, first.own_clock, read, first.duplicates, close, first.began, first.also)
+    left_out = {name: reason for part in reversed(parts) for name, reason in part.log.left_out.items()}
+    return Log(names, first.signals, first.own_clock, read, first.duplicates, close, first.began, first.also, left_out)
 
 
 def _timed(log: Log, source: str | None) -> bool:

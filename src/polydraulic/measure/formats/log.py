@@ -79,6 +79,8 @@ class Log:
         Names that the file has more than once.
     also : dict from str to Signal
         Other names that signals go by, such as the header's own text.
+    left_out : dict from str to str
+        What the file has and is not read, by name, with the reason.
     own_clock : bool
         Whether every group has a time of its own (MDF), in s.
     read : function (group, names, time, findings) -> iterator of Block
@@ -96,6 +98,7 @@ class Log:
     close: Callable[[], None] = field(default=lambda: None, repr=False)
     began: float = 0.0
     also: dict[str, Signal] = field(default_factory=dict, repr=False)
+    left_out: dict[str, str] = field(default_factory=dict, repr=False)
 
     def __enter__(self) -> "Log":
         return self
@@ -110,6 +113,8 @@ class Log:
                 return signal
         if name in self.also:
             return self.also[name]
+        if name in self.left_out:
+            raise InputError(f"{self.path}: channel {name!r} cannot be read: {self.left_out[name]}")
         names = [s.name for s in self.signals]
         shown = f"{names[:30]}" + (f" and {len(names) - 30} more" if len(names) > 30 else "")
         raise InputError(f"{self.path}: no channel {name!r}; the log has {shown}")
@@ -125,3 +130,15 @@ def once(signals: list[Signal]) -> tuple[list[Signal], list[str]]:
         else:
             first[signal.name] = signal
     return list(first.values()), list(twice)
+
+
+def by_reason(left_out: dict[str, str], most: int = 5) -> str:
+    """Parts of a log that are not read, by reason."""
+    names: dict[str, list[str]] = {}
+    for name, reason in left_out.items():
+        names.setdefault(reason, []).append(name)
+    parts = [
+        f"{', '.join(map(repr, group[:most]))}{f' and {len(group) - most} more' if len(group) > most else ''} ({reason})"
+        for reason, group in names.items()
+    ]
+    return "; ".join(parts[:most]) + (f"; and {len(parts) - most} reasons more" if len(parts) > most else "")

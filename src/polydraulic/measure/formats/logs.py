@@ -1,15 +1,17 @@
 """Open a log by the ending of its file."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from polydraulic.errors import InputError
 from polydraulic.measure.formats.log import Log
 
-ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat")
+ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mdf", ".dat", ".mat", ".blf", ".asc")
+_BUS = (".mf4", ".blf", ".asc")
 
 
-def open_log(path: str | Path, *, dates: str | None = None) -> Log:
-    """Open a log: CSV (plain or .gz), Parquet, MDF4, MAT v5 or v7.3.
+def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | Path] = ()) -> Log:
+    """Open a log: CSV (plain or .gz), Parquet, MDF 3 or 4, MAT v5 or v7.3; a CAN bus log (MDF 4, BLF, ASC) with its databases.
 
     Parameters
     ----------
@@ -17,6 +19,8 @@ def open_log(path: str | Path, *, dates: str | None = None) -> Log:
         A CSV header may carry units as ``name [unit]``, or in a line of their own below it.
     dates : str, optional
         ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates as texts that can be read in two ways.
+    dbc : sequence of str or Path, optional
+        CAN databases that say what is in the frames of a bus log.
 
     Raises
     ------
@@ -29,11 +33,22 @@ def open_log(path: str | Path, *, dates: str | None = None) -> Log:
         raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}")
     if not path.is_file():
         raise InputError(f"{path}: no such file")
+    if dbc and ending not in _BUS:
+        raise InputError(f"{path}: CAN databases go with a bus log, {', '.join(_BUS)}")
+    if ending in _BUS[1:] and not dbc:
+        raise InputError(
+            f"{path}: a raw bus log (frames with identifiers and data bytes, no signals); give the CAN databases that say what is in "
+            "them: --dbc FILE.dbc"
+        )
+    if dbc:
+        from polydraulic.measure.formats.can.can_log import open_can
+
+        return open_can(path, [Path(file) for file in dbc])
     if ending == ".parquet":
         from polydraulic.measure.formats.parquet_log import open_parquet
 
         return open_parquet(path, dates)
-    if ending == ".mf4":
+    if ending in (".mf4", ".mdf", ".dat"):
         from polydraulic.measure.formats.mdf_log import open_mdf as opener
     elif ending == ".mat":
         from polydraulic.measure.formats.mat_log import open_mat as opener

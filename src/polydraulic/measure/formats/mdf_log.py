@@ -1,24 +1,107 @@
-"""MDF4 logs: groups of channels, each group with a clock of its own."""
+"""MDF logs, versions 3 and 4: groups of channels, each group with a clock of its own."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stdout
 from datetime import UTC
 from io import StringIO
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.log import Log, LogBlock, Signal, once
-from polydraulic.measure.log_units import need
+from polydraulic.measure.formats.log import Log, LogBlock, Signal
+from polydraulic.measure.formats.mdf_conversion import physical
+from polydraulic.measure.formats.named import GroupName, in_groups
+from polydraulic.measure.formats.status_text import StatusNotes
+from polydraulic.measure.log_units import conversion, need
 
+_HEAD = 64 + 104  # bytes of the two blocks that every file begins with
 _FRAGMENT = 4 << 20  # bytes of a block
+_MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
+_CAN = re.compile(r"CAN_(Data|Remote|Error|Overload)Frame(\.|$)")
+_BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
 
 
 def open_mdf(path: Path) -> Log:
-    """Open an MDF4 log; see `polydraulic.measure.formats.logs.open_log`."""
+    """Open an MDF log; see `polydraulic.measure.formats.logs.open_log`."""
+    file, close = mdf_file(path)
+    version = int(str(file.version)[0])
+    found: list[Signal] = []
+    place: list[int] = []  # index in the group of each signal
+    names: list[GroupName] = []
+    left_out: dict[str, str] = {}
+    factors: dict[int, float] = {}
+    reasons: dict[str, None] = {}
+    try:
+        for number, group in enumerate(file.groups):
+            master = file.masters_db.get(number)
+            names.append(_group_name(group, number))
+            reason = _no_rows(group, names[-1], master, version)
+            if reason:
+                reasons[reason] = None
+            else:
+                factors[number] = _seconds(group.channels[master])
+            for index, channel in enumerate(group.channels):
+                if index == master:
+                    continue
+                if reason:
+                    left_out.setdefault(channel.name, reason)
+                else:
+                    found.append(Signal(channel.name, _unit(channel), number))
+                    place.append(index)
+    except InputError:
+        close()
+        raise
+    except Exception as error:  # asammdf raises errors of many kinds on damaged files
+        close()
+        raise InputError(f"{path}: cannot be read as an MDF log ({error})") from error
+    if not found:
+        close()
+        why = "; ".join(list(reasons)[:5])
+        raise InputError(f"{path}: the log has no channels with a clock and rows" + (f": {why}" if why else ""))
+    signals, twice, also, origin = in_groups(found, names)
+    left_out = {name: reason for name, reason in left_out.items() if name not in origin}
+
+    def read(group: int, wanted: Sequence[str], time: str | None, findings: Findings) -> Iterator[LogBlock]:
+        members = file.groups[group]
+        indices = [file.masters_db[group], *(place[origin[name]] for name in wanted)]
+        channels = [members.channels[index] for index in indices]
+        parts = [file.iter_get(group=group, index=index, samples_only=True, raw=True) for index in indices]
+        notes = [StatusNotes(name, findings) for name in ("", *wanted)]
+        begun, total = 0, int(members.channel_group.cycles_nr)
+        while begun < total:
+            values: dict[str, np.ndarray] = {}
+            text: dict[str, np.ndarray] = {}
+            try:
+                with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
+                    read_now: list[Any] = [next(part) for part in parts]
+                    found_now = [
+                        physical(raw, c.conversion, version=version, unit=_unit(c), bits=getattr(c, "bit_count", None))
+                        for (raw, _), c in zip(read_now, channels, strict=True)
+                    ]
+            except Exception as error:
+                raise InputError(f"{path}: damaged after row {begun} of group {group} ({error})") from error
+            clock = found_now[0].values
+            if clock is None:
+                raise InputError(f"{path}: the time of group {names[group].label!r} is no number")
+            rows = np.arange(begun, begun + len(clock)) + 1
+            begun += len(rows)
+            for name, one, note, (_, invalid) in zip(wanted, found_now[1:], notes[1:], read_now[1:], strict=True):
+                there = np.full(len(rows), np.nan) if one.values is None else one.values
+                text[name] = np.arange(len(rows) if one.values is None else 0)
+                values[name] = there if invalid is None else np.where(np.asarray(invalid, dtype=bool), np.nan, there)
+                note.add(rows, one.said)
+            yield LogBlock(rows, clock * factors[group], values, text, begun / total)
+
+    return Log(path, signals, True, read, twice, close, mdf_began(file), also=also, left_out=left_out)
+
+
+def mdf_file(path: Path) -> tuple[Any, Any]:
+    """Open a file with asammdf, in fragments: the file, and a function that closes it."""
     library = need("asammdf")
     raw = path.open("rb")  # a path would be mapped into memory as a whole
 
@@ -26,51 +109,88 @@ def open_mdf(path: Path) -> Log:
         file.close()
         raw.close()
 
+    head = raw.read(_HEAD)
+    raw.seek(0)
+    if not (len(head) == _HEAD and head[:8] in (b"MDF     ", b"UnFinMF ") and head[64:68].strip(b"#")[:2] == b"HD"):
+        raw.close()
+        raise InputError(f"{path}: cannot be read as an MDF log (it does not begin like one)")
     try:
         file = library.MDF(raw)
         file.configure(read_fragment_size=_FRAGMENT)
-        found: list[Signal] = []
-        place: dict[str, tuple[int, int]] = {}
-        for number, group in enumerate(file.groups):
-            master = file.masters_db.get(number)
-            if not group.channel_group.cycles_nr or master is None:
-                continue
-            for index, channel in enumerate(group.channels):
-                if index != master:
-                    found.append(Signal(channel.name, _unit(channel), number))
-                    place.setdefault(channel.name, (number, index))
+        _ = file.groups, file.masters_db
     except Exception as error:  # asammdf raises errors of many kinds on damaged files
         raw.close()
+        _let_go(error)
         raise InputError(f"{path}: cannot be read as an MDF log ({error})") from error
-    if not found:
-        close()
-        raise InputError(f"{path}: the log has no channels with a clock and rows")
-    signals, twice = once(found)
-
-    def read(group: int, wanted: Sequence[str], time: str | None, findings: Findings) -> Iterator[LogBlock]:
-        members = file.groups[group]
-        indices = [file.masters_db[group], *(place[name][1] for name in wanted)]
-        parts = [file.iter_get(group=group, index=index, samples_only=True, raw=True) for index in indices]
-        conversions = [members.channels[index].conversion for index in indices]
-        begun, total = 0, int(members.channel_group.cycles_nr)
-        while begun < total:
-            try:
-                with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
-                    read_now: list[Any] = [next(part) for part in parts]
-                columns = [_numbers(v, bits, c) for (v, bits), c in zip(read_now, conversions, strict=True)]
-            except Exception as error:
-                raise InputError(f"{path}: damaged after row {begun} of group {group} ({error})") from error
-            rows = np.arange(begun, begun + len(columns[0])) + 1
-            begun += len(rows)
-            values = dict(zip(wanted, columns[1:], strict=True))
-            text = {name: np.arange(len(rows) if value.dtype == object else 0) for name, value in values.items()}
-            values = {n: np.full(len(rows), np.nan) if v.dtype == object else v for n, v in values.items()}
-            yield LogBlock(rows, columns[0], values, text, begun / total)
-
-    return Log(path, signals, True, read, twice, close, _began(file))
+    return file, close
 
 
-def _began(file: Any) -> float:
+def _let_go(error: Exception) -> None:
+    """Give what asammdf left half made the parts that it wants to delete, or it writes a traceback of its own."""
+    for frame, _ in walk_tb(error.__traceback__):
+        half = frame.f_locals.get("self")
+        if type(half).__module__.startswith("asammdf.blocks.mdf_v"):
+            for part in ("header", "identification"):
+                if not hasattr(half, part):
+                    setattr(half, part, None)
+
+
+def _group_name(group: Any, number: int) -> GroupName:
+    name = str(getattr(group.channel_group, "acq_name", "") or "").strip("\0 ")
+    comment = str(group.channel_group.comment or "").strip("\0 ")
+    comment = "" if "<" in comment or "\n" in comment else comment
+    others = tuple(o for o in (comment, f"group {number}") if o)
+    return GroupName(name or f"group {number}", others)
+
+
+def bus_events(group: Any) -> bool:
+    """Whether the rows of a group are frames or events of a bus, not samples of channels: a structure with its parts."""
+    names = {channel.name for channel in group.channels}
+    if any(_CAN.match(name) for name in names):
+        return True
+    return any(_BUS.fullmatch(name) and any(n.startswith(f"{name}.") for n in names) for name in names)
+
+
+def bus_frames(group: Any) -> dict[str, int]:
+    """Places of the parts of CAN data frames in a group; none where it has no such frames."""
+    begin = "CAN_DataFrame."
+    return {c.name[len(begin) :]: n for n, c in enumerate(group.channels) if c.name.startswith(begin)}
+
+
+def _no_rows(group: Any, name: GroupName, master: int | None, version: int) -> str:
+    """Why a group has no rows with a time; empty if it has."""
+    if bus_events(group):
+        return (
+            f"group {name.label!r} is a raw bus log (frames with identifiers and data bytes, no decoded signals); "
+            "decode it with --dbc FILE"
+        )
+    if master is None:
+        return f"group {name.label!r} has no time"
+    channel = group.channels[master]
+    kind = int(channel.sync_type) if version >= 4 else 1
+    if kind != 1 and not (kind == 0 and _si(_unit(channel)) == "s"):
+        what = _MASTERS.get(kind, "of no known kind")
+        unit = _unit(channel)
+        return (
+            f"group {name.label!r} is over {channel.name!r}" + (f" [{unit}]" if unit else "") + f", {what} and no time"
+        )
+    return "" if group.channel_group.cycles_nr else f"group {name.label!r} has no rows"
+
+
+def _seconds(channel: Any) -> float:
+    """Seconds in one of a time's unit; it is seconds unless the file says so."""
+    unit = _unit(channel)
+    return conversion(unit).factor if _si(unit) == "s" else 1.0
+
+
+def _si(unit: str) -> str:
+    try:
+        return conversion(unit).si if unit else ""
+    except InputError:
+        return ""
+
+
+def mdf_began(file: Any) -> float:
     """When the recording began, in s since 1970 by the clock on the wall; 0 where the file holds no time that is any."""
     try:
         return float(file.start_time.replace(tzinfo=UTC).timestamp())
@@ -81,13 +201,3 @@ def _began(file: Any) -> float:
 def _unit(channel: Any) -> str:
     unit = channel.unit or (channel.conversion.unit if channel.conversion else "")
     return str(unit or "").strip("\0 ")
-
-
-def _numbers(samples: np.ndarray, invalid: np.ndarray | None, conversion: Any) -> np.ndarray:
-    """Values as numbers, NaN where invalid; as objects where they are none."""
-    if conversion is not None:
-        samples = conversion.convert(samples, ignore_value2text_conversions=True)
-    if samples.ndim != 1 or samples.dtype.kind not in "fiub":
-        return np.empty(len(samples), dtype=object)
-    values = samples.astype(np.float64)
-    return values if invalid is None else np.where(np.asarray(invalid, dtype=bool), np.nan, values)

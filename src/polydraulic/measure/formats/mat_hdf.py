@@ -1,0 +1,116 @@
+"""MAT files of v7.3: HDF5, of which MATLAB's attributes say what an item is."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.measure.formats.mat_arrays import (
+    CELL,
+    COMPLEX,
+    CUBE,
+    DEEPEST,
+    EMPTY,
+    SPARSE,
+    Arrays,
+    axis_of_time,
+    labels,
+    object_of,
+)
+from polydraulic.measure.log_units import need
+
+_NUMBERS = {"double", "single", "logical"} | {f"{u}int{n}" for u in ("", "u") for n in (8, 16, 32, 64)}
+
+
+def arrays_of_hdf(path: Path) -> Arrays:
+    """Columns of numbers of a file."""
+    library = need("h5py")
+    try:
+        file = library.File(path, "r")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as a MAT log ({error})") from error
+    kept = _Kept(library, file)
+    try:
+        kept.members("", file, None, 0)
+    except Exception as error:  # h5py raises errors of many kinds on damaged files
+        file.close()
+        raise InputError(f"{path}: cannot be read as a MAT log ({error})") from error
+
+    def read(name: str, begun: int, end: int) -> np.ndarray:
+        item, axis, place = kept.where[name]
+        part = item[(*place[:axis], slice(begun, end), *place[axis:])]
+        return np.asarray(part, dtype=np.float64)
+
+    return Arrays(kept.lengths, kept.left_out, read, file.close)
+
+
+class _Kept:
+    """Columns by name: the dataset, its axis of time, and the place on the others."""
+
+    def __init__(self, library: Any, file: Any) -> None:
+        self.library, self.file = library, file
+        self.where: dict[str, tuple[Any, int, tuple[int, ...]]] = {}
+        self.lengths: dict[str, int] = {}
+        self.left_out: dict[str, str] = {}
+
+    def members(self, name: str, group: Any, rows: int | None, deep: int) -> None:
+        """Look at what is in a structure."""
+        time = group.get("time") if "signals" in group else None
+        if isinstance(time, self.library.Dataset):
+            rows = int(time.size)
+        for key in group:
+            link = group.get(key, getlink=True)
+            if key.startswith("#") or not isinstance(link, self.library.HardLink):
+                continue  # MATLAB's own bookkeeping; links to other files are not followed
+            label = key.encode("utf-8", "replace").decode()
+            self.keep(f"{name}.{label}" if name else label, group[key], rows, deep)
+
+    def keep(self, name: str, item: Any, rows: int | None, deep: int) -> None:
+        """Note the columns of an item, and of what is in it."""
+        kind = _kind(item)
+        if deep > DEEPEST:
+            self.left_out[name] = f"more than {DEEPEST} structures in each other"
+        elif "MATLAB_sparse" in item.attrs:
+            self.left_out[name] = SPARSE
+        elif "MATLAB_object_decode" in item.attrs or kind not in {"", "struct", "cell", "char", *_NUMBERS}:
+            self.left_out[name] = object_of(kind)
+        elif int(np.ravel(item.attrs.get("MATLAB_empty", 0))[0]):
+            if kind != "char":
+                self.left_out[name] = EMPTY
+        elif isinstance(item, self.library.Group):
+            self.members(name, item, rows, deep + 1)
+        elif kind == "cell":
+            self.left_out[name] = CELL
+        elif isinstance(item, self.library.Dataset) and kind != "char":
+            self._dataset(name, item, rows, deep)
+
+    def _dataset(self, name: str, item: Any, rows: int | None, deep: int) -> None:
+        if self.library.check_ref_dtype(item.dtype) is self.library.Reference:  # a field of an array of structures
+            of, _, field = name.rpartition(".")
+            for number, reference in enumerate(np.ravel(item[()].T, order="F"), 1):
+                label = f"{of}[{number}].{field}" if of else f"{field}[{number}]"
+                if reference:
+                    self.keep(label, self.file[reference], rows, deep + 1)
+        elif item.dtype.names is not None:
+            self.left_out[name] = COMPLEX if item.dtype.names == ("real", "imag") else "a record"
+        elif item.dtype.kind not in "fiub":
+            return
+        elif item.size in (0, None):
+            self.left_out[name] = EMPTY
+        elif item.size > 1:
+            shape = item.shape[::-1]  # MATLAB's order
+            axis = axis_of_time(shape, rows)
+            if axis is None:
+                self.left_out[name] = CUBE
+                return
+            others = tuple(n for k, n in enumerate(shape) if k != axis)
+            for label, place in zip(labels(name, int(np.prod(others))), np.ndindex(others[::-1]), strict=True):
+                self.where[label] = (item, len(shape) - 1 - axis, place)
+                self.lengths[label] = shape[axis]
+
+
+def _kind(item: Any) -> str:
+    """Class that MATLAB gave an item; empty if none."""
+    kind = item.attrs.get("MATLAB_class", b"")
+    return kind.decode("utf-8", "replace") if isinstance(kind, bytes) else str(kind)
