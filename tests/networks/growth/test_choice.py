@@ -82,9 +82,9 @@ def test_no_network_of_a_log_leaves_the_range_of_its_rows(kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", FIELD_LOGS)
-@pytest.mark.parametrize("seed", [101, 102, 103, 104, 105])
+@pytest.mark.parametrize("seed", [201, 202, 203, 204, 205])
 def test_default_settings_are_not_much_worse_than_smaller_networks_of_their_own(kind, seed):
-    """On logs by which nothing was chosen: those that the rule was found on have the seeds 1 to 3."""
+    """On logs by which nothing was chosen: those that the rule was found on have the seeds 1 to 6."""
     X, y = FIELD_LOGS[kind](seed)
     held = held_out(len(y))
     model = AbductiveRegressor().fit(X[~held], y[~held])

@@ -19,7 +19,7 @@ from polydraulic.networks.model.table import Node
 
 _RIDGE = 1e-10  # of the diagonal, against dependent coefficients
 _MOST = 1.0 - 1e-9  # leverage
-_LEFT = 1e-6  # of the curvature that it has with the block: with less, learning from the other rows would not get far along it
+_LEFT = 1e-7  # of the curvature that it has with the block: with less, learning from the other rows would not get far along it
 
 
 def leave_one_out(nodes: Sequence[Node], rows: TrainingRows, bounds: tuple[float, float]) -> float:

@@ -180,7 +180,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         y = y.astype(np.float64)
         weight = None if sample_weight is None else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
         blocks = None
-        if self.leave_one_out and (groups is not None or weight is None):
+        if self.leave_one_out and (groups is not None or weight is None or np.all(weight == 1.0)):
             blocks = row_blocks(X if self.missing == "refuse" else np.nan_to_num(X), groups)
         X, y, weight, blocks = self._complete(X, y, weight, blocks)
         self._single_output = y.ndim == 1
