@@ -182,9 +182,9 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
         spread[lost] = _small_spread(blocks, weight, mean[lost], (high - low)[lost], lost)
     if not np.all(np.isfinite([*mean, *(spread * spread)])):
         raise InputError("the values are too large for their squares to be numbers: scale the columns")
-    if not np.all(np.isfinite(1.0 / spread)):
+    if np.any(spread < np.finfo(np.float64).smallest_normal):  # its inverse may be none
         raise InputError(
-            "a column varies by less than 1e-308, the smallest number with all its digits: scale the columns"
+            "a column varies by less than 2.2e-308, the smallest number with all its digits: scale the columns"
         )
     return Scaling(
         weight, mean[:-1], spread[:-1], low[:-1], high[:-1],
