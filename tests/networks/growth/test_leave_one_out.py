@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from polydraulic import AbductiveRegressor
-from polydraulic.networks.growth.leave_one_out import leave_one_out
-from polydraulic.networks.growth.training_rows import rows_from_blocks, rows_in_memory
+from polydraulic.networks.growth.leave_one_out import leave_blocks_out, leave_one_out
+from polydraulic.networks.growth.training_rows import rows_apart, rows_from_blocks, rows_in_memory
 from polydraulic.networks.model.nodes import DOUBLE, design
 from polydraulic.networks.model.table import Node
 
@@ -64,3 +64,31 @@ def test_far_rows_do_not_decide_high_powers():
         errors = [step.leave_one_out for step in model.history_ if step.accepted]
         assert model.network_.n_coefficients <= model.history_[int(np.argmin(errors))].n_coefficients
     assert min(scores) > 0.3
+
+
+BLOCK = np.repeat(np.arange(6), 10)
+
+
+def test_for_one_node_it_is_the_error_of_fits_without_each_block():
+    weight = RNG.uniform(0.5, 2.0, size=60)
+    for w in (None, weight):
+        rows = rows_in_memory(X, Y, w)
+        ((x, y, _),) = list(rows)
+        root = np.ones(60) if w is None else np.sqrt(w)
+        node = Node(DOUBLE, (0, 1), tuple(np.linalg.lstsq(design(DOUBLE, x) * root[:, None], y * root)[0]))
+        expected = []
+        for k in range(6):
+            own, others = k == BLOCK, k != BLOCK
+            coef = np.linalg.lstsq(design(DOUBLE, x[others]) * root[others, None], (y * root)[others])[0]
+            expected.append(np.sum((root[own] * (design(DOUBLE, x[own]) @ coef - y[own])) ** 2) / np.sum(root**2))
+        shuffled = RNG.permutation(60)
+        apart = rows_apart(X[shuffled], Y[shuffled], None if w is None else w[shuffled], BLOCK[shuffled])
+        assert leave_blocks_out([node], apart, WIDE) == pytest.approx(np.array(expected), rel=1e-6)
+        assert leave_blocks_out([node], apart, (-0.1, 0.1)).sum() != pytest.approx(sum(expected), rel=0.1)
+
+
+def test_no_network_predicts_the_mean_of_the_other_blocks():
+    rows = rows_in_memory(X, Y, None)
+    ((_, y, _),) = list(rows)
+    expected = [np.sum((y[k == BLOCK] - y[k != BLOCK].mean()) ** 2) / 60 for k in range(6)]
+    assert leave_blocks_out([], rows_apart(X, Y, None, BLOCK), WIDE) == pytest.approx(np.array(expected))

@@ -185,3 +185,33 @@ def test_bad_data_are_named():
 def test_names_must_fit():
     with pytest.raises(ValueError, match="1 input names for a model with 2 inputs"):
         AbductiveRegressor().fit(X, Y).to_model([Variable("x")])
+
+
+def test_weights_that_sum_to_less_than_a_network_needs_are_named():
+    with pytest.raises(ValueError, match="the weights sum to 1: .* repetitions of its row"):
+        AbductiveRegressor().fit(X, Y, np.full(200, 1.0 / 200.0))
+    with pytest.raises(ValueError, match="the weights sum to 2e.302: .* divide the weights by their mean"):
+        AbductiveRegressor().fit(X, Y, np.full(200, 1e300))
+    with pytest.raises(ValueError, match="the weights sum to"):
+        AbductiveRegressor().fit(X, Y, np.geomspace(1e-150, 1e150, 200))
+
+
+def test_offsets_and_scales_of_any_size_are_learnt():
+    plain = AbductiveRegressor(max_layers=2).fit(X, Y).predict(X)
+    for scale in (1e-300, 1e-200, 1e-100, 1e100):
+        assert AbductiveRegressor(max_layers=2).fit(X * scale, Y).predict(X * scale) == pytest.approx(plain, abs=1e-5)
+        assert AbductiveRegressor(max_layers=2).fit(X, Y * scale).predict(X) / scale == pytest.approx(plain, abs=1e-5)
+    number = AbductiveRegressor(max_layers=2, prior_variance=1e-300).fit(X, Y * 1e-200)
+    assert np.isfinite(number.predict(X)).all()
+    rounded = X + 1e12  # to four digits
+    assert AbductiveRegressor().fit(rounded, Y).score(rounded, Y) > 0.999
+    assert AbductiveRegressor().fit(X, Y + 1e12).score(X, Y + 1e12) > 0.999
+
+
+def test_what_cannot_be_learnt_is_named():
+    with pytest.raises(ValueError, match="a column varies by less than 2.2e-308"):
+        AbductiveRegressor().fit(X * 1e-312, Y)
+    with pytest.warns(UserWarning, match=r"input 1 varies by .* about 1e\+12, which is no more than rounding"):
+        AbductiveRegressor().fit(X * [1.0, 1e-3] + [0.0, 1e12], Y)
+    with pytest.warns(UserWarning, match="the target varies by"):
+        AbductiveRegressor().fit(X, 1e-4 * Y + 1e12)

@@ -53,10 +53,12 @@ def test_pure_noise_gets_no_network():
     assert model.predict(X[:3]) == pytest.approx([y.mean()] * 3)
 
 
-def test_coefficients_stay_below_a_third_of_the_rows():
-    few = RNG.uniform(size=(30, 3))
-    model = AbductiveRegressor(cpm=0.0).fit(few, RNG.normal(size=30))
-    assert 3 * model.network_.n_coefficients <= 30
+@pytest.mark.parametrize("n", [4, 5, 6, 8, 11, 12, 13, 20, 30])
+def test_coefficients_stay_below_a_third_of_the_rows(n):
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        model = AbductiveRegressor(cpm=0.0).fit(rng.uniform(size=(n, 3)), rng.normal(size=n))
+        assert 3 * model.network_.n_coefficients <= n
 
 
 def test_kinds_limit_the_search():

@@ -126,11 +126,38 @@ def test_files_of_schema_1_are_read():
         (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 1.5}]), "p is read 1.5 steps ago"),
         (dynamic(step=[1.0, -1.0]), "the smallest step 1.0 exceeds"),
         (dynamic(raster=0.0), "raster is 0.0"),
+        (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 10**30}]), "it may be 0 to 1000000"),
+        (change((*N, "y_low"), 1e300), "y_low = 1e\\+300 exceeds y_high"),
+        (change((*N, "x_scale"), [1e-310, 1.0]), "overflows in its domain"),
+        (change((*N, "x_high"), [1e308, 1e308]), "overflows in its domain"),
+        (change((*N, "y_scale"), 1.7e308), "overflows in its domain"),
+        (change((*N, "y_mean"), 10**400), "unitizer holds a whole number of hundreds of digits"),
+        (change((*N, "x_mean", 0), -(10**400)), "x_mean holds a whole number of hundreds of digits"),
+        (dynamic(lags=[*LAGS[:1], {"signal": "p", "steps": 10**400}]), "p is read a whole number of hundreds"),
+        (dynamic(raster=10**400), "raster holds a whole number"),
+        (change((*M, "inputs", 0, "name"), 7), "a variable of name 7, unit 'm'"),
+        (change((*M, "output", "unit"), None), "unit None"),
+        (change((*M, "inputs"), []), "a model without inputs"),
+        (change((*M, "training"), [["fse", 1.0]]), "training holds"),
+        (change((*M, "training"), {"fse": float("nan")}), "not JSON compliant"),
+        ('{"schema": ' + "9" * 5000 + "}", "not a model file"),
+        ("[" * 50_000, "nested too deep"),
+        ('{"format": ' * 50_000, "nested too deep"),
         (json.dumps({k: v for k, v in DATA.items() if k != "models"}), "missing 'models'"),
     ],
 )
 def test_damaged_files_are_one_clear_error(text, message):
     with pytest.raises(InputError, match=message):
+        parse_models(text, "m.json")
+
+
+def test_a_partition_deeper_than_the_stack_is_one_error():
+    data = copy.deepcopy(DATA)
+    model, n = data["models"][0], 5000
+    model["networks"] = [model["networks"][0]] * n
+    deep = ", ".join(f'{{"input": 0, "at": {k}.0, "below": {k}, "above": ' for k in range(n - 1)).replace(", {", "{")
+    text = json.dumps(data).replace(json.dumps(model["partition"]), deep + str(n - 1) + "}" * (n - 1))
+    with pytest.raises(InputError, match="nested too deep"):
         parse_models(text, "m.json")
 
 

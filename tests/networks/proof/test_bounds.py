@@ -1,3 +1,4 @@
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
@@ -13,6 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks import Model, Network, Node, Variable, grid
 from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE, TRIPLE, terms
+from polydraulic.networks.model.table import UNBOUNDED
 from polydraulic.networks.proof.bounds import check_range, model_bounds, network_bounds
 
 PRODUCT = Node(DOUBLE, (0, 1), (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0))
@@ -334,3 +336,45 @@ def test_networks_that_come_with_the_package_are_bounded_closely(number):
         box = np.column_stack([network.x_low, network.x_high])
         y = predict(network, np.vstack([attack(box, rng) for _ in range(50)]))
         assert region.low <= y.min() <= y.max() <= region.high
+
+
+@settings(max_examples=60)
+@given(st.data(), st.sampled_from([1e-320, 1e-310, 1e-300, 1e-200, 1e-154, 1e-100, 1e100, 1e154, 1e200, 1e300]))
+def test_proofs_hold_at_any_scale_of_outputs(data, scale):
+    """Down to subnormal numbers, where a product loses all of its digits."""
+    drawn = data.draw(networks())
+    y_mean = data.draw(st.sampled_from([0.0, drawn.y_mean * scale]))
+    network = replace(drawn, y_mean=y_mean, y_scale=drawn.y_scale * scale, y_low=-UNBOUNDED, y_high=UNBOUNDED)
+    box = data.draw(boxes(network.n_inputs, -1.0, 1.5))
+    found = network_bounds(network, box, max_boxes=data.draw(st.sampled_from([1, 9])))
+    y = predict(network, attack(box, np.random.default_rng(2)))
+    assert found.low <= y.min()
+    assert y.max() <= found.high
+    for x in np.random.default_rng(3).uniform(box[:, 0], box[:, 1], size=(3, network.n_inputs)):
+        exact = exact_output(network, np.clip(x, box[:, 0], box[:, 1]))
+        assert found.low == -np.inf or Fraction(found.low) <= exact
+        assert found.high == np.inf or exact <= Fraction(found.high)
+
+
+@pytest.mark.parametrize("scale", [1e-319, 1e-305, 1e-200, 1e-160, 1.0, 1e160, 1e300])
+def test_a_bowl_is_as_deep_at_any_scale(scale):
+    """(x - 1/3)^2 - 1/9 on [-1, 1]: its least value lies inside, and is the ratio of a square and a coefficient."""
+    bowl = replace(single(0.0, -2.0 / 3.0, 1.0, 0.0), y_scale=scale)
+    found = network_bounds(bowl)
+    least = exact_output(bowl, [Fraction(1, 3)])
+    assert Fraction(found.low) <= least
+    assert found.low == pytest.approx(-scale / 9.0, rel=0.02, abs=1e-315)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-150, 1e150, 1e300])
+def test_proofs_hold_at_any_scale_of_inputs(scale):
+    rng = np.random.default_rng(4)
+    node = Node(DOUBLE, (0, 1), tuple(rng.normal(size=8)))
+    ends = {"x_low": (-1.0 * scale, -0.5), "x_high": (1.5 * scale, 1.0), "x_scale": (scale, 1.0)}
+    network = Network((node,), (0.1 * scale, 0.0), y_mean=0.0, y_scale=1.0, **ends)
+    box = np.column_stack([network.x_low, network.x_high])
+    found = network_bounds(network)
+    y = predict(network, attack(box, rng))
+    assert found.converged
+    assert found.low <= y.min()
+    assert y.max() <= found.high

@@ -11,21 +11,28 @@ from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
-from polydraulic.networks.growth.leave_one_out import leave_one_out
+from polydraulic.networks.growth.choice import best_on_blocks, best_on_rows, last_layer
 from polydraulic.networks.growth.prescreen import promising_inputs
 from polydraulic.networks.growth.refine import refine
-from polydraulic.networks.growth.synthesis import Settings, penalty, residual_variance, synthesize
-from polydraulic.networks.growth.training_rows import Scaling, TrainingRows, rows_from_blocks, rows_in_memory
+from polydraulic.networks.growth.row_blocks import row_blocks
+from polydraulic.networks.growth.synthesis import SMALLEST_VARIANCE, Settings, penalty, residual_variance, synthesize
+from polydraulic.networks.growth.training_rows import (
+    Scaling,
+    TrainingRows,
+    rows_apart,
+    rows_from_blocks,
+    rows_in_memory,
+)
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import checked_box, predictions, settings_of, variables
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.model import Model, Variable, describe
 from polydraulic.networks.model.nodes import POLYNOMIALS
-from polydraulic.networks.model.table import UNBOUNDED, Network
+from polydraulic.networks.model.table import UNBOUNDED, Network, Node
 
 _log = logging.getLogger(__name__)
-_SMALLEST = 4  # coefficients of the smallest node with a constant
+_SMALLEST = 4  # rows to learn from; up to three for a coefficient, a constant is all that is found
 _MAX_REFINEMENTS = 100  # passes over the rows
 _MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
 _MISSING = ("refuse", "drop", "impute")
@@ -62,7 +69,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Improve all coefficients of the grown network together, by Levenberg-Marquardt.
     leave_one_out : bool, default=True
         Of all layers keep the one whose rows are predicted best by a network that has not seen them (to first order),
-        and refined coefficients only if they lower this error too. It stops high powers that a few far rows decide.
+        and refined coefficients only if they lower this error too. It stops high powers that a few far rows decide. Rows
+        of a log, given in the order of time, are left out in blocks, and the smallest network counts that is not clearly worse.
     max_inputs : int, default=30
         With more inputs than this, the search sees only that many, chosen by what they explain in Singles and Doubles.
     missing : "refuse", "drop" or "impute", default="refuse"
@@ -140,7 +148,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         tags.input_tags.allow_nan = self.missing != "refuse"
         return tags
 
-    def fit(self, X: Any, y: Any, sample_weight: Any = None) -> "AbductiveRegressor":
+    def fit(self, X: Any, y: Any, sample_weight: Any = None, groups: Any = None) -> "AbductiveRegressor":
         """Grow a network for each output.
 
         Parameters
@@ -150,11 +158,16 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         y : (n_row,) or (n_row, n_output) array-like of finite float
         sample_weight : (n_row,) array-like, optional
             A weight acts like that many repetitions of its row.
+        groups : (n_row,) array-like, optional
+            Rows with the same label depend on each other and are left out together; a label for each row says that none
+            do. Without groups and weights, rows
+            whose inputs all move slowly from one to the next are taken for a log, and cut into stretches of time;
+            shuffled rows are independent.
 
         Raises
         ------
         ValueError
-            NaN or infinite values, fewer rows than the smallest node has coefficients, settings out of range.
+            NaN or infinite values, fewer than four rows, settings out of range.
         """
         settings = self._settings()
         X, y = validate_data(
@@ -163,12 +176,23 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         )  # fmt: skip
         y = y.astype(np.float64)
         weight = None if sample_weight is None else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
-        X, y, weight = self._complete(X, y, weight)
+        blocks = None
+        if self.leave_one_out and (groups is not None or weight is None or np.all(weight == 1.0)):
+            blocks = row_blocks(X if self.missing == "refuse" else np.nan_to_num(X), groups)
+        X, y, weight, blocks = self._complete(X, y, weight, blocks)
         self._single_output = y.ndim == 1
         targets = y.reshape(len(y), -1)
         learn, hold = calibration_rows(len(y), self.calibration, self.random_state)
         part = None if weight is None else weight[learn]
-        grown = [self._grow(rows_in_memory(X[learn], target[learn], part), settings) for target in targets.T]
+        X_learn = X[learn]
+        grown = [
+            self._grow(
+                rows_in_memory(X_learn, target, part),
+                settings,
+                None if blocks is None else rows_apart(X_learn, target, part, blocks[learn]),
+            )
+            for target in targets[learn].T
+        ]
         self._finish(grown)
         predicted = np.column_stack([model.predict(X[hold]) for model in self.to_models()])
         self.residuals_ = [np.sort(np.abs(column)) for column in (predicted - targets[hold]).T]
@@ -263,12 +287,15 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         """Equations of every output, one line a node, in normalized variables."""
         return "\n".join("\n".join(describe(model.networks[0], model.inputs)) for model in self.to_models())
 
-    def _grow(self, rows: TrainingRows, settings: Settings) -> Grown:
+    def _grow(self, rows: TrainingRows, settings: Settings, apart: TrainingRows | None = None) -> Grown:
         s = rows.scaling
         if s.weight < _SMALLEST:
+            weighted = any(w is not None for *_, w in rows)
             raise InputError(
-                f"n_samples = {s.weight:g}: a network needs at least {_SMALLEST} rows, "
-                "the coefficients of its smallest node"
+                f"the weights sum to {s.weight:g}: a weight acts like that many repetitions of its row, and a network needs at "
+                f"least {_SMALLEST} rows; divide the weights by their mean to weigh rows against each other"
+                if weighted
+                else f"n_samples = {s.weight:g}: a network needs at least {_SMALLEST} rows"
             )
         n_input = len(s.x_mean)
         inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)
@@ -278,22 +305,27 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             _log.info("layer %d: K %d, PSE %.6g, %d tried", h.layer, h.n_coefficients, h.pse, h.n_candidates)
         y_low, y_high = self._output_bounds(s)
         bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
-        depth, without = len(grown) - 1, np.inf
-        if self.leave_one_out:
-            errors = [leave_one_out(nodes, rows, bounds) for nodes in grown]
-            depth = int(np.argmin(errors))
-            without = errors[depth]
-            history[: len(grown)] = [
-                replace(step, leave_one_out=error * s.y_scale**2) for step, error in zip(history, errors, strict=False)
-            ]
-        nodes, fse = grown[depth], history[depth].fse / s.y_scale**2
-        if self.refine and nodes:
-            refined, its_fse = refine(
+
+        def refined(nodes: list[Node]) -> tuple[list[Node], float]:
+            return refine(
                 nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS,
                 watch=lambda i, loss: _log.debug("refinement %d: FSE %.6g", i, loss * s.y_scale**2),
             )  # fmt: skip
-            if not self.leave_one_out or leave_one_out(refined, rows, bounds) <= without:
-                nodes, fse = refined, its_fse
+
+        polish = refined if self.refine else None
+        variance = max(s.y_scale**2, SMALLEST_VARIANCE)
+        errors = [step.fse / variance for step in history[: len(grown)]]
+        if not self.leave_one_out:
+            chosen = last_layer(grown, errors, polish)
+        elif apart is None:
+            chosen = best_on_rows(grown, errors, polish, rows, bounds)
+        else:
+            chosen = best_on_blocks(grown, errors, polish, apart, bounds)
+        nodes, fse = chosen.nodes, chosen.fse
+        history[: len(grown)] = [
+            replace(step, leave_one_out=error * s.y_scale**2)
+            for step, error in zip(history, chosen.unseen, strict=False)
+        ]
         low, high = (s.x_low, s.x_high) if self.domain is None else checked_box(self.domain, n_input)
         network = Network(
             nodes=tuple(nodes),
@@ -319,19 +351,20 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.pse_: Any = pse[0] if self._single_output else np.array(pse)
 
     def _complete(
-        self, X: np.ndarray, y: np.ndarray, weight: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        self, X: np.ndarray, y: np.ndarray, weight: np.ndarray | None, blocks: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
         """Rows to learn from: missing values dealt with, rows without weight left out."""
         used = np.ones(len(X), dtype=bool) if weight is None else weight > 0.0
         if self.missing == "drop":
             used &= ~np.isnan(X).any(axis=1)
-        X, y, weight = X[used], y[used], None if weight is None else weight[used]
+        X, y = X[used], y[used]
+        weight, blocks = (None if of_row is None else of_row[used] for of_row in (weight, blocks))
         if self.missing == "impute":
             if len(X) and np.isnan(X).all(axis=0).any():
                 raise InputError(f"input {int(np.isnan(X).all(axis=0).argmax())} has no value at all: leave it out")
             self.impute_ = np.nanmean(X, axis=0) if len(X) else np.zeros(X.shape[1])
             X = np.where(np.isnan(X), self.impute_, X)
-        return X, y, weight
+        return X, y, weight, blocks
 
     def _output_bounds(self, s: Scaling) -> tuple[float, float]:
         if self.output_bounds is None:

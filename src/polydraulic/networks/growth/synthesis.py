@@ -38,10 +38,10 @@ from polydraulic.networks.model.nodes import (
 )
 from polydraulic.networks.model.table import Node
 
+SMALLEST_VARIANCE = float(np.finfo(np.float64).smallest_normal)  # of a target of 1e-200 it is no number above zero
 _REFIT = 30  # scored by moments, this many are fitted on the rows before the choice
 _SAME = 1e-10  # outputs whose squared correlation is this close to 1 count as the same
 _ROWS_A_COEFFICIENT = 3  # a network may have one coefficient for so many rows
-_ALWAYS = 4  # coefficients that any data may have: one Single
 _GAIN = 1e-9  # a PSE must fall by this share to count as better
 _EXACT = 1e-24  # of the variance; a smaller error is rounding
 
@@ -116,7 +116,7 @@ def penalty(settings: Settings, k: Any, weight: float, noise: float, variance: f
     elif settings.prior_variance == "half-variance":
         prior = 0.5
     else:
-        prior = float(settings.prior_variance) / variance
+        prior = float(settings.prior_variance) / max(variance, SMALLEST_VARIANCE)
     return settings.cpm * 2.0 * k / weight * prior
 
 
@@ -232,7 +232,7 @@ def _score(
     for row, number in enumerate(drawn.tolist()):
         needed[row, list(variables[number].ancestors)] = True
     k = needed[inputs].any(axis=1) @ _sizes(variables) + len(terms(kind, inputs.shape[1]))
-    carried = (_ROWS_A_COEFFICIENT * k <= weight) | (k <= _ALWAYS)
+    carried = _ROWS_A_COEFFICIENT * k <= weight
     inputs, k = inputs[carried], k[carried]
     return _Scored(kind, inputs, k, squared_errors(m, kind, inputs))
 

@@ -4,6 +4,7 @@ Everything that learns from rows sees them through `TrainingRows`, whether they 
 from a file row group by row group. A block is inputs (n_row, n_input), target (n_row,) and weights (n_row,).
 """
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,7 +14,10 @@ import numpy as np
 from polydraulic.errors import InputError
 
 BLOCK = 4096
-_CONSTANT = 1e-12  # a range smaller than this share of the mean is rounding
+_CONSTANT = 8.0 * float(np.finfo(np.float64).eps)  # a range smaller than this share of the mean is rounding
+_HEAVIEST = 1e15  # weight of all rows: beyond it, the smallest one no longer counts
+
+_LEAST = 1e-280  # squares below it have lost digits, or are zero
 
 Block = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
@@ -58,6 +62,14 @@ def rows_in_memory(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> T
             yield X[part], y[part], None if weight is None else weight[part]
 
     return TrainingRows(blocks, scaling(blocks))
+
+
+def rows_apart(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None, block: np.ndarray) -> TrainingRows:
+    """The same rows, one block for each number in `block` (n_row,), to be left out together."""
+    order = np.argsort(block, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(block[order])) + 1)
+    scaled = rows_in_memory(X, y, weight).scaling
+    return TrainingRows(lambda: ((X[p], y[p], None if weight is None else weight[p]) for p in parts), scaled)
 
 
 def rows_from_blocks(source: Iterable[Any]) -> TrainingRows:
@@ -150,12 +162,43 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
             low, high = np.minimum(low, v.min(axis=0)), np.maximum(high, v.max(axis=0))
     if not mean.size:
         raise InputError("there are no rows to learn from")
-    constant = (high - low <= _CONSTANT * np.abs(mean)) | (square == 0.0)
+    if not 0.0 < weight <= _HEAVIEST:
+        raise InputError(
+            f"the weights sum to {weight:g}: a weight acts like that many repetitions of its row; divide the weights by "
+            "their mean to weigh rows against each other"
+        )
+    constant = (high - low <= _CONSTANT * np.abs(mean)) | (high <= low)
+    for place in np.flatnonzero(constant & (high > low)).tolist():
+        name = "the target" if place == len(mean) - 1 else f"input {place}"
+        warnings.warn(
+            f"{name} varies by {high[place] - low[place]:g} about {mean[place]:g}, which is no more than rounding: it counts as "
+            "constant; subtract the offset before it is rounded",
+            stacklevel=2,
+        )
     mean = np.where(constant, low, mean) + 0.0  # no negative zeros in files
     spread = np.where(constant, 1.0, np.sqrt(square / weight))
+    lost = ~constant & (spread * spread < _LEAST)
+    if lost.any():
+        spread[lost] = _small_spread(blocks, weight, mean[lost], (high - low)[lost], lost)
     if not np.all(np.isfinite([*mean, *(spread * spread)])):
         raise InputError("the values are too large for their squares to be numbers: scale the columns")
+    if np.any(spread < np.finfo(np.float64).smallest_normal):  # its inverse may be none
+        raise InputError(
+            "a column varies by less than 2.2e-308, the smallest number with all its digits: scale the columns"
+        )
     return Scaling(
         weight, mean[:-1], spread[:-1], low[:-1], high[:-1],
         float(mean[-1]), float(spread[-1]), float(low[-1]), float(high[-1]),
     )  # fmt: skip
+
+
+def _small_spread(
+    blocks: Callable[[], Iterator[Block]], weight: float, mean: np.ndarray, width: np.ndarray, which: np.ndarray
+) -> np.ndarray:
+    """Spread of the columns (the target is the last) whose squares are too small, from squares in units of their width."""
+    square = np.zeros(width.size)
+    for x, y, w in blocks():
+        squares = ((np.column_stack([x, y])[:, which] - mean) / width) ** 2
+        square += squares.sum(axis=0) if w is None else w @ squares
+    found: np.ndarray = width * np.sqrt(square / weight)
+    return found

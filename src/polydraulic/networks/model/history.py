@@ -15,4 +15,4 @@ class GrowthStep:
     penalty: float
     pse: float
     accepted: bool
-    leave_one_out: float = nan  # where it was asked for
+    leave_one_out: float = nan  # where it was asked for; of blocks where rows depend on each other

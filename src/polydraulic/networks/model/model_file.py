@@ -7,7 +7,6 @@ into the form of today.
 
 import json
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +15,12 @@ from polydraulic.files import write_text
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import KIND_NAMES, N_INPUTS, terms
+from polydraulic.networks.model.overflow import overflows
 from polydraulic.networks.model.partition import Partition, Split, grid, networks_of, region_boxes
-from polydraulic.networks.model.table import Network, Node
+from polydraulic.networks.model.table import UNBOUNDED, Network, Node
 
 SCHEMA = 2  # 1 had a grid of edges in the place of a partition
+_MOST_STEPS = 1_000_000  # that a signal may be read ago
 _SCALARS = ("y_mean", "y_scale", "y_low", "y_high")
 _VECTORS = ("x_mean", "x_scale", "x_low", "x_high")
 
@@ -65,7 +66,9 @@ def parse_models(text: str, name: str) -> list[Model]:
     """Models from JSON text; `name` says in errors where it came from."""
     try:
         data = json.loads(text)
-    except json.JSONDecodeError as error:
+    except RecursionError as error:
+        raise InputError(f"{name}: not a model file: its JSON is nested too deep") from error
+    except ValueError as error:  # also whole numbers of thousands of digits
         raise InputError(f"{name}: not a model file: {error}") from error
     if not isinstance(data, dict) or data.get("format") != "polydraulic model":
         raise InputError(f"{name}: not a polydraulic model file")
@@ -76,6 +79,8 @@ def parse_models(text: str, name: str) -> list[Model]:
         raise InputError(f"{name}: has schema {schema!r}, this version reads 1 to {SCHEMA}; {mend}")
     try:
         models = [_read_model(item if schema > 1 else _from_schema_1(item)) for item in data["models"]]
+    except RecursionError as error:
+        raise InputError(f"{name}: damaged model file: its partition is nested too deep") from error
     except (KeyError, TypeError, ValueError, IndexError) as error:
         what = f"missing {error}" if isinstance(error, KeyError) else str(error)
         raise InputError(f"{name}: damaged model file: {what}") from error
@@ -115,8 +120,9 @@ def _from_schema_1(data: Any) -> dict[str, Any]:
 
 
 def _read_model(data: Any) -> Model:
-    inputs = tuple(Variable(str(item["name"]), str(item["unit"])) for item in data["inputs"])
-    output = Variable(str(data["output"]["name"]), str(data["output"]["unit"]))
+    inputs = tuple(_read_variable(item) for item in data["inputs"])
+    _require(len(inputs) > 0, "a model without inputs")
+    output = _read_variable(data["output"])
     networks = tuple(_read_network(item, len(inputs)) for item in data["networks"])
     partition = _read_partition(data["partition"], len(inputs), len(networks))
     found = networks_of(partition)
@@ -124,7 +130,16 @@ def _read_model(data: Any) -> Model:
     boxes = region_boxes(partition, len(inputs)).values()
     _require(all((box[:, 0] < box[:, 1]).all() for box in boxes), "the partition has a region that is empty")
     dynamics = _read_dynamics(data["dynamics"], output.name, len(inputs)) if "dynamics" in data else None
-    return Model(inputs, output, networks, partition, dict(data["training"]), dynamics)
+    training = data["training"]
+    _require(isinstance(training, dict), f"training holds {training!r}")
+    json.dumps(training, allow_nan=False)  # else it could not be written again
+    return Model(inputs, output, networks, partition, training, dynamics)
+
+
+def _read_variable(data: Any) -> Variable:
+    name, unit = data["name"], data["unit"]
+    _require(isinstance(name, str) and isinstance(unit, str), f"a variable of name {name!r}, unit {unit!r}")
+    return Variable(name, unit)
 
 
 def _dynamics_data(dynamics: Dynamics) -> dict[str, Any]:
@@ -140,7 +155,8 @@ def _read_dynamics(data: Any, output: str, n_input: int) -> Dynamics:
     _require(len(lags) == n_input, f"{len(lags)} lags for {n_input} inputs")
     for lag in lags:
         least = 1 if lag.signal == output else 0
-        _require(type(lag.steps) is int and lag.steps >= least, f"{lag.signal} is read {lag.steps!r} steps ago")
+        good = type(lag.steps) is int and least <= lag.steps <= _MOST_STEPS
+        _require(good, f"{lag.signal} is read {_short(lag.steps)} steps ago; it may be {least} to {_MOST_STEPS}")
     low, high = _floats(data["step"], "step")
     _require(low <= high, f"the smallest step {low} exceeds the largest one {high}")
     raster = None if data["raster"] is None else _floats([data["raster"]], "raster")[0]
@@ -188,14 +204,26 @@ def _read_network(data: Any, n_input: int) -> Network:
         _require(len(coef) == len(terms(kind, len(slots))), f"{item['kind']} node with {len(coef)} coefficients")
         nodes.append(Node(kind, slots, coef))
     scalars: dict[str, Any] = dict(zip(_SCALARS, _floats([data[name] for name in _SCALARS], "unitizer"), strict=True))
-    return Network(nodes=tuple(nodes), **vectors, **scalars)
+    low, high = scalars["y_low"], scalars["y_high"]
+    _require(low <= high, f"y_low = {low!r} exceeds y_high = {high!r}")
+    if not nodes:
+        scalars["y_mean"] += 0.0  # a constant has no negative zero, wherever it is evaluated
+    network = Network(nodes=tuple(nodes), **vectors, **scalars)
+    _require(not overflows(network), "a network overflows in its domain: its scales, limits or coefficients are wrong")
+    return network
 
 
 def _floats(values: Any, name: str) -> tuple[float, ...]:
     for value in values:
-        _require(isinstance(value, int | float) and not isinstance(value, bool), f"{name} holds {value!r}")
-        _require(isfinite(value), f"{name} holds {value!r}")
+        _require(isinstance(value, int | float) and not isinstance(value, bool), f"{name} holds {_short(value)}")
+        _require(abs(value) <= UNBOUNDED, f"{name} holds {_short(value)}")
     return tuple(float(value) for value in values)
+
+
+def _short(value: Any) -> str:
+    """A value as it stands in a message, cut where it is long."""
+    text = "a whole number of hundreds of digits" if type(value) is int and abs(value) > UNBOUNDED else repr(value)
+    return text if len(text) <= 60 else f"{text[:60]}..."
 
 
 def _require(good: bool, what: str) -> None:

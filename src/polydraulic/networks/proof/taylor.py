@@ -18,7 +18,7 @@ from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE
 from polydraulic.networks.model.table import Network, Node, used_slots
 
 _EPS = float(np.finfo(np.float64).eps)  # two roundings: one is at most half of it
-_TINY = 1e-300  # far above all that underflow can lose in one operation
+_TINY = 1e-316  # far above all that underflow can lose in one operation, half of 5e-324 for each product in it
 _FOURTH = 0.128 / 24.0  # the fourth derivative of the logistic function stays below 0.128
 _LOGISTIC = 16.0 * _EPS  # far above the rounding of the compiled logistic function
 _MOST_PRODUCTS = 500  # of coefficients, in a product of two forms: sets the order
@@ -149,9 +149,10 @@ class Form:
         bowl = 2.0 * square > np.abs(linear)  # least inside, not at an end
         depth = np.where(bowl, square, 1.0)
         e = np.where(bowl, -0.5 * linear / depth, np.where(linear > 0.0, -1.0, 1.0))
-        least = np.where(bowl, -0.25 * linear * linear / depth, square - np.abs(linear)).sum(axis=0)
+        # a quotient below 2 first: the square of a number below 1e-154 is none
+        least = np.where(bowl, -0.25 * linear * (linear / depth), square - np.abs(linear)).sum(axis=0)
         spread = self.sizes[1:].sum(axis=0) + self.error
-        slack = (len(self.poly) + 16) * _EPS * np.where(spread > 0.0, self.size, 0.0)
+        slack = np.where(spread > 0.0, (len(self.poly) + 16) * _EPS * self.size + _TINY, 0.0)
         bound = self.poly[0] + least - np.abs(others).sum(axis=0) - self.error - 2.0 * slack
         return np.where(np.isnan(bound), -np.inf, bound), e
 
