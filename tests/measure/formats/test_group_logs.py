@@ -13,7 +13,9 @@ PAGE = Path(__file__).parents[3] / "docs" / "measured_logs.md"
 NAMED = {"status", "not read", "short frame", "duplicate", "text"}
 
 
-@pytest.mark.parametrize(("group", "what", "write", "channel", "came"), cases(), ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(
+    ("group", "what", "write", "channel", "came"), cases(), ids=lambda value: "" if callable(value) else str(value)[:40]
+)
 def test_what_comes_of_each_kind_of_log(tmp_path, group, what, write, channel, came):
     path, dbc = write(tmp_path), databases(tmp_path, group)
     channels = [{"source": channel, "role": "input", "unit": "bar", "kind": "pressure"}]
