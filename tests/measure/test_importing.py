@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from helpers.group_log_kinds import cases as group_cases
 from helpers.log_kinds import cases
 from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
 from polydraulic.errors import InputError
@@ -211,7 +212,9 @@ def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):
 
 def test_every_kind_of_finding_is_seeded():
     elsewhere = {"missing line", "duplicate", "unit", "atmosphere", "no rows"}
-    elsewhere |= {kind for *_, came in cases() if not isinstance(came, str) for kind in came}  # files of a log reader
+    elsewhere |= {
+        kind for *_, came in (*cases(), *group_cases()) if not isinstance(came, str) for kind in came
+    }  # files of a log reader
     elsewhere |= {"files begin anew", "files overlap", "file repeats", "units of files"}  # formats/test_campaign.py
     assert {kind for _, kind, _, _ in FAULTS.values()} | elsewhere == set(KINDS)
 
