@@ -6,18 +6,13 @@ import inspect
 import pkgutil
 import re
 import runpy
-import shlex
-import subprocess
-import sys
 import tomllib
-from pathlib import Path
 
 import pytest
 
 import polydraulic
-from polydraulic.cli import main
+from helpers.pages import BLOCK, ROOT, blocks_of, name_of, run_page
 
-ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 MODULES = [m.name for m in pkgutil.walk_packages(polydraulic.__path__, "polydraulic.")]
 PACKAGES = ["networks", "flow", "export", "measure", "plotting"]
@@ -41,81 +36,30 @@ def test_every_parameter_is_described(package):
             assert not missing, f"{package}.{name}: {missing}"
 
 
+ELSEWHERE = ("measured_logs", "machine_from_a_log")  # run where what comes out of them is looked at
 QUICK = ("guide", "simulation", "dynamic_models", "export", "export_machine")
 PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))]
-BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 LANGUAGES = {"python", "sh", "bash", "toml", "c", "text"}  # bash: to install and to build, which `make build` and CI do
-# amounts of work that a reader waits for and a test need not: the same commands on less
-LESS = {
-    "README.md": {"random:42:600": "random:42:20"},
-    "docs/flow_models.md": {"--rows 20000": "--rows 4000", "--rows 60000": "--rows 8000"},
-    "docs/machine_from_a_log.md": {"random:1:1800": "random:1:600", "random:5:600": "random:5:100"},
-}
-
-
-def _name(page):
-    return str(page.relative_to(ROOT))
-
-
-def _blocks(page):
-    text = page.read_text()
-    for words, fewer in LESS.get(_name(page), {}).items():
-        assert words in text, words
-        text = text.replace(words, fewer)
-    return BLOCK.findall(text)
-
-
-RUN = [page for page in PAGES if any(language in ("python", "sh") for language, _ in _blocks(page))]
+RUN = [
+    page
+    for page in PAGES
+    if any(language in ("python", "sh") for language, _ in blocks_of(page)) and page.stem not in ELSEWHERE
+]
 
 
 @pytest.mark.parametrize(
-    "page", [pytest.param(p, id=_name(p), marks=[] if p.stem in QUICK else pytest.mark.slow) for p in RUN]
+    "page", [pytest.param(p, id=name_of(p), marks=[] if p.stem in QUICK else pytest.mark.slow) for p in RUN]
 )
 def test_python_and_commands_in_the_pages_run(page, tmp_path, monkeypatch, capfd):
-    """All blocks of a page one after the other, in an empty folder; what a page says is printed is, up to its numbers."""
     monkeypatch.chdir(tmp_path)
-    names, printed = {}, set()
-    for language, block in _blocks(page):
-        named = re.match(r"(?:#|/\*) (\w+\.(?:toml|c))\b", block)
-        if named:  # a file that the reader is to write
-            Path(named[1]).write_text(block)
-        elif language == "python":
-            exec(compile(block, _name(page), "exec"), names)
-        elif language == "sh":
-            for line in block.replace("\\\n", " ").splitlines():
-                _run(line, monkeypatch, fewer=_name(page) == "docs/machine_from_a_log.md")
-            printed |= {_without_numbers(said) for said in capfd.readouterr().out.splitlines()}
-        elif language == "text" and _name(page) not in LESS:
-            for said in block.splitlines():
-                assert said.strip() == "..." or _without_numbers(said) in printed, said
+    run_page(page, monkeypatch, capfd)
 
 
-def _without_numbers(line):
-    """A line with all numbers alike: their last digits may differ between machines."""
-    return re.sub(r"-?\d[\d.]*(?:e[+-]\d+)?", "#", " ".join(line.split()))
-
-
-def _run(line, monkeypatch, *, fewer):
-    """Run a command of a page, which says in a comment if its exit code is not to be 0."""
-    words = shlex.split(line, comments=True)
-    expected = int((re.findall(r"# exit code (\d)", line) or ["0"])[0])
-    if words[0] != "polydraulic":
-        assert subprocess.run(words, check=False).returncode == expected, line
-        return
-    monkeypatch.setattr(sys, "argv", words)
-    with pytest.raises(SystemExit) as stop:
-        main()
-        sys.exit(0)
-    code = stop.value.code or 0
-    judged = "check" in words and "--data" in words and fewer  # what less work teaches may hold or not
-    assert code in (0, 1) if judged else code == expected, line
-
-
-@pytest.mark.parametrize("page", PAGES, ids=_name)
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_blocks_of_pages_say_what_they_are(page):
     """Every block is run, is a file that a command reads, or is of a kind that is not for running."""
     for language, block in BLOCK.findall(page.read_text()):
-        assert language in LANGUAGES, f"{_name(page)}: {block[:60]}"
+        assert language in LANGUAGES, f"{name_of(page)}: {block[:60]}"
         assert language == "sh" or not re.search(r"^(polydraulic|gcc) ", block, re.MULTILINE), block[:60]
         for extra in re.findall(r"polydraulic\[([\w,]+)\]", block):
             assert set(extra.split(",")) <= set(PROJECT["optional-dependencies"])

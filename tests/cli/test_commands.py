@@ -101,7 +101,7 @@ def test_sample_fit_export(call, tmp_path):
 @pytest.mark.slow
 def test_networks_of_ones_own_drive_the_machine(call):
     page = (Path(__file__).parents[2] / "docs" / "flow_models.md").read_text()
-    block = re.search(r"```\n(polydraulic sample .*?)```", page, re.DOTALL)[1]
+    block = re.search(r"```sh\n(polydraulic sample .*?)```", page, re.DOTALL)[1]
     for line in block.replace("\\\n", " ").splitlines():
         code, out, _ = call(*shlex.split(line)[1:])
         assert code == 0, line
@@ -253,7 +253,7 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("simulate", "single_08", "--raster", "0.007"), "raster = 0.007 s"),
         (("simulate", "single_08", "--out", "{0}/r.csv", "--plot", "{0}/r.gif"), "a picture ends in one of"),
         (("simulate", "random:x"), "scenario 'random:x': must be random:SEED"),
-        (("simulate", "{0}/good.csv"), "good.csv: no column 'time'"),
+        (("simulate", "{0}/good.csv"), "good.csv: no column 'swing'"),
         (("animate", "single_08", "--out", "{0}/run.mp4"), "an animation ends in one of"),
         (("animate", "single_08", "--flow", "magic", "--out", "{0}/run.gif"), "unknown flow model 'magic'"),
         (("animate", "single_08", "--rate", "0", "--out", "{0}/run.gif"), "0.0 frames/s over 10 s"),

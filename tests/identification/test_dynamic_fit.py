@@ -82,7 +82,7 @@ def test_the_model_states_what_was_found(fits, tmp_path):
     for text in ("free run, 4 of up to", "one step ahead: R2 0.9", "rms for scale", "90% intervals", "rows ago; "):
         assert text in words
     assert "would err less" not in words
-    assert str(y) == "\n  ".join(["y [Pa]", *statements(y)])
+    assert str(y) == "\n  ".join(["y [bar]", *statements(y.shown())])
 
 
 def test_intervals_come_from_half_of_the_runs(fits):

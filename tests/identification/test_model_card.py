@@ -42,7 +42,7 @@ def test_the_card_says_what_an_engineer_asks(found, tmp_path):
         model["proved_low"] <= r["proved_low"] <= r["proved_high"] <= model["proved_high"] for r in model["regions"]
     )
     page = (tmp_path / "card.html").read_text()
-    for text in ("machine.parquet", "blocks of time", "Proved", "Domain", "90% intervals", "y [Pa]", "(double)"):
+    for text in ("machine.parquet", "blocks of time", "Proved", "Domain", "90% intervals", "y [bar]", "(double)"):
         assert text in page
     assert page.count("data:image/svg+xml") == 3
     assert 'src="http' not in page

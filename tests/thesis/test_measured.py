@@ -1,21 +1,19 @@
 """Networks learnt from what sensors read, and the page that goes all the way."""
 
 import re
-import shlex
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from polydraulic import cli, simulate
+from helpers.pages import ROOT, run_page
+from polydraulic import simulate
 from polydraulic.parameters.schema import LINKS
 from polydraulic.thesis import measured as measured_study
 from polydraulic.thesis.cache import open_lab
 from polydraulic.thesis.measured import USUAL, _machine, conditions_in_words, measured, outcomes
 
-PAGE = Path(__file__).parents[2] / "docs" / "machine_from_a_log.md"
+PAGE = ROOT / "docs" / "machine_from_a_log.md"
 
 
 def test_ports_follow_the_spool_and_shut_valves_pass_nothing(machine):
@@ -42,10 +40,10 @@ def test_silent_sensors_and_joint_angles(machine):
 
 def test_conditions_in_words():
     assert conditions_in_words(USUAL._replace(dropout=0.05, flow_sensors=False, limited=True)) == (
-        "30 min, noise 0.3 %, stroke 100 %, dropouts 5 %, no flow sensors, torque limit"
+        "30 min, sensor noise 0.3 %, joystick travel 100 %, sensors silent 5 % of the time, no flow sensors, pumps with a torque limit"
     )
     assert conditions_in_words(USUAL._replace(outlet_sensors=False, friction=0.0)).endswith(
-        "no sensors of outlet flows, no friction"
+        "no outlet-flow sensors, no friction"
     )
     assert conditions_in_words(USUAL._replace(friction=5.0)).endswith("5 times the friction")
 
@@ -104,16 +102,9 @@ def test_several_conditions_at_once_are_those_one_by_one(machine):
 
 
 @pytest.mark.slow
-def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys):
+def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    for kind, block in re.findall(r"```(python|sh)\n(.*?)```", PAGE.read_text(), re.DOTALL):
-        if kind == "python":
-            exec(compile(block, PAGE.name, "exec"), {})
-            continue
-        for command in block.strip().splitlines():
-            monkeypatch.setattr(sys, "argv", shlex.split(command.replace(":1800", ":600")))
-            cli.app(standalone_mode=False)
-    printed = capsys.readouterr().out
+    printed = run_page(PAGE, monkeypatch, capfd)
     tips = [float(value) for value in re.findall(r"tip\s+(\S+)\s", printed)]
     assert len(tips) == 5  # of the blocks held out, of two replays, of two runs
     assert max(tips) < 1000.0  # mm

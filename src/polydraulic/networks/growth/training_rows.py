@@ -167,6 +167,8 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
             f"the weights sum to {weight:g}: a weight acts like that many repetitions of its row; divide the weights by "
             "their mean to weigh rows against each other"
         )
+    if not np.all(np.isfinite(mean)):
+        raise InputError("the values are too large for their sums to be numbers: scale the columns")
     constant = (high - low <= _CONSTANT * np.abs(mean)) | (high <= low)
     for place in np.flatnonzero(constant & (high > low)).tolist():
         name = "the target" if place == len(mean) - 1 else f"input {place}"
