@@ -13,14 +13,18 @@ docs: .venv/ready
 	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
 	@echo docs/_build/html/index.html
 
-# Compiled first, then the quick tests once more in plain Python: the kernels must not depend on the compiler.
+# Whatever holds a kernel or calls one by itself: the rest is the same in plain Python, and slower.
+PLAIN := tests/test_elementary.py tests/test_kernel.py tests/machine tests/flow tests/simulation tests/networks \
+	tests/export/translate tests/export/test_machine.py
+
+# Compiled first, then the tests of kernels once more in plain Python: they must not depend on the compiler.
 test: .venv/ready
 	$(PYTEST) -m "not slow"
-	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow"
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(PLAIN)
 
 test-all: .venv/ready
 	$(PYTEST)
-	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow"
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(PLAIN)
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py

@@ -8,11 +8,8 @@ def show(title, times, unit, *, per=1, notes=None):
     width = max(34, *(len(name) for name in times))
     print(f"\n{title}\n  {'':{width}s} {'median':>12s}      ratio (quartiles)")
     for name, (seconds, ratio) in times.items():
-        text = "1" if ratio.low == ratio.high == 1.0 else str(ratio)
-        line = (
-            f"  {name:{width}s} {seconds / per * SCALES[unit]:12.3f} {unit}   {text:24s} {(notes or {}).get(name, '')}"
-        )
-        print(line.rstrip(), flush=True)
+        figures = f"{seconds / per * SCALES[unit]:12.3f} {unit}   {ratio!s:24s}"
+        print(f"  {name:{width}s} {figures} {(notes or {}).get(name, '')}".rstrip(), flush=True)
 
 
 def table(title, header, rows):

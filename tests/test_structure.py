@@ -1,6 +1,7 @@
 """The house itself: sizes of files and folders, names that mean one thing, tests where their modules are."""
 
 import ast
+import re
 from collections import defaultdict
 from pathlib import Path
 
@@ -147,3 +148,16 @@ def test_tests_that_stand_elsewhere_are_there(entry):
     place, why = TESTED_ELSEWHERE[entry]
     assert (TESTS / place).exists()
     assert why
+
+
+def test_modules_with_kernels_are_tested_in_plain_python_too():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("\\\n", " ")
+    plain = re.search(r"^PLAIN := (.*)$", makefile, re.MULTILINE)[1].split()
+    assert all((ROOT / entry).exists() for entry in plain)
+    kernels = [
+        m for m in MODULES if re.search(r"^@(kernel|driver)\b", (SRC / m).read_text(encoding="utf-8"), re.MULTILINE)
+    ]
+    assert "simulation/loop.py" in kernels
+    for module in kernels:
+        place = place_of(module) if (TESTS / place_of(module)).exists() else TESTED_ELSEWHERE[listed(module)][0]
+        assert any(f"tests/{place}".startswith(entry) for entry in plain), module

@@ -117,6 +117,7 @@ def test_one_long_call_gives_its_result_and_its_seconds():
         (Ratio(0.0153, 0.01, 0.02), "0.0153 (0.0100 to 0.0200)"),
         (Ratio(990.0, 101.4, 1234.5), "990 (101 to 1234)"),
         (Ratio(5.0, 4.0, 6.0).times(0.1), "0.500 (0.400 to 0.600)"),
+        (Ratio(1.0, 1.0, 1.0), "1"),
     ],
 )
 def test_ratios_are_printed_with_three_digits_and_their_quartiles(ratio, text):

@@ -45,6 +45,8 @@ class Ratio(NamedTuple):
         return Ratio(*(factor * value for value in self))
 
     def __str__(self) -> str:
+        if self == (1.0, 1.0, 1.0):
+            return "1"  # the base
         middle, low, high = (f"{value:.0f}" if value >= 1000.0 else f"{value:#.3g}".rstrip(".") for value in self)
         return f"{middle} ({low} to {high})"
 
