@@ -213,5 +213,6 @@ def test_what_cannot_be_learnt_is_named():
         AbductiveRegressor().fit(X * 1e-312, Y)
     with pytest.warns(UserWarning, match=r"input 1 varies by .* about 1e\+12, which is no more than rounding"):
         AbductiveRegressor().fit(X * [1.0, 3e-4] + [0.0, 1e12], Y)
+    AbductiveRegressor().fit(X, np.where(Y.mean() < Y, 0.1, np.nextafter(0.1, 1.0)))  # a constant and its last digit
     with pytest.warns(UserWarning, match="the target varies by"):
         AbductiveRegressor().fit(X, 1e-4 * Y + 1e12)

@@ -170,7 +170,8 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
     if not np.all(np.isfinite(mean)):
         raise InputError("the values are too large for their sums to be numbers: scale the columns")
     constant = (high - low <= _CONSTANT * np.abs(mean)) | (high <= low)
-    for place in np.flatnonzero(constant & (high > low)).tolist():
+    # a constant that was computed may differ in its last digit; more than that was a signal before it was rounded
+    for place in np.flatnonzero(constant & (high - low > 1.5 * np.spacing(np.abs(mean)))).tolist():
         name = "the target" if place == len(mean) - 1 else f"input {place}"
         warnings.warn(
             f"{name} varies by {high[place] - low[place]:g} about {mean[place]:g}, which is no more than rounding: it counts as "
