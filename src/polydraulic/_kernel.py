@@ -61,6 +61,11 @@ def _cache_folder() -> str | None:
 _FOLDER = _cache_folder()
 
 
+def cache_folder() -> str | None:
+    """The folder in which compiled kernels, and texts that become kernels, are kept; None where nothing can be written."""
+    return _FOLDER
+
+
 def _compiled(function: F, options: dict[str, Any]) -> F:
     # numba reads the folder when a function is decorated; other packages must not see ours.
     theirs = numba.config.CACHE_DIR

@@ -121,6 +121,7 @@ KINDS: tuple[UnitKind, ...] = (
         1.0: "J joule joules", 1e3: "kJ", 1e6: "MJ", 3600.0: "Wh", 3.6e6: "kWh",
     }),
     _kind("angular damping", "N m s", "kg m2 s-1"),
+    _kind("linear damping", "N s/m", "kg s-1", "kN s/m", None, "N s/mm"),
     _kind("angular stiffness", "N m/rad", "kg m2 s-2 rad-1"),
     _kind("power", "W", "kg m2 s-3", "kW, hp, PS", {
         1.0: "W watt watts VA", 1e-3: "mW", 1e3: "kW kilowatt kilowatts kVA", 1e6: "MW",

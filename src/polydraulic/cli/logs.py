@@ -116,7 +116,7 @@ def record(
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import as_excavator
     from polydraulic.parameters.scenario import load_scenario
 
     if example:
@@ -135,7 +135,7 @@ def record(
             "a recording needs a scenario, --sensors SENSORS.toml and --out LOG; --example writes sensors to begin with"
         )
     log_ending(out)
-    bench, plant = load_sensors(sensors), load_machine(machine)
+    bench, plant = load_sensors(sensors), as_excavator(machine)
     what = [load_scenario(name) for name in scenario]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))

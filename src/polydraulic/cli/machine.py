@@ -82,7 +82,7 @@ def simulate(
     from polydraulic.display import readable
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import function_names, load_machine
     from polydraulic.parameters.scenario import load_scenario
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
     from polydraulic.simulation.runs import simulate as run
@@ -98,7 +98,8 @@ def simulate(
         table_ending(out)
     if plot is not None:
         picture_ending(plot)
-    plant, what = load_machine(machine), load_scenario(scenario)
+    plant = load_machine(machine)
+    what = load_scenario(scenario, function_names(plant))
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
@@ -172,13 +173,14 @@ def animate(
     The first flow is drawn filled, the others as outlines; distances of the tip are from the first. What comes next: open the page in
     a browser; `polydraulic simulate` with the same scenario prints the numbers.
     """
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import function_names, load_machine
     from polydraulic.parameters.scenario import load_scenario
     from polydraulic.plotting.animation import animation_ending, write_animation
     from polydraulic.simulation.runs import simulate as run
 
     animation_ending(out)
-    plant, what = load_machine(machine), load_scenario(scenario)
+    plant = load_machine(machine)
+    what = load_scenario(scenario, function_names(plant))
     flows = list(dict.fromkeys(flow or ["exact"]))
     runs = {}
     with progress_bar("animate") as progress:
@@ -231,14 +233,14 @@ def sample(
     import numpy as np
 
     from polydraulic.flow.database import SAMPLERS
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import as_excavator
     from polydraulic.tables import write_table
 
     if circuit not in SAMPLERS:
         raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
     with progress_bar("sample") as progress:
         progress(f"{rows} points of the {circuit} circuit", 0, 2)
-        table = SAMPLERS[circuit](load_machine(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+        table = SAMPLERS[circuit](as_excavator(machine), rows, rng=np.random.default_rng(seed), relief=relief)
         progress(f"write {out}", 1, 2)
         write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
@@ -260,9 +262,9 @@ def train(
     networks/inlets.json --model networks/cascade.json`
     """
     from polydraulic.flow.training.train import train_networks
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import as_excavator
 
-    plant = load_machine(machine)
+    plant = as_excavator(machine)
     with progress_bar("train") as progress:
         written = train_networks(plant, out, progress=progress)
     for path in written:
@@ -294,11 +296,11 @@ def export_machine(
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
     from polydraulic.flow.dispatch import build_flow
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import as_excavator
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
-    plant = load_machine(machine)
+    plant = as_excavator(machine)
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":

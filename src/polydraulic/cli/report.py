@@ -29,12 +29,12 @@ def report(
     What comes next: open index.html in a browser; `docs/figures.md` lists the figures. Chapters keep the units that the thesis
     prints.
     """
-    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.load import as_excavator
     from polydraulic.thesis.report.write import write_figure, write_report
 
     if chapter and figure:
         raise InputError("--chapter and --figure exclude each other: a figure belongs to one chapter")
-    plant = load_machine(machine)
+    plant = as_excavator(machine)
     with progress_bar("report") as progress:
         if figure:
             path = write_figure(plant, out, figure, progress=progress)

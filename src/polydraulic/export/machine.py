@@ -24,7 +24,7 @@ from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_ve
 from polydraulic.machine.linkage import tip
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, State, initial_state
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.loop import at_rest, reasonable, record
 from polydraulic.simulation.step import machine_step
@@ -147,7 +147,7 @@ def machine_c(
     InputError
         As `prepared`; if `name` is no C identifier; with file and line where a kernel does not translate.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     if c_name(name) != name:
         raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
     parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)

@@ -9,7 +9,7 @@ from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.sample import FlowSample, sample_flow
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
 from polydraulic.tables import Table
 
@@ -51,7 +51,7 @@ def sample_boom(
     InputError
         If `n` is not positive.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     return boom_table(machine, *_points(machine, n, rng, travel, pressure), relief=relief)
 
 
@@ -68,7 +68,7 @@ def boom_table(
     relief : bool
         As for `sample_boom`.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     flow = boom_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
     columns = {
         **_link_columns(machine, "boom", spool, p_in, p_out, flow.q_in, flow.k_out),
@@ -103,7 +103,7 @@ def sample_series(
     InputError
         If `n` is not positive.
     """
-    machine, links = as_machine(machine), CIRCUITS["series"]
+    machine, links = as_excavator(machine), CIRCUITS["series"]
     places = [LINKS.index(link) for link in links]
     spool, p_in, p_out = np.zeros((3, max(n, 0), len(LINKS)))
     for place in places:

@@ -12,7 +12,7 @@ from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
 from polydraulic.machine.pump import NEVER, Pump, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_slopes, orifices, prepare_valve
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 
@@ -46,7 +46,7 @@ def exact_flow(machine: Machine | str | Path, *, relief: bool = True) -> ExactFl
     relief : bool
         Without it the pumps' relief valves never open: the ideal circuits of the equations, for maps.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     setting = None if relief else NEVER
     boom, series = (
         prepare_pump(machine, flow, relief=setting) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow)

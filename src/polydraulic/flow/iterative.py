@@ -19,7 +19,7 @@ from polydraulic.flow.interface import NOT_CONVERGED, OK, Flows
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 
@@ -54,7 +54,7 @@ def iterative_flow(
     InputError
         If a setting is out of its range.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     if not 0.0 < eps < 1.0:
         raise InputError(f"eps = {eps}: must lie between 0 and 1, for example 0.05")
     if not 0.0 < relaxation <= 1.0:

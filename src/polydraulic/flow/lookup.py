@@ -20,7 +20,7 @@ from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 MOST_POINTS = 64  # 0.3 GB
@@ -61,7 +61,7 @@ def lookup_flow(machine: Machine | str | Path, *, points: int = 24) -> LookupFlo
     InputError
         If there are too few points for the spool's knots, or more than `MOST_POINTS`.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     least = len(machine.spool.knots)
     if not isinstance(points, int) or not least <= points <= MOST_POINTS:
         raise InputError(

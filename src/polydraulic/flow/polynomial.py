@@ -43,7 +43,7 @@ from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.model_file import parse_models
 from polydraulic.networks.model.partition import Regions, choose
 from polydraulic.networks.model.table import Network, NetworkTable, evaluate, work_size
-from polydraulic.parameters.load import as_machine, load_machine
+from polydraulic.parameters.load import as_excavator, as_excavator
 from polydraulic.parameters.schema import LINKS, Machine
 
 ARRANGEMENTS = ("cascade", "direct")
@@ -139,7 +139,7 @@ def polynomial_flow(
         If a model is missing or reads other inputs, or there is no such arrangement; without models, if pumps, spools or
         valves are not those that the package's networks were trained on.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     if arrangement not in ARRANGEMENTS:
         raise InputError(f"arrangement = {arrangement!r}: choose one of {ARRANGEMENTS}")
     if models is None:
@@ -156,7 +156,7 @@ def neural_flow(machine: Machine | str | Path, *, models: Sequence[Model] | None
     machine, models
         As for `polynomial_flow`.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     if models is None:
         _check_circuits(machine)
         models = shipped_models("neural")
@@ -224,7 +224,7 @@ def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Mode
 
 def _check_circuits(machine: Machine) -> None:
     """Refuse the package's networks to circuits that they were not trained on."""
-    trained, limit = load_machine(TRAINED_ON), machine.pumps.torque_limit_enabled
+    trained, limit = as_excavator(TRAINED_ON), machine.pumps.torque_limit_enabled
     known = _circuits(trained) | {"pumps.torque_limit_enabled": limit}
     for name, value in _circuits(machine).items():
         if value != known[name] and (limit or not name.startswith("pumps.torque_limit")):

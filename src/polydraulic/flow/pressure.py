@@ -21,7 +21,7 @@ from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepa
 from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.partition import Regions, choose
 from polydraulic.networks.model.table import NetworkTable, evaluate
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 P_PUMP = (Variable("boom.p_pump", "Pa"), BOOM_IN[1])
@@ -51,7 +51,7 @@ def pressure_flow(machine: Machine | str | Path, *, models: Sequence[Model] | No
     InputError
         If no models are given: none come with the package.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     if models is None:
         raise InputError("flow 'pressure' needs models=[...]: fit one of 'boom.p_pump' on a sampled table first")
     model = choose_model(models, P_PUMP)

@@ -33,7 +33,7 @@ from polydraulic.machine.feed import (
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 SERIES_PASSES = 6
@@ -70,7 +70,7 @@ def stiff_flow(
     InputError
         If one of them is not positive and finite.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
     first, between = compliances(volume, volume_between, bulk_modulus)
     return StiffFlow(prepare_valves(machine), boom, series, first, between)

@@ -25,7 +25,7 @@ from polydraulic.machine.feed import Bypass, Feed, draw
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifices
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 _LIMIT_PASSES = 5
@@ -70,7 +70,7 @@ def tlm_flow(
     InputError
         If a setting is out of its range.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     if not 0.0 <= alpha < 1.0:
         raise InputError(f"alpha = {alpha}: must lie in [0, 1), for example 0.1")
     if not isinstance(substeps, int) or substeps < 1:

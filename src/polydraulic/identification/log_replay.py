@@ -19,7 +19,7 @@ from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
@@ -155,7 +155,7 @@ def replay(
     if models is not None and flow not in ("polynomial", "neural"):
         raise InputError(f"models go with the flow models 'polynomial' and 'neural', not with {flow!r}")
     table, source = table_of(log, ["time", *DRIVEN])
-    plant = as_machine(machine)
+    plant = as_excavator(machine)
     if isinstance(flow, str):
         flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
     windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)

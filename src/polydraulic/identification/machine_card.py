@@ -17,7 +17,7 @@ from polydraulic.measure.log_units import conversion_shown
 from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 from polydraulic.units import Conversion
@@ -86,7 +86,7 @@ def machine_coverage(
     machine : Machine, str or Path
         Or a parameter set by its name or file.
     """
-    plant = as_machine(machine)
+    plant = as_excavator(machine)
     log, _ = table_of(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
     return _covered(plant, models_of(models), by_port(Known.of(plant), log))
 

@@ -18,7 +18,7 @@ from polydraulic.identification.machine_log import MEASURED, Known, by_port, som
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
@@ -131,7 +131,7 @@ def fit_machine(
         A column that is missing or in another unit, numbers that cannot be SI, a valve that never opens, too few rows with an open
         valve in the blocks held out or in the others.
     """
-    plant, needed = as_machine(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
+    plant, needed = as_excavator(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
     read, source = table_of(table, needed, ["segment", *COMPARED])
     known = Known.of(plant)
     log = by_port(known, read)

@@ -75,7 +75,8 @@ def net_torque(here: Position, p_a: Links, p_b: Links, rate: Links, plant: Plant
 
 
 @kernel
-def _passes(angle: float, rate: float, stops: Stops, dt: float) -> bool:
+def passes_stop(angle: float, rate: float, stops: Stops, dt: float) -> bool:
+    """Whether a joint would pass a stop within the step."""
     end = angle + dt * rate
     return (rate > 0.0 and end >= stops.high) or (rate < 0.0 and end <= stops.low)
 
@@ -84,9 +85,9 @@ def _passes(angle: float, rate: float, stops: Stops, dt: float) -> bool:
 def passing(angle: Links, rate: Links, plant: Plant) -> Held:
     """Which joints would pass a stop within the step."""
     return Held(
-        _passes(angle.swing, rate.swing, plant.swing.stops, plant.dt),
-        _passes(angle.boom, rate.boom, plant.boom.stops, plant.dt),
-        _passes(angle.stick, rate.stick, plant.stick.stops, plant.dt),
+        passes_stop(angle.swing, rate.swing, plant.swing.stops, plant.dt),
+        passes_stop(angle.boom, rate.boom, plant.boom.stops, plant.dt),
+        passes_stop(angle.stick, rate.stick, plant.stick.stops, plant.dt),
     )
 
 
@@ -129,7 +130,8 @@ def stopped(angle: Links, rate: Links, mass: Symmetric, plant: Plant) -> Stopped
 
 
 @kernel
-def _turned(angle: float, rate: float, there: bool, stops: Stops, dt: float) -> float:
+def turned_joint(angle: float, rate: float, there: bool, stops: Stops, dt: float) -> float:
+    """Position of a joint after a step at this rate; one that stands `there` is at its nearer stop."""
     stop = stops.high if stops.high - angle < angle - stops.low else stops.low
     return stop if there else min(max(angle + dt * rate, stops.low), stops.high)
 
@@ -149,9 +151,9 @@ def turned(angle: Links, rate: Links, there: Held, plant: Plant) -> Links:
     """Angles after a step at these rates, up to the stops; joints that stand `there` are at the nearer one."""
     dt = plant.dt
     return Links(
-        _turned(angle.swing, rate.swing, there.swing, plant.swing.stops, dt),
-        _turned(angle.boom, rate.boom, there.boom, plant.boom.stops, dt),
-        _turned(angle.stick, rate.stick, there.stick, plant.stick.stops, dt),
+        turned_joint(angle.swing, rate.swing, there.swing, plant.swing.stops, dt),
+        turned_joint(angle.boom, rate.boom, there.boom, plant.boom.stops, dt),
+        turned_joint(angle.stick, rate.stick, there.stick, plant.stick.stops, dt),
     )
 
 

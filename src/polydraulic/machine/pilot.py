@@ -7,7 +7,7 @@ from math import exp
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.parameters.schema import Pilot, Spool
+from polydraulic.parameters.schema import Pilot
 
 
 class PilotStep(NamedTuple):
@@ -18,9 +18,9 @@ class PilotStep(NamedTuple):
     decay: float  # exp(-dt / tau)
 
 
-def prepare_pilot(pilot: Pilot, spool: Spool, dt: float) -> PilotStep:
-    """Precompute what does not change from step to step."""
-    return PilotStep(pilot.gain, spool.knots[-1], exp(-dt / pilot.time_constant))
+def prepare_pilot(pilot: Pilot, travel: float, dt: float) -> PilotStep:
+    """Precompute what does not change from step to step; `travel` of the spool to either side in m."""
+    return PilotStep(pilot.gain, travel, exp(-dt / pilot.time_constant))
 
 
 @kernel

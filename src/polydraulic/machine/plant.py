@@ -63,7 +63,7 @@ def prepare(machine: Machine, dt: float, locked: Collection[str] = ()) -> Plant:
 
     def arm(link: Arm, direction: float) -> ArmPlant:
         return ArmPlant(
-            pilot=prepare_pilot(link.pilot, machine.spool, dt),
+            pilot=prepare_pilot(link.pilot, machine.spool.knots[-1], dt),
             line=prepare_line(link.line, machine.tank, dt),
             cylinder=prepare_cylinder(link.cylinder, direction),
             friction=link.friction,
@@ -74,7 +74,7 @@ def prepare(machine: Machine, dt: float, locked: Collection[str] = ()) -> Plant:
     return Plant(
         dt=dt,
         swing=SwingPlant(
-            pilot=prepare_pilot(swing.pilot, machine.spool, dt),
+            pilot=prepare_pilot(swing.pilot, machine.spool.knots[-1], dt),
             line=prepare_line(swing.line, machine.tank, dt),
             displacement=motor_displacement(swing.motor),
             friction=swing.friction,

@@ -10,7 +10,7 @@ from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
 from polydraulic.measure.log_units import conversion, quantity, says_pressure
 from polydraulic.parameters.keys import check_keys
-from polydraulic.parameters.load import read_toml
+from polydraulic.parameters.entries import read_toml
 from polydraulic.unit_table import ATMOSPHERE, KINDS
 from polydraulic.units import Conversion, unit_kind
 

@@ -4,7 +4,7 @@ Each joystick rests, goes out to one side, is held there at one to three levels,
 other side at once. The hand follows such a wish through two equal lags, so that voltages are smooth and never leave their bounds.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from math import exp, isfinite
 
 import numpy as np
@@ -19,7 +19,9 @@ LONGEST = 1e5  # s
 _PAUSE, _HOLD = 0.2, 0.4  # s, shortest
 
 
-def random_signals(seed: int, duration: float, *, links: Collection[str], limit: float) -> dict[str, Piecewise]:
+def random_signals(
+    seed: int, duration: float, *, links: Collection[str], limit: float, functions: Sequence[str] = LINKS
+) -> dict[str, Piecewise]:
     """Voltages of a random operator; `random_operator` says what they are like.
 
     Parameters
@@ -28,6 +30,8 @@ def random_signals(seed: int, duration: float, *, links: Collection[str], limit:
     duration : float, s
     links : collection of str
     limit : float, V
+    functions : sequence of str
+        That the machine has: each has a hand of its own, by its place.
 
     Raises
     ------
@@ -40,12 +44,12 @@ def random_signals(seed: int, duration: float, *, links: Collection[str], limit:
         raise InputError(f"duration = {duration} s: must lie in [{RASTER}, {LONGEST:g}] s")
     if not (isfinite(limit) and limit > 0.0):
         raise InputError(f"limit = {limit} V: must be finite and above 0")
-    if not links or not set(links) <= set(LINKS):
-        raise InputError(f"links = {links!r}: must be some of {list(LINKS)}")
+    if not links or not set(links) <= set(functions):
+        raise InputError(f"links = {links!r}: must be some of {list(functions)}")
     time = np.arange(int(duration / RASTER) + 2) * RASTER
     return {
         link: Piecewise(time, _hand(_wish(np.random.default_rng([seed, place]), time, limit), limit))
-        for place, link in enumerate(LINKS)
+        for place, link in enumerate(functions)
         if link in links
     }
 

@@ -5,7 +5,7 @@ have the form of a parameter set. Links that are not listed under ``[voltage]`` 
 scenario as it is, and so is a random operator.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.keys import check_keys
-from polydraulic.parameters.load import build, find, read_quantity, read_toml
+from polydraulic.parameters.entries import build, find, read_quantity, read_toml
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.recording import ENDINGS, Recording
@@ -64,12 +64,12 @@ class Scenario:
         """Return the machine with this scenario's pilots and initial state."""
         return build(Machine, self.changes, where="change.", path=self.path, base=machine)
 
-    def voltages(self, t: np.ndarray) -> np.ndarray:
-        """Joystick voltages at the times `t`; shape (n_time, 3), links in the order of `LINKS`."""
-        return np.column_stack([self.voltage.get(link, Constant())(t) for link in LINKS])
+    def voltages(self, t: np.ndarray, functions: Sequence[str] = LINKS) -> np.ndarray:
+        """Joystick voltages at the times `t`; shape (n_time, n_function), functions in their order."""
+        return np.column_stack([self.voltage.get(name, Constant())(t) for name in functions])
 
 
-def load_scenario(source: str | Path) -> Scenario:
+def load_scenario(source: str | Path, functions: Sequence[str] = LINKS) -> Scenario:
     """Load a scenario.
 
     Parameters
@@ -78,6 +78,8 @@ def load_scenario(source: str | Path) -> Scenario:
         Name of a scenario that comes with the package (``"single_08"``); the path of a TOML file; the path of a recording,
         ``.csv``, ``.csv.gz``, ``.txt`` or ``.parquet``, with the columns ``time`` and ``swing``, ``boom``, ``stick`` or some of
         these (the others get 0 V), in s and V or in the units of the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"`` for a `random_operator`.
+    functions : sequence of str
+        Of the machine that is to do it; those of cat215b if not given.
 
     Raises
     ------
@@ -85,32 +87,48 @@ def load_scenario(source: str | Path) -> Scenario:
         Unknown or missing key, wrong unit, value out of range, unreadable recording, times that do not rise.
     """
     if str(source).startswith(_RANDOM):
-        return _random(str(source))
+        return _random(str(source), functions)
     if isinstance(source, str | Path) and str(source).lower().endswith(ENDINGS):
-        return _recording(Path(source))
+        return _recording(Path(source), functions)
     path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     data = read_toml(path)
     check_keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, file=str(path))
     duration = read_quantity(data["duration"], Quantity("s", above=0.0, high=inf), "duration", path)
     locked = data.get("locked", [])
-    if not isinstance(locked, list) or any(link not in LINKS for link in locked):
-        raise InputError(f"{path}: locked = {locked!r}: must be a list of {list(LINKS)}")
-    check_keys(data["voltage"], LINKS, (), "voltage", str(path))
+    if not isinstance(locked, list) or any(link not in functions for link in locked):
+        raise InputError(f"{path}: locked = {locked!r}: must be a list of {list(functions)}")
+    check_keys(data["voltage"], functions, (), "voltage", str(path))
     signals = {link: _signal(item, f"voltage.{link}", path) for link, item in data["voltage"].items()}
     changes = data.get("change", {})
-    check_keys(changes, LINKS, (), "change", str(path))
+    check_keys(changes, functions, (), "change", str(path))
     for link, part in changes.items():
         check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
     return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path)
 
 
-def as_scenario(scenario: Scenario | str | Path) -> Scenario:
-    """Return a scenario that is given, or load the one of that name or path."""
-    return scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINKS) -> Scenario:
+    """Return a scenario that is given, or load the one of that name or path, for a machine with these functions.
+
+    Raises
+    ------
+    InputError
+        As `load_scenario`, or if a scenario that is given moves, locks or changes what the machine does not have.
+    """
+    if not isinstance(scenario, Scenario):
+        return load_scenario(scenario, functions)
+    unknown = [name for name in (*scenario.voltage, *scenario.locked, *scenario.changes) if name not in functions]
+    if unknown:
+        raise InputError(f"scenario {scenario.name!r} names {unknown[0]!r}, which the machine does not have; it has {list(functions)}")
+    return scenario
 
 
 def random_operator(
-    seed: int, duration: float = 60.0, *, links: Collection[str] = LINKS, limit: float = 0.8
+    seed: int,
+    duration: float = 60.0,
+    *,
+    links: Collection[str] | None = None,
+    limit: float = 0.8,
+    functions: Sequence[str] = LINKS,
 ) -> Scenario:
     """Scenario of a random operator who moves all links as a hand could.
 
@@ -123,10 +141,12 @@ def random_operator(
     ----------
     seed : int
     duration : float, s
-    links : collection of str
-        Links to move; the others are locked.
+    links : collection of str, optional
+        Functions to move, all if not given; the others are locked.
     limit : float, V
         No voltage is beyond it.
+    functions : sequence of str
+        That the machine has; those of cat215b if not given.
 
     Raises
     ------
@@ -139,8 +159,9 @@ def random_operator(
     >>> scenario.name, scenario.voltages(np.array([0.0, 5.0])).shape
     ('random:42', (2, 3))
     """
-    signals: dict[str, Signal] = {**random_signals(seed, duration, links=links, limit=limit)}
-    locked = tuple(link for link in LINKS if link not in links)
+    moved = functions if links is None else links
+    signals: dict[str, Signal] = {**random_signals(seed, duration, links=moved, limit=limit, functions=functions)}
+    locked = tuple(name for name in functions if name not in moved)
     return Scenario(f"{_RANDOM}{seed}", duration, signals, locked, f"Random operator, seed {seed}")
 
 
@@ -183,12 +204,12 @@ def _recorded(recording: Recording, time: str, voltages: list[str]) -> list[Piec
         raise InputError(f"{recording.path}: {error}") from error
 
 
-def _recording(path: Path) -> Scenario:
+def _recording(path: Path, functions: Sequence[str]) -> Scenario:
     recording = Recording(path)
     time = next((name for name in recording.names if name.lower() in _TIME_NAMES), "time")
-    links = [link for link in LINKS if link in recording.names]
-    unknown = [name for name in recording.names if name not in LINKS and name != time]
-    missing = [link for link in LINKS if link not in links]
+    links = [link for link in functions if link in recording.names]
+    unknown = [name for name in recording.names if name not in functions and name != time]
+    missing = [link for link in functions if link not in links]
     if missing and (unknown or not links):  # a link misspelt would rest unseen
         raise InputError(
             f"{path}: no column {missing[0]!r}; the table has {recording.names}, of which {unknown} are no link; leave these out, "
@@ -205,10 +226,10 @@ def _recording(path: Path) -> Scenario:
     return Scenario(path.stem, float(seconds[-1]), moved, title=title, path=path)
 
 
-def _random(source: str) -> Scenario:
+def _random(source: str, functions: Sequence[str]) -> Scenario:
     seed, _, seconds = source.removeprefix(_RANDOM).partition(":")
     try:
-        return random_operator(int(seed), float(seconds) if seconds else 60.0)
+        return random_operator(int(seed), float(seconds) if seconds else 60.0, functions=functions)
     except ValueError as error:
         reason = f": {error}" if isinstance(error, InputError) else ""
         raise InputError(

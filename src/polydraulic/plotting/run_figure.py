@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from polydraulic.display import DEFAULT, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.flow.record import EFFECTOR
-from polydraulic.parameters.schema import CIRCUITS, LINKS
+from polydraulic.parameters.schema import CIRCUITS
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table, shown_column
 
@@ -36,7 +36,6 @@ PANELS = (
     Panel("pressure", "p_in", "p_pump", "full: inlet, dashed: pump"),
     Panel("angle", "angle", shared=False),  # links work in different ranges
 )
-CIRCUIT = {link: circuit for circuit, links in CIRCUITS.items() for link in links}
 # The first run lies broad and pale below the others.
 FIRST = ("#9ec5e8", 3.5)
 OTHERS = ("#e07a1f", "#2f8f4e", "#b5367a", "#5b4bb5", "#7a6a3a")
@@ -58,12 +57,18 @@ def moving_links(runs: Mapping[str, Table]) -> list[str]:
     if not runs:
         raise InputError("there is no run to show; give at least one, for example {'exact': simulate(...)}")
     for label, table in runs.items():
-        missing = [
-            name for name in ("time", *(f"{link}.angle" for link in LINKS), *EFFECTOR) if name not in table.names
-        ]
+        missing = [name for name in ("time", *EFFECTOR) if name not in table.names]
         if missing:
             raise InputError(f"run {label!r} has no column {missing[0]!r}; give tables made by simulate")
-    return [link for link in LINKS if all(f"{link}.spool" in table.names for table in runs.values())]
+    first, *others = runs.values()
+    moving = [name.removesuffix(".spool") for name in first.names if name.endswith(".spool")]
+    return [link for link in moving if all(f"{link}.spool" in table.names for table in others)]
+
+
+def circuit_of(table: Table, link: str) -> str:
+    """The circuit that feeds a link, as the run says."""
+    circuits: Any = table.info.get("circuits", CIRCUITS)
+    return next(circuit for circuit, links in circuits.items() if link in links)
 
 
 def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
@@ -119,9 +124,10 @@ def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel
     unit, dashed = "", False
     for number, table in enumerate(runs.values()):
         color, width = line_style(number)
-        values, unit = shown_column(table, f"{link}.{panel.full}", units)
+        full = panel.full if f"{link}.{panel.full}" in table.names else "position"  # of a prismatic joint
+        values, unit = shown_column(table, f"{link}.{full}", units)
         axis.plot(table["time"], values, color=color, linewidth=width)
-        owner = CIRCUIT[link] if panel.dashed == "p_pump" else link
+        owner = circuit_of(table, link) if panel.dashed == "p_pump" else link
         if panel.dashed and f"{owner}.{panel.dashed}" in table.names:
             values, unit = shown_column(table, f"{owner}.{panel.dashed}", units)
             axis.plot(table["time"], values, "--", color=color, linewidth=0.6 * width)

@@ -25,7 +25,8 @@ def record(step: Step, row: np.ndarray) -> None:
 
 
 @kernel
-def _outlet(k: float, p_out: float, line: LineStep) -> float:
+def rest_outlet(k: float, p_out: float, line: LineStep) -> float:
+    """Flow in m3/s from a line whose pressure stays as it is."""
     return k * sqrt(max(p_out - line.p_return, 0.0))
 
 
@@ -33,9 +34,9 @@ def _outlet(k: float, p_out: float, line: LineStep) -> float:
 def rest_outlets(k: Links, p_out: Links, plant: Plant) -> Links:
     """Outlet flows at line pressures that stay as they are."""
     return Links(
-        _outlet(k.swing, p_out.swing, plant.swing.line),
-        _outlet(k.boom, p_out.boom, plant.boom.line),
-        _outlet(k.stick, p_out.stick, plant.stick.line),
+        rest_outlet(k.swing, p_out.swing, plant.swing.line),
+        rest_outlet(k.boom, p_out.boom, plant.boom.line),
+        rest_outlet(k.stick, p_out.stick, plant.stick.line),
     )
 
 

@@ -1,6 +1,5 @@
 """`simulate`: a machine, a flow model and a scenario in, a table of named columns out."""
 
-from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,12 +21,15 @@ from polydraulic.flow.record import (
 from polydraulic.machine.linkage import end_effector
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, initial_state
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
 from polydraulic.simulation.loop import FASTEST, run
+from polydraulic.simulation.layout.runs import simulate_layout
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
+from polydraulic.simulation.steps import n_steps, recorded_steps
 from polydraulic.tables import Table
 
 # methods of `simulate`, with the tolerance of those that choose their own steps
@@ -89,13 +91,16 @@ def simulate(
     SimulationError
         If the run diverges, or a solver fails; says when and where.
     """
-    machine, scenario = as_machine(machine), as_scenario(scenario)
+    machine = as_machine(machine)
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}; choose one of {list(METHODS)}")
     least = METHODS[method]
     if rtol is not None and (least is None or not 1e-13 <= rtol <= 0.1):
         raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
     every = recorded_steps(dt, every, raster)
+    if isinstance(machine, LayoutMachine):
+        return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method)
+    scenario = as_scenario(scenario)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
     if method != "semi-implicit" and FLOW_KINDS[flow_name(arranged.model)].has_state:
         raise InputError(
@@ -243,42 +248,6 @@ def check_links(scenario: Scenario, model: Any) -> None:
 def _fastest(row: np.ndarray) -> str:
     """Name of the link whose rate in a recorded row is beyond reason."""
     return next(link for link, rate in zip(LINKS, row[RATE : RATE + 3], strict=True) if not abs(rate) < FASTEST)
-
-
-def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:
-    """Whole steps in a run.
-
-    Raises
-    ------
-    InputError
-        If there is none, or `every` is no positive whole number.
-    """
-    duration = scenario.duration if t_end is None else t_end
-    if not (isfinite(duration) and duration >= dt):
-        raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")
-    if not isinstance(every, int) or every < 1:
-        raise InputError(f"every = {every!r}: must be a whole number, at least 1")
-    return int(duration / dt + 1e-9)
-
-
-def recorded_steps(dt: float, every: int, raster: float | None) -> int:
-    """Every how many steps a row is recorded, from `every` or from a raster in seconds.
-
-    Raises
-    ------
-    InputError
-        If both are given, or the raster is no whole number of steps.
-    """
-    if raster is None or not dt > 0.0:  # whoever prepares the machine refuses such a dt
-        return every
-    if every != 1:
-        raise InputError(f"every = {every!r} and raster = {raster} s both say when to record; give one of them")
-    steps = raster / dt
-    if not (isfinite(steps) and steps > 0.5 and abs(steps - round(steps)) < 1e-6):
-        raise InputError(
-            f"raster = {raster} s: must be a whole number of time steps of {dt} s, for example {10 * dt:g}"
-        )
-    return round(steps)
 
 
 def reference(

@@ -7,7 +7,6 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, readable
 from polydraulic.flow.record import EFFECTOR
-from polydraulic.parameters.schema import CIRCUITS, LINKS
 from polydraulic.tables import Table
 
 _PORTS = (("p_a", "A"), ("p_b", "B"))
@@ -70,14 +69,18 @@ def warnings(run: Table) -> list[str]:
 
 def _pressures(run: Table, units: str) -> Iterator[str]:
     """Largest pressure of each link's lines and of each pump."""
-    for link in LINKS:
+    for link in _owners(run, ".p_a"):
         sides = [(f"{link}.{port}", side) for port, side in _PORTS if f"{link}.{port}" in run.names]
         if sides:
             name, side = max(sides, key=lambda of: float(run[of[0]].max()))
             yield _peak(run, name, f"{link} {side}", units)
-    for circuit in CIRCUITS:
-        if f"{circuit}.p_pump" in run.names:
-            yield _peak(run, f"{circuit}.p_pump", f"{circuit} pump", units)
+    for circuit in _owners(run, ".p_pump"):
+        yield _peak(run, f"{circuit}.p_pump", f"{circuit} pump", units)
+
+
+def _owners(run: Table, quantity: str) -> list[str]:
+    """Functions or circuits of which a run has a quantity."""
+    return [name.removesuffix(quantity) for name in run.names if name.endswith(quantity)]
 
 
 def _peak(run: Table, name: str, words: str, units: str) -> str:
@@ -112,6 +115,7 @@ def _lasting(events: Sequence[tuple[float, str]], begins: str, ends: str, last: 
 
 
 def _end(run: Table, units: str) -> str:
-    angles = [f"{link} {amount(run[f'{link}.angle'][-1], 'rad', units)}" for link in LINKS]
-    tip = ", ".join(f"{name[-1]} {amount(run[name][-1], 'm', units)}" for name in EFFECTOR)
-    return f"at the end: {', '.join(angles)}; tip at {tip}"
+    joints = [(name, run.unit(name)) for name in run.names if name.endswith((".angle", ".position"))]
+    ended = [f"{name.rsplit('.', 1)[0]} {amount(run[name][-1], unit, units)}" for name, unit in joints]
+    tip = ", ".join(f"{name[-1]} {amount(run[name][-1], 'm', units)}" for name in EFFECTOR if name in run.names)
+    return f"at the end: {', '.join(ended)}" + (f"; tip at {tip}" if tip else "")

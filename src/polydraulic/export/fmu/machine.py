@@ -18,7 +18,7 @@ from polydraulic.export.machine import machine_c, machine_size, outputs, prepare
 from polydraulic.export.translate.names import field_name
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.pages.html import document, table
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.values import leaves_of
@@ -90,7 +90,7 @@ def export_machine_fmu(
     InputError
         As `machine_c` and `write_fmu`.
     """
-    machine = as_machine(machine)
+    machine = as_excavator(machine)
     sources = machine_c(machine, flow, name=name, dt=dt, locked=locked)
     parameters = direct_parameters(machine, flow, dt=dt, locked=locked)
     size = machine_size(machine, flow, dt=dt)

@@ -9,7 +9,7 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.measure.bench.sensors import Bench, Reading
 from polydraulic.measure.log_units import need
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
@@ -59,7 +59,7 @@ def record(
     ending = log_ending(out)
     if not scenarios:
         raise InputError("there is no scenario to record; give at least one")
-    machine, runs = as_machine(machine), [as_scenario(scenario) for scenario in scenarios]
+    machine, runs = as_excavator(machine), [as_scenario(scenario) for scenario in scenarios]
     rngs = [np.random.default_rng([bench.seed, n]) for n in range(len(bench.sensors))]
     readings = [Reading(sensor, rng) for sensor, rng in zip(bench.sensors, rngs, strict=True)]
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {sensor.name: [] for sensor in bench.sensors}

@@ -12,7 +12,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure.channels import duration, low_and_high, text
 from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.parameters.keys import check_keys
-from polydraulic.parameters.load import read_toml
+from polydraulic.parameters.entries import read_toml
 from polydraulic.tables import Table
 
 _FILE = {"seed", "pause", "sensor"}

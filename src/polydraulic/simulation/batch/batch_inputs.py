@@ -12,7 +12,7 @@ from polydraulic.flow.dispatch import FlowModel, as_flow, flow_name, served_link
 from polydraulic.flow.record import N_STATE, to_vector
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import initial_state
-from polydraulic.parameters.load import load_machine
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.runs import check_links, n_steps, step_voltages
@@ -62,7 +62,7 @@ def arrange_cases(
     every: int,
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
-    named = cache(load_machine)  # machines of one name are one kind
+    named = cache(as_excavator)  # machines of one name are one kind
     items = [machines] if isinstance(machines, Machine | str | Path) else machines
     given = [item if isinstance(item, Machine) else named(item) for item in items]
     scenarios = _scenarios(inputs)

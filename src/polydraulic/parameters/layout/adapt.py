@@ -1,0 +1,41 @@
+"""A machine of any layout with what a scenario changes: pilots and initial states of its functions."""
+
+from typing import Any
+
+from polydraulic.errors import InputError
+from polydraulic.parameters.keys import check_keys
+from polydraulic.parameters.layout.conditions import broken_conditions
+from polydraulic.parameters.layout.schema import Function, LayoutMachine, SlideInitial
+from polydraulic.parameters.entries import build
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import Initial
+
+
+def adapted(machine: LayoutMachine, scenario: Scenario) -> LayoutMachine:
+    """Return the machine with a scenario's pilots and initial state.
+
+    Raises
+    ------
+    InputError
+        A function that the machine does not have, or values that it cannot have.
+    """
+    check_keys(scenario.changes, machine.names, (), "change", str(scenario.path))
+    changed = tuple(_changed(f, machine, scenario) for f in machine.functions)
+    found = machine._replace(functions=changed)
+    broken = broken_conditions(found) if scenario.changes else []
+    if broken:
+        raise InputError(f"{scenario.path}: " + "; ".join(broken))
+    return found
+
+
+def _changed(f: Function, machine: LayoutMachine, scenario: Scenario) -> Function:
+    parts: dict[str, Any] = scenario.changes.get(f.name, {})
+    path, where = scenario.path, f"change.{f.name}"
+    if "pilot" in parts:
+        f = f._replace(pilot=build(type(f.pilot), parts["pilot"], where=f"{where}.pilot.", path=path, base=f.pilot))
+    if "initial" in parts:
+        slides = machine.link(f.moves).joint == "prismatic"
+        base = SlideInitial(*f.initial) if slides else f.initial
+        start = build(type(base), parts["initial"], where=f"{where}.initial.", path=path, base=base)
+        f = f._replace(initial=Initial(*start))
+    return f

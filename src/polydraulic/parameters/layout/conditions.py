@@ -1,0 +1,89 @@
+"""Conditions between several numbers of a machine of any layout."""
+
+from math import pi
+
+from polydraulic import display
+from polydraulic.parameters.layout.geometry import lever
+from polydraulic.parameters.layout.schema import Function, LayoutMachine, Link
+
+_ANGLES = 65  # over the range of a joint, for what must hold everywhere in it
+
+
+def broken_conditions(machine: LayoutMachine) -> list[str]:
+    """Say which conditions a machine does not meet; each number by itself lies in its range."""
+    broken: list[str] = []
+    for link in machine.links:
+        broken += _inertia(link)
+    for function in machine.functions:
+        broken += _function(function, machine.link(function.moves), machine)
+    for circuit in machine.circuits:
+        pump, where = circuit.pump, f"circuits.{circuit.name}.pump"
+        if pump.relief <= machine.tank.return_pressure:
+            broken.append(f"{where}.relief = {_bar(pump.relief)}: must be above tank.return_pressure = {_bar(machine.tank.return_pressure)}")
+    if not any(link.mass > 0.0 for link in machine.links):
+        broken.append("links: all masses are 0; give at least the last link of each arm a mass")
+    return broken
+
+
+def _bar(pressure: float) -> str:
+    return display.amount(pressure, "Pa")
+
+
+def _inertia(link: Link) -> list[str]:
+    i, where = link.inertia, f"links.{link.name}"
+    xx, yy, zz, xy, xz, yz = (i.get(key, 0.0) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    bad = [key for key, value in (("xx", xx), ("yy", yy), ("zz", zz)) if value < 0.0]
+    if bad:
+        return [f"{where}.inertia.{bad[0]} = {i[bad[0]]:g} kg m2: must not be negative"]
+    slack = 1e-9 * (xx + yy + zz)
+    if any(a > b + c + slack for a, b, c in ((xx, yy, zz), (yy, zz, xx), (zz, xx, yy))) and len(i) >= 3:
+        return [f"{where}.inertia: xx, yy, zz = {xx:g}, {yy:g}, {zz:g} kg m2: no body has one above the sum of the others"]
+    minors = (xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz)
+    if (xy or xz or yz) and min(minors) < -slack * slack:
+        return [f"{where}.inertia: the products xy, xz, yz are too large for xx, yy, zz"]
+    return []
+
+
+def _function(f: Function, link: Link, machine: LayoutMachine) -> list[str]:
+    where, broken = f"functions.{f.name}", []
+
+    def require(good: bool, what: str, allowed: str) -> None:
+        if not good:
+            broken.append(f"{where}.{what}: must be {allowed}")
+
+    knots, unit = f.valve.knots, "m" if link.joint == "prismatic" else "rad"
+    require(knots[0] == 0.0 and all(a < b for a, b in zip(knots, knots[1:], strict=False)), f"valve.knots = {knots} m", "rising from 0")
+    for key in ("inlet", "outlet_positive", "outlet_negative"):
+        require(getattr(f.valve, key)[0] == 0.0, f"valve.{key}[0]", "0 at the centred spool")
+    require(f.friction.static >= f.friction.coulomb, f"friction.static = {f.friction.static:g}", "at least coulomb")
+    low, high = (display.amount(value, unit) for value in f.stops)
+    require(f.stops.low < f.stops.high, f"stops.low = {low}", f"below stops.high = {high}")
+    start = display.amount(f.initial.angle, unit)
+    require(f.stops.low <= f.initial.angle <= f.stops.high, f"initial.angle = {start}", f"within the stops, {low} to {high}")
+    floor, relief = machine.tank.floor, f.line.relief
+    require(relief > machine.tank.return_pressure, f"line.relief = {_bar(relief)}", "above tank.return_pressure")
+    for key in ("p_a", "p_b"):
+        value = getattr(f.initial, key)
+        require(floor <= value <= relief, f"initial.{key} = {_bar(value)}", f"in [{_bar(floor)}, {_bar(relief)}]")
+    if f.actuator != "motor":
+        require(f.drive.rod < f.drive.bore, "cylinder.rod", "below the bore")  # type: ignore[union-attr]
+    if f.pins is not None and not broken:
+        broken += _levers(f, link)
+    return broken
+
+
+def _levers(f: Function, link: Link) -> list[str]:
+    """A cylinder must keep pushing the same way all over the joint's range."""
+    where = f"functions.{f.name}"
+    if f.stops.high - f.stops.low >= 2.0 * pi:
+        return [f"{where}.stops: a {f.actuator} cannot turn a link all the way round"]
+    signs = set()
+    for k in range(_ANGLES):
+        angle = f.stops.low + (f.stops.high - f.stops.low) * k / (_ANGLES - 1)
+        arm, shown = lever(f, link, angle), display.amount(angle, "rad")
+        if arm is None:
+            return [f"{where}: rocker and coupler do not reach each other at {shown}; check base, hinge, knee, pin and stops"]
+        if abs(arm) < 1e-3:
+            return [f"{where}: the lever arm is {display.amount(arm, 'm')} at {shown}, so that the cylinder cannot move the link; check pins and stops"]
+        signs.add(arm > 0.0)
+    return [] if len(signs) == 1 else [f"{where}: the linkage turns over between the stops; check pins and stops"]

@@ -1,0 +1,241 @@
+"""A machine file with links, functions and circuits -> LayoutMachine: all that is wrong in it, in one message."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from polydraulic.errors import InputError
+from polydraulic.parameters.layout.conditions import broken_conditions
+from polydraulic.parameters.layout.names import name_trouble
+from polydraulic.parameters.layout.reader import Reader
+from polydraulic.parameters.layout.schema import (
+    AXES,
+    CONDUCTANCE,
+    COORDINATES,
+    FEWEST_KNOTS,
+    GROUND,
+    JOINTS,
+    MASS,
+    MOMENT,
+    MOMENTS,
+    MOST_FUNCTIONS,
+    MOST_IN_SERIES,
+    MOST_KNOTS,
+    MOST_LINKS,
+    POINT,
+    TRAVEL,
+    Circuit,
+    Cylinder,
+    FourBar,
+    Function,
+    LayoutMachine,
+    Link,
+    Pins,
+    Point,
+    Pump,
+    SlideFriction,
+    SlideInitial,
+    SlideStops,
+    Valve,
+)
+from polydraulic.parameters.entries import read_quantity
+from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
+
+CIRCUIT_KINDS = ("series",)
+_SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
+_LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
+_ACTUATORS = {"motor": SwingMotor, "cylinder": Cylinder, "four_bar": Cylinder, "ram": Cylinder}
+_HELD: dict[str, tuple[str, ...]] = {"cylinder": ("base", "rod_pin"), "four_bar": ("base", "hinge", "knee", "pin")}
+_PARTS = ("pilot", "valve", "line", "friction", "stops", "initial")
+_CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
+
+
+def is_layout(data: Mapping[str, Any]) -> bool:
+    """Whether a parameter file describes links, functions and circuits of its own."""
+    return any(key in data for key in ("links", "functions", "circuits"))
+
+
+def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
+    """Machine of the tables of a file.
+
+    Parameters
+    ----------
+    data : mapping
+        What the TOML file holds.
+    path : Path
+        For messages.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong in the file, a line each: key, value in the unit of the file, what is allowed.
+    """
+    reader = Reader(path)
+    top = reader.table(data, _SECTIONS, _SECTIONS, "")
+    reader.require(isinstance(top.get("title", ""), str), f"title = {top.get('title')!r}: must be a string")
+    gravity = reader.tried(
+        lambda: read_quantity(top["gravity"], Quantity("m/s2", low=0.0, high=30.0), "gravity", path)
+        if "gravity" in top
+        else 0.0,
+        0.0,
+    )
+    tank = reader.part(Tank, top, "tank", "")
+    links = _ordered([_link(reader, name, item) for name, item in _named(reader, top, "links", MOST_LINKS)], reader)
+    functions = _functions(reader, top, links)
+    circuits = _circuits(reader, top, [f.name for f in functions])
+    tip = _tip(reader, top, links)
+    if not reader.wrong and tank is not None:
+        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip)
+        reader.wrong += broken_conditions(machine)
+    if reader.wrong or tank is None:
+        lines = list(dict.fromkeys(reader.wrong))
+        raise InputError(f"{path}: " + (lines[0] if len(lines) == 1 else "\n  ".join(["what is wrong:", *lines])))
+    return machine
+
+
+def _named(reader: Reader, top: Mapping[str, Any], key: str, most: int) -> list[tuple[str, Mapping[str, Any]]]:
+    """Tables below a section with the names that they have."""
+    section = top.get(key, {})
+    if not reader.require(isinstance(section, Mapping), f"{key} = {section!r}: must hold tables [{key}.NAME]"):
+        return []
+    if key in top:
+        reader.require(0 < len(section) <= most, f"{key}: {len(section)} of them; must be 1 to {most}")
+    found = []
+    for name, item in section.items():
+        trouble = name_trouble(name)
+        usable = reader.require(not trouble, f"{key}.{name}: the name {name!r} {trouble}")
+        usable = reader.require(isinstance(item, Mapping), f"{key}.{name} = {item!r}: must be a table") and usable
+        if usable:
+            found.append((name, item))
+    folded = [name.lower() for name, _ in found]
+    for name in dict.fromkeys(name for name in folded if folded.count(name) > 1):
+        reader.require(False, f"{key}: the name {name!r} stands there twice but for upper and lower case")
+    return found
+
+
+def _link(reader: Reader, name: str, item: Mapping[str, Any]) -> Link:
+    where = f"links.{name}"
+    data = reader.table(item, _LINK, ("parent", "joint", "axis", "mass", "cg"), where)
+    parent = data.get("parent", GROUND)
+    return Link(
+        name,
+        str(parent),
+        reader.word(data, "joint", JOINTS, where),
+        reader.word(data, "axis", AXES, where),
+        reader.components(data, "at", COORDINATES, POINT, where),
+        reader.number(data, "mass", MASS, where),
+        reader.components(data, "cg", COORDINATES, POINT, where),
+        reader.components(data, "inertia", MOMENTS, MOMENT, where),
+    )
+
+
+def _ordered(links: list[Link], reader: Reader) -> tuple[Link, ...]:
+    """Links with parents first, otherwise as in the file; links whose parents cannot be found are named."""
+    done: list[Link] = []
+    known = {GROUND}
+    waiting = list(links)
+    for _ in links:
+        ready = next((link for link in waiting if link.parent in known), None)
+        if ready is None:
+            break
+        waiting.remove(ready)
+        done.append(ready)
+        known.add(ready.name)
+    for link in waiting:
+        allowed = [GROUND, *(other.name for other in links if other.name != link.name)]
+        exists = link.parent in allowed
+        reason = "links that lead round in a circle" if exists else f"must be one of {allowed}"
+        reader.require(False, f"links.{link.name}.parent = {link.parent!r}: {reason}")
+    return tuple(done)
+
+
+def _functions(reader: Reader, top: Mapping[str, Any], links: tuple[Link, ...]) -> tuple[Function, ...]:
+    found = [_function(reader, name, item, links) for name, item in _named(reader, top, "functions", MOST_FUNCTIONS)]
+    order = {link.name: place for place, link in enumerate(links)}
+    moved = [f.moves for f in found if f is not None]
+    for link in links:
+        count = moved.count(link.name)
+        if moved and count != 1 and None not in found:
+            what = "is moved by no function" if not count else f"is moved by {count} functions"
+            reader.require(False, f"links.{link.name}: {what}; each link needs one, [functions.NAME] with moves = {link.name!r}")
+    return tuple(sorted((f for f in found if f is not None), key=lambda f: order[f.moves]))
+
+
+def _function(reader: Reader, name: str, item: Mapping[str, Any], links: tuple[Link, ...]) -> Function | None:
+    where, before = f"functions.{name}", len(reader.wrong)
+    actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
+    drive_key = "motor" if actuator == "motor" else "cylinder"
+    needed = ("moves", "actuator", drive_key, *_PARTS)
+    data = reader.table(item, (*needed, *_HELD.get(actuator, ())), (*needed, *_HELD.get(actuator, ())), where)
+    names = [link.name for link in links]
+    moves = reader.word(data, "moves", names, where)
+    slides = any(link.name == moves and link.joint == "prismatic" for link in links)
+    if names and "moves" in data:
+        fits = (actuator in ("ram", "motor")) if slides else (actuator != "ram")
+        joint = "prismatic" if slides else "revolute"
+        reader.require(fits, f"{where}.actuator = {actuator!r}: cannot move {moves}, whose joint is {joint}")
+    pins = {key: reader.components(data, key, COORDINATES, POINT, where) for key in _HELD.get(actuator, ())}
+    drive = reader.part(_ACTUATORS[actuator], data, drive_key, where)
+    pilot, line = reader.part(Pilot, data, "pilot", where), reader.part(Line, data, "line", where)
+    valve = _valve(reader, data, where)
+    friction = reader.part(SlideFriction if slides else Friction, data, "friction", where)
+    stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
+    initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
+    if len(reader.wrong) > before or None in (drive, pilot, line, valve, friction, stops, initial):
+        return None
+    return Function(  # a prismatic joint's numbers go by the same names
+        name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
+        Friction(*friction), Stops(*stops), Initial(*initial),  # type: ignore[misc]
+    )  # fmt: skip
+
+
+def _pins(actuator: str, pins: dict[str, Point]) -> Pins | FourBar | None:
+    if actuator == "cylinder":
+        return Pins(pins["base"], pins["rod_pin"])
+    return FourBar(**pins) if actuator == "four_bar" else None
+
+
+def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> Valve | None:
+    where, before = f"{where}.valve", len(reader.wrong)
+    if "valve" not in data:
+        return None
+    found = reader.table(data["valve"], ("knots", *_CURVES), ("knots", *_CURVES), where)
+    knots = reader.numbers(found, "knots", TRAVEL, where)
+    curves = [reader.numbers(found, key, CONDUCTANCE, where) for key in _CURVES]
+    if len(reader.wrong) > before:
+        return None
+    enough = FEWEST_KNOTS <= len(knots) <= MOST_KNOTS
+    reader.require(enough, f"{where}.knots: {len(knots)} numbers; must be {FEWEST_KNOTS} to {MOST_KNOTS}")
+    for key, curve in zip(_CURVES, curves, strict=True):
+        reader.require(len(curve) == len(knots), f"{where}.{key}: {len(curve)} numbers for {len(knots)} knots; must be as many")
+    return Valve(knots, *curves) if len(reader.wrong) == before else None
+
+
+def _circuits(reader: Reader, top: Mapping[str, Any], names: list[str]) -> tuple[Circuit, ...]:
+    found = []
+    for name, item in _named(reader, top, "circuits", MOST_FUNCTIONS):
+        where = f"circuits.{name}"
+        data = reader.table(item, ("kind", "functions", "pump"), ("kind", "functions", "pump"), where)
+        kind = reader.word(data, "kind", CIRCUIT_KINDS, where)
+        fed = data.get("functions", [])
+        good = isinstance(fed, list) and all(isinstance(f, str) for f in fed)
+        reader.require(good and 0 < len(fed) <= MOST_IN_SERIES,
+            f"{where}.functions = {fed!r}: must be a list of 1 to {MOST_IN_SERIES} names of functions")  # fmt: skip
+        for f in fed if good else []:
+            reader.require(f in names or not names, f"{where}.functions: {f!r} is no usable function; there are {names}")
+        pump = reader.part(Pump, data, "pump", where)
+        if pump is not None and good:
+            found.append(Circuit(name, kind, tuple(fed), pump))
+    fed_at = [f for circuit in found for f in circuit.functions]
+    for name in names:
+        count = fed_at.count(name)
+        what = "stands in no circuit" if not count else f"stands in circuits {count} times"
+        reader.require(count == 1 or not found, f"functions.{name}: {what}; it must stand in one, once")
+    return tuple(found)
+
+
+def _tip(reader: Reader, top: Mapping[str, Any], links: tuple[Link, ...]) -> tuple[str, Point]:
+    data = reader.table(top.get("tip", {}), ("link", "at"), ("link", "at"), "tip")
+    link = reader.word(data, "link", [link.name for link in links], "tip")
+    return link, reader.components(data, "at", COORDINATES, POINT, "tip")

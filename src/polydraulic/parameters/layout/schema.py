@@ -1,0 +1,209 @@
+"""What a machine of any layout consists of: every parameter with its SI unit and the range it may lie in, declared once.
+
+Links form a tree, a function moves one link through an actuator, a circuit is a pump with the valves of its functions in their order.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, NamedTuple
+
+from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.schema import (
+    Coordinate,
+    Flow,
+    Friction,
+    Initial,
+    Length,
+    Line,
+    Pilot,
+    PositivePressure,
+    Pressure,
+    Stops,
+    SwingMotor,
+    Tank,
+)
+
+MOST_LINKS, MOST_FUNCTIONS, MOST_IN_SERIES = 12, 12, 6
+FEWEST_KNOTS, MOST_KNOTS = 2, 16
+GROUND = "ground"
+AXES = ("x", "y", "z", "-x", "-y", "-z")
+COORDINATES = ("x", "y", "z")
+MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
+JOINTS = ("revolute", "prismatic")
+
+Point = Mapping[str, float]  # coordinates that the file declares, m; the others are zero whatever the numbers are
+
+POINT = Quantity("m")
+MASS = Quantity("kg", low=0.0)
+MOMENT = Quantity("kg m2")
+CONDUCTANCE = Quantity("m3/s/Pa^0.5", low=0.0)
+TRAVEL = Quantity("m", low=0.0)
+
+
+class Link(NamedTuple):
+    """A rigid body behind a joint.
+
+    Attributes
+    ----------
+    name, parent : str
+        `parent` is another link or ``ground``.
+    joint : str
+        ``revolute`` or ``prismatic``.
+    axis : str
+        Of the joint, one of `AXES`, in the parent's frame; all frames are parallel while the joints are at zero.
+    at : Point
+        Of the joint, in the parent's frame.
+    mass : float, kg
+    cg : Point
+        In the link's frame, whose origin is the joint.
+    inertia : mapping from one of `MOMENTS` to kg m2
+        About the centre of gravity, along the axes of the link's frame.
+    """
+
+    name: str
+    parent: str
+    joint: str
+    axis: str
+    at: Point
+    mass: float
+    cg: Point
+    inertia: Mapping[str, float]
+
+
+class Cylinder(NamedTuple):
+    """Equal cylinders between a pin on the parent link and one on the link that is moved."""
+
+    number: Annotated[float, Quantity("1", low=1.0, high=12.0)]
+    bore: Length
+    rod: Length
+
+
+class Pins(NamedTuple):
+    """Where a cylinder is held: `base` in the parent's frame, `rod` in the moved link's."""
+
+    base: Point
+    rod: Point
+
+
+class FourBar(NamedTuple):
+    """A bucket's linkage: the cylinder turns a rocker about `hinge`, and a coupler takes the link along.
+
+    `base` (of the cylinder) and `hinge` lie in the parent's frame, `pin` in the moved link's; `knee` says where rocker, coupler and
+    rod meet while the joint is at zero, in the parent's frame.
+    """
+
+    base: Point
+    hinge: Point
+    knee: Point
+    pin: Point
+
+
+class Valve(NamedTuple):
+    """Orifice conductances K a over the spool's travel, linear between the knots: Q = K a sqrt(drop)."""
+
+    knots: tuple[float, ...]  # m
+    inlet: tuple[float, ...]  # m3/s/Pa^0.5
+    bypass: tuple[float, ...]
+    outlet_positive: tuple[float, ...]
+    outlet_negative: tuple[float, ...]
+
+
+class SlideFriction(NamedTuple):
+    """`Friction` of a prismatic joint: forces instead of torques."""
+
+    coulomb: Annotated[float, Quantity("N", low=0.0)]
+    static: Annotated[float, Quantity("N", low=0.0)]
+    viscous: Annotated[float, Quantity("N s/m", low=0.0)]
+    smoothing: Annotated[float, Quantity("m/s", above=0.0)]
+    stribeck: Annotated[float, Quantity("m/s", above=0.0)]
+
+
+class SlideStops(NamedTuple):
+    """Inelastic end stops of a prismatic joint."""
+
+    low: Coordinate
+    high: Coordinate
+
+
+class SlideInitial(NamedTuple):
+    """State of a prismatic joint at the start; spools are centred and joints at rest."""
+
+    position: Coordinate
+    p_a: Pressure
+    p_b: Pressure
+
+
+class Function(NamedTuple):
+    """What an operator moves with one lever.
+
+    Attributes
+    ----------
+    name : str
+    moves : str
+        The link.
+    actuator : str
+        ``motor``, ``cylinder``, ``four_bar`` or ``ram`` (a cylinder along a prismatic joint).
+    drive : SwingMotor or Cylinder
+        Sizes of the actuator.
+    pins : Pins, FourBar or None
+        Where it is held.
+    pilot, valve, line, friction, stops, initial
+        `Friction`, `Stops` and `Initial` hold N, N s/m, m/s and m for a prismatic joint.
+    """
+
+    name: str
+    moves: str
+    actuator: str
+    drive: SwingMotor | Cylinder
+    pins: Pins | FourBar | None
+    pilot: Pilot
+    valve: Valve
+    line: Line
+    friction: Friction
+    stops: Stops
+    initial: Initial
+
+
+class Pump(NamedTuple):
+    """Flow of a pump, its relief valve and torque limit: above `torque_limit_start` Q = flow (start / P)^exponent."""
+
+    flow: Flow
+    relief: PositivePressure
+    torque_limit_enabled: bool
+    torque_limit_start: PositivePressure
+    torque_limit_exponent: Annotated[float, Quantity("1", above=0.0, high=2.0)]
+
+
+class Circuit(NamedTuple):
+    """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one."""
+
+    name: str
+    kind: str
+    functions: tuple[str, ...]
+    pump: Pump
+
+
+class LayoutMachine(NamedTuple):
+    """A machine of any layout, SI; functions stand in the order of the links that they move."""
+
+    title: str
+    gravity: float
+    tank: Tank
+    links: tuple[Link, ...]
+    functions: tuple[Function, ...]
+    circuits: tuple[Circuit, ...]
+    tip: tuple[str, Point]  # a link, and a point in its frame
+
+    def function(self, name: str) -> Function:
+        """The function of that name."""
+        return next(f for f in self.functions if f.name == name)
+
+    def link(self, name: str) -> Link:
+        """The link of that name."""
+        return next(link for link in self.links if link.name == name)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the functions, in their order."""
+        return tuple(f.name for f in self.functions)
+
+

@@ -1,0 +1,59 @@
+"""What stands where in a state vector and in a recorded row of a machine of any layout: said here, read everywhere else."""
+
+from typing import NamedTuple
+
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+STATE = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
+FLOWS = (("q_in", "m3/s"), ("q_out", "m3/s"))
+CIRCUIT = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
+_SLIDES = {"angle": ("position", "m"), "rate": ("speed", "m/s")}  # of a prismatic joint
+
+
+class Column(NamedTuple):
+    """A value of a run, and its unit."""
+
+    name: str
+    unit: str
+
+
+class Columns(NamedTuple):
+    """Columns of a recorded row.
+
+    Attributes
+    ----------
+    columns : tuple of Column
+    place : dict
+        By name; those of joints as ``boom.angle`` and ``boom.rate`` whatever the joint.
+    n_state : int
+        How many of them are the state.
+    """
+
+    columns: tuple[Column, ...]
+    place: dict[str, int]
+    n_state: int
+
+
+def columns_of(machine: LayoutMachine) -> Columns:
+    """Columns that a machine's runs record: state and flows by function, then pumps and pressures between valves by circuit."""
+    gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
+    named = [(f"{f}.{quantity}", function_column(machine, f, quantity, unit)) for quantity, unit in (*STATE, *FLOWS) for f in machine.names]
+    named += [(f"{c.name}.{quantity}", Column(f"{c.name}.{quantity}", unit)) for c in machine.circuits for quantity, unit in CIRCUIT]
+    named += [(gap_name(*gap), Column(gap_name(*gap), "Pa")) for gap in gaps]
+    return Columns(
+        tuple(column for _, column in named),
+        {name: place for place, (name, _) in enumerate(named)},
+        len(STATE) * len(machine.names),
+    )
+
+
+def function_column(machine: LayoutMachine, function: str, quantity: str, unit: str) -> Column:
+    """Name and unit of a quantity of a function; a prismatic joint has a position and a speed."""
+    slides = machine.link(machine.function(function).moves).joint == "prismatic"
+    shown, unit = _SLIDES.get(quantity, (quantity, unit)) if slides else (quantity, unit)
+    return Column(f"{function}.{shown}", unit)
+
+
+def gap_name(circuit: str, number: int, valves: int) -> str:
+    """Name of the pressure behind a circuit's valve of that number, counted from 1."""
+    return f"{circuit}.p_between" if valves == 2 else f"{circuit}.p_between_{number}"

@@ -1,0 +1,74 @@
+"""Events in the recorded rows of a machine of any layout: the same conditions as `simulation.events`, function by function."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from polydraulic.parameters.layout.schema import Function, LayoutMachine
+from polydraulic.simulation.events import MAX_EVENTS
+
+Column = Callable[[str], np.ndarray]
+
+
+def layout_events(machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, column: Column) -> dict[str, object]:
+    """Entries for a trajectory's `info`: ``events`` and ``events_dropped``; what begins and ends between two rows is not seen.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    locked : tuple of str
+        Functions that have no events.
+    time : (n_time,) array, s
+    column : function from a name in `columns.Columns.place` to (n_time,) array
+    """
+    found: list[list[Any]] = []
+    for f in machine.functions:
+        if f.name not in locked:
+            for (begins, ends), holds, share in _conditions(f, machine, column):
+                found += _changes(f.name, begins, ends, holds, share, time)
+    for c in machine.circuits:
+        if not set(c.functions) <= set(locked):
+            open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
+            found += _changes(c.name, "pump relief opens", "pump relief closes", open_, None, time)
+    found.sort(key=lambda event: event[0])
+    return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
+
+
+def spool_edges(f: Function) -> tuple[float, float]:
+    """Travel in m at which a valve opens, and at which its bypass is shut (inf if it never is)."""
+    tables = (f.valve.inlet, f.valve.outlet_positive, f.valve.outlet_negative)
+    shut = [knot for place, knot in enumerate(f.valve.knots) if all(max(table[: place + 1]) == 0.0 for table in tables)]
+    closed = [knot for place, knot in enumerate(f.valve.knots) if max(f.valve.bypass[place:]) == 0.0]
+    return shut[-1], closed[0] if closed else np.inf
+
+
+def _conditions(
+    f: Function, machine: LayoutMachine, column: Column
+) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray | None]]:
+    """Words, where the condition holds, and the part of the way to the next row at which it changes."""
+    travel, angle = np.abs(column(f"{f.name}.spool")), column(f"{f.name}.angle")
+    valve, bypass = spool_edges(f)
+    yield ("valve opens", "valve closes"), travel > valve, _share(travel, valve)
+    if np.isfinite(bypass):
+        yield ("bypass closes", "bypass opens"), travel >= bypass, _share(travel, bypass)
+    yield ("low stop met", "low stop left"), angle <= f.stops.low, None
+    yield ("high stop met", "high stop left"), angle >= f.stops.high, None
+    for port, side in (("p_a", "A"), ("p_b", "B")):
+        p = column(f"{f.name}.{port}")
+        yield (f"line {side} relief opens", f"line {side} relief closes"), p >= f.line.relief, None
+        yield (f"line {side} runs empty", f"line {side} fills"), p <= machine.tank.floor, None
+
+
+def _share(travel: np.ndarray, edge: float) -> np.ndarray:
+    step = np.diff(travel)
+    return np.clip(np.divide(edge - travel[:-1], step, out=np.ones_like(step), where=step != 0.0), 0.0, 1.0)
+
+
+def _changes(
+    where: str, begins: str, ends: str, holds: np.ndarray, share: np.ndarray | None, time: np.ndarray
+) -> list[list[Any]]:
+    rows = np.flatnonzero(holds[1:] != holds[:-1])
+    parts = np.ones(len(rows)) if share is None else share[rows]
+    at = time[rows] + (time[rows + 1] - time[rows]) * parts
+    return [[float(t), where, begins if holds[k + 1] else ends] for t, k in zip(at, rows, strict=True)]

@@ -1,0 +1,102 @@
+"""A machine of any layout and a step size -> the named tuples of numbers that its kernels read."""
+
+from collections.abc import Collection
+from math import isfinite
+from math import log as natural_log
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.machine.drives import prepare_drive
+from polydraulic.machine.hose import prepare_line
+from polydraulic.machine.pilot import prepare_pilot
+from polydraulic.machine.pump import Pump
+from polydraulic.parameters.layout.schema import Circuit, Function, LayoutMachine
+from polydraulic.simulation.layout.module import layout_module
+from polydraulic.simulation.layout.tree import tree_of
+
+
+class Prepared(NamedTuple):
+    """A machine's kernels, and the numbers that they read."""
+
+    module: ModuleType
+    valves: Any
+    plant: Any
+    start: np.ndarray  # (5 n_function,) state
+
+
+def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = ()) -> Prepared:
+    """Precompute all of a machine that does not change during a run.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    dt : float, s
+    locked : collection of str
+        Functions whose joints are held.
+
+    Raises
+    ------
+    InputError
+        If `dt` is not a positive time, or a function is locked that the machine does not have.
+    """
+    if not (isfinite(dt) and dt > 0.0):
+        raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
+    unknown = [name for name in locked if name not in machine.names]
+    if unknown:
+        raise InputError(f"locked: {unknown[0]!r} is no function of the machine; there are {list(machine.names)}")
+    module = layout_module(machine)
+    parts = {f.name: _part(module, f, machine, dt) for f in machine.functions}
+    plant = module.Plant(
+        dt=dt,
+        **parts,
+        motion=module.prepare_motion(tree_of(machine), machine.gravity),
+        locked=module.Held(*(name in locked for name in machine.names)),
+    )
+    return Prepared(module, prepare_valves(machine, module), plant, start_vector(machine))
+
+
+def prepare_valves(machine: LayoutMachine, module: ModuleType) -> Any:
+    """Orifice tables and pumps."""
+    tables = {f"valve_{f.name}": _tables(module, f) for f in machine.functions}
+    pumps = {f"pump_{c.name}": _pump(c, machine.tank.return_pressure) for c in machine.circuits}
+    return module.Valves(**tables, **pumps)
+
+
+def start_vector(machine: LayoutMachine) -> np.ndarray:
+    """State at the start: spools centred, joints at rest, positions and line pressures as in the parameter set."""
+    starts = [f.initial for f in machine.functions]
+    rest = [0.0] * len(starts)
+    return np.array([*rest, *(s.p_a for s in starts), *(s.p_b for s in starts), *(s.angle for s in starts), *rest])
+
+
+def _part(module: ModuleType, f: Function, machine: LayoutMachine, dt: float) -> Any:
+    pilot = prepare_pilot(f.pilot, f.valve.knots[-1], dt)
+    line = prepare_line(f.line, machine.tank, dt)
+    drive = prepare_drive(f, machine.link(f.moves))
+    return getattr(module, f"Part_{f.name}")(pilot, line, drive, f.friction, f.stops)
+
+
+def _tables(module: ModuleType, f: Function) -> Any:
+    knots, n = f.valve.knots, len(f.valve.knots)
+
+    def segments(values: tuple[float, ...]) -> Any:
+        slopes = [(values[i + 1] - values[i]) / (knots[i + 1] - knots[i]) for i in range(n - 1)]
+        return getattr(module, f"Segments_{n}")(*values[:-1], *slopes)
+
+    return getattr(module, f"ValveTables_{n}")(*knots[1:], *(segments(curve) for curve in f.valve[1:]))
+
+
+def _pump(circuit: Circuit, p_return: float) -> Pump:
+    pump = circuit.pump
+    least = -pump.torque_limit_exponent * natural_log(max(pump.relief / pump.torque_limit_start, 1.0))
+    return Pump(
+        flow=pump.flow,
+        relief=pump.relief,
+        p_return=p_return,
+        limit_start=pump.torque_limit_start,
+        limit_exponent=pump.torque_limit_exponent,
+        log_least=least if pump.torque_limit_enabled else 0.0,
+    )

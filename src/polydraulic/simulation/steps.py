@@ -1,0 +1,42 @@
+"""How many steps a run has, and which of them are recorded."""
+
+from math import isfinite
+
+from polydraulic.errors import InputError
+from polydraulic.parameters.scenario import Scenario
+
+
+def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:
+    """Whole steps in a run.
+
+    Raises
+    ------
+    InputError
+        If there is none, or `every` is no positive whole number.
+    """
+    duration = scenario.duration if t_end is None else t_end
+    if not (isfinite(duration) and duration >= dt):
+        raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")
+    if not isinstance(every, int) or every < 1:
+        raise InputError(f"every = {every!r}: must be a whole number, at least 1")
+    return int(duration / dt + 1e-9)
+
+
+def recorded_steps(dt: float, every: int, raster: float | None) -> int:
+    """Every how many steps a row is recorded, from `every` or from a raster in seconds.
+
+    Raises
+    ------
+    InputError
+        If both are given, or the raster is no whole number of steps.
+    """
+    if raster is None or not dt > 0.0:  # whoever prepares the machine refuses such a dt
+        return every
+    if every != 1:
+        raise InputError(f"every = {every!r} and raster = {raster} s both say when to record; give one of them")
+    steps = raster / dt
+    if not (isfinite(steps) and steps > 0.5 and abs(steps - round(steps)) < 1e-6):
+        raise InputError(
+            f"raster = {raster} s: must be a whole number of time steps of {dt} s, for example {10 * dt:g}"
+        )
+    return round(steps)
