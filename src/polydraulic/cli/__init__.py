@@ -2,7 +2,7 @@
 
 import sys
 
-from polydraulic.cli import dynamic, logs, machine, networks, report  # noqa: F401  # their commands join the application
+from polydraulic.cli import dynamic, logs, machine, machines, networks, report  # noqa: F401  # their commands join the application
 from polydraulic.cli.application import app
 from polydraulic.errors import InputError, SimulationError
 

@@ -74,6 +74,36 @@ def as_excavator(machine: Machine | LayoutMachine | str | Path) -> Machine:
     )
 
 
+def load_layout(source: str | Path) -> LayoutMachine:
+    """Load a machine that is described by links, functions and circuits.
+
+    Raises
+    ------
+    InputError
+        As `load_machine`, or if it is of the older form, whose layout is fixed.
+    """
+    machine = load_machine(source)
+    if isinstance(machine, LayoutMachine):
+        return machine
+    raise InputError(f"{source}: has the older form, without [links], [functions] and [circuits]; its layout is fixed")
+
+
+def machine_names() -> list[str]:
+    """Names of the machines that come with the package."""
+    return sorted(path.stem for path in _SETS.glob("*.toml"))
+
+
+def machine_title(name: str) -> str:
+    """What a machine that comes with the package is, in a line."""
+    path = find(name, _SETS, "parameter set")
+    return str(read_toml(path).get("title", path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")))
+
+
+def machine_text(source: str | Path) -> str:
+    """The file of a machine, as it is written."""
+    return find(source, _SETS, "parameter set").read_text(encoding="utf-8")
+
+
 def function_names(machine: Machine | LayoutMachine) -> tuple[str, ...]:
     """What an operator of a machine can move: the names of scenarios, recordings and columns."""
     return LINKS if isinstance(machine, Machine) else machine.names

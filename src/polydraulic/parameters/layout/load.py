@@ -42,7 +42,9 @@ from polydraulic.parameters.entries import read_quantity
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 
-CIRCUIT_KINDS = ("series",)
+CIRCUIT_KINDS = {
+    "series": "1 to 6 valves behind each other: what passes a valve's bypass reaches the next one, the first has priority"
+}
 _SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
 _LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
 _ACTUATORS = {"motor": SwingMotor, "cylinder": Cylinder, "four_bar": Cylinder, "ram": Cylinder}

@@ -23,10 +23,10 @@ def layout_events(machine: LayoutMachine, locked: tuple[str, ...], time: np.ndar
     column : function from a name in `columns.Columns.place` to (n_time,) array
     """
     found: list[list[Any]] = []
-    for f in machine.functions:
-        if f.name not in locked:
-            for (begins, ends), holds, share in _conditions(f, machine, column):
-                found += _changes(f.name, begins, ends, holds, share, time)
+    moving = [f for f in machine.functions if f.name not in locked]
+    for alike in zip(*(_conditions(f, machine, column) for f in moving), strict=True):  # ties stand in this order
+        for f, ((begins, ends), holds, share) in zip(moving, alike, strict=True):
+            found += _changes(f.name, begins, ends, holds, share, time)
     for c in machine.circuits:
         if not set(c.functions) <= set(locked):
             open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
@@ -50,8 +50,7 @@ def _conditions(
     travel, angle = np.abs(column(f"{f.name}.spool")), column(f"{f.name}.angle")
     valve, bypass = spool_edges(f)
     yield ("valve opens", "valve closes"), travel > valve, _share(travel, valve)
-    if np.isfinite(bypass):
-        yield ("bypass closes", "bypass opens"), travel >= bypass, _share(travel, bypass)
+    yield ("bypass closes", "bypass opens"), travel >= bypass, _share(travel, bypass)
     yield ("low stop met", "low stop left"), angle <= f.stops.low, None
     yield ("high stop met", "high stop left"), angle >= f.stops.high, None
     for port, side in (("p_a", "A"), ("p_b", "B")):
@@ -61,7 +60,7 @@ def _conditions(
 
 
 def _share(travel: np.ndarray, edge: float) -> np.ndarray:
-    step = np.diff(travel)
+    step, edge = np.diff(travel), min(edge, 1e9)
     return np.clip(np.divide(edge - travel[:-1], step, out=np.ones_like(step), where=step != 0.0), 0.0, 1.0)
 
 

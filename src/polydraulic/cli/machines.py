@@ -1,0 +1,102 @@
+"""Commands about machine files: what there is, what is wrong with one, a first one, and the kernels of its layout."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from polydraulic.cli.application import app
+from polydraulic.errors import InputError
+
+machines = typer.Typer(
+    help="Machines of any layout as data: list them, check a file, begin a new one, show its kernels.\n\n"
+    "A machine file says which links there are, what moves each of them, and which pump feeds which valves: see "
+    "docs/your_machine.md.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+)
+app.add_typer(machines, name="machine")
+
+MachineArgument = Annotated[str, typer.Argument(help="A machine by name, or a TOML file.")]
+
+
+@machines.command("list")
+def list_machines(
+    circuits: Annotated[bool, typer.Option("--circuits", help="List the kinds of circuits instead.")] = False,
+) -> None:
+    """List the machines that come with the package, or the kinds of circuits there are.
+
+    Example: `polydraulic machine list`
+
+    What comes next: `polydraulic machine check NAME`, `polydraulic simulate random:1:10 --machine NAME --plot run.svg`.
+    """
+    from polydraulic.parameters.layout.load import CIRCUIT_KINDS
+    from polydraulic.parameters.load import function_names, load_machine, machine_names, machine_title
+
+    if circuits:
+        for kind, words in CIRCUIT_KINDS.items():
+            print(f"{kind:12s} {words}")
+        return
+    for name in machine_names():
+        functions = ", ".join(function_names(load_machine(name)))
+        print(f"{name:20s} {machine_title(name)}\n{'':20s} moved by {functions}")
+
+
+@machines.command()
+def check(machine: MachineArgument) -> None:
+    """Check a machine file: everything that is wrong in it at once, then what is unusual, then what it is.
+
+    Exits with 2 if the file cannot be used; unusual values are warnings.
+
+    Example: `polydraulic machine check my_machine.toml`
+
+    What comes next: `polydraulic simulate random:1:10 --machine my_machine.toml`.
+    """
+    from polydraulic.parameters.layout.describe import described
+    from polydraulic.parameters.layout.schema import LayoutMachine
+    from polydraulic.parameters.layout.usual import unusual
+    from polydraulic.parameters.load import load_machine
+
+    found = load_machine(machine)
+    if not isinstance(found, LayoutMachine):
+        print(f"{machine}: good; swing, boom and stick on two pumps")
+        return
+    for line in described(found):
+        print(line)
+    for line in unusual(found):
+        print(f"warning: {line}")
+    print(f"{machine}: good")
+
+
+@machines.command()
+def show(machine: MachineArgument) -> None:
+    """Print the kernels of a machine's layout: the code of a step, written out with the machine's own names.
+
+    Example: `polydraulic machine show excavator_22t | less`
+    """
+    from polydraulic.parameters.load import load_layout
+    from polydraulic.simulation.layout.text import layout_text
+
+    print(layout_text(load_layout(machine)))
+
+
+@machines.command()
+def new(
+    out: Annotated[Path, typer.Argument(help="File to write, .toml.")],
+    like: Annotated[str, typer.Option(help="Machine to begin from, by name or file.")] = "excavator_22t",
+) -> None:
+    """Write a machine file to begin with: another machine's, with a comment on how to get each kind of number.
+
+    Example: `polydraulic machine new my_crane.toml --like loader_crane`
+
+    What comes next: put in your numbers, then `polydraulic machine check my_crane.toml`.
+    """
+    from polydraulic.files import write_text
+    from polydraulic.parameters.layout.skeleton import skeleton
+
+    if out.suffix != ".toml":
+        raise InputError(f"{out}: a machine file ends in .toml")
+    if out.exists():
+        raise InputError(f"{out} is there already; choose another name, or remove it first")
+    write_text(out, skeleton(like))
+    print(f"{out}: a machine like {like}; put in your numbers, then: polydraulic machine check {out}")

@@ -1,0 +1,46 @@
+"""A machine in a few lines: what hangs where, what moves it, who is fed by whom."""
+
+from math import pi
+
+from polydraulic.display import amount
+from polydraulic.parameters.layout.geometry import lever
+from polydraulic.parameters.layout.schema import Function, LayoutMachine
+
+_ACTUATORS = {"motor": "a motor", "cylinder": "cylinders", "four_bar": "a cylinder through a four-bar linkage", "ram": "a ram"}
+_TURN = 2.0 * pi
+
+
+def described(machine: LayoutMachine) -> list[str]:
+    """Lines that let a person see whether a file says what was meant: links, functions with their levers, circuits.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    """
+    mass = sum(link.mass for link in machine.links)
+    lines = [machine.title, f"links, {amount(mass, 'kg')} in all:"]
+    for link in machine.links:
+        lines.append(f"  {link.name}: {link.joint} about {link.axis} on {link.parent}, {amount(link.mass, 'kg')}")
+    lines.append("functions:")
+    lines += [f"  {_function(f, machine)}" for f in machine.functions]
+    lines.append("circuits:")
+    for c in machine.circuits:
+        limit = f", torque limit from {amount(c.pump.torque_limit_start, 'Pa')}" if c.pump.torque_limit_enabled else ""
+        lines.append(
+            f"  {c.name}: {amount(c.pump.flow, 'm3/s')}, relief {amount(c.pump.relief, 'Pa')}{limit}; feeds {', then '.join(c.functions)}"
+        )
+    return lines
+
+
+def _function(f: Function, machine: LayoutMachine) -> str:
+    link = machine.link(f.moves)
+    slides = link.joint == "prismatic"
+    unit = "m" if slides else "rad"
+    text = f"{f.name}: {_ACTUATORS[f.actuator]} on {f.moves}"
+    if slides or f.stops.high - f.stops.low < _TURN:
+        text += f", {amount(f.stops.low, unit)} to {amount(f.stops.high, unit)}"
+    if f.pins is not None:
+        middle = 0.5 * (f.stops.low + f.stops.high)
+        arms = [abs(lever(f, link, angle) or 0.0) for angle in (f.stops.low, middle, f.stops.high)]
+        text += f", lever {', '.join(amount(arm, 'm') for arm in arms)} (low, middle, high)"
+    return text

@@ -1,0 +1,71 @@
+"""What is usual for machines of this class: values outside are possible, but more often a wrong unit or a slipped digit."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from polydraulic.display import amount
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.schema import SwingMotor
+
+
+class Usual(NamedTuple):
+    """Range in SI in which nearly all machines lie, from a mini excavator to a large mining shovel."""
+
+    low: float
+    high: float
+    unit: str
+
+
+LENGTH = Usual(0.0, 15.0, "m")
+MASS = Usual(1.0, 60_000.0, "kg")
+FLOW = Usual(5e-5, 2e-2, "m3/s")
+RELIEF = Usual(5e6, 5e7, "Pa")
+RETURN = Usual(0.0, 3e6, "Pa")
+BORE = Usual(0.02, 0.5, "m")
+TRAVEL = Usual(1e-3, 4e-2, "m")
+TIME_CONSTANT = Usual(5e-3, 1.0, "s")
+DEAD_TIME = Usual(0.0, 0.5, "s")
+COMPLIANCE = Usual(1e-14, 1e-9, "m3/Pa")
+DISPLACEMENT = Usual(1e-5, 5e-2, "m3/rad")
+GRAVITY = Usual(9.7, 9.9, "m/s2")
+
+
+def unusual(machine: LayoutMachine) -> list[str]:
+    """Say which values of a machine are far from usual: path, value, and what is usual; an empty list if none is."""
+    return [
+        f"{path} = {amount(value, usual.unit)}: usual is {amount(usual.low, usual.unit)} to {amount(usual.high, usual.unit)}; "
+        "check the unit and the digits"
+        for path, value, usual in _values(machine)
+        if not usual.low <= abs(value) <= usual.high
+    ]
+
+
+def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
+    yield "gravity", machine.gravity, GRAVITY
+    yield "tank.return_pressure", machine.tank.return_pressure, RETURN
+    for link in machine.links:
+        where = f"links.{link.name}"
+        if link.mass > 0.0:
+            yield f"{where}.mass", link.mass, MASS
+        for key, point in (("at", link.at), ("cg", link.cg)):
+            for c, value in point.items():
+                yield f"{where}.{key}.{c}", value, LENGTH
+    for f in machine.functions:
+        where = f"functions.{f.name}"
+        yield f"{where}.pilot.time_constant", f.pilot.time_constant, TIME_CONSTANT
+        yield f"{where}.pilot.dead_time", f.pilot.dead_time, DEAD_TIME
+        yield f"{where}.valve.knots", f.valve.knots[-1], TRAVEL
+        yield f"{where}.line.relief", f.line.relief, RELIEF
+        yield f"{where}.line.compliance_a", f.line.compliance_a, COMPLIANCE
+        yield f"{where}.line.compliance_b", f.line.compliance_b, COMPLIANCE
+        if isinstance(f.drive, SwingMotor):
+            yield f"{where}.motor: displacement times gear ratio", f.drive.displacement * f.drive.gear_ratio, DISPLACEMENT
+        else:
+            yield f"{where}.cylinder.bore", f.drive.bore, BORE
+        for points in (f.pins._asdict() if f.pins is not None else {}).items():
+            for c, value in points[1].items():
+                yield f"{where}.{points[0]}.{c}", value, LENGTH
+    for circuit in machine.circuits:
+        where = f"circuits.{circuit.name}.pump"
+        yield f"{where}.flow", circuit.pump.flow, FLOW
+        yield f"{where}.relief", circuit.pump.relief, RELIEF
