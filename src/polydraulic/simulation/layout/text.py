@@ -6,7 +6,8 @@ in it, so that machines that differ in numbers alone share it, and what has been
 
 from importlib.resources import files
 
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series_text import IMPORTS as SERIES_IMPORTS
+from polydraulic.machine.circuits.series_text import series_text
 from polydraulic.machine.drives import Motor, Ram, Rocker
 from polydraulic.machine.actuator import Triangle
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
