@@ -15,6 +15,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.keys import check_keys
+from polydraulic.parameters.loads import Loads, read_loads
 from polydraulic.parameters.entries import build, find, read_quantity, read_toml
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
@@ -23,7 +24,7 @@ from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
-_SECTIONS = {"title", "source", "duration", "locked", "voltage", "change"}
+_SECTIONS = {"title", "source", "duration", "locked", "voltage", "change", "force", "payload"}
 _CHANGEABLE = {"pilot", "initial"}
 _RANDOM = "random:"
 _TIME_NAMES = ("time", "zeit", "timestamp", "zeitstempel")  # of the column of the time in a recording
@@ -50,6 +51,8 @@ class Scenario:
         Links that are held at their initial angle.
     changes : dict
         Partial parameter tree, as in a file, applied by `adapt`.
+    loads : Loads
+        What acts at the tip.
     """
 
     name: str
@@ -59,6 +62,7 @@ class Scenario:
     title: str = ""
     changes: dict[str, Any] = field(default_factory=dict, repr=False)
     path: Path = field(default=Path("scenario"), repr=False)
+    loads: Loads = field(default_factory=Loads, repr=False)
 
     def adapt(self, machine: Machine) -> Machine:
         """Return the machine with this scenario's pilots and initial state."""
@@ -103,7 +107,7 @@ def load_scenario(source: str | Path, functions: Sequence[str] = LINKS) -> Scena
     check_keys(changes, functions, (), "change", str(path))
     for link, part in changes.items():
         check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
-    return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path)
+    return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path, read_loads(data, path))
 
 
 def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINKS) -> Scenario:

@@ -47,6 +47,7 @@ def simulate(
     raster: float | None = None,
     method: str = "semi-implicit",
     rtol: float | None = None,
+    energy: bool = False,
 ) -> Table:
     """Simulate a scenario.
 
@@ -73,6 +74,8 @@ def simulate(
         slow.
     rtol : float, optional
         Relative tolerance of the last two; 1e-4 and 1e-9 if not given.
+    energy : bool
+        Whether to add the energy account, see `simulation.layout.energy`; of machines that are described by links.
 
     Returns
     -------
@@ -99,7 +102,9 @@ def simulate(
         raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
     every = recorded_steps(dt, every, raster)
     if isinstance(machine, LayoutMachine):
-        return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method)
+        return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, energy=energy)
+    if energy:
+        raise InputError("the energy account is of machines that are described by links, functions and circuits; try 'cat215b_bucket'")
     scenario = as_scenario(scenario)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
     if method != "semi-implicit" and FLOW_KINDS[flow_name(arranged.model)].has_state:
@@ -232,7 +237,12 @@ def trajectory(
 
 
 def check_links(scenario: Scenario, model: Any) -> None:
-    """Refuse a scenario that moves links which the flow model does not serve, or none at all."""
+    """Refuse a scenario that moves links which the flow model does not serve, or none at all, or that loads the tip."""
+    if scenario.loads.force or scenario.loads.payload is not None:
+        raise InputError(
+            f"scenario {scenario.name!r} has a force or a payload at the tip: give a machine that is described by links, for "
+            "example 'cat215b_bucket'"
+        )
     free = [link for link in LINKS if link not in scenario.locked]
     if not free:
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(LINKS)}; nothing is left to move")

@@ -13,13 +13,15 @@ from polydraulic.flow.record import to_vector
 from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import initial_state
 from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import function_names, load_machine
+from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.family import Family, family_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.runs import check_flow, pilot_voltages
+from polydraulic.simulation.layout.runs import check_flow, step_inputs
 from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.runs import check_links, step_voltages
 from polydraulic.simulation.steps import n_steps
@@ -108,7 +110,10 @@ def arrange_cases(
     if starts is None:
         starts = np.array([k.start for k in kinds])[kind]
     free = tuple(name for place, name in enumerate(functions) if not all(k.plant.locked[place] for k in kinds))
-    family = family_of(kinds[0].machine, kinds[0].model)
+    forced = {bool(scenario.loads.force) for _, scenario in pairs if scenario}
+    if len(forced) > 1:
+        raise InputError("some of the scenarios have a force at the tip and some have none; give all of them one, of 0 N if need be")
+    family = family_of(kinds[0].machine, kinds[0].model, force=forced == {True})
     flow = "exact" if isinstance(kinds[0].machine, LayoutMachine) else flow_name(kinds[0].model)
     return Cases(family, flow, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free)
 
@@ -139,8 +144,15 @@ def _kind(machine: AnyMachine, scenario: Scenario | None, flow: str | FlowModel,
 
 def _layout_kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
     check_flow(flow)
+    loads = scenario.loads if scenario else Loads()
+    if loads.payload is not None and loads.payload.time != (0.0,):
+        raise InputError(
+            f"scenario {scenario.name if scenario else ''!r}: a payload that changes is for `simulate`; in a batch each machine keeps one from "
+            "time 0 on"
+        )
     machine = adapted(machine, scenario) if scenario else machine
-    ready = prepare_layout(machine, dt, scenario.locked if scenario else ())
+    machine = machine if loads.payload is None else with_payload(machine, loads.payload.mass[0])
+    ready = prepare_layout(machine, dt, scenario.locked if scenario else (), force=bool(loads.force))
     return Kind(machine, ready.plant, ready.valves, ready.start)
 
 
@@ -195,7 +207,7 @@ def _scenario_voltages(
         key = (id(scenario), *(part.pilot.dead_time for part in parts))
         if key not in numbers:
             numbers[key] = len(voltages)
-            voltages.append((pilot_voltages if layout else step_voltages)(kind.machine, scenario, t))  # type: ignore[operator]
+            voltages.append((step_inputs if layout else step_voltages)(kind.machine, scenario, t))  # type: ignore[operator]
         which.append(numbers[key])
     return np.array(voltages), np.array(which)
 

@@ -53,13 +53,13 @@ class Family(NamedTuple):
     tips: Callable[[Sequence[Any], np.ndarray, np.ndarray], np.ndarray]
 
 
-def family_of(machine: Machine | LayoutMachine, model: Any) -> Family:
-    """Family of a machine and its flow model."""
-    return _of_layout(machine) if isinstance(machine, LayoutMachine) else _of_excavator(flow_name(model))
+def family_of(machine: Machine | LayoutMachine, model: Any, *, force: bool = False) -> Family:
+    """Family of a machine and its flow model, with a force at the tip or without."""
+    return _of_layout(machine, force) if isinstance(machine, LayoutMachine) else _of_excavator(flow_name(model))
 
 
-def _of_layout(machine: LayoutMachine) -> Family:
-    module, of = layout_module(machine), columns_of(machine)
+def _of_layout(machine: LayoutMachine, force: bool) -> Family:
+    module, of = layout_module(machine, force=force), columns_of(machine)
     n = len(machine.names)
 
     def columns(free: Sequence[str]) -> Able:
