@@ -1,7 +1,7 @@
 """Write `src/polydraulic/export/library_names.txt`: words that the C and C++ libraries of this machine leave to nobody else.
 
-A word of their headers is one if a function of that name cannot be declared in C beside them, or not be called in C++ after
-``using namespace std``. Tried with gcc and g++, so that no list is written by hand.
+A word of their headers is one if a function of that name cannot be declared in C beside them, or if in C++, after ``using namespace
+std``, it cannot be called or another one is called in its place. Tried with gcc and g++, so that no list is written by hand.
 """
 
 import re
@@ -22,7 +22,9 @@ KEYWORDS = frozenset(
     "return short signed sizeof static struct switch template this throw true try typedef typeid typename union unsigned using "
     "virtual void volatile wchar_t while".split()
 )
-_EXTENDED = re.compile(r"\w+f(32|64|128)x?(_r)?")  # functions of other precisions: `export.names` knows them by their endings
+_EXTENDED = re.compile(
+    r"\w+f(32|64|128)x?(_r)?"
+)  # functions of other precisions: `export.names` knows them by their endings
 PLACE = Path(__file__).parents[1] / "src/polydraulic/export/library_names.txt"
 
 
@@ -33,11 +35,15 @@ def compiled(folder: Path, command: list[str], text: str, ending: str) -> subpro
 
 
 def refused(folder: Path, command: list[str], head: str, words: list[str], ending: str, line: str) -> set[str]:
-    """Words for which `line` does not compile after `head`."""
+    """Words for which `line` does not compile after `head`; again without them, for what is refused can hide what stands behind."""
     text = head + "".join(line.format(word=word, k=k) + "\n" for k, word in enumerate(words))
     done = compiled(folder, [*command, "-fsyntax-only", "-w", "-fmax-errors=0"], text, ending)
-    numbers = {int(found) for found in re.findall(r"^t\.\w+:(\d+):(?:\d+:)? error", done.stderr, re.M)}
-    return {word for k, word in enumerate(words) if k + 1 + head.count("\n") in numbers}
+    numbers = {
+        int(found) for found in re.findall(r"^t\.\w+:(\d+):(?:\d+:)? +(?:error|required from here)", done.stderr, re.M)
+    }
+    bad = {word for k, word in enumerate(words) if k + 1 + head.count("\n") in numbers}
+    rest = [word for word in words if word not in bad]
+    return bad | refused(folder, command, head, rest, ending, line) if bad else bad
 
 
 def words_of(folder: Path, command: list[str], head: str, ending: str) -> tuple[list[str], set[str]]:
@@ -59,15 +65,16 @@ def main() -> None:
             command = ["gcc", standard]
             words, macros = words_of(folder, command, head, ".c")
             taken |= macros & set(words)
-            taken |= refused(folder, command, head, words, ".c", f"int {{word}}{ARGUMENTS};")
-        command, head = ["g++", "-std=c++20"], "#include <bits/stdc++.h>\n#include <unistd.h>\nusing namespace std;\n"
+            rest = [word for word in words if word not in taken]
+            taken |= refused(folder, command, head, rest, ".c", f"int {{word}}{ARGUMENTS};")
+        command, head = (
+            ["g++", "-std=c++20"],
+            "#include <bits/stdc++.h>\n#include <unistd.h>\nstruct own_ { int status; };\nusing namespace std;\n",
+        )
         words, macros = words_of(folder, command, head, ".cpp")
         taken |= {word for word in macros & set(words) if re.search("[a-z]", word)}
-        call = f'extern "C" int {{word}}{ARGUMENTS}; int call_{{k}}_{ARGUMENTS} {{{{ return {{word}}(a_, b_); }}}}'
-        for _ in range(3):  # what is refused can hide what stands behind it
-            bad = refused(folder, command, head, words, ".cpp", call)
-            taken |= bad
-            words = [word for word in words if word not in bad]
+        call = f'extern "C" own_ {{word}}{ARGUMENTS}; own_ call_{{k}}_(double *a_) {{{{ return {{word}}(a_, a_); }}}}'
+        taken |= refused(folder, command, head, words, ".cpp", call)
     found = sorted((word for word in taken if not _EXTENDED.fullmatch(word)), key=lambda word: (word.lower(), word))
     PLACE.write_text(textwrap.fill(" ".join(found), 140, break_on_hyphens=False) + "\n", encoding="utf-8")
     print(f"{PLACE}: {len(found)} words")

@@ -10,6 +10,7 @@ from polydraulic.export.names import c_name, unique_names
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.slopes import distance_outside, model_slopes
 
+
 @dataclass(frozen=True)
 class Bundle:
     """Models side by side.

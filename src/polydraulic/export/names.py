@@ -36,9 +36,9 @@ _FILES = frozenset(  # without ending, in any case: headers, sources of an FMU, 
     "con prn aux nul com1 com2 com3 com4 com5 com6 com7 com8 com9 lpt1 lpt2 lpt3 lpt4 lpt5 lpt6 lpt7 lpt8 lpt9".split()
 )
 _OWN = re.compile(  # what exported files call their own parts
-    r"own|own_\w*|value_\d+_\d+|(region|low|high|share|place|outside)_\d+|(?i:fmu|fmu_\w*|fmi[23]?|fmi[23]?_\w*|fmi[23][a-z]\w*)"
+    r"own|own_\w*|value_\d+_\d+(_slopes)?|(region|low|high|share|place|outside)_\d+|(?i:fmu|fmu_\w*|fmi[23]?|fmi[23]?_\w*|fmi[23][a-z]\w*)"
 )
-_LONGEST = 60  # with what is put before and behind, 63: the letters of which C99 promises that they count
+_LONGEST = 63  # letters of which C99 promises that they count
 
 
 def c_name(name: str) -> str:
@@ -50,10 +50,10 @@ def c_name(name: str) -> str:
     ['boom_q_in', 'lambda_', 'time_', 'm_3d', 'p_bar']
     """
     text = re.sub(r"\W", "_", name, flags=re.ASCII)
-    if len(text) > _LONGEST:
-        text = f"{text[: _LONGEST - 9]}_{hashlib.sha256(name.encode(errors='surrogatepass')).hexdigest()[:8]}"
     if not re.match(r"[A-Za-z]", text) or _OWN.fullmatch(text):
         text = f"m_{text}"
+    if len(text) > _LONGEST:
+        text = f"{text[: _LONGEST - 9]}_{hashlib.sha256(name.encode(errors='surrogatepass')).hexdigest()[:8]}"
     while text in _taken() or text.lower() in _FILES or _OTHER_PRECISIONS.fullmatch(text):
         text += "_"
     return text

@@ -77,13 +77,18 @@ def started(path, folder, version, at=0.0, log=None):
     fmpy.extract(str(path), unzipdir=str(folder))
     options = {} if log is None else {"callbacks": callbacks(version, log)} if version == 2 else {"logMessage": log}
     if version == 2:
-        fmu = FMU2Slave(guid=description.guid, unzipDirectory=str(folder), instanceName="one", modelIdentifier="integrator")
+        fmu = FMU2Slave(
+            guid=description.guid, unzipDirectory=str(folder), instanceName="one", modelIdentifier="integrator"
+        )
         fmu.instantiate(**options)
         fmu.setupExperiment(startTime=at)
         fmu.enterInitializationMode()
     else:
         fmu = FMU3Slave(
-            guid=description.instantiationToken, unzipDirectory=str(folder), instanceName="one", modelIdentifier="integrator"
+            guid=description.instantiationToken,
+            unzipDirectory=str(folder),
+            instanceName="one",
+            modelIdentifier="integrator",
         )
         fmu.instantiate(**options)
         fmu.enterInitializationMode(startTime=at)

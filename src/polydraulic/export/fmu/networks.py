@@ -147,9 +147,7 @@ def _reference(whole: Bundle, what: FmuDescription) -> tuple[str, str]:
     names = [variable.name for variable in what.variables]
     n, clock = len(whole.inputs), free_name("time", names)
     Y = np.column_stack([whole.predict(X), whole.outside(X)])
-    return _csv([clock, *names[:n]], np.column_stack([time, X])), _csv(
-        [clock, *names[n:]], np.column_stack([time, Y])
-    )
+    return _csv([clock, *names[:n]], np.column_stack([time, X])), _csv([clock, *names[n:]], np.column_stack([time, Y]))
 
 
 def _csv(names: Sequence[str], rows: np.ndarray) -> str:
