@@ -245,9 +245,7 @@ def table_writer(
         checked_name(name, "column")
         checked_text(unit, f"unit of column {name!r},")
         if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
-            raise InputError(
-                f"column {name!r} [{unit}] would not be read as it is from CSV: rename it, or write .parquet"
-            )
+            raise InputError(f"column {name!r} [{unit}] would not be read so from CSV: rename it, or write .parquet")
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
