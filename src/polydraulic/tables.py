@@ -242,8 +242,7 @@ def table_writer(
     """
     ending = table_ending(path)
     for name, unit in units.items():
-        checked_name(name, "column")
-        checked_text(unit, f"unit of column {name!r},")
+        checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
         if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
             raise InputError(f"column {name!r} [{unit}] would not be read so from CSV: rename it, or write .parquet")
     with replacing(path) as temporary:
@@ -266,7 +265,7 @@ def table_writer(
 
 def _quoted(head: str) -> str:
     """A head of a CSV column, in quotes where it holds what parts columns and lines."""
-    return '"' + head.replace('"', '""') + '"' if any(sign in head for sign in ',"\n\r') else head
+    return '"' + head.replace('"', '""') + '"' if set(head) & set(',"\n\r') else head
 
 
 def read_table(path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = ()) -> Table:
@@ -363,12 +362,15 @@ def _schema(units: Mapping[str, str], info: Mapping[str, object]) -> "pa.Schema"
 
 
 def _unit_of(entry: "pa.Field") -> str:
-    return str((entry.metadata or {}).get(b"unit", b"").decode())
+    return str((entry.metadata or {}).get(b"unit", b"").decode(errors="replace"))
 
 
 def _info_of(schema: "pa.Schema") -> dict[str, object]:
-    stored = (schema.metadata or {}).get(_INFO_KEY)
-    return json.loads(stored) if stored else {}
+    try:
+        found = json.loads((schema.metadata or {}).get(_INFO_KEY, b"{}"))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"the metadata of the table are damaged ({error})") from error
+    return found if isinstance(found, dict) else {}
 
 
 def _head(name: str, unit: str) -> str:
@@ -376,7 +378,6 @@ def _head(name: str, unit: str) -> str:
 
 
 def _name_and_unit(head: str) -> tuple[str, str]:
-    """What stands in the head of a CSV column."""
     found = _HEADER.match(head)
     return (found["name"], found["unit"] or "") if found else (head, "")
 

@@ -54,7 +54,9 @@ def test_names_that_are_no_formulas_are_drawn_and_written_letter_by_letter(odd, 
     table = log(400)
     names = {"a": odd, "b": f"{odd} 2", "y": f"{odd} out"}
     renamed = Table({names.get(n, n): table[n] for n in table}, {names.get(n, n): table.unit(n) for n in table})
-    fitted = fit_table(renamed, [names["a"], names["b"]], [names["y"]], estimator=AbductiveRegressor(max_layers=1), edges={odd: [0.0]})
+    fitted = fit_table(
+        renamed, [names["a"], names["b"]], [names["y"]], estimator=AbductiveRegressor(max_layers=1), edges={odd: [0.0]}
+    )
     card = write_card(fitted, tmp_path / "card.html")
     assert card["models"][0]["inputs"] == [f"{odd} [m]", f"{odd} 2"]
     page = (tmp_path / "card.html").read_text()

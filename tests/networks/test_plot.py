@@ -37,7 +37,11 @@ def test_borders_of_regions_are_drawn_inside_the_domain():
 
 def test_names_are_drawn_as_they_are_not_as_formulas():
     names = [Variable(r"$\frac$", "$"), Variable("$q$")]
-    model = RegionRegressor(AbductiveRegressor(max_layers=1), edges={0: [0.0]}).fit(X, X[:, 0]).to_model(names, Variable("p_{"))
+    model = (
+        RegionRegressor(AbductiveRegressor(max_layers=1), edges={0: [0.0]})
+        .fit(X, X[:, 0])
+        .to_model(names, Variable("p_{"))
+    )
     figure = Figure()
     first, second = figure.subplots(2)
     draw_regions(first, model)
