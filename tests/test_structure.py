@@ -18,6 +18,8 @@ TESTED_ELSEWHERE = {
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
     "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
+    "export/fresh.py": ("export/test_verify.py", "every target runs in a process of its own there"),
+    "export/fresh_script.py": ("export/test_verify.py", "what those processes run"),
     "export/fmu/xml.py": ("export/fmu/test_networks.py", "descriptions are validated and read by importers"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
     "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),

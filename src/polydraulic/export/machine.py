@@ -16,7 +16,7 @@ from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
 from polydraulic.export.exported import Exported
-from polydraulic.export.model_bundle import c_name
+from polydraulic.export.names import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
@@ -149,7 +149,7 @@ def machine_c(
     """
     machine = as_excavator(machine)
     if c_name(name) != name:
-        raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
+        raise InputError(f"name = {name!r}: must be a C identifier that is free, for example {c_name(name)!r}")
     parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
     kind = flow_name(parts.model)
     memory, row = np.zeros(FLOW_KINDS[kind].n_memory(parts.model)), np.zeros(len(outputs()))

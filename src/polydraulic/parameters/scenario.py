@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.loads import Loads, read_loads
 from polydraulic.parameters.entries import build, find, read_quantity, read_toml
@@ -97,17 +97,20 @@ def load_scenario(source: str | Path, functions: Sequence[str] = LINKS) -> Scena
     path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     data = read_toml(path)
     check_keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, file=str(path))
+    for key in ("title", "source"):
+        if not isinstance(data[key], str):
+            raise InputError(f"{path}: {key} = {briefly(data[key])}: must be a string")
     duration = read_quantity(data["duration"], Quantity("s", above=0.0, high=inf), "duration", path)
     locked = data.get("locked", [])
     if not isinstance(locked, list) or any(link not in functions for link in locked):
-        raise InputError(f"{path}: locked = {locked!r}: must be a list of {list(functions)}")
+        raise InputError(f"{path}: locked = {briefly(locked)}: must be a list of {list(functions)}")
     check_keys(data["voltage"], functions, (), "voltage", str(path))
     signals = {link: _signal(item, f"voltage.{link}", path) for link, item in data["voltage"].items()}
     changes = data.get("change", {})
     check_keys(changes, functions, (), "change", str(path))
     for link, part in changes.items():
         check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
-    return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path, read_loads(data, path))
+    return Scenario(path.stem, duration, signals, tuple(locked), data["title"], changes, path, read_loads(data, path))
 
 
 def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINKS) -> Scenario:
@@ -176,8 +179,8 @@ def scenario_names() -> list[str]:
 
 def _signal(item: Any, where: str, path: Path) -> Signal:
     kind = item.get("kind") if isinstance(item, dict) else None
-    if kind not in _KINDS:
-        raise InputError(f"{path}: {where}.kind = {kind!r}: must be one of {sorted(_KINDS)}")
+    if not isinstance(kind, str) or kind not in _KINDS:
+        raise InputError(f"{path}: {where}.kind = {briefly(kind)}: must be one of {sorted(_KINDS)}")
     names = _KINDS[kind]
     check_keys(item, names | {"kind"}, names, where, str(path))
     try:

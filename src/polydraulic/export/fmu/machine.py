@@ -72,7 +72,9 @@ def export_machine_fmu(
     name : str
         Model name, a C identifier.
     dt : float, s
-        Internal step. A communication step may be of any length: the machine makes the steps that have become due.
+        Internal step. A communication step may be of any length: a whole number of internal steps, up to rounding, makes
+        that number, at any time; of other lengths the machine makes the steps that have become due and carries the rest
+        over.
     locked : collection of str
         Links whose joints are held.
     compiler : str, optional
@@ -94,7 +96,7 @@ def export_machine_fmu(
     sources = machine_c(machine, flow, name=name, dt=dt, locked=locked)
     parameters = direct_parameters(machine, flow, dt=dt, locked=locked)
     size = machine_size(machine, flow, dt=dt)
-    what = describe_machine(name, flow, parameters, dt=dt, memory=size + 3)
+    what = describe_machine(name, flow, parameters, dt=dt, memory=size + 2)
     sources |= {"equations.h": _equations(name, parameters, size)}
     return write_fmu(what, sources, path, version=version, page=_page(what), compiler=compiler, cross=cross)
 
@@ -229,15 +231,15 @@ def _equations(name: str, parameters: list[MachineParameter], size: int) -> str:
         for i, parameter in enumerate(parameters)
         for place in parameter.places
     )
-    return f"""/* The machine in terms of fmu.h; memory holds it, the time of its start, whether there is one, and the status. */
+    return f"""/* The machine in terms of fmu.h; memory holds it, the time since its last step, and the status. */
 #include "{name}.h"
 #include "{name}_kernels.h"
 
+#include <float.h>
 #include <math.h>
 
-#define ORIGIN {size}
-#define STARTED {size + 1}
-#define STATUS {size + 2}
+#define REST {size} /* in steps of the machine */
+#define STATUS {size + 1}
 #define MOST_STEPS 1e9
 
 typedef char machine_fits_into_memory[(sizeof({name}_machine) == {size} * sizeof(double)) ? 1 : -1];
@@ -262,7 +264,7 @@ static void fmu_start(const double *v, double *memory)
     Prepared own;
     {name}_machine m;
     memory[STATUS] = {name}_init_with(fmu_numbers(v, &own), &m);
-    memory[STARTED] = 0.0;
+    memory[REST] = 0.0;
     memcpy(memory, &m, sizeof m);
 }}
 
@@ -272,21 +274,33 @@ static void fmu_outputs(double *v, const double *memory)
     v[{len(LINKS) + n_out}] = memory[STATUS];
 }}
 
+/* Steps that a communication step makes due. One that is a whole number of them, up to the rounding of its ends, counts
+   as that number, however large the times are and however often it comes; of any other the rest is carried over. */
+static double steps_due(double *rest, double from, double to)
+{{
+    const double steps = (to - from) / {name.upper()}_DT;
+    const double rounding = 2.0 * DBL_EPSILON * fmax(fabs(from), fabs(to)) / {name.upper()}_DT;
+    const double whole = floor(steps + 0.5);
+    if (whole >= 1.0 && fabs(steps - whole) <= 1e-9 * whole + rounding) {{
+        return whole;
+    }}
+    const double passed = *rest + steps;
+    const double due = floor(passed + 1e-6 + rounding);
+    *rest = passed - due;
+    return due;
+}}
+
 static int fmu_advance(double *v, double *memory, double from, double to)
 {{
     Prepared own;
     {name}_machine m;
     int worst = 0;
-    memcpy(&m, memory, sizeof m);
-    if (memory[STARTED] == 0.0) {{
-        memory[ORIGIN] = from;
-        memory[STARTED] = 1.0;
-    }}
-    /* steps since the start, so that rounding of communication points does not add up */
-    const double due = floor((to - memory[ORIGIN]) / {name.upper()}_DT + 1e-6) - (double)m.steps;
+    double rest = memory[REST];
+    const double due = steps_due(&rest, from, to);
     if (!(due <= MOST_STEPS)) {{
         return 0;
     }}
+    memcpy(&m, memory, sizeof m);
     const Prepared *numbers = fmu_numbers(v, &own);
     for (int64_t k = 0; k < (int64_t)due; k++) {{
         const int status = {name}_step_with(numbers, &m, v);
@@ -295,8 +309,9 @@ static int fmu_advance(double *v, double *memory, double from, double to)
         }}
         worst = (status > worst) ? status : worst;
     }}
-    memory[STATUS] = worst;
     memcpy(memory, &m, sizeof m);
+    memory[REST] = rest;
+    memory[STATUS] = worst;
     return 1;
 }}
 
@@ -312,8 +327,9 @@ static void fmu_partials(const double *v, const double *memory, double *partials
 def _page(what: FmuDescription) -> str:
     """Documentation: how it steps, and its variables."""
     rows = [[v.name, v.kind, v.unit, v.description] for v in what.variables]
-    body = f"""<p>{escape(what.description)}. Communication steps may have any length: the machine makes the internal steps that have become
-due, and the rest is carried over. Inputs are held in between. Links stand in the order {", ".join(LINKS)}.
+    body = f"""<p>{escape(what.description)}. Communication steps may have any length: one that is a whole number of internal steps, up to
+rounding, makes that number; of others the internal steps that have become due are made, and the rest is carried over. Each
+communication step has to begin where the last one ended. Inputs are held in between. Links stand in the order {", ".join(LINKS)}.
 Parameters are those that a step reads as they are; all others are part of the exported numbers.</p>
 {table("", ["variable", "kind", "unit", "meaning"], rows)}"""
     return document(what.name, body)
