@@ -138,7 +138,7 @@ def test_limits_are_in_the_unit_of_the_file(changed):
 
 
 def test_unknown_names_list_the_choices(tmp_path):
-    with pytest.raises(InputError, match=r"unknown parameter set 'cat320'; choose one of \['cat215b'\]"):
+    with pytest.raises(InputError, match=r"unknown parameter set 'cat320'; choose one of \['cat215b', "):
         load_machine("cat320")
     with pytest.raises(InputError, match="no such file"):
         load_machine(tmp_path / "none.toml")

@@ -31,6 +31,7 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]
     }  # fmt: skip
     n = len(machine.names)
     lists["TIP"], lists["PUSHED"] = [{"T": tip}], [{"T": tip}] if force else []
+    lists["UNPUSHED"] = [] if force else [{"E": ""}]
     lists["FORCE_PLACES"] = [{"P": n + k} for k in range(3)] if force else []
     lists["NO_FORCE"] = [] if force else [{"P": k} for k in range(3)]
     for c in machine.circuits:
