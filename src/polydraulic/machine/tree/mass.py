@@ -95,7 +95,7 @@ def _moved_second(m: Mass, offset: Vector, step: Vector, first: Vector, i: int, 
     if i > j:
         i, j = j, i
     if offset[i].fixed and offset[j].fixed:
-        return m.second[i][j] + step[i] * offset[j] + offset[i] * m.first[j] + offset[j] * m.first[i]
+        return m.second[i][j] + (offset[i] * m.first[j] + offset[j] * m.first[i]) + step[i] * offset[j]
     return m.second[i][j] + (offset[i] * m.first[j] + first[i] * offset[j])
 
 

@@ -145,9 +145,10 @@ def _motion_text(names: Sequence[str], equations: Equations, constants: Constant
     return f'''@kernel
 def motion(turn, rate, constants):
     """Mass matrix and torques at a position and motion."""
-    # of a link: sin_, cos_ of its angle against the first of the links that turn about parallel axes; in the axes of
-    # what carries that one: _x from the parent's joint, _mx and _mxx first and second moments of all mass behind the joint,
-    # _polar the inertia about it, _ax acceleration of the joint by motion alone, _fx and _nx force and moment that arrive
+    # Of a link: sin_ and cos_ of its angle against the first of the links that turn about parallel axes; in the axes of
+    # what carries that one: _x from the parent's joint to its own, _mx and _mxx first and second moments of all mass
+    # behind its joint, _far_mx the first about the parent's joint, _polar inertia about its axis; by motion alone: _ax
+    # acceleration of its joint, _wxx the gradient of it, _fx and _nx force and moment that this takes.
 {body([*entries, *equations.bias, *equations.gravity], result, constants)}'''
 
 
