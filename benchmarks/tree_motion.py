@@ -8,8 +8,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from helpers.trees import GRAVITY, TREES, mechanics, random_states

@@ -67,7 +67,9 @@ def everything(links):
     def row(array):
         return ", ".join(f"{array}[{i}]" for i in range(len(names)))
 
-    n_constants = motion_text(links, points=[last]).partition("class Constants")[2].partition("def ")[0].count(": float")
+    n_constants = (
+        motion_text(links, points=[last]).partition("class Constants")[2].partition("def ")[0].count(": float")
+    )
     right = ", ".join(f"torque[{i}] - m.bias.{name} - m.gravity.{name}" for i, name in enumerate(names))
     held = ", ".join(f"held[{i}] > 0.5" for i in range(len(names)))
     point = ", ".join(f"point[{i}]" for i in range(6))
@@ -117,7 +119,9 @@ def excavator(links=3, **more):
     rng = np.random.default_rng(1)
     found = [
         Link("swing", None, "revolute", "z", inertia={"zz": 25000.0}),
-        Link("boom", "swing", "revolute", "-y", {"x": 0.81, "y": 0.12}, **body(rng, 1400.0, cg=plane, inertia=diagonal)),
+        Link(
+            "boom", "swing", "revolute", "-y", {"x": 0.81, "y": 0.12}, **body(rng, 1400.0, cg=plane, inertia=diagonal)
+        ),
         Link("stick", "boom", "revolute", "-y", {"x": 5.19}, **body(rng, 700.0, cg=plane, inertia=diagonal)),
         Link("bucket", "stick", "revolute", "-y", {"x": 2.3, "z": 0.1}, **body(rng, 500.0, cg=plane, inertia=diagonal)),
     ]

@@ -211,7 +211,9 @@ def test_c_has_the_same_bits(tree, tmp_path):
     assert "static inline Motion motion(" in text
     address = ctypes.c_void_p(tree.constants.ctypes.data)
     for k in range(300):
-        c.evaluate(*(ctypes.c_void_p(row[k].ctypes.data) for row in rows), address, ctypes.c_void_p(found[k].ctypes.data))
+        c.evaluate(
+            *(ctypes.c_void_p(row[k].ctypes.data) for row in rows), address, ctypes.c_void_p(found[k].ctypes.data)
+        )
     assert np.array_equal(found.view(np.int64), tree.found[:300].view(np.int64))
 
 
@@ -344,9 +346,7 @@ def test_lanes_are_vector_instructions(tmp_path):
     assembly = fresh.inspect_asm(fresh.signatures[0])
     if not re.search(r"\bvmovupd\b", assembly):
         pytest.skip("this processor has no AVX")
-    packed, scalar = (
-        len(re.findall(rf"\tv(?:mul|add|sub|div){kind}\t", assembly)) for kind in ("pd", "sd")
-    )
+    packed, scalar = (len(re.findall(rf"\tv(?:mul|add|sub|div){kind}\t", assembly)) for kind in ("pd", "sd"))
     assert packed > 150
     assert scalar == 0
 

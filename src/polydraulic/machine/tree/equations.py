@@ -27,7 +27,7 @@ from polydraulic.machine.tree.frames import (
     to_parent,
     unit,
 )
-from polydraulic.machine.tree.links import VECTOR, Shape
+from polydraulic.machine.tree.links import VECTOR
 from polydraulic.machine.tree.mass import (
     NO_MASS,
     NO_MATRIX,
@@ -42,6 +42,7 @@ from polydraulic.machine.tree.mass import (
     together,
     turned_mass,
 )
+from polydraulic.machine.tree.shapes import Shape
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
 
 

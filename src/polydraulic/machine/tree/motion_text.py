@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from polydraulic.errors import InputError
 from polydraulic.machine.tree.equations import Equations, equations_of
 from polydraulic.machine.tree.frames import frames_of
-from polydraulic.machine.tree.links import Link, Shape, check_links, shape_of
+from polydraulic.machine.tree.link_checks import check_links
+from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.points import chain_of, place_of, point_leaves, torques_of
+from polydraulic.machine.tree.shapes import Shape, shape_of
 from polydraulic.machine.tree.solve_text import mass_text, solve_text, times_text
 from polydraulic.machine.tree.statements import Constants, body, call, returned
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
@@ -20,7 +22,7 @@ MOTION_IMPORTS = (
     "from typing import NamedTuple",
     "from polydraulic._kernel import kernel",
     "from polydraulic.elementary import SinCos, sincos",
-    "from polydraulic.machine.tree.links import Shape, links_of_shape",
+    "from polydraulic.machine.tree.shapes import Shape, links_of_shape",
 )
 
 

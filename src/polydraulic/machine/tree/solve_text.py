@@ -5,6 +5,7 @@ apart. D holds blocks of up to three joints, which are inverted by their cofacto
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.statements import body, call, returned
@@ -40,7 +41,9 @@ def times_text(names: Sequence[str], places: Sequence[tuple[int, int]]) -> str:
     terms = Terms()
     entries = _mirrored({(i, j): terms.leaf(f"mass.{entry_name(i, j, len(names))}", f"m{i}_{j}") for i, j in places})
     v = [terms.leaf(f"v.{name}", f"v_{name}") for name in names]
-    rows = [sum((entries[i, j] * v[j] for j in range(len(names)) if (i, j) in entries), ZERO) for i in range(len(names))]
+    rows = [
+        sum((entries[i, j] * v[j] for j in range(len(names)) if (i, j) in entries), ZERO) for i in range(len(names))
+    ]
     rates = " + ".join(f"momentum.{name} * rate.{name}" for name in names)
     return "\n".join(
         [
@@ -125,7 +128,7 @@ def _blocks(n: int) -> list[range]:
     """Blocks of at most three joints, alike in size, the last joints first."""
     count = -(-n // _BLOCK)
     ends = [n * k // count for k in range(count + 1)]
-    return [range(start, end) for start, end in zip(ends, ends[1:], strict=False)][::-1]
+    return [range(start, end) for start, end in pairwise(ends)][::-1]
 
 
 def _dot(a: Sequence[Term], b: Sequence[Term]) -> Term:

@@ -206,7 +206,7 @@ def _own_name(node: Node, otherwise: str) -> str:
     """A name for what has none, made of the names of its parts where all have one."""
     if node.kind == "sum" and len(node.parts) == 1 and node.parts[0][0].name:
         ((part, factor),) = node.parts
-        return f"{ {2.0: 'twice', 0.5: 'half'}.get(factor, 'scaled')}_{part.name}"
+        return f"{ {2.0: 'twice', 0.5: 'half'}.get(factor, 'scaled') }_{part.name}"
     if node.kind == "product" and all(part.name for part in node.parts):
         names = [part.name for part in node.parts]
         powers = {name: names.count(name) for name in names}

@@ -136,7 +136,6 @@ class Terms:
             self._known[key] = Node(self, len(self._known), kind, parts, fixed, self.section, depth)
         return self._known[key]
 
-
     def sum_node(self, parts: dict[Node, float], *, fixed: bool) -> Term:
         """The sum of these parts, in the order of their making.
 
