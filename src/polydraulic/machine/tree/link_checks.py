@@ -15,7 +15,7 @@ _SINGULAR = 1e-12  # of the mass matrix, scaled to a diagonal of ones: below, di
 _POSES = 3
 
 
-def check_links(links: Sequence[Link]) -> None:
+def check_tree(links: Sequence[Link]) -> None:
     """Check that links are a tree, parents before children, with numbers that a rigid body can have.
 
     Parameters

@@ -8,15 +8,15 @@ fixed.
 from collections.abc import Sequence
 
 from polydraulic.errors import InputError
-from polydraulic.machine.tree.equations import Equations, equations_of
-from polydraulic.machine.tree.frames import frames_of
-from polydraulic.machine.tree.link_checks import check_links
+from polydraulic.machine.tree.equations import TreeEquations, equations_of
+from polydraulic.machine.tree.frames import link_frames
+from polydraulic.machine.tree.link_checks import check_tree
 from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.points import chain_of, place_of, point_leaves, torques_of
 from polydraulic.machine.tree.shapes import Shape, shape_of
 from polydraulic.machine.tree.solve_text import mass_text, solve_text, times_text
 from polydraulic.machine.tree.statements import Constants, body, call, returned
-from polydraulic.machine.tree.terms import ZERO, Term, Terms
+from polydraulic.machine.tree.terms import ZERO, Recorder, Term
 
 MOTION_IMPORTS = (
     "from typing import NamedTuple",
@@ -46,14 +46,14 @@ def motion_text(links: Sequence[Link], *, points: Sequence[str] = ()) -> str:
     InputError
         If the links are no tree, or a number of theirs is impossible.
     """
-    check_links(links)
+    check_tree(links)
     shapes, names = [shape_of(link) for link in links], moving(links)
     for name in points:
         if name not in [link.name for link in links]:
             known = ", ".join(link.name for link in links)
             raise InputError(f"points of {name!r} are asked for, which is no link; links are {known}")
-    terms, constants = Terms(), Constants()
-    frames = frames_of(shapes, terms)
+    terms, constants = Recorder(), Constants()
+    frames = link_frames(shapes, terms)
     equations = equations_of(shapes, frames, terms)
     kernels = [_motion_text(names, equations, constants), _potential_text(equations, constants)]
     for name in points:
@@ -137,7 +137,7 @@ def turns(q):
 {returned(call("Turns", reads))}'''
 
 
-def _motion_text(names: Sequence[str], equations: Equations, constants: Constants) -> str:
+def _motion_text(names: Sequence[str], equations: TreeEquations, constants: Constants) -> str:
     n, entries = len(names), list(equations.mass.values())
 
     def result(texts: list[str]) -> str:
@@ -154,7 +154,7 @@ def motion(turn, rate, constants):
 {body([*entries, *equations.bias, *equations.gravity], result, constants)}'''
 
 
-def _potential_text(equations: Equations, constants: Constants) -> str:
+def _potential_text(equations: TreeEquations, constants: Constants) -> str:
     return f'''@kernel
 def potential(turn, constants):
     """Potential energy in J, from the height of the ground's origin."""
