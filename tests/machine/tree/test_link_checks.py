@@ -100,6 +100,8 @@ def test_something_must_resist_every_joint():
     assert "mass off its axis, or inertia yy" in refused(point)
     roll = Link("roll", "arm", "revolute", "x", {"x": 1.0}, 5.0, {"x": 0.3})
     assert refused(arm(), roll).startswith("link roll: nothing resists")
+    rod = roll._replace(inertia={"yy": 1.0, "zz": 1.0})
+    assert refused(arm(), rod).startswith("link roll: nothing resists")
     check_tree([arm(), roll._replace(cg={"y": 0.3})])
 
 
