@@ -1,8 +1,14 @@
 """The text of the mechanics of a tree: named tuples and kernels, by the names of its links.
 
-The text depends on the layout alone, byte for byte; numbers stand in `Constants`, which `prepare_motion` of the text fills. The file
-that takes it has `MOTION_IMPORTS` at its top, and defines `Joints` and `Held`: one float, or one bool, for each link that is not
-fixed.
+The text depends on the layout alone, byte for byte. The file that takes it has `MOTION_IMPORTS` at its top and defines `Joints` and
+`Held`: one float, or one bool, for each link that is not fixed, in kinematic order. The text defines
+
+- `Constants`, products of parameters, and `prepare_motion(links, gravity)`, plain Python, which fills them;
+- `Turns` and `turns(q)`: sines and cosines of angles, ways of prismatic joints;
+- `Mass`, `Motion` and `motion(turn, rate, constants)`: mass matrix, torques of motion and of gravity, which acts along -z of the ground;
+- `times(mass, v)`, `solve_motion(mass, held, right)`, `kinetic(mass, rate)` and `potential(turn, constants)`;
+- `place_LINK(turn, x, y, z, constants)` and `push_LINK(turn, x, y, z, fx, fy, fz, constants)` of the links asked for, where the point is
+  given in the link's frame, its place and the force in the ground's.
 """
 
 from collections.abc import Sequence

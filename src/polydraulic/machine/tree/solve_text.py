@@ -99,7 +99,6 @@ def _solution(m: Entries, right: list[Term], names: Sequence[str], terms: Record
     parts = []
     for block in _blocks(len(right)):
         cofactors, scale = _inverse(m, block, names, terms)
-
         alone = _divided([right[k] for k in block], cofactors, scale, [f"{names[j]}_alone" for j in block])
         levers: dict[int, list[Term]] = {}
         for i in range(block[0]):
