@@ -35,6 +35,14 @@ TESTED_ELSEWHERE = {
         "the march is held to the judge of the whole circuit",
     ),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
+    "machine/tree/equations.py": (
+        "machine/tree/test_motion_text.py",
+        "recorded mechanics are held to MuJoCo as a whole",
+    ),
+    "machine/tree/frames.py": ("machine/tree/test_motion_text.py", "recorded mechanics are held to MuJoCo as a whole"),
+    "machine/tree/links.py": ("machine/tree/test_link_checks.py", "a record"),
+    "machine/tree/mass.py": ("machine/tree/test_motion_text.py", "recorded mechanics are held to MuJoCo as a whole"),
+    "machine/tree/points.py": ("machine/tree/test_motion_text.py", "points and forces there are held to MuJoCo"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
     "measure/formats/can/database.py": (
         "measure/formats/can/test_can_log.py",
