@@ -34,6 +34,10 @@ TESTED_ELSEWHERE = {
         "machine/circuits/test_series_text.py",
         "the march is held to the judge of the whole circuit",
     ),
+    "machine/circuits/series_slopes.py": (
+        "machine/circuits/test_series_slopes_text.py",
+        "parts of the slopes held to differences there",
+    ),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
     "machine/tree/equations.py": (
         "machine/tree/test_motion_text.py",
