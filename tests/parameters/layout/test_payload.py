@@ -2,7 +2,7 @@ import pytest
 from helpers.small_crane import write_crane
 
 from polydraulic import load_machine
-from polydraulic.machine.tree.links import check_links
+from polydraulic.machine.tree.link_checks import check_tree
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.layout.tree import tree_of
@@ -31,4 +31,4 @@ def test_a_tip_off_the_line_gives_products_of_inertia(crane):
     aside = with_payload(crane._replace(tip=("arm", {"x": 1.5, "z": -0.4})), 50.0)
     arm = aside.link("arm")
     assert arm.inertia["xz"] == pytest.approx(120 * 50 / 170 * 0.9 * 0.4)  # minus the integral of x z
-    check_links(tree_of(aside))
+    check_tree(tree_of(aside))
