@@ -65,6 +65,20 @@ def moving_links(runs: Mapping[str, Table]) -> list[str]:
     return [link for link in moving if all(f"{link}.spool" in table.names for table in others)]
 
 
+def joint_column(table: Table, name: str, label: str) -> str:
+    """Column that holds where a function's joint is: its angle, or its position if it slides.
+
+    Raises
+    ------
+    InputError
+        If the run called `label` has neither.
+    """
+    found = [column for column in (f"{name}.angle", f"{name}.position") if column in table.names]
+    if not found:
+        raise InputError(f"run {label!r} has no column '{name}.angle' or '{name}.position'; give runs of the same machine")
+    return found[0]
+
+
 def circuit_of(table: Table, link: str) -> str:
     """The circuit that feeds a link, as the run says."""
     circuits: Any = table.info.get("circuits", CIRCUITS)
