@@ -81,6 +81,8 @@ class Drawing(NamedTuple):
     ----------
     names : tuple of str
         The functions, whose positions runs hold.
+    initial : tuple of float
+        Positions of their joints at the start, rad or m.
     links : tuple of Link
         Those that the functions move, in the same order, then the followers.
     followers : tuple of Follower
@@ -102,6 +104,7 @@ class Drawing(NamedTuple):
     """
 
     names: tuple[str, ...]
+    initial: tuple[float, ...]
     links: tuple[Link, ...]
     followers: tuple[Follower, ...]
     slews: bool

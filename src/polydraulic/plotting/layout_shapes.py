@@ -1,7 +1,7 @@
 """A machine of any layout as it is drawn: what its file says, and bars round it.
 
 A link is the hull of balls round its joint, the joints of its children, its pins and the tip; one that a four-bar linkage moves and that holds
-the tip is a bucket, and a first link that turns about an upright axis with its arm low is the upper structure of an excavator. All sizes that
+the tip is a bucket, and a first link that turns about an upright axis and outweighs its arm is the upper structure of an excavator. All sizes that
 no file gives follow the machine's reach.
 """
 
@@ -20,9 +20,8 @@ from polydraulic.plotting.travel import across, joint_stops, signed_axis
 
 _THICK, _SLIMMER = 0.026, 0.86  # radius of a first link by reach, and of each next link by the one before
 _PIN = 0.55  # radius round a pin, by that of its link
-_LOW = 0.1  # an arm whose foot is lower, by reach, stands on an upper structure, others on a column
-# a bucket seen along its joint: from joint to teeth, and to the side of its pin, by its length
-_SHELL = ((0.27, 0.52), (0.72, 0.49), (1.0, 0.0), (0.65, 0.03), (0.41, -0.12), (-0.06, -0.08))
+# a bucket seen along its joint: from joint to teeth, and to the side of its shell, by its length
+_SHELL = ((0.1, 0.42), (0.42, 0.55), (0.76, 0.47), (1.0, 0.0), (0.68, 0.05), (0.4, -0.06))
 
 
 class _Bones(NamedTuple):
@@ -60,7 +59,7 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
     reach = _reach(machine, bones)
     slews = moved[0].joint == "revolute" and moved[0].axis[-1] == "z" and moved[0].parent == GROUND
     sizes = _sizes(moved, reach, slews)
-    arms = [_body(machine, link, bones[link.name], sizes[link.name]) for link in reversed(moved)]
+    arms = [body for link in reversed(moved) for body in _bodies(machine, link, bones[link.name], sizes[link.name])]
     bars = [bar for linkage in linkages for bar in _bars(linkage, 0.45 * sizes[linkage.link.parent])]
     standing, ground = _standing(machine, bones, reach, slews)
     hidden = {spot.link for body in standing for spot in body.spots}
@@ -71,6 +70,7 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
     outward = 0.0 if slews else x
     return Drawing(
         names=machine.names,
+        initial=tuple(f.initial.angle for f in machine.functions),
         links=(*moved, *rockers),
         followers=tuple(Follower(x.joint, rocker(x.pins, x.link)) for x in linkages),
         slews=slews,
@@ -93,7 +93,7 @@ def _bones(machine: LayoutMachine, link: Link) -> _Bones:
     """What a link carries; a link that carries nothing ends as far behind its centre of gravity as it began before it."""
     children = [vector(other.at) for other in machine.links if other.parent == link.name]
     tips = [vector(machine.tip[1])] if machine.tip[0] == link.name else []
-    pins = [np.array(spot.at) for name, spot in _pins(machine) if spot.link == link.name and name != link.name]
+    pins = [np.array(spot.at) for name, spot in _pins(machine) if spot.link == link.name and name != f"{link.name} joint"]
     centre = vector(link.cg)
     farthest = max((float(np.linalg.norm(point)) for point in [*children, *tips, *pins]), default=0.0)
     ends = [2.0 * centre] if not tips and farthest < float(np.linalg.norm(centre)) else []
@@ -104,12 +104,12 @@ def _pins(machine: LayoutMachine) -> Iterator[tuple[str, Spot]]:
     """Joints by the names of their links, and pins by those of their functions."""
     for link in machine.links:
         if link.joint == "revolute" and link.axis[-1] != "z":
-            yield link.name, Spot(link.name, (0.0, 0.0, 0.0))
+            yield f"{link.name} joint", Spot(link.name, (0.0, 0.0, 0.0))
     for f in machine.functions:
         link = machine.link(f.moves)
         if isinstance(f.pins, Pins):
             yield f"{f.name} base", _spot(link.parent, vector(f.pins.base))
-            yield f"{f.name} rod", _spot(link.name, vector(f.pins.rod))
+            yield f"{f.name} rod pin", _spot(link.name, vector(f.pins.rod))
         if isinstance(f.pins, FourBar):
             yield f"{f.name} base", _spot(link.parent, vector(f.pins.base))
             yield f"{f.name} hinge", _spot(link.parent, vector(f.pins.hinge))
@@ -146,7 +146,7 @@ def _sizes(links: list[Link], reach: float, slews: bool) -> dict[str, float]:
     return sizes
 
 
-def _body(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> Body:
+def _bodies(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> tuple[Body, ...]:
     """The outline of a link; what slides is seen from where it leaves its guide."""
     f = next(f for f in machine.functions if f.moves == link.name)
     if isinstance(f.pins, FourBar) and machine.tip[0] == link.name:
@@ -155,16 +155,24 @@ def _body(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> Bod
     spots += [(_spot(link.name, point), _PIN * size) for point in bones.pins]
     if link.joint == "prismatic":
         spots.append((_spot(link.parent, vector(link.at)), size))
-    return Body(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN)
+    return (Body(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN),)
 
 
-def _bucket(link: Link, bones: _Bones, pin: np.ndarray, size: float) -> Body:
-    ahead = across(link, bones.joints[-1])
-    left = np.cross(signed_axis(link), ahead)
-    length, side = float(ahead @ bones.joints[-1]), 1.0 if left @ pin >= 0.0 else -1.0
-    back = pin + 0.6 * size * (side * left - ahead)
-    corners = [back, *(length * (along * ahead + side * beside * left) for along, beside in _SHELL)]
-    return Body(tuple(_spot(link.name, corner) for corner in corners), (), ("side", "top"), OF_RUN)
+def _bucket(link: Link, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Body, ...]:
+    """A shell on the side of the centre of gravity, or of the pin if that is close to the line to the teeth; and how it looks from above."""
+    axis, teeth = signed_axis(link), bones.joints[-1]
+    ahead = across(link, teeth)
+    left = np.cross(axis, ahead)
+    length, beside = float(ahead @ teeth), float(left @ vector(link.cg))
+    side = 1.0 if (beside if abs(beside) > 0.15 * length else left @ pin) >= 0.0 else -1.0
+    joint, broad = np.zeros(3), 3.5 * size * axis
+    shell = [joint, *(length * (along * ahead + side * off * left) for along, off in _SHELL)]
+    ears = (_spot(link.name, joint), _spot(link.name, pin), _spot(link.name, 0.5 * shell[1]))
+    return (
+        Body(ears, (size, _PIN * size, 0.1 * size), ("side",), OF_RUN),
+        Body(tuple(_spot(link.name, corner) for corner in shell), (), ("side",), OF_RUN),
+        Body(tuple(_spot(link.name, corner) for corner in (joint - broad, teeth - broad, teeth + broad, joint + broad)), (), ("top",), OF_RUN),
+    )
 
 
 def _bars(linkage: _Linkage, size: float) -> list[Body]:
@@ -199,9 +207,9 @@ def _standing(
     machine: LayoutMachine, bones: dict[str, _Bones], reach: float, slews: bool
 ) -> tuple[tuple[Body, ...], float]:
     """What the arm stands on, and the height of the ground."""
-    first = machine.link(machine.functions[0].moves)
+    first, *others = (machine.link(f.moves) for f in machine.functions)
     feet = [vector(link.at) for link in machine.links if link.parent == first.name and link.joint == "revolute"]
-    if slews and feet and feet[0][2] <= _LOW * reach:
+    if slews and feet and first.mass > sum(link.mass for link in others):  # it holds a counterweight, unlike a crane's column
         axis, foot, scale = vector(first.at), feet[0], scale_of(reach)
         lowest = min((float(pin[2] - foot[2]) for pin in bones[first.name].pins), default=0.0)
         return excavator_bodies(first.name, axis, foot, scale, lowest), float(axis[2] + foot[2] - DEPTH * scale)
@@ -209,9 +217,9 @@ def _standing(
     fixed += [np.array(spot.at) for _, spot in _pins(machine) if spot.link == GROUND]
     low, high = np.min(fixed, axis=0), np.max(fixed, axis=0)
     ground = min(0.0, float(low[2]) - 0.1 * reach)
-    room = reach * np.array([0.12, 0.1, 0.0])
-    axis = vector(first.at) if slews else np.zeros(3)
-    return block((*(low - room)[:2], ground), high + 0.8 * room, axis), ground
+    room = reach * np.array([0.1, 0.1, 0.0])
+    behind, axis = (room, vector(first.at)) if slews else (3.5 * room, np.zeros(3))
+    return block((float(low[0] - behind[0]), float(low[1] - room[1]), ground), high + room, axis), ground
 
 
 def _travels(machine: LayoutMachine, bones: dict[str, _Bones], sizes: dict[str, float]) -> Iterator[Stops]:

@@ -57,9 +57,13 @@ def scene(frames: Frames, drawing: Drawing) -> tuple["Figure", Update]:
     side = figure.add_axes((0.01, below / height, 0.6, 4.154 / height))
     top = figure.add_axes((0.62, below / height, 0.37, 4.154 / height))
     motions = [motion_of(drawing, positions) for positions in frames.positions]
-    updates = [draw_view(side, drawing, "side", motions), draw_view(top, drawing, "top", motions)]
-    trails = [_trails(axis, motions, frames.effector, view) for axis, view in ((side, "side"), (top, "top"))]  # type: ignore[arg-type]
-    updates += [*trails, *_strips(figure, frames, shown, ceil(len(shown) / rows))]
+    updates: list[Update] = []
+    views: list[tuple[Axes, View]] = [(side, "side"), (top, "top")]
+    for axis, view in views:
+        fill_place(axis, *limits(drawing, motions, view))
+        _frameless(axis, CAPTIONS[view], drawing.scale)
+        updates += [draw_view(axis, drawing, view, motions), _trails(axis, motions, frames.effector, view)]
+    updates += _strips(figure, frames, shown, ceil(len(shown) / rows))
     clock = figure.text(0.985, 1.0 - 0.267 / height, "", ha="right", family="monospace", fontsize=11, animated=True)
     figure.text(0.015, 1.0 - 0.267 / height, frames.title, fontweight="bold", fontsize=11)
     for number, name in enumerate(frames.names):
@@ -75,9 +79,7 @@ def scene(frames: Frames, drawing: Drawing) -> tuple["Figure", Update]:
 
 
 def draw_view(axis: "Axes", drawing: Drawing, view: View, motions: Sequence[Motion]) -> Update:
-    """Draw a machine as one run moves it, or several: the first filled, the others as outlines."""
-    low, high = limits(drawing, motions, view)
-    _frameless(axis, low, high, CAPTIONS[view], drawing.scale)
+    """Draw a machine as one run moves it, or several, on an axis with limits: the first filled, the others as outlines."""
     if view == "side":
         axis.axhspan(axis.get_ylim()[0], drawing.ground, color="#f3efe8", linewidth=0.0, zorder=0)
         axis.axhline(drawing.ground, color="#b8ad9a", linewidth=1.0, zorder=0)
@@ -97,16 +99,22 @@ def draw_view(axis: "Axes", drawing: Drawing, view: View, motions: Sequence[Moti
     return update
 
 
-def _frameless(axis: "Axes", low: np.ndarray, high: np.ndarray, title: str, bar: float) -> None:
-    """Equal scales, a bar of round length, no frame; the view is widened to fill its place, a little more to the upper right."""
+def fill_place(axis: "Axes", low: np.ndarray, high: np.ndarray) -> None:
+    """Equal scales; the view is widened to fill its place, a little more to the upper right."""
     width, height = axis.get_window_extent().size
     scale = max((high - low) / (width, height))
     spare = scale * np.array([width, height]) - (high - low)
     low, high = low - 0.4 * spare, high + 0.6 * spare
     axis.set_xlim(low[0], high[0])
     axis.set_ylim(low[1], high[1])
+
+
+def _frameless(axis: "Axes", title: str, bar: float) -> None:
+    """No frame, and a bar of a round length."""
     axis.axis("off")
-    left, bottom = low + scale * np.array([14.0, 12.0])
+    (x, right), y = axis.get_xlim(), axis.get_ylim()[0]
+    scale = (right - x) / axis.get_window_extent().width
+    left, bottom = x + 14.0 * scale, y + 12.0 * scale
     axis.plot([left, left + bar], [bottom, bottom], color=INK, linewidth=2.0)
     text = f"{bar:g} m"
     axis.text(left + 0.5 * bar, bottom + 4.0 * scale, text, ha="center", va="bottom", fontsize=8, color=INK)

@@ -34,15 +34,15 @@ def excavator_drawing(machine: Machine) -> Drawing:
         _link("stick", "boom", "-y", {"x": long}),
     )
     pins = {
-        "boom": Spot("boom", (0.0, 0.0, 0.0)),
+        "boom joint": Spot("boom", (0.0, 0.0, 0.0)),
         "boom base": Spot("swing", (g.a1 + boom.r_base * cos(boom.angle_offset), g.d, -boom.r_base * sin(boom.angle_offset))),
-        "boom rod": Spot("boom", (boom.r_link, 0.0, 0.0)),
-        "stick": Spot("stick", (0.0, 0.0, 0.0)),
+        "boom rod pin": Spot("boom", (boom.r_link, 0.0, 0.0)),
+        "stick joint": Spot("stick", (0.0, 0.0, 0.0)),
         "stick base": Spot("boom", (long - stick.r_base * cos(_ABOVE_BOOM), 0.0, stick.r_base * sin(_ABOVE_BOOM))),
-        "stick rod": Spot("stick", (-stick.r_link * cos(below), 0.0, stick.r_link * sin(below))),
+        "stick rod pin": Spot("stick", (-stick.r_link * cos(below), 0.0, stick.r_link * sin(below))),
         "tip": Spot("stick", (short, 0.0, 0.0)),
     }  # fmt: skip
-    tail = pins["stick rod"].at
+    tail = pins["stick rod pin"].at
     outlines = (
         _plate("stick", [
             (short - 0.12, 0.02), (short + 0.18, 0.1), (short + 0.62, -0.05), (short + 0.78, -0.5),
@@ -67,18 +67,19 @@ def excavator_drawing(machine: Machine) -> Drawing:
     ]
     return Drawing(
         names=LINKS,
+        initial=tuple(getattr(machine, link).initial.angle for link in LINKS),
         links=links,
         followers=(),
         slews=True,
         bodies=(*excavator_bodies("swing", (0.0, 0.0, 0.0), (g.a1, 0.0, 0.0), 1.0), *outlines),
         rams=(
-            Ram(pins["boom base"], pins["boom rod"], _barrel(boom, machine.boom.stops, 1.0)),
-            Ram(pins["stick base"], pins["stick rod"], _barrel(stick, machine.stick.stops, -1.0)),
+            Ram(pins["boom base"], pins["boom rod pin"], _barrel(boom, machine.boom.stops, 1.0)),
+            Ram(pins["stick base"], pins["stick rod pin"], _barrel(stick, machine.stick.stops, -1.0)),
         ),
         stops=tuple(stops),
         pins=pins,
         tip=pins["tip"],
-        clear=((pins["tip"], 1.0), (pins["stick"], 0.9)),
+        clear=((pins["tip"], 1.0), (pins["stick joint"], 0.9)),
         corners={"side": ((-3.1, -DEPTH - 0.75), (4.0, 1.7)), "top": ((-3.1, -3.1), (3.1, 3.1))},
         ground=-DEPTH,
         scale=1.0,
