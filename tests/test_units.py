@@ -55,6 +55,7 @@ SPELLINGS = {
           2.54e-05: ["thou"]},
     "m/s": {1e-3: ["mm/s", "MM/S", "mm·s⁻¹", "mm/sec"], 0.0254: ["in/s", "in/sec", "inch/s"], 1.0 / 3.6: ["km/h", "kph", "KM/H"],
             0.44704: ["mph"]},
+    "N s/m": {1e3: ["kN s/m", "kN·s/m", "N s/mm"], 1.0: ["N s/m"]}, "kg/s": {1.0: ["kg/s"], 1.0 / 3600.0: ["kg/h"]},
     "m/s2": {1.0: ["m/s2", "m/s²", "m/s^2", "m/s**2", "m s-2", "m·s⁻²", "m/s/s", "m/sec2", "M/S2"], 9.80665: ["g0", "gn", "g_n"]},
     "m2": {1e-4: ["cm2", "cm²", "sq cm"], 6.4516e-4: ["in2", "sq in", "sq. in", "square inch"]},
     "m3": {1e-3: ["l", "L", "liter", "Litre"], 1e-6: ["cm3", "cc", "ml"], 3.785411784e-3: ["gal", "US gal"], 4.54609e-3: ["UK gal", "imp gal"]},

@@ -4,9 +4,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from polydraulic import load_scenario, parameters
+from polydraulic import load_machine, load_scenario, parameters
 from polydraulic.errors import InputError
-from polydraulic.parameters.scenario import scenario_names
+from polydraulic.parameters.load import function_names, machine_text
+from polydraulic.parameters.scenario import scenario_machine, scenario_names
 from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Piecewise
 from polydraulic.tables import read_table, write_table
@@ -34,13 +35,56 @@ def written(tmp_path):
     return load
 
 
-@pytest.mark.parametrize("name", scenario_names())
+@pytest.mark.parametrize("name", scenario_names("cat215b"))
 def test_shipped_scenarios_load(name, machine):
     scenario = load_scenario(name)
     voltages = scenario.voltages(np.linspace(0.0, scenario.duration, 50))
     assert voltages.shape == (50, 3)
     assert np.abs(voltages).max() > 0.2
     assert scenario.adapt(machine).pumps == machine.pumps
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_a_scenario_names_its_machine_and_moves_all_of_it(name):
+    plant = load_machine(scenario_machine(name))
+    scenario = load_scenario(name)
+    assert set(scenario.voltage) | set(scenario.locked) <= set(function_names(plant))
+    volts = scenario.voltages(np.linspace(0.0, scenario.duration, 200), function_names(plant))
+    moved = {f for f, v in zip(function_names(plant), volts.T, strict=True) if np.abs(v).max() > 0.2}
+    assert moved == set(function_names(plant)) - set(scenario.locked)
+
+
+def test_a_scenario_may_name_a_machine_file_beside_it(tmp_path):
+    (tmp_path / "crane.toml").write_text(machine_text("loader_crane"))
+    path = tmp_path / "lift.toml"
+    path.write_text(
+        'machine = "crane.toml"\n' + BASIC.replace("boom", "inner").replace("swing", "slew").replace("stick", "tilt")
+    )
+    assert scenario_machine(path) == str(tmp_path / "crane.toml")
+    assert list(load_scenario(path).voltage) == ["inner"]
+
+
+@pytest.mark.parametrize("source", ["random:3", "random:3:10", "work.csv", "task"])
+def test_what_names_no_machine_is_for_cat215b(source):
+    assert scenario_machine(source) == "cat215b"
+
+
+def test_a_scenario_for_another_machine_says_so():
+    with pytest.raises(
+        InputError, match="is for the machine 'wheel_loader', which is moved by lift, tilt; this one is moved by swing"
+    ):
+        load_scenario("wheel_loader_cycle", ("swing", "boom", "stick"))
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [("machine = 3", "must be the name of a machine"), ('machine = "nobody"', "unknown parameter set")],
+)
+def test_a_machine_that_is_none(line, message, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(line + "\n" + BASIC)
+    with pytest.raises(InputError, match=message):
+        load_scenario(path)
 
 
 def test_changes_reach_the_machine(machine):

@@ -24,10 +24,15 @@ def _flow_names() -> list[str]:
 
 
 FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
+OwnMachineOption = Annotated[
+    str | None,
+    typer.Option(help="Machine by name, or a TOML file; if not given, that which the scenario is for, else cat215b."),
+]
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
-        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links), a TOML file, "
+        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links; excavator_22t_dig, "
+        "loader_crane_lift, wheel_loader_cycle: those machines), a TOML file, "
         "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS.",
         autocompletion=_scenario_names,
     ),
@@ -59,7 +64,7 @@ def simulate(
         ),
     ] = "semi-implicit",
     units: UnitsOption = METRIC,
-    machine: MachineOption = "cat215b",
+    machine: OwnMachineOption = None,
 ) -> None:
     """Simulate a scenario, say what happened, and how far it is from the run with the exact flow.
 
@@ -83,7 +88,8 @@ def simulate(
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import function_names, load_machine
-    from polydraulic.parameters.scenario import load_scenario
+    from polydraulic.parameters.scenario import load_scenario, scenario_machine
+    from polydraulic.parameters.schema import Machine
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
     from polydraulic.simulation.runs import simulate as run
     from polydraulic.simulation.summary import run_summary
@@ -98,7 +104,7 @@ def simulate(
         table_ending(out)
     if plot is not None:
         picture_ending(plot)
-    plant = load_machine(machine)
+    plant = load_machine(machine or scenario_machine(scenario))
     what = load_scenario(scenario, function_names(plant))
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
@@ -106,7 +112,8 @@ def simulate(
     runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
     with progress_bar("simulate") as progress:
         progress(f"flow model {flow}", 0, pieces)
-        chosen = build_flow(flow, plant, **options)
+        # networks and tables are built for the layout of cat215b; `simulate` says what other layouts run with
+        chosen = build_flow(flow, plant, **options) if isinstance(plant, Machine) else flow
         for number, name in enumerate(names):
             used = chosen if name == flow else name
             progress(f"compile for {name} (once after an installation)", 2 * number + 1, pieces)
@@ -160,7 +167,7 @@ def animate(
         float | None, typer.Option(help="Frames in a second; 20 for .html, which draws between them, 12.5 for .gif.")
     ] = None,
     units: UnitsOption = METRIC,
-    machine: MachineOption = "cat215b",
+    machine: OwnMachineOption = None,
 ) -> None:
     """Show the linkage move: side view, view from above, angles, flows and pressures.
 
@@ -174,12 +181,12 @@ def animate(
     a browser; `polydraulic simulate` with the same scenario prints the numbers.
     """
     from polydraulic.parameters.load import function_names, load_machine
-    from polydraulic.parameters.scenario import load_scenario
+    from polydraulic.parameters.scenario import load_scenario, scenario_machine
     from polydraulic.plotting.animation import animation_ending, write_animation
     from polydraulic.simulation.runs import simulate as run
 
     animation_ending(out)
-    plant = load_machine(machine)
+    plant = load_machine(machine or scenario_machine(scenario))
     what = load_scenario(scenario, function_names(plant))
     flows = list(dict.fromkeys(flow or ["exact"]))
     runs = {}
@@ -199,18 +206,20 @@ def scenarios() -> None:
     Example: `polydraulic scenarios`
 
     What comes next: `polydraulic simulate NAME --plot run.svg`, or `polydraulic animate NAME --out run.html`. A scenario of your own is a
-    TOML file like those in the package, or a recording: a CSV file with the columns time, swing, boom, stick.
+    TOML file like those in the package, or a recording: a CSV file with the columns time, swing, boom, stick. `machine = "..."` in a
+    scenario file says which machine it is for; `simulate` and `animate` take that one.
     """
-    from polydraulic.parameters.scenario import load_scenario, scenario_names
-    from polydraulic.parameters.schema import LINKS
+    from polydraulic.parameters.load import function_names, load_machine
+    from polydraulic.parameters.scenario import load_scenario, scenario_machine, scenario_names
 
+    rows = []
     for name in scenario_names():
-        what = load_scenario(name)
-        moved = ", ".join(link for link in LINKS if link not in what.locked)
-        print(f"{name:12s} {what.duration:5g} s  {moved:20s} {what.title}")
-    print(
-        f"{'random:SEED':12s} {60:5g} s  {', '.join(LINKS):20s} Random operator; random:SEED:SECONDS for another duration"
-    )
+        what, machine = load_scenario(name), scenario_machine(name)
+        moved = ", ".join(f for f in function_names(load_machine(machine)) if f not in what.locked)
+        rows.append((name, what.duration, machine, moved, what.title))
+    rows.append(("random:SEED", 60.0, "any", "all", "Random operator; random:SEED:SECONDS for another duration"))
+    for name, duration, machine, moved, title in rows:
+        print(f"{name:18s} {duration:5g} s  {machine:13s}  {moved:32s} {title}")
 
 
 @app.command()

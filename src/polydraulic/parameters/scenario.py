@@ -2,7 +2,7 @@
 
 A scenario file may change the pilots and the initial state of single links under ``[change.LINK...]``; the entries there
 have the form of a parameter set. Links that are not listed under ``[voltage]`` get 0 V. A recording of all three joysticks is a
-scenario as it is, and so is a random operator.
+scenario as it is, and so is a random operator. ``machine`` says which machine a file is for, if that is not cat215b.
 """
 
 from collections.abc import Collection, Sequence
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError, briefly
+from polydraulic.parameters.entries import build, find, read_quantity, read_toml
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.loads import Loads, read_loads
-from polydraulic.parameters.entries import build, find, read_quantity, read_toml
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.recording import ENDINGS, Recording
@@ -24,7 +24,9 @@ from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
-_SECTIONS = {"title", "source", "duration", "locked", "voltage", "change", "force", "payload"}
+_SETS = Path(__file__).parent / "sets"
+_SECTIONS = {"title", "machine", "source", "duration", "locked", "voltage", "change", "force", "payload"}
+_USUAL_MACHINE = "cat215b"
 _CHANGEABLE = {"pilot", "initial"}
 _RANDOM = "random:"
 _TIME_NAMES = ("time", "zeit", "timestamp", "zeitstempel")  # of the column of the time in a recording
@@ -73,7 +75,7 @@ class Scenario:
         return np.column_stack([self.voltage.get(name, Constant())(t) for name in functions])
 
 
-def load_scenario(source: str | Path, functions: Sequence[str] = LINKS) -> Scenario:
+def load_scenario(source: str | Path, functions: Sequence[str] | None = None) -> Scenario:
     """Load a scenario.
 
     Parameters
@@ -82,24 +84,35 @@ def load_scenario(source: str | Path, functions: Sequence[str] = LINKS) -> Scena
         Name of a scenario that comes with the package (``"single_08"``); the path of a TOML file; the path of a recording,
         ``.csv``, ``.csv.gz``, ``.txt`` or ``.parquet``, with the columns ``time`` and ``swing``, ``boom``, ``stick`` or some of
         these (the others get 0 V), in s and V or in the units of the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"`` for a `random_operator`.
-    functions : sequence of str
-        Of the machine that is to do it; those of cat215b if not given.
+    functions : sequence of str, optional
+        Of the machine that is to do it; those of the machine that the file is for (`scenario_machine`) if not given.
 
     Raises
     ------
     InputError
-        Unknown or missing key, wrong unit, value out of range, unreadable recording, times that do not rise.
+        A scenario for another machine, unknown or missing key, wrong unit, value out of range, unreadable recording, times that do
+        not rise.
     """
     if str(source).startswith(_RANDOM):
-        return _random(str(source), functions)
-    if isinstance(source, str | Path) and str(source).lower().endswith(ENDINGS):
-        return _recording(Path(source), functions)
-    path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
-    data = read_toml(path)
+        return _random(str(source), functions or LINKS)
+    if _is_recording(source):
+        return _recording(Path(source), functions or LINKS)
+    path, data = _read(source)
     check_keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, file=str(path))
     for key in ("title", "source"):
         if not isinstance(data[key], str):
             raise InputError(f"{path}: {key} = {briefly(data[key])}: must be a string")
+    own = _functions_of(_machine_of(data, path))
+    functions = functions or own
+    if (
+        isinstance(data["voltage"], dict)
+        and set(data["voltage"]) <= set(own)
+        and not set(data["voltage"]) <= set(functions)
+    ):
+        raise InputError(
+            f"{path}: is for the machine {_machine_of(data, path)!r}, which is moved by {', '.join(own)}; "
+            f"this one is moved by {', '.join(functions)}"
+        )
     duration = read_quantity(data["duration"], Quantity("s", above=0.0, high=inf), "duration", path)
     locked = data.get("locked", [])
     if not isinstance(locked, list) or any(link not in functions for link in locked):
@@ -125,7 +138,9 @@ def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINK
         return load_scenario(scenario, functions)
     unknown = [name for name in (*scenario.voltage, *scenario.locked, *scenario.changes) if name not in functions]
     if unknown:
-        raise InputError(f"scenario {scenario.name!r} names {unknown[0]!r}, which the machine does not have; it has {list(functions)}")
+        raise InputError(
+            f"scenario {scenario.name!r} names {unknown[0]!r}, which the machine does not have; it has {list(functions)}"
+        )
     return scenario
 
 
@@ -172,9 +187,53 @@ def random_operator(
     return Scenario(f"{_RANDOM}{seed}", duration, signals, locked, f"Random operator, seed {seed}")
 
 
-def scenario_names() -> list[str]:
-    """Names of the scenarios that come with the package."""
-    return sorted(path.stem for path in _SCENARIOS.glob("*.toml"))
+def scenario_names(machine: str | None = None) -> list[str]:
+    """Names of the scenarios that come with the package: all of them, or those for a machine."""
+    names = sorted(path.stem for path in _SCENARIOS.glob("*.toml"))
+    return [name for name in names if machine is None or scenario_machine(name) == machine]
+
+
+def scenario_machine(source: str | Path) -> str:
+    """Name or file of the machine that a scenario is for: what its file says, cat215b where nothing does.
+
+    Parameters
+    ----------
+    source : str or Path
+        What `load_scenario` takes.
+
+    Raises
+    ------
+    InputError
+        A scenario that cannot be read.
+    """
+    if str(source).startswith(_RANDOM) or _is_recording(source):
+        return _USUAL_MACHINE
+    path, data = _read(source)
+    return _machine_of(data, path)
+
+
+def _read(source: str | Path) -> tuple[Path, dict[str, Any]]:
+    path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
+    return path, read_toml(path)
+
+
+def _is_recording(source: str | Path) -> bool:
+    return isinstance(source, str | Path) and str(source).lower().endswith(ENDINGS)
+
+
+def _machine_of(data: dict[str, Any], path: Path) -> str:
+    machine = data.get("machine", _USUAL_MACHINE)
+    if not isinstance(machine, str):
+        raise InputError(
+            f"{path}: machine = {machine!r}: must be the name of a machine, or a .toml file beside this one"
+        )
+    return str(path.parent / machine) if machine.endswith(".toml") else machine
+
+
+def _functions_of(machine: str) -> tuple[str, ...]:
+    """What a machine is moved by, as its file names it."""
+    named = read_toml(find(machine, _SETS, "parameter set")).get("functions")
+    return tuple(named) if isinstance(named, dict) else LINKS
 
 
 def _signal(item: Any, where: str, path: Path) -> Signal:
