@@ -89,6 +89,7 @@ def simulate(
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import function_names, load_machine
     from polydraulic.parameters.scenario import load_scenario, scenario_machine
+    from polydraulic.parameters.schema import Machine
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
     from polydraulic.simulation.runs import simulate as run
     from polydraulic.simulation.summary import run_summary
@@ -111,7 +112,8 @@ def simulate(
     runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
     with progress_bar("simulate") as progress:
         progress(f"flow model {flow}", 0, pieces)
-        chosen = build_flow(flow, plant, **options)
+        # networks and tables are built for the layout of cat215b; `simulate` says what other layouts run with
+        chosen = build_flow(flow, plant, **options) if isinstance(plant, Machine) else flow
         for number, name in enumerate(names):
             used = chosen if name == flow else name
             progress(f"compile for {name} (once after an installation)", 2 * number + 1, pieces)

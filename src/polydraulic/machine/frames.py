@@ -1,10 +1,10 @@
 """Where the links of any machine are: frames and points at given joint positions, for tips and drawings."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import COORDINATES, GROUND, LayoutMachine, Point
+from polydraulic.parameters.layout.schema import COORDINATES, GROUND, LayoutMachine, Link, Point
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 Frames = Mapping[str, tuple[np.ndarray, np.ndarray]]  # link -> (..., 3, 3) turn, (..., 3) origin in m
@@ -24,10 +24,14 @@ def link_frames(machine: LayoutMachine, positions: np.ndarray) -> Frames:
     positions : (..., n_function) array, rad or m
         Of the joints, in the order of the functions.
     """
+    return tree_frames([machine.link(f.moves) for f in machine.functions], positions)
+
+
+def tree_frames(links: Sequence[Link], positions: np.ndarray) -> Frames:
+    """The same of links, parents first, each with its position (..., n_link)."""
     lead = positions.shape[:-1]
     frames = {GROUND: (np.broadcast_to(np.eye(3), (*lead, 3, 3)), np.zeros((*lead, 3)))}
-    for place, function in enumerate(machine.functions):
-        link = machine.link(function.moves)
+    for place, link in enumerate(links):
         turn, origin = frames[link.parent]
         sign = -1.0 if link.axis[0] == "-" else 1.0
         axis, q = _AXES[link.axis[-1]], sign * positions[..., place]

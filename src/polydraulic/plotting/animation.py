@@ -1,7 +1,7 @@
 """Animations of runs: a GIF, or a page that plays in any browser without a network."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import floor, log10
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,16 @@ import numpy as np
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
+from polydraulic.machine.frames import vector
+from polydraulic.parameters.layout.schema import GROUND, LayoutMachine, Link
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
+from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, Motion, Spot, limits, motion_of
 from polydraulic.plotting.frames import Frames, frames_of
 from polydraulic.plotting.gif import write_gif
+from polydraulic.plotting.machine_drawing import machine_drawing
 from polydraulic.plotting.run_figure import line_style
-from polydraulic.plotting.scene import FIRST_EDGE, views
-from polydraulic.plotting.shapes import AT_STOP, GROUND, Shapes, linkage_shapes
+from polydraulic.plotting.scene import CAPTIONS, FIRST_EDGE
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
@@ -29,7 +32,7 @@ _PLACE = "__ANIMATION__"
 
 def write_animation(
     runs: Mapping[str, Table],
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     path: str | Path,
     *,
     rate: float | None = None,
@@ -44,8 +47,8 @@ def write_animation(
     ----------
     runs : mapping from label to trajectory
         From `simulate`; the animation lasts as long as the shortest.
-    machine : Machine, or name or path of a parameter set
-        The machine that made them: its lengths, cylinders and end stops are drawn.
+    machine : Machine, LayoutMachine, or name or path of a parameter set
+        The machine that made them: its links, cylinders and end stops are drawn.
     path : str or Path
         Ends in ``.gif`` or ``.html``.
     rate : float, 1/s, optional
@@ -58,16 +61,16 @@ def write_animation(
     Raises
     ------
     InputError
-        Another ending, no run, a table that is no trajectory, a rate that is not positive, a place that cannot be written.
+        Another ending, no run, a table that is no trajectory of this machine, a rate that is not positive, a place that cannot be written.
     """
     ending = animation_ending(path)
-    shapes = linkage_shapes(as_machine(machine))
-    frames = frames_of(runs, RATES[ending] if rate is None else rate, units)
+    drawing = machine_drawing(as_machine(machine))
+    frames = frames_of(runs, drawing.names, RATES[ending] if rate is None else rate, units)
     if ending == ".gif":
-        write_gif(frames, shapes, path, progress)
+        write_gif(frames, drawing, path, progress)
     else:
         page = _TEMPLATE.read_text(encoding="utf-8")
-        write_text(path, page.replace(_PLACE, _script_text(page_data(frames, shapes)), 1))
+        write_text(path, page.replace(_PLACE, _script_text(page_data(frames, drawing)), 1))
         progress("frames", len(frames.time), len(frames.time))
 
 
@@ -79,28 +82,35 @@ def animation_ending(path: str | Path) -> str:
     return ending
 
 
-def page_data(frames: Frames, shapes: Shapes) -> dict[str, Any]:
+def page_data(frames: Frames, drawing: Drawing) -> dict[str, Any]:
     """All that the page shows, as plain lists, rounded to what a screen can show."""
-    side, top = views(frames, shapes)
+    motions = [motion_of(drawing, positions) for positions in frames.positions]
+    places = {PLANE: -2, GROUND: -1} | {link.name: place for place, link in enumerate(drawing.links)}
+
+    def spots(several: Sequence[Spot]) -> list[list[float]]:
+        return [[places[link], *_rounded(at, 4)] for link, at in several]
+
     return {
         "title": frames.title,
         "rate": frames.rate,
         "frames": len(frames.time),
-        "ground": GROUND,
+        "ground": drawing.ground,
+        "scale": drawing.scale,
         "at_stop": AT_STOP,
-        "view": {"side": _rounded(np.ravel(side), 3), "top": _rounded(np.ravel(top), 3)},
-        "shapes": shapes._asdict() | {"boom_ram": shapes.boom_ram._asdict(), "stick_ram": shapes.stick_ram._asdict()},
-        "runs": [
-            {
-                "name": name,
-                "color": line_style(number)[0],
-                "edge": FIRST_EDGE if number == 0 else line_style(number)[0],
-                "angles": _rounded(frames.angles[number], 5),
-                "effector": _rounded(frames.effector[number], 4),
-                "in_plane": _rounded(frames.in_plane[number], 4),
-            }
-            for number, name in enumerate(frames.names)
+        "captions": CAPTIONS,
+        "view": {view: _rounded(np.ravel(limits(drawing, motions, view)), 3) for view in drawing.corners},
+        "slews": drawing.slews,
+        "links": [_joint(link, places) for link in drawing.links],
+        "bodies": [
+            {"spots": spots(b.spots), "radii": _rounded(b.radii, 4), "views": b.views, "fill": b.fill, "edge": b.edge}
+            for b in drawing.bodies
         ],
+        "rams": [{"ends": spots((ram.base, ram.rod)), "barrel": ram.barrel} for ram in drawing.rams],
+        "pins": spots(list(drawing.pins.values())),
+        "stops": [
+            s._asdict() | {"path": spots(s.path), "ticks": [spots(tick) for tick in s.ticks]} for s in drawing.stops
+        ],
+        "runs": [_run(frames, motion, number) for number, motion in enumerate(motions)],
         "channels": [
             {
                 "group": c.group,
@@ -110,6 +120,27 @@ def page_data(frames: Frames, shapes: Shapes) -> dict[str, Any]:
             }
             for c in frames.channels
         ],
+    }
+
+
+def _joint(link: Link, places: Mapping[str, int]) -> dict[str, Any]:
+    return {
+        "parent": places[link.parent],
+        "slides": link.joint == "prismatic",
+        "axis": "xyz".index(link.axis[-1]),
+        "sign": -1 if link.axis[0] == "-" else 1,
+        "at": _rounded(vector(link.at), 4),
+    }
+
+
+def _run(frames: Frames, motion: Motion, number: int) -> dict[str, Any]:
+    color = line_style(number)[0]
+    return {
+        "name": frames.names[number],
+        "color": color,
+        "edge": color if number else FIRST_EDGE,
+        "positions": _rounded(motion.positions, 5),
+        "effector": _rounded(frames.effector[number], 4),
     }
 
 

@@ -1,6 +1,6 @@
 """Runs on the raster of an animation: what both the GIF and the page show."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import NamedTuple
 
@@ -9,8 +9,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.record import EFFECTOR
-from polydraulic.parameters.schema import LINKS
-from polydraulic.plotting.run_figure import CIRCUIT, moving_links
+from polydraulic.plotting.run_figure import circuit_of, joint_column, moving_links
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table, shown_column
 
@@ -18,7 +17,7 @@ MAX_FRAMES = 20_000
 
 
 class PlottedChannel(NamedTuple):
-    """A quantity to show: of a link, of the pumps or of the end-effector; one (n_frame,) array per run, as it is shown."""
+    """A quantity to show: of a function, of the pumps or of the end-effector; one (n_frame,) array per run, as it is shown."""
 
     group: str
     title: str
@@ -33,18 +32,19 @@ class Frames(NamedTuple):
     names: list[str]  # of the runs
     rate: float  # frames a second
     time: np.ndarray  # (n_frame,) s
-    angles: list[np.ndarray]  # a run: (n_frame, 3) rad, swing, boom, stick
+    positions: list[np.ndarray]  # a run: (n_frame, n_function) rad or m, of all joints
     effector: list[np.ndarray]  # a run: (n_frame, 3) m
-    in_plane: list[np.ndarray]  # a run: (n_frame, 2) m, end-effector in the boom's plane, outward and upward
     channels: list[PlottedChannel]
 
 
-def frames_of(runs: Mapping[str, Table], rate: float, units: str = DEFAULT) -> Frames:
+def frames_of(runs: Mapping[str, Table], names: Sequence[str], rate: float, units: str = DEFAULT) -> Frames:
     """Put runs on one raster, linear between their rows, from their start to the end of the shortest.
 
     Parameters
     ----------
     runs : mapping from label to trajectory
+    names : sequence of str
+        Functions of the machine that made them.
     rate : float, 1/s
         Frames in a second of the run.
     units : str
@@ -53,9 +53,10 @@ def frames_of(runs: Mapping[str, Table], rate: float, units: str = DEFAULT) -> F
     Raises
     ------
     InputError
-        No run, a table that is no trajectory, a rate that is not positive or gives too many frames.
+        No run, a table that is no trajectory of this machine, a rate that is not positive or gives too many frames.
     """
-    links = moving_links(runs)
+    moving = moving_links(runs)
+    joints = [[joint_column(table, name, label) for name in names] for label, table in runs.items()]
     tables = list(runs.values())
     last = min(float(table["time"][-1]) for table in tables)
     if not (isfinite(rate) and 0.0 < rate * last <= MAX_FRAMES - 1):
@@ -64,17 +65,14 @@ def frames_of(runs: Mapping[str, Table], rate: float, units: str = DEFAULT) -> F
         )
     time = np.arange(int(last * rate + 1e-9) + 1) / rate
     thin = [_thinned(table, time) for table in tables]
-    angles = [table.matrix([f"{link}.angle" for link in LINKS]) for table in thin]
-    effector = [table.matrix(EFFECTOR) for table in thin]
     return Frames(
         title=str(tables[0].info.get("scenario", "")),
         names=list(runs),
         rate=rate,
         time=time,
-        angles=angles,
-        effector=effector,
-        in_plane=[_in_plane(a[:, 0], e) for a, e in zip(angles, effector, strict=True)],
-        channels=_channels(thin, links, units),
+        positions=[table.matrix(columns) for table, columns in zip(thin, joints, strict=True)],
+        effector=[table.matrix(EFFECTOR) for table in thin],
+        channels=_channels(thin, moving, units),
     )
 
 
@@ -83,11 +81,7 @@ def _thinned(table: Table, time: np.ndarray) -> Table:
     return Table({**columns, "time": time}, table.units, table.info)
 
 
-def _in_plane(swing: np.ndarray, effector: np.ndarray) -> np.ndarray:
-    return np.column_stack([effector[:, 0] * np.cos(swing) + effector[:, 1] * np.sin(swing), effector[:, 2]])
-
-
-def _channels(tables: list[Table], links: list[str], units: str) -> list[PlottedChannel]:
+def _channels(tables: list[Table], moving: list[str], units: str) -> list[PlottedChannel]:
     found = []
 
     def add(group: str, title: str, column: str) -> None:
@@ -95,15 +89,16 @@ def _channels(tables: list[Table], links: list[str], units: str) -> list[Plotted
             read = [shown_column(table, column, units) for table in tables]
             found.append(PlottedChannel(group, title, read[0][1], [values for values, _ in read]))
 
-    for link in links:
+    for name in moving:
         for title, quantity in (
             ("angle", "angle"),
+            ("position", "position"),
             ("flow in", "q_in"),
             ("inlet pressure", "p_in"),
             ("joystick", "voltage"),
         ):
-            add(link, title, f"{link}.{quantity}")
-    for circuit in sorted({CIRCUIT[link] for link in links}):
+            add(name, title, f"{name}.{quantity}")
+    for circuit in sorted({circuit_of(tables[0], name) for name in moving}):
         add("pumps and tip", f"{circuit} pump pressure", f"{circuit}.p_pump")
     add("pumps and tip", "tip height", "effector.z")
     if len(tables) > 1:

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.files import replacing
+from polydraulic.plotting.drawing import Drawing
 from polydraulic.plotting.frames import Frames
 from polydraulic.plotting.scene import STOP, moving_artists, scene
-from polydraulic.plotting.shapes import Shapes
 from polydraulic.progress import Progress
 
 
@@ -20,7 +20,7 @@ class Colors(NamedTuple):
     nearest: np.ndarray  # (32768,) uint8
 
 
-def write_gif(frames: Frames, shapes: Shapes, path: str | Path, progress: Progress) -> None:
+def write_gif(frames: Frames, drawing: Drawing, path: str | Path, progress: Progress) -> None:
     """Write all frames as a GIF, whole or not at all; `progress` is told how many are done, of how many.
 
     A GIF counts hundredths of a second: rates that divide 100 play at the run's own speed.
@@ -28,7 +28,7 @@ def write_gif(frames: Frames, shapes: Shapes, path: str | Path, progress: Progre
     total = len(frames.time)
 
     def counted() -> Iterator[Any]:
-        for number, image in enumerate(_images(frames, shapes), start=1):
+        for number, image in enumerate(_images(frames, drawing), start=1):
             progress("frames", number, total)
             yield image
 
@@ -38,12 +38,12 @@ def write_gif(frames: Frames, shapes: Shapes, path: str | Path, progress: Progre
         next(images).save(temporary, format="GIF", save_all=True, append_images=images, duration=pause, loop=0)
 
 
-def _images(frames: Frames, shapes: Shapes) -> Iterator[Any]:
+def _images(frames: Frames, drawing: Drawing) -> Iterator[Any]:
     """Frames as palette images; what stands still is drawn once."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
-    figure, update = scene(frames, shapes)
+    figure, update = scene(frames, drawing)
     figure.set_dpi(100.0)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Panel(NamedTuple):
-    """One row of the plot: what it shows of a link, full lines and dashed ones, and whether all links share its scale."""
+    """One row of the plot: what it shows of a function, full lines and dashed ones, and whether all share its scale."""
 
     title: str
     full: str
@@ -47,7 +47,7 @@ def line_style(number: int) -> tuple[str, float]:
 
 
 def moving_links(runs: Mapping[str, Table]) -> list[str]:
-    """Links that move in the runs, in kinematic order.
+    """Functions that move in the runs, in the order of the first run's columns.
 
     Raises
     ------
@@ -65,14 +65,28 @@ def moving_links(runs: Mapping[str, Table]) -> list[str]:
     return [link for link in moving if all(f"{link}.spool" in table.names for table in others)]
 
 
+def joint_column(table: Table, name: str, label: str) -> str:
+    """Column that holds where a function's joint is: its angle, or its position if it slides.
+
+    Raises
+    ------
+    InputError
+        If the run called `label` has neither.
+    """
+    found = [column for column in (f"{name}.angle", f"{name}.position") if column in table.names]
+    if not found:
+        raise InputError(f"run {label!r} has no column '{name}.angle' or '{name}.position'; give runs of the same machine")
+    return found[0]
+
+
 def circuit_of(table: Table, link: str) -> str:
-    """The circuit that feeds a link, as the run says."""
+    """The circuit that feeds a function, as the run says; a run that says nothing is of the layout of cat215b."""
     circuits: Any = table.info.get("circuits", CIRCUITS)
-    return next(circuit for circuit, links in circuits.items() if link in links)
+    return next((circuit for circuit, fed in circuits.items() if link in fed), link)
 
 
 def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
-    """Joystick, spool, flow, pressure and angle of every moving link over time, one colour a run, and below the end-effector.
+    """Joystick, spool, flow, pressure and angle (or position) of every moving function over time, one colour a run, and below the end-effector.
 
     The first run is the one that the others are held against: the last panel shows how far their end-effectors are from
     its. For a single run it shows the end-effector's position.
@@ -95,7 +109,8 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
     from matplotlib.figure import Figure
 
     links = moving_links(runs)
-    figure = Figure(figsize=(max(8.0, 4.2 * len(links)), 11.0), layout="constrained")
+    width = 4.2 * min(len(links), 4) + 2.8 * max(len(links) - 4, 0)
+    figure = Figure(figsize=(max(8.0, width), 11.0), layout="constrained")
     grid = figure.add_gridspec(len(PANELS) + 1, len(links), height_ratios=[0.8, 0.8, 1.2, 1.2, 1.2, 1.0])
     first: Axes | None = None
     rows: dict[int, Axes] = {}  # the first axis of each
@@ -108,7 +123,7 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
             axis.tick_params(labelbottom=row == len(PANELS) - 1, labelleft=column == 0 or not panel.shared)
             if row == 0:
                 axis.set_title(link, fontweight="bold")
-            if column:
+            if column and axis.get_ylabel() == rows[row].get_ylabel():  # not so where one joint turns and another slides
                 axis.set_ylabel("")
     below = figure.add_subplot(grid[-1, :], sharex=first)
     _draw_effector(below, runs, units)
@@ -121,18 +136,18 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
 
 
 def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel, units: str) -> None:
-    unit, dashed = "", False
+    unit, full, dashed = "", "", False
     for number, table in enumerate(runs.values()):
         color, width = line_style(number)
-        full = panel.full if f"{link}.{panel.full}" in table.names else "position"  # of a prismatic joint
-        values, unit = shown_column(table, f"{link}.{full}", units)
+        full = joint_column(table, link, "") if panel.full == "angle" else f"{link}.{panel.full}"
+        values, unit = shown_column(table, full, units)
         axis.plot(table["time"], values, color=color, linewidth=width)
         owner = circuit_of(table, link) if panel.dashed == "p_pump" else link
         if panel.dashed and f"{owner}.{panel.dashed}" in table.names:
             values, unit = shown_column(table, f"{owner}.{panel.dashed}", units)
             axis.plot(table["time"], values, "--", color=color, linewidth=0.6 * width)
             dashed = True
-    axis.set_ylabel(with_unit(panel.title, unit))
+    axis.set_ylabel(with_unit(full.rpartition(".")[2] if panel.full == "angle" else panel.title, unit))
     if dashed:
         axis.set_title(panel.lines, loc="right", fontsize="x-small", color="0.4", pad=2.0)
     axis.grid(alpha=0.3)

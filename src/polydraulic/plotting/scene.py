@@ -1,22 +1,42 @@
-"""The linkage as matplotlib draws it: side view, view from above, and joint angles over time.
+"""A machine in motion as matplotlib draws it: side view, view from above, and joint positions over time.
 
 Artists that change from frame to frame are marked as animated, so that a writer can draw the others once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from polydraulic.plotting.carrier import INK
+from polydraulic.plotting.drawing import (
+    AT_STOP,
+    OF_RUN,
+    OPEN,
+    Body,
+    Drawing,
+    Motion,
+    View,
+    limits,
+    motion_of,
+    places,
+    seen,
+    silhouette,
+)
 from polydraulic.plotting.frames import Frames, PlottedChannel
 from polydraulic.plotting.run_figure import line_style
-from polydraulic.plotting.shapes import AT_STOP, GROUND, Points, Ram, Shapes, placed, pose, seen_from_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DARK, FIRST_EDGE, BODY, TRACK, STOP = "#34495e", "#3b6ea5", "#e3e6ea", "#c9ced6", "#c0392b"
+FIRST_EDGE, STOP = "#3b6ea5", "#c0392b"
+CAPTIONS: dict[View, str] = {
+    "side": "side view, in the plane of the arm; ticks are end stops, red when reached",
+    "top": "from above",
+}
+_STRIPS_IN_A_ROW = 5
 Update = Callable[[int], None]
 
 
@@ -25,24 +45,30 @@ def moving_artists(figure: "Figure") -> list[Any]:
     return sorted(figure.findobj(lambda artist: artist.get_animated()), key=lambda artist: artist.get_zorder())
 
 
-def scene(frames: Frames, shapes: Shapes) -> tuple["Figure", Update]:
+def scene(frames: Frames, drawing: Drawing) -> tuple["Figure", Update]:
     """Return a scene without moving parts, and the function that puts them where they are in a frame."""
     from matplotlib.figure import Figure
 
-    shown = [c for c in frames.channels if c.title in ("angle", "tip height", "tip from first")]
+    shown = [c for c in frames.channels if c.title in ("angle", "position", "tip height", "tip from first")]
     shown = shown[:-2] + shown[-1:] if len(frames.names) > 1 else shown
-    figure = Figure(figsize=(9.6, 6.2))
-    side = figure.add_axes((0.01, 0.27, 0.6, 0.67))
-    top = figure.add_axes((0.62, 0.27, 0.37, 0.67))
-    width = 0.97 / len(shown)
-    strips = [figure.add_axes((0.055 + width * i, 0.07, width - 0.055, 0.14)) for i in range(len(shown))]
-    updates = [_side_view(side, frames, shapes), _top_view(top, frames, shapes)]
-    updates += [_strip(axis, frames, channel) for axis, channel in zip(strips, shown, strict=True)]
-    clock = figure.text(0.985, 0.957, "", ha="right", family="monospace", fontsize=11, animated=True)
-    figure.text(0.015, 0.957, frames.title, fontweight="bold", fontsize=11)
+    rows = ceil(len(shown) / _STRIPS_IN_A_ROW)
+    height, below = 5.0 + 1.2 * rows, 0.474 + 1.2 * rows  # in
+    figure = Figure(figsize=(9.6, height))
+    side = figure.add_axes((0.01, below / height, 0.6, 4.154 / height))
+    top = figure.add_axes((0.62, below / height, 0.37, 4.154 / height))
+    motions = [motion_of(drawing, positions) for positions in frames.positions]
+    updates: list[Update] = []
+    views: list[tuple[Axes, View]] = [(side, "side"), (top, "top")]
+    for axis, view in views:
+        fill_place(axis, *limits(drawing, motions, view))
+        _frameless(axis, CAPTIONS[view], drawing.scale)
+        updates += [draw_view(axis, drawing, view, motions), _trails(axis, motions, frames.effector, view)]
+    updates += _strips(figure, frames, shown, ceil(len(shown) / rows))
+    clock = figure.text(0.985, 1.0 - 0.267 / height, "", ha="right", family="monospace", fontsize=11, animated=True)
+    figure.text(0.015, 1.0 - 0.267 / height, frames.title, fontweight="bold", fontsize=11)
     for number, name in enumerate(frames.names):
         color = FIRST_EDGE if number == 0 else line_style(number)[0]
-        figure.text(0.25 + 0.14 * number, 0.957, f"\u25a0 {name}", color=color, fontsize=10)
+        figure.text(0.25 + 0.14 * number, 1.0 - 0.267 / height, f"\u25a0 {name}", color=color, fontsize=10)
 
     def update(k: int) -> None:
         clock.set_text(f"{frames.time[k]:6.2f} s")
@@ -52,52 +78,19 @@ def scene(frames: Frames, shapes: Shapes) -> tuple["Figure", Update]:
     return figure, update
 
 
-def _frameless(axis: "Axes", low: np.ndarray, high: np.ndarray, title: str) -> None:
-    """Equal scales, a bar of 1 m, no frame; the view is widened to fill its place, a little more to the upper right."""
-    width, height = axis.get_window_extent().size
-    scale = max((high - low) / (width, height))
-    spare = scale * np.array([width, height]) - (high - low)
-    low, high = low - 0.4 * spare, high + 0.6 * spare
-    axis.set_xlim(low[0], high[0])
-    axis.set_ylim(low[1], high[1])
-    axis.axis("off")
-    bar = low + scale * np.array([14.0, 12.0])
-    axis.plot([bar[0], bar[0] + 1.0], [bar[1]] * 2, color=DARK, linewidth=2.0)
-    axis.text(bar[0] + 0.5, bar[1] + 4.0 * scale, "1 m", ha="center", va="bottom", fontsize=8, color=DARK)
-    axis.text(0.02, 0.98, title, transform=axis.transAxes, va="top", fontsize=8.5, color="0.45")
-
-
-def _polygon(axis: "Axes", points: Any, **style: Any) -> Any:
-    from matplotlib.patches import Polygon
-
-    return axis.add_patch(Polygon(points, closed=True, joinstyle="round", **style))
-
-
-def views(frames: Frames, shapes: Shapes) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Lower and upper corners of side view and top view, m: the machine and all places that tips reach."""
-    outward, height = np.concatenate(frames.in_plane).T
-    joint = max(shapes.boom_length * float(np.sin(a[:, 1]).max()) for a in frames.angles)
-    side = (
-        np.array([-3.1, min(GROUND - 0.75, float(height.min()) - 1.1)]),
-        np.array([max(4.0, float(outward.max()) + 1.0), max(1.7, joint + 0.9, float(height.max()) + 1.2)]),
-    )
-    across = np.concatenate([e[:, :2] for e in frames.effector])
-    low, high = np.minimum(across.min(axis=0) - 0.8, -3.1), np.maximum(across.max(axis=0) + 0.8, 3.1)
-    return side, (low, high)
-
-
-def _side_view(axis: "Axes", frames: Frames, shapes: Shapes) -> Update:
-    (low, high), _ = views(frames, shapes)
-    _frameless(axis, low, high, "side view, in the plane of the boom; ticks are end stops, red when reached")
-    axis.axhspan(axis.get_ylim()[0], GROUND, color="#f3efe8", linewidth=0.0, zorder=0)
-    axis.axhline(GROUND, color="#b8ad9a", linewidth=1.0, zorder=0)
-    _polygon(axis, shapes.track, facecolor=TRACK, edgecolor=DARK, linewidth=1.0)
-    axis.plot([0.0, 0.0], [GROUND + 0.78, -0.72], color=DARK, linewidth=14.0, solid_capstyle="butt")
-    _polygon(axis, shapes.upper, facecolor=BODY, edgecolor=DARK, linewidth=1.0)
-    _polygon(axis, shapes.cab, facecolor="#f4f6f8", edgecolor=DARK, linewidth=1.0)
-    _polygon(axis, shapes.window, facecolor="#d5e6f3", edgecolor="none")
-    updates = [_stops(axis, frames, shapes)]
-    updates += [_machine(axis, frames, shapes, number) for number in reversed(range(len(frames.names)))]
+def draw_view(axis: "Axes", drawing: Drawing, view: View, motions: Sequence[Motion]) -> Update:
+    """Draw a machine as one run moves it, or several, on an axis with limits: the first filled, the others as outlines."""
+    if view == "side":
+        axis.axhspan(axis.get_ylim()[0], drawing.ground, color="#f3efe8", linewidth=0.0, zorder=0)
+        axis.axhline(drawing.ground, color="#b8ad9a", linewidth=1.0, zorder=0)
+    bodies = [body for body in drawing.bodies if view in body.views]
+    updates = [_body(axis, body, view, motions[0], 0) for body in bodies if body.fill not in (OF_RUN, OPEN)]
+    updates += [_stops(axis, drawing, view, motions[0])]
+    for number in reversed(range(len(motions))):
+        motion = motions[number]
+        updates += [_body(axis, body, view, motion, number) for body in bodies if body.fill in (OF_RUN, OPEN)]
+        if view == "side":
+            updates += [_rams(axis, drawing, motion, number), _pins(axis, drawing, motion, number)]
 
     def update(k: int) -> None:
         for part in updates:
@@ -106,141 +99,154 @@ def _side_view(axis: "Axes", frames: Frames, shapes: Shapes) -> Update:
     return update
 
 
-def _machine(axis: "Axes", frames: Frames, shapes: Shapes, number: int) -> Update:
-    """Boom, stick and cylinders of one run: the first filled, the others as outlines."""
-    color = line_style(number)[0]
-    style: dict[str, Any] = {"facecolor": color, "edgecolor": FIRST_EDGE, "linewidth": 1.2, "zorder": 3}
-    if number:
-        style = {"facecolor": "none", "edgecolor": color, "linewidth": 1.3, "zorder": 5}
-    ghost = style | {"facecolor": "none", "linewidth": 0.8, "linestyle": (0, (3, 2))}
-    parts = [_polygon(axis, [(0.0, 0.0)], animated=True, **s) for s in (ghost, style, style)]
-    edge = style["edgecolor"]
-    rods = [axis.plot([], [], animated=True, color=edge, linewidth=2.0, zorder=style["zorder"])[0] for _ in range(2)]
-    barrels = [
-        axis.plot(
-            [],
-            [],
-            animated=True,
-            color=edge,
-            linewidth=1.3 if number else 6.5,
-            solid_capstyle="butt",
-            zorder=style["zorder"],
-        )[0]
-        for _ in range(2)
+def fill_place(axis: "Axes", low: np.ndarray, high: np.ndarray) -> None:
+    """Equal scales; the view is widened to fill its place, a little more to the upper right."""
+    width, height = axis.get_window_extent().size
+    scale = max((high - low) / (width, height))
+    spare = scale * np.array([width, height]) - (high - low)
+    low, high = low - 0.4 * spare, high + 0.6 * spare
+    axis.set_xlim(low[0], high[0])
+    axis.set_ylim(low[1], high[1])
+
+
+def _frameless(axis: "Axes", title: str, bar: float) -> None:
+    """No frame, and a bar of a round length."""
+    axis.axis("off")
+    (x, right), y = axis.get_xlim(), axis.get_ylim()[0]
+    scale = (right - x) / axis.get_window_extent().width
+    left, bottom = x + 14.0 * scale, y + 12.0 * scale
+    axis.plot([left, left + bar], [bottom, bottom], color=INK, linewidth=2.0)
+    text = f"{bar:g} m"
+    axis.text(left + 0.5 * bar, bottom + 4.0 * scale, text, ha="center", va="bottom", fontsize=8, color=INK)
+    axis.text(0.02, 0.98, title, transform=axis.transAxes, va="top", fontsize=8.5, color="0.45")
+
+
+def _edge(number: int) -> str:
+    return line_style(number)[0] if number else FIRST_EDGE
+
+
+def _layer(number: int) -> int:
+    return 5 if number else 3
+
+
+def _body(axis: "Axes", body: Body, view: View, motion: Motion, number: int) -> Update:
+    from matplotlib.patches import Polygon
+
+    points = seen(motion, view, places(motion, body.spots))
+    if body.fill in (OF_RUN, OPEN):
+        filled = body.fill == OF_RUN and not number
+        style: dict[str, Any] = {"edgecolor": _edge(number), "linewidth": 1.3 if number else 1.2, "zorder": _layer(number)}
+        style["facecolor"] = line_style(number)[0] if filled else "none"
+        if body.fill == OPEN:
+            style |= {"linewidth": 0.8, "linestyle": (0, (3, 2))}
+    else:
+        style = {"facecolor": body.fill, "edgecolor": body.edge, "linewidth": 1.0, "zorder": 1}
+    still = bool(np.all(np.ptp(points, axis=0) < 1e-9))
+    outline = silhouette(points[0], body.radii)
+    patch = axis.add_patch(Polygon(outline, closed=True, joinstyle="round", animated=not still, **style))
+
+    def update(k: int) -> None:
+        if not still:
+            patch.set_xy(silhouette(points[k], body.radii))
+
+    return update
+
+
+def _rams(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update:
+    ends = seen(motion, "side", places(motion, [spot for ram in drawing.rams for spot in (ram.base, ram.rod)]))
+    style: dict[str, Any] = {"animated": True, "color": _edge(number), "zorder": _layer(number)}
+    rods = [axis.plot([], [], linewidth=2.0, **style)[0] for _ in drawing.rams]
+    broad = 1.3 if number else 6.5
+    barrels = [axis.plot([], [], linewidth=broad, solid_capstyle="butt", **style)[0] for _ in drawing.rams]
+
+    def update(k: int) -> None:
+        for place, (ram, rod, barrel) in enumerate(zip(drawing.rams, rods, barrels, strict=True)):
+            base, pin = ends[k, 2 * place : 2 * place + 2]
+            rod.set_data(*np.array([base, pin]).T)
+            end = base + (pin - base) * ram.barrel / np.linalg.norm(pin - base)
+            barrel.set_data(*np.array([base, end]).T)
+
+    return update
+
+
+def _pins(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update:
+    points = seen(motion, "side", places(motion, list(drawing.pins.values())))
+    style = {"color": "white", "markeredgecolor": _edge(number), "markersize": 4.0, "zorder": _layer(number) + 1}
+    (pins,) = axis.plot([], [], "o", animated=True, **style)
+    return lambda k: pins.set_data(*points[k].T)
+
+
+def _trails(axis: "Axes", motions: Sequence[Motion], effector: Sequence[np.ndarray], view: View) -> Update:
+    paths = [seen(motion, view, tip[:, None, :])[:, 0] for motion, tip in zip(motions, effector, strict=True)]
+    lines = [
+        axis.plot([], [], animated=True, color=_edge(number), linewidth=0.9, alpha=0.6, zorder=2)[0]
+        for number in range(len(motions))
     ]
-    (pins,) = axis.plot(
-        [], [], "o", animated=True, color="white", markeredgecolor=edge, markersize=4.0, zorder=style["zorder"] + 1
-    )
-    (trail,) = axis.plot([], [], animated=True, color=edge, linewidth=0.9, alpha=0.6, zorder=2)
-    angles, tip = frames.angles[number], frames.in_plane[number]
 
     def update(k: int) -> None:
-        boom, stick = angles[k, 1], angles[k, 2]
-        at = pose(shapes, boom, stick)
-        parts[0].set_xy(placed(shapes.bucket, at.joint, boom + stick))
-        parts[1].set_xy(placed(shapes.stick, at.joint, boom + stick))
-        parts[2].set_xy(placed(shapes.boom, at.foot, boom))
-        pairs = ((shapes.boom_ram, at.boom_base, at.boom_rod), (shapes.stick_ram, at.stick_base, at.stick_rod))
-        for rod, barrel, pair in zip(rods, barrels, pairs, strict=True):
-            _ram(rod, barrel, *pair)
-        pins.set_data(*np.array(at).T)
-        trail.set_data(tip[: k + 1, 0], tip[: k + 1, 1])
+        for line, path in zip(lines, paths, strict=True):
+            line.set_data(*path[: k + 1].T)
 
     return update
 
 
-def _ram(rod: Any, barrel: Any, ram: Ram, base: np.ndarray, pin: np.ndarray) -> None:
-    end = base + (pin - base) * ram.barrel / np.linalg.norm(pin - base)
-    rod.set_data(*np.array([base, pin]).T)
-    barrel.set_data(*np.array([base, end]).T)
-
-
-def _stops(axis: "Axes", frames: Frames, shapes: Shapes) -> Update:
-    """Arcs of travel with a tick at each end stop; a tick turns red while the first run stands at its stop."""
-    rows = [(i, link, r) for i, link, r in ((1, "boom", 1.25), (2, "stick", 0.95)) if link in shapes.stops]
-    arcs = [axis.plot([], [], animated=True, color="0.55", linewidth=0.8, linestyle=":", zorder=6)[0] for _ in rows]
-    ticks = [[axis.plot([], [], animated=True, linewidth=2.4, zorder=6)[0] for _ in range(2)] for _ in rows]
+def _stops(axis: "Axes", drawing: Drawing, view: View, motion: Motion) -> Update:
+    """Lines of travel with a tick at each end stop; a tick turns red while the run stands at its stop."""
+    stops = [s for s in drawing.stops if s.view == view]
+    paths = [seen(motion, view, places(motion, s.path)) for s in stops]
+    ticks = [[seen(motion, view, places(motion, tick)) for tick in s.ticks] for s in stops]
+    arcs = [axis.plot([], [], animated=True, color="0.55", linewidth=0.8, linestyle=":", zorder=6)[0] for _ in stops]
+    marks = [[axis.plot([], [], animated=True, linewidth=2.4, zorder=6)[0] for _ in range(2)] for _ in stops]
 
     def update(k: int) -> None:
-        angles = frames.angles[0][k]
-        at = pose(shapes, angles[1], angles[2])
-        for (place, link, radius), arc, pair in zip(rows, arcs, ticks, strict=True):
-            centre, turned = (at.foot, 0.0) if link == "boom" else (at.joint, angles[1])
-            ends = shapes.stops[link]
-            sweep = turned + np.linspace(*ends, 40)
-            arc.set_data(*(centre + radius * np.column_stack([np.cos(sweep), np.sin(sweep)])).T)
-            for tick, end in zip(pair, ends, strict=True):
-                direction = np.array([np.cos(turned + end), np.sin(turned + end)])
-                tick.set_data(*np.array([centre + 0.88 * radius * direction, centre + 1.12 * radius * direction]).T)
-                tick.set_color(STOP if abs(angles[place] - end) <= AT_STOP else "0.55")
+        for stop, path, pair, arc, both in zip(stops, paths, ticks, arcs, marks, strict=True):
+            arc.set_data(*path[k].T)
+            position = motion.positions[k, stop.joint]
+            for tick, mark, end in zip(pair, both, (stop.low, stop.high), strict=True):
+                mark.set_data(*tick[k].T)
+                mark.set_color(STOP if abs(position - end) <= AT_STOP else "0.55")
 
     return update
 
 
-def _top_view(axis: "Axes", frames: Frames, shapes: Shapes) -> Update:
-    _, (low, high) = views(frames, shapes)
-    _frameless(axis, low, high, "from above")
-    for track in shapes.tracks_top:
-        _polygon(axis, track, facecolor=TRACK, edgecolor=DARK, linewidth=1.0)
-    body = _polygon(axis, [(0.0, 0.0)], animated=True, facecolor=BODY, edgecolor=DARK, linewidth=1.0)
-    cab = _polygon(axis, [(0.0, 0.0)], animated=True, facecolor="#d5e6f3", edgecolor=DARK, linewidth=0.8)
-    order = list(reversed(range(len(frames.names))))
-    drawn = [_arm_from_above(axis, frames, shapes, number) for number in order]
-
-    def update(k: int) -> None:
-        swing = frames.angles[0][k, 0]
-        body.set_xy(placed(shapes.upper_top, np.zeros(2), swing))
-        cab.set_xy(placed(shapes.cab_top, np.zeros(2), swing))
-        for part in drawn:
-            part(k)
-
-    return update
+def _strips(figure: "Figure", frames: Frames, shown: Sequence[PlottedChannel], in_a_row: int) -> list[Update]:
+    """Quantities over time in rows at the bottom; titles as large as their places allow."""
+    rows, width, height = ceil(len(shown) / in_a_row), 0.97 / in_a_row, figure.get_figheight()
+    longest = max(len(_titled(channel, 0)) for channel in shown) + 2
+    size = min(8.5, 72.0 * 9.6 * (width - 0.02) / (0.54 * longest))
+    updates = []
+    for place, channel in enumerate(shown):
+        row, column = divmod(place, in_a_row)
+        bottom = 0.434 + 1.2 * (rows - 1 - row)
+        axis = figure.add_axes((0.055 + width * column, bottom / height, width - 0.055, 0.868 / height))
+        updates.append(_strip(axis, frames, channel, size, last=row == rows - 1))
+    return updates
 
 
-def _arm_from_above(axis: "Axes", frames: Frames, shapes: Shapes, number: int) -> Update:
-    color = line_style(number)[0]
-    edge = color if number else FIRST_EDGE
-    fill, layer = ("none", 5) if number else (color, 3)
-    parts = [
-        _polygon(axis, [(0.0, 0.0)], animated=True, facecolor=fill, edgecolor=edge, linewidth=1.2, zorder=layer)
-        for _ in range(2)
-    ]
-    (trail,) = axis.plot([], [], animated=True, color=edge, linewidth=0.9, alpha=0.6, zorder=2)
-    angles, effector = frames.angles[number], frames.effector[number]
-
-    def update(k: int) -> None:
-        swing, boom, stick = angles[k]
-        joint = shapes.a1 + shapes.boom_length * np.cos(boom)
-        tip = joint + shapes.stick_length * np.cos(boom + stick)
-        outlines: tuple[Points, Points] = (
-            seen_from_above(shapes, tip, joint, 0.17),
-            seen_from_above(shapes, joint, shapes.a1, 0.24),
-        )
-        for part, outline in zip(parts, outlines, strict=True):
-            part.set_xy(placed(outline, np.zeros(2), swing))
-        trail.set_data(effector[: k + 1, 0], effector[: k + 1, 1])
-
-    return update
+def _titled(channel: PlottedChannel, k: int) -> str:
+    """A channel with its value in the first run, or in the last where that is zero."""
+    group = "" if channel.group.startswith("pumps") else f"{channel.group} "
+    value = channel.values[-1 if channel.title == "tip from first" else 0][k]
+    return f"{group}{channel.title}  {value:.{1 if abs(value) >= 10.0 else 2}f} {channel.unit}"
 
 
-def _strip(axis: "Axes", frames: Frames, channel: PlottedChannel) -> Update:
-    """One quantity over time with a cursor; the title gives its value in the first run, or in the last where that is zero."""
+def _strip(axis: "Axes", frames: Frames, channel: PlottedChannel, size: float, *, last: bool) -> Update:
+    """One quantity over time with a cursor, and its value as title."""
     apart = channel.title == "tip from first"
     for number, values in enumerate(channel.values):
         color, width = line_style(number)
         if not (apart and number == 0):
             axis.plot(frames.time, values, color=color, linewidth=width)
     axis.set_xlim(frames.time[0], max(frames.time[-1], frames.time[0] + 1e-9))
-    axis.tick_params(labelsize=7)
+    axis.tick_params(labelsize=7, labelbottom=last)
     axis.grid(alpha=0.3)
-    axis.set_xlabel("time [s]", fontsize=7, labelpad=1.0)
-    cursor = axis.axvline(0.0, color=DARK, linewidth=1.0, animated=True)
-    group = "" if channel.group.startswith("pumps") else f"{channel.group} "
-    title = axis.set_title("", fontsize=8.5, loc="left", pad=3.0, animated=True)
-    shown = channel.values[-1 if apart else 0]
+    if last:
+        axis.set_xlabel("time [s]", fontsize=7, labelpad=1.0)
+    cursor = axis.axvline(0.0, color=INK, linewidth=1.0, animated=True)
+    title = axis.set_title("", fontsize=size, loc="left", pad=3.0, animated=True)
 
     def update(k: int) -> None:
         cursor.set_xdata([frames.time[k]] * 2)
-        title.set_text(f"{group}{channel.title}  {shown[k]:.{1 if abs(shown[k]) >= 10.0 else 2}f} {channel.unit}")
+        title.set_text(_titled(channel, k))
 
     return update

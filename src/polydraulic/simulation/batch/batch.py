@@ -18,26 +18,19 @@ from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, flow_name
 from polydraulic.flow.lanes import LANES, P_IN, leaves
 from polydraulic.flow.record import (
-    ANGLE,
-    BOOM,
     EFFECTOR,
     N_RECORD,
-    N_STATE,
     P_A,
     P_B,
-    P_BETWEEN,
-    PLACE,
     SPOOL,
-    circuit_columns,
-    link_columns,
-    working_circuits,
 )
-from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
-from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, Kept, LaneBlock, run_block
+from polydraulic.simulation.batch.family import Able, Family
+from polydraulic.simulation.batch.lanes import P_OUT
+from polydraulic.simulation.lane_blocks import Kept, LaneBlock
 from polydraulic.simulation.loop import run
 from polydraulic.tables import Table
 
@@ -164,12 +157,12 @@ def simulate_batch(
         raise InputError(f"keep = {keep!r}: must be a list of {list(KEEP)}")
     if threads is not None and (not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads = {threads!r}: must be a whole number, at least 1")
-    name, n, n_step = flow_name(cases.kinds[0].model), len(cases.kind), cases.voltage.shape[1]
-    places, units, names = _chosen(_columns(cases, name), columns, "range" in keep)
+    family, n, n_step = cases.family, len(cases.kind), cases.voltage.shape[1]
+    places, units, names = _chosen(family, family.columns(cases.free), columns, "range" in keep)
     shape = (n, len(names))
     kept = Kept(
         columns=np.array(places, dtype=np.int64),
-        circuits=any(BOOM <= row <= P_BETWEEN for row in places),
+        circuits=any(row in family.pump_rows for row in places),
         every=every if "rows" in keep else 0,
         rows=np.empty((n, n_step // every + 1 if "rows" in keep else 0, len(names))),
         final=np.empty(shape),
@@ -177,7 +170,7 @@ def simulate_batch(
         highest=np.full(shape if "range" in keep else (0, 0), -np.inf),
     )
     counts = np.zeros((n, 3), dtype=np.int64)
-    work = _blocks(cases, kept, counts) if FLOW_KINDS[name].lanes else _singles(cases, kept, counts)
+    work = _blocks(cases, kept, counts) if family.run_block is not None else _singles(cases, kept, counts)
     _share_out(work, threads or _processors(), n, progress)
     for i in np.flatnonzero(counts[:, 0] < n_step):
         for values in (kept.final, kept.lowest, kept.highest):
@@ -196,24 +189,8 @@ def simulate_batch(
         steps=counts[:, 0],
         not_converged=counts[:, 1],
         out_of_domain=counts[:, 2],
-        info={"flow": name, "dt": dt, "steps": n_step},
+        info={"flow": cases.flow, "dt": dt, "steps": n_step},
     )
-
-
-def _columns(cases: Cases, flow: str) -> dict[str, tuple[int, str]]:
-    """Row in a block, and unit, of everything that can be kept."""
-    found: dict[str, tuple[int, str]] = {}
-    for place, link in enumerate(LINKS):
-        if link not in cases.free:
-            found[f"{link}.angle"] = (ANGLE + place, "rad")
-            continue
-        found |= {name: (PLACE[name], unit) for name, unit in link_columns(link)}
-        found[f"{link}.p_in"], found[f"{link}.p_out"] = (P_IN + place, "Pa"), (P_OUT + place, "Pa")
-    kind, locked = FLOW_KINDS[flow], set(LINKS) - set(cases.free)
-    for circuit in working_circuits(locked):
-        columns = circuit_columns(circuit, p_pump=kind.gives_pump_pressure, q_stored=kind.has_state)
-        found |= {name: (PLACE[name], unit) for name, unit in columns}
-    return found
 
 
 class _Chosen(NamedTuple):
@@ -224,7 +201,7 @@ class _Chosen(NamedTuple):
     names: tuple[str, ...]
 
 
-def _chosen(able: dict[str, tuple[int, str]], columns: Sequence[str] | None, ranges: bool) -> _Chosen:
+def _chosen(family: Family, able: Able, columns: Sequence[str] | None, ranges: bool) -> _Chosen:
     wanted = [*able, *([] if ranges else EFFECTOR)] if columns is None else list(dict.fromkeys(columns))
     unknown = [name for name in wanted if name not in able and name not in EFFECTOR]
     if unknown or not wanted:
@@ -232,17 +209,17 @@ def _chosen(able: dict[str, tuple[int, str]], columns: Sequence[str] | None, ran
     axes = EFFECTOR if any(name in EFFECTOR for name in wanted) else ()
     if axes and ranges:
         raise InputError(f"{', '.join(EFFECTOR)} have no range; keep rows, or leave them out of the columns")
-    angles = [f"{link}.angle" for link in LINKS] if axes else []
-    names = tuple(dict.fromkeys([name for name in wanted if name not in EFFECTOR] + angles))
+    angles = family.joints if axes else ()
+    names = tuple(dict.fromkeys([*(name for name in wanted if name not in EFFECTOR), *angles]))
     units = {name: able[name][1] for name in names} | dict.fromkeys(axes, "m")
     return _Chosen([able[name][0] for name in names], units, names + axes)
 
 
 def _add_effector(cases: Cases, names: tuple[str, ...], kept: Kept) -> None:
-    angles, first = [names.index(f"{link}.angle") for link in LINKS], names.index(EFFECTOR[0])
-    geometry: Any = np.array([kind.machine.geometry for kind in cases.kinds])[cases.kind].T
-    kept.final[:, first:] = end_effector(kept.final[:, angles], Geometry(*geometry))
-    kept.rows[:, :, first:] = end_effector(kept.rows[:, :, angles], Geometry(*geometry[..., None]))
+    angles, first = [names.index(name) for name in cases.family.joints], names.index(EFFECTOR[0])
+    machines = [kind.machine for kind in cases.kinds]
+    kept.final[:, first:] = cases.family.tips(machines, cases.kind, kept.final[:, angles])
+    kept.rows[:, :, first:] = cases.family.tips(machines, cases.kind, kept.rows[:, :, angles])
 
 
 def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
@@ -251,17 +228,17 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
     numbers, number = np.unique(of_kinds, axis=0, return_inverse=True)
     parameters = number.reshape(-1)[cases.kind]
     order = np.argsort(parameters, kind="stable")
-    n_model = len(leaves(cases.kinds[0].model))
+    n_model, family = len(leaves(cases.kinds[0].model)), cases.family
 
     def block(machine: np.ndarray) -> int:
         lanes = np.concatenate([machine, np.full(LANES - len(machine), machine[0])])
-        rows = np.zeros(N_ROW * LANES)
-        rows.reshape(N_ROW, LANES)[:N_STATE] = cases.x0[lanes].T
+        rows = np.zeros(family.n_row * LANES)
+        rows.reshape(family.n_row, LANES)[: family.n_state] = cases.x0[lanes].T
         own = np.ascontiguousarray(numbers[parameters[lanes]].T)
         differs = np.any(own != own[:, :1], axis=1)
         kind = cases.kinds[cases.kind[machine[0]]]
         lowest = np.full((kept.lowest.shape[1], LANES), np.inf)
-        run_block(
+        family.run_block(  # type: ignore[misc]  # there are lanes where there are blocks
             kind.model,
             own[:n_model].ravel() if differs[:n_model].any() else None,
             kind.plant,
@@ -270,7 +247,10 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
             LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest),
             kept,
         )
-        counts[machine, 0] = rows.reshape(N_ROW, LANES)[STEPS, : len(machine)]
+        found = rows.reshape(family.n_row, LANES)[:, : len(machine)]
+        counts[machine, 0] = found[family.steps]
+        if family.unsettled is not None:
+            counts[machine, 1] = found[family.unsettled]
         return len(machine)
 
     return [partial(block, order[i : i + LANES]) for i in range(0, len(order), LANES)]

@@ -1,7 +1,7 @@
 """The cases of a batch: which machine meets which inputs from which state, checked and prepared."""
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,21 +9,31 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, as_flow, flow_name, served_links
-from polydraulic.flow.record import N_STATE, to_vector
-from polydraulic.machine.plant import Plant, prepare
+from polydraulic.flow.record import to_vector
+from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import initial_state
-from polydraulic.parameters.load import as_excavator
+from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import function_names, load_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
-from polydraulic.simulation.runs import check_links, n_steps, step_voltages
+from polydraulic.simulation.batch.family import Family, family_of
+from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.runs import check_flow, pilot_voltages
+from polydraulic.simulation.layout.text import layout_of
+from polydraulic.simulation.runs import check_links, step_voltages
+from polydraulic.simulation.steps import n_steps
+
+AnyMachine = Machine | LayoutMachine
 
 
 class Kind(NamedTuple):
     """A machine as a scenario wants it, ready to run."""
 
-    machine: Machine
-    plant: Plant
+    machine: Machine | LayoutMachine
+    plant: Any
     model: Any
+    start: np.ndarray
 
 
 class Cases(NamedTuple):
@@ -31,6 +41,10 @@ class Cases(NamedTuple):
 
     Attributes
     ----------
+    family : Family
+        What they have in common.
+    flow : str
+        Name of the flow model.
     kinds : list of Kind
         The machines that differ.
     kind : (n,) array of int
@@ -43,6 +57,8 @@ class Cases(NamedTuple):
         Links that move in one case at least.
     """
 
+    family: Family
+    flow: str
     kinds: list[Kind]
     kind: np.ndarray
     x0: np.ndarray
@@ -52,7 +68,7 @@ class Cases(NamedTuple):
 
 
 def arrange_cases(
-    machines: Machine | str | Path | Sequence[Machine | str | Path],
+    machines: AnyMachine | str | Path | Sequence[AnyMachine | str | Path],
     flow: str | FlowModel,
     inputs: Scenario | str | Path | Sequence[Scenario | str | Path] | np.ndarray,
     *,
@@ -62,12 +78,13 @@ def arrange_cases(
     every: int,
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
-    named = cache(as_excavator)  # machines of one name are one kind
-    items = [machines] if isinstance(machines, Machine | str | Path) else machines
-    given = [item if isinstance(item, Machine) else named(item) for item in items]
-    scenarios = _scenarios(inputs)
-    voltage = None if scenarios else _voltages(inputs)
-    starts = None if x0 is None else _starts(x0)
+    named = cache(load_machine)  # machines of one name are one kind
+    items = [machines] if isinstance(machines, AnyMachine | str | Path) else machines
+    given = [item if isinstance(item, AnyMachine) else named(item) for item in items]
+    functions = _functions(given)
+    scenarios = _scenarios(inputs, functions)
+    voltage = None if scenarios else _voltages(inputs, functions)
+    starts = None if x0 is None else _starts(x0, 5 * len(functions))
     lengths = {"machines": len(given), "inputs": len(voltage) if voltage is not None else len(scenarios)}
     if starts is not None:
         lengths["initial states"] = len(starts)
@@ -89,15 +106,27 @@ def arrange_cases(
         voltage = voltage[:, : _array_steps(voltage.shape[1], dt, t_end, every)]
         signal = np.arange(n) % len(voltage)
     if starts is None:
-        starts = np.array([to_vector(initial_state(k.machine)) for k in kinds])[kind]
-    free = tuple(link for place, link in enumerate(LINKS) if not all(k.plant.locked[place] for k in kinds))
-    return Cases(kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free)
+        starts = np.array([k.start for k in kinds])[kind]
+    free = tuple(name for place, name in enumerate(functions) if not all(k.plant.locked[place] for k in kinds))
+    family = family_of(kinds[0].machine, kinds[0].model)
+    flow = "exact" if isinstance(kinds[0].machine, LayoutMachine) else flow_name(kinds[0].model)
+    return Cases(family, flow, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free)
 
 
-def _kind(machine: Machine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
-    adapted = scenario.adapt(machine) if scenario else machine
-    plant = prepare(adapted, dt, scenario.locked if scenario else ())
-    model = as_flow(flow, adapted)
+def _functions(machines: Sequence[AnyMachine]) -> tuple[str, ...]:
+    """Functions of machines, which must share a layout: they run side by side."""
+    layouts = {layout_of(m) if isinstance(m, LayoutMachine) else () for m in machines}
+    if len(layouts) > 1:
+        raise InputError(f"the machines have {len(layouts)} layouts; a batch holds machines of one layout, which differ in numbers alone")
+    return function_names(machines[0]) if machines else ()
+
+
+def _kind(machine: AnyMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
+    if isinstance(machine, LayoutMachine):
+        return _layout_kind(machine, scenario, flow, dt)
+    mine = scenario.adapt(machine) if scenario else machine
+    plant = prepare(mine, dt, scenario.locked if scenario else ())
+    model = as_flow(flow, mine)
     if scenario:
         check_links(scenario, model)
     elif served_links(model) != LINKS:
@@ -105,37 +134,45 @@ def _kind(machine: Machine, scenario: Scenario | None, flow: str | FlowModel, dt
             f"an array of voltages moves all links, and flow {flow_name(model)!r} serves {', '.join(served_links(model))}; "
             "give scenarios that lock the others"
         )
-    return Kind(adapted, plant, model)
+    return Kind(mine, plant, model, to_vector(initial_state(mine)))
 
 
-def _scenarios(inputs: Any) -> list[Scenario]:
+def _layout_kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
+    check_flow(flow)
+    machine = adapted(machine, scenario) if scenario else machine
+    ready = prepare_layout(machine, dt, scenario.locked if scenario else ())
+    return Kind(machine, ready.plant, ready.valves, ready.start)
+
+
+def _scenarios(inputs: Any, functions: Sequence[str]) -> list[Scenario]:
     if isinstance(inputs, Scenario | str | Path):
-        return [as_scenario(inputs)]
+        return [as_scenario(inputs, functions)]
     if isinstance(inputs, Sequence) and inputs and all(isinstance(item, Scenario | str | Path) for item in inputs):
-        named = cache(load_scenario)
-        return [item if isinstance(item, Scenario) else named(item) for item in inputs]
+        named = cache(partial(load_scenario, functions=functions))
+        return [as_scenario(item, functions) if isinstance(item, Scenario) else named(item) for item in inputs]
     return []
 
 
-def _voltages(inputs: Any) -> np.ndarray:
-    wanted = "inputs must be a scenario (or its name), a list of scenarios, or voltages of shape (n_step, 3) or (n_machine, n_step, 3)"
+def _voltages(inputs: Any, functions: Sequence[str]) -> np.ndarray:
+    n = len(functions)
+    wanted = f"inputs must be a scenario (or its name), a list of scenarios, or voltages of shape (n_step, {n}) or (n_machine, n_step, {n})"
     if not isinstance(inputs, np.ndarray):
         raise InputError(f"{wanted}, not {type(inputs).__name__}")
-    if inputs.ndim not in (2, 3) or inputs.shape[-1] != len(LINKS) or not inputs.size:
+    if inputs.ndim not in (2, 3) or inputs.shape[-1] != n or not inputs.size:
         raise InputError(f"{wanted}; the array has shape {inputs.shape}")
     voltage = np.ascontiguousarray(inputs if inputs.ndim == 3 else inputs[None], dtype=np.float64)
     if not np.isfinite(voltage).all():
         machine, step, link = np.argwhere(~np.isfinite(voltage))[0]
         value = voltage[machine, step, link]
-        raise InputError(f"the {LINKS[link]} voltage in step {step} of machine {machine} is {value}; it must be finite")
+        raise InputError(f"the {functions[link]} voltage in step {step} of machine {machine} is {value}; it must be finite")
     return voltage
 
 
-def _starts(x0: np.ndarray) -> np.ndarray:
+def _starts(x0: np.ndarray, n_state: int) -> np.ndarray:
     starts = np.atleast_2d(np.asarray(x0, dtype=np.float64))
-    if starts.ndim != 2 or starts.shape[1] != N_STATE or not np.all(np.isfinite(starts)):
+    if starts.ndim != 2 or starts.shape[1] != n_state or not np.all(np.isfinite(starts)):
         raise InputError(
-            f"x0 has shape {np.shape(x0)}: it must hold finite numbers in the shape ({N_STATE},) or (n_machine, {N_STATE})"
+            f"x0 has shape {np.shape(x0)}: it must hold finite numbers in the shape ({n_state},) or (n_machine, {n_state})"
         )
     return starts
 
@@ -153,10 +190,12 @@ def _scenario_voltages(
     voltages: list[np.ndarray] = []
     which: list[int] = []
     for kind, scenario in zip(kinds, scenarios, strict=True):
-        key = (id(scenario), *(getattr(kind.machine, link).pilot.dead_time for link in LINKS))
+        layout = isinstance(kind.machine, LayoutMachine)
+        parts = kind.machine.functions if layout else [getattr(kind.machine, link) for link in LINKS]  # type: ignore[union-attr]
+        key = (id(scenario), *(part.pilot.dead_time for part in parts))
         if key not in numbers:
             numbers[key] = len(voltages)
-            voltages.append(step_voltages(kind.machine, scenario, t))
+            voltages.append((pilot_voltages if layout else step_voltages)(kind.machine, scenario, t))  # type: ignore[operator]
         which.append(numbers[key])
     return np.array(voltages), np.array(which)
 

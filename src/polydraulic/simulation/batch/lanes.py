@@ -4,7 +4,7 @@ Each stage calls the kernels of the scalar step, so that there is one text of th
 one stage each, with the values between them in rows, vectorise better than one long loop and stay in the cache.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from polydraulic.machine.joints import Levers, Position, accelerated, moved, net
 from polydraulic.machine.linkage import Motion, Symmetric, solve_motion
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links, State
+from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row
 from polydraulic.simulation.loop import reasonable, rest_outlets
 from polydraulic.simulation.step import lines, seen_pressures, spools
 
@@ -25,54 +26,6 @@ _VOLTAGE = STEPS + 1
 _LEVER_A, _LEVER_B, _MASS, _BIAS, _GRAVITY = _VOLTAGE + 3, _VOLTAGE + 6, _VOLTAGE + 9, _VOLTAGE + 15, _VOLTAGE + 18
 _OLD_ANGLE, _OLD_RATE, _ACCELERATION, _MET = _VOLTAGE + 21, _VOLTAGE + 24, _VOLTAGE + 27, _VOLTAGE + 30
 N_ROW = _MET + 1
-
-
-class LaneBlock(NamedTuple):
-    """Machines that run side by side, and what is kept of them.
-
-    Attributes
-    ----------
-    rows : (N_ROW * LANES,) array
-        The first 15 rows hold the states at the start, then at the end; row STEPS the steps made.
-    machine : (n <= LANES,) array of int
-        Places of the lanes' machines in the results; lanes beyond are filled up and not kept.
-    signal : (LANES,) array of int
-        Place of each lane's voltages.
-    lowest, highest : (n_column, LANES) arrays
-        Scratch for the ranges of the columns that are kept; none for n_column = 0.
-    """
-
-    rows: np.ndarray
-    machine: np.ndarray
-    signal: np.ndarray
-    lowest: np.ndarray
-    highest: np.ndarray
-
-
-class Kept(NamedTuple):
-    """What to keep, and where.
-
-    Attributes
-    ----------
-    columns : (n_column,) array of int
-        Rows of a block that are kept.
-    circuits : bool
-        Whether pump flows or pressures are among them.
-    every : int
-        A row is recorded every so many steps; 0 for none.
-    rows : (n_machine, n_time, n_column) array
-    final : (n_machine, n_column) array
-    lowest, highest : (n_machine, n_column) arrays
-        Filled if the block has scratch for them.
-    """
-
-    columns: np.ndarray
-    circuits: bool
-    every: int
-    rows: np.ndarray
-    final: np.ndarray
-    lowest: np.ndarray
-    highest: np.ndarray
 
 
 @kernel
@@ -210,33 +163,6 @@ def _halt_stage(rows: np.ndarray, n_step: int) -> None:
 
 
 @kernel
-def _keep_row(block: LaneBlock, kept: Kept, place: int) -> None:
-    for lane in range(block.machine.shape[0]):
-        machine = block.machine[lane]
-        for c in range(kept.columns.shape[0]):
-            kept.rows[machine, place, c] = block.rows[kept.columns[c] * LANES + lane]
-
-
-@kernel
-def _keep_range(block: LaneBlock, kept: Kept) -> None:
-    for c in range(block.lowest.shape[0]):
-        value, lowest, highest = block.rows[kept.columns[c] * LANES :], block.lowest[c], block.highest[c]
-        for lane in range(LANES):
-            lowest[lane] = min(lowest[lane], value[lane])
-            highest[lane] = max(highest[lane], value[lane])
-
-
-@kernel
-def _keep_final(block: LaneBlock, kept: Kept) -> None:
-    for lane in range(block.machine.shape[0]):
-        machine = block.machine[lane]
-        for c in range(kept.columns.shape[0]):
-            kept.final[machine, c] = block.rows[kept.columns[c] * LANES + lane]
-        for c in range(block.lowest.shape[0]):
-            kept.lowest[machine, c], kept.highest[machine, c] = block.lowest[c, lane], block.highest[c, lane]
-
-
-@kernel
 def _read_voltages(voltage: np.ndarray, k: int, block: LaneBlock) -> None:
     for lane in range(LANES):
         i = block.signal[lane]
@@ -284,7 +210,7 @@ def run_block(
             if seen_now:
                 _see_stage(rows)
         if kept_now:
-            _keep_row(block, kept, (k + 1) // kept.every)
+            keep_row(block, kept, (k + 1) // kept.every)
         if ranges:
-            _keep_range(block, kept)
-    _keep_final(block, kept)
+            keep_range(block, kept)
+    keep_final(block, kept)

@@ -39,9 +39,7 @@ def simulate_layout(
     SimulationError
         If the run diverges.
     """
-    if flow != "exact":
-        name = flow if isinstance(flow, str) else type(flow).__name__
-        raise InputError(f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'")
+    check_flow(flow)
     if method != "semi-implicit":
         raise InputError(f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'")
     scenario = as_scenario(scenario, machine.names)
@@ -67,6 +65,13 @@ def simulate_layout(
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
     info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
     return _table(machine, scenario, time, rows, columns, info)
+
+
+def check_flow(flow: Any) -> None:
+    """Refuse flow models that know one layout only."""
+    if flow != "exact":
+        name = flow if isinstance(flow, str) else type(flow).__name__
+        raise InputError(f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'")
 
 
 def pilot_voltages(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:

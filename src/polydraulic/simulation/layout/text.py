@@ -4,20 +4,21 @@ The text follows from names, joints, which coordinates are declared, drives, num
 in it, so that machines that differ in numbers alone share it, and what has been compiled.
 """
 
+import ast
+from collections.abc import Hashable
 from importlib.resources import files
 
+from polydraulic.flow.lanes import LANES
 from polydraulic.machine.circuits.series_text import IMPORTS as SERIES_IMPORTS
 from polydraulic.machine.circuits.series_text import series_text
-from polydraulic.machine.drives import Motor, Ram, Rocker
-from polydraulic.machine.actuator import Triangle
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, STATE, columns_of, gap_name
 from polydraulic.simulation.layout.expand import Rows, expanded
+from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
+from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import tree_of
 
-_PAGES = ("values", "flow", "joints", "step", "loop")
-_CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
+_PAGES = ("values", "flow", "joints", "step", "loop", "lanes")
 _IMPORTS = (
     "from typing import NamedTuple",
     "import numpy as np",
@@ -28,8 +29,10 @@ _IMPORTS = (
     "from polydraulic.machine.hose import LineStep, line_step, ports",
     "from polydraulic.machine.joints import passes_stop, turned_joint",
     "from polydraulic.machine.pilot import PilotStep, pilot_step",
-    "from polydraulic.machine.pump import Circuit, Pump",
-    "from polydraulic.machine.series_short import Series1, Series2, series_1, series_2",
+    "from polydraulic.flow.lanes import LANES, at",
+    "from polydraulic.machine.pump import Circuit, Pump, limits",
+    "from polydraulic.machine.series_short import free_series_1, free_series_2, series_1, series_2",
+    "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.parameters.schema import Friction, Stops",
     "from polydraulic.simulation.loop import FASTEST, rest_outlet",
@@ -39,21 +42,47 @@ DIVERGED = 4  # status of a step after which a rate is no longer reasonable
 
 
 def layout_text(machine: LayoutMachine) -> str:
-    """Source of the kernels of a machine's layout."""
+    """Source of the kernels of a machine's layout; machines that differ in numbers alone have the same."""
+    key = layout_of(machine)
+    if key not in _written:
+        _written[key] = _text(machine)
+    return _written[key]
+
+
+def layout_of(machine: LayoutMachine) -> Hashable:
+    """All of a machine that its text depends on."""
+    links = tuple(
+        (link.name, link.parent, link.joint, link.axis, link.mass > 0.0, *map(tuple, (link.at, link.cg, link.inertia)))
+        for link in machine.links
+    )
+    functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots)) for f in machine.functions)
+    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits)
+
+
+_written: dict[Hashable, str] = {}
+
+
+def _text(machine: LayoutMachine) -> str:
     pages = {name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8") for name in (*_PAGES, "valve")}
-    lists = _lists(machine)
+    motion = motion_text(tree_of(machine))
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
     imports = sorted(dict.fromkeys([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())]))
+    circuits = {n: series_text(n) for n in longer}
+    masses = fields_of(motion, "Mass")
+    passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
+    rows = lane_rows(machine, len(masses), {n: len(fields) for n, fields in passed.items()})
+    lists = page_lists(machine) | lane_lists(machine, rows, masses, passed)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
     parts = [
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
         "\n".join(imports),
         f"UNSETTLED, DIVERGED = {UNSETTLED}, {DIVERGED}",
+        f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
         expanded(first, lists),
         "Joints = Functions",
-        motion_text(tree_of(machine)),
-        *(series_text(n) for n in longer),
+        motion,
+        *circuits.values(),
         *(expanded(pages["valve"], _knots(n), {"K": str(n), "LAST": str(n - 1)}) for n in lengths),
         expanded("class State" + rest, lists),
         *(expanded(pages[name], lists) for name in _PAGES[1:]),
@@ -68,28 +97,7 @@ def _knots(n: int) -> dict[str, Rows]:
     return {"SEGMENTS": numbered(0, n - 1), "KNOTS": numbered(1, n), "INNER_KNOTS": numbered(1, n - 1)}
 
 
-def _lists(machine: LayoutMachine) -> dict[str, Rows]:
-    """The lists that pages loop over; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
-    place = columns_of(machine).place
-    circuit_of = {f: (c.name, k) for c in machine.circuits for k, f in enumerate(c.functions, 1)}
-    gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
-    lists: dict[str, Rows] = {
-        "FUNCTIONS": [
-            {"F": f.name, "J": number, "D": f.actuator, "A": _CLASSES[f.actuator].__name__, "K": str(len(f.valve.knots)),
-             "C": circuit_of[f.name][0], "I": str(circuit_of[f.name][1])}
-            for number, f in enumerate(machine.functions)
-        ],
-        "CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits],
-        "GAPS": [{"C": c, "I": str(k)} for c, k, _ in gaps],
-        "QUANTITIES": [{"Q": quantity} for quantity, _ in STATE],
-        "STATE_PLACES": [{"Q": q, "F": f, "P": place[f"{f}.{q}"]} for q, _ in STATE for f in machine.names],
-        "INLET_PLACES": [{"F": f, "P": place[f"{f}.q_in"]} for f in machine.names],
-        "OUTLET_PLACES": [{"F": f, "P": place[f"{f}.q_out"]} for f in machine.names],
-        "CIRCUIT_PLACES": [{"C": c.name, "W": q, "P": place[f"{c.name}.{q}"]} for c in machine.circuits for q, _ in CIRCUIT],
-        "GAP_PLACES": [{"C": c, "I": str(k), "P": place[gap_name(c, k, n)]} for c, k, n in gaps],
-    }  # fmt: skip
-    for c in machine.circuits:
-        lists[f"FUNCTIONS_OF_{c.name}"] = [{"F": f} for f in c.functions]
-    for quantity, _ in STATE:
-        lists[f"PLACES_OF_{quantity}"] = [{"P": place[f"{f}.{quantity}"]} for f in machine.names]
-    return lists
+def fields_of(text: str, name: str) -> list[str]:
+    """Fields of a named tuple that a text defines, in their order."""
+    found = next(node for node in ast.parse(text).body if isinstance(node, ast.ClassDef) and node.name == name)
+    return [node.target.id for node in found.body if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)]

@@ -1,0 +1,81 @@
+"""What arms stand on, for the eye alone: tracks, upper structure and cab of an excavator, or a block."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from polydraulic.parameters.layout.schema import GROUND
+from polydraulic.plotting.drawing import PLANE, Body, Spot
+
+INK, UPPER, CAB, GLASS, TRACK = "#34495e", "#e3e6ea", "#f4f6f8", "#d5e6f3", "#c9ced6"
+DEPTH = 1.65  # of the ground below the boom foot, at the scale 1
+_REACH = 8.9  # m, of an excavator at the scale 1
+
+
+def scale_of(reach: float) -> float:
+    """Scale of a machine with so much reach in m."""
+    return reach / _REACH
+
+
+def excavator_bodies(
+    upper: str, axis: Sequence[float], foot: Sequence[float], scale: float, lowest: float = 0.0
+) -> tuple[Body, ...]:
+    """Tracks, upper structure and cab.
+
+    Parameters
+    ----------
+    upper : str
+        The link that turns.
+    axis : (3,), m
+        Its joint in the ground's frame.
+    foot : (3,), m
+        The boom's joint in the frame of `upper`.
+    scale : float
+        1 for a machine of 18 t.
+    lowest : float, m
+        Height of the lowest pin on the upper structure, from the boom's foot.
+    """
+    ahead, s = foot[0] + 0.55 * scale, scale
+    bottom = min(-0.72 * s, lowest - 0.05 * s)
+
+    def still(corners: Sequence[tuple[float, float]]) -> tuple[Spot, ...]:
+        return tuple(Spot(PLANE, (s * x, 0.0, axis[2] + foot[2] + s * z)) for x, z in corners)
+
+    def turning(corners: Sequence[tuple[float, float]]) -> tuple[Spot, ...]:
+        return tuple(Spot(upper, (x, 0.0, foot[2] + z)) for x, z in corners)
+
+    def above(link: str, corners: Sequence[tuple[float, float]]) -> tuple[Spot, ...]:
+        x0, y0 = (axis[0], axis[1]) if link == GROUND else (0.0, 0.0)
+        return tuple(Spot(link, (x0 + x, y0 + y, 0.0)) for x, y in corners)
+
+    def scaled(*corners: tuple[float, float]) -> list[tuple[float, float]]:
+        return [(s * x, s * y) for x, y in corners]
+
+    track = [(-1.75, -1.65), (-2.05, -1.35), (-1.85, -0.87), (1.85, -0.87), (2.05, -1.35), (1.75, -1.65)]
+    body = scaled((-2.72, -0.1), (-2.6, 0.42), (-1.3, 0.5), (-0.35, 0.5), (0.3, 0.3))
+    front = [(ahead - 0.25 * s, 0.14 * s), (ahead, -0.3 * s), (ahead, bottom)]
+    hood = scaled((-2.55, -1.25), (-2.72, -0.7), (-2.72, 0.7), (-2.55, 1.25))
+    return (
+        _body(still(track), TRACK),
+        _body(still([(-0.2, -0.87), (0.2, -0.87), (0.2, bottom / s), (-0.2, bottom / s)]), INK),
+        _body(turning([(-2.6 * s, bottom), *body, *front]), UPPER),
+        _body(turning(scaled((-0.42, -0.3), (-0.42, 1.3), (0.42, 1.3), (0.78, 0.35), (0.78, -0.3))), CAB),
+        _body(turning(scaled((-0.3, 0.42), (-0.3, 1.18), (0.35, 1.18), (0.62, 0.42))), GLASS, edge="none"),
+        _body(above(GROUND, scaled((-2.0, -1.5), (2.0, -1.5), (2.0, -0.9), (-2.0, -0.9))), TRACK, view="top"),
+        _body(above(GROUND, scaled((-2.0, 0.9), (2.0, 0.9), (2.0, 1.5), (-2.0, 1.5))), TRACK, view="top"),
+        _body(above(upper, [*hood, (ahead, 1.25 * s), (ahead, -1.25 * s)]), UPPER, view="top"),
+        _body(
+            above(upper, [*scaled((-0.45, 0.45), (-0.45, 1.2)), (ahead, 1.2 * s), (ahead, 0.45 * s)]), GLASS, view="top"
+        ),
+    )
+
+
+def block(low: Sequence[float], high: Sequence[float], axis: Sequence[float]) -> tuple[Body, ...]:
+    """A block between two corners in the ground's frame, (3,) each in m; `axis` is where the side view begins, m."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    side = tuple(Spot(PLANE, (x - axis[0], 0.0, z)) for x, z in ((x0, z0), (x1, z0), (x1, z1), (x0, z1)))
+    top = tuple(Spot(GROUND, (x, y, z0)) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
+    return _body(side, TRACK), _body(top, TRACK, view="top")
+
+
+def _body(spots: tuple[Spot, ...], fill: str, view: Any = "side", edge: str = INK) -> Body:
+    return Body(spots, (), (view,), fill, edge)

@@ -1,0 +1,127 @@
+"""A machine as its file describes it, standing still: links, pins, cylinders and the travel of its joints, all with their names."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from polydraulic.display import DEFAULT, amount, as_shown, checked_units, shown_unit
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.schema import Machine
+from polydraulic.plotting.drawing import OF_RUN, Drawing, Motion, Spot, View, limits, motion_of, places, seen, silhouette
+from polydraulic.plotting.labels import Label, place_labels
+from polydraulic.plotting.machine_drawing import machine_drawing
+from polydraulic.plotting.scene import FIRST_EDGE, draw_view, fill_place, moving_artists
+from polydraulic.plotting.tip_area import tip_area, tip_places
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are there for the eye."
+
+
+def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = DEFAULT) -> "Figure":
+    """Draw a machine with the names of its links, pins and cylinders: a look shows whether its file says what was meant.
+
+    Parameters
+    ----------
+    machine : Machine, LayoutMachine, or name or path of a parameter set
+    units : str
+        Of lengths and ranges: ``"metric"``, ``"field"`` or ``"si"``.
+
+    Returns
+    -------
+    matplotlib Figure
+        Side view in the plane of the arm with all names, and the view from above.
+
+    Raises
+    ------
+    InputError
+        A machine that cannot be loaded, or an unknown system of units.
+    """
+    from matplotlib.figure import Figure
+
+    checked_units(units)
+    machine = as_machine(machine)
+    drawing = machine_drawing(machine)
+    motion = motion_of(drawing, np.array([drawing.initial]))
+    reached = tip_places(drawing)
+    figure = Figure(figsize=(14.0, 7.6), dpi=100)
+    side, top = figure.add_axes((0.045, 0.09, 0.62, 0.83)), figure.add_axes((0.715, 0.39, 0.275, 0.53))
+    low, high = limits(drawing, [motion], "side")
+    margin = 0.02 * (high - low).max()
+    fill_place(side, np.minimum(low, reached.min(axis=0) - margin), np.maximum(high, reached.max(axis=0) + margin))
+    fill_place(top, *limits(drawing, [motion], "top"))
+    x, y, area = tip_area(reached)
+    side.contourf(x, y, area, levels=[0.5, 2.0], colors=["#f6c98f"], alpha=0.35, zorder=0.5)
+    for axis, view in ((side, "side"), (top, "top")):
+        _still(axis, drawing, view, motion, units)  # type: ignore[arg-type]
+    _name(side, drawing, motion, units)
+    figure.text(0.02, 0.955, getattr(machine, "title", ""), fontweight="bold", fontsize=12)
+    figure.text(0.02, 0.018, _NOTE, fontsize=8.5, color="0.4")
+    indent = 0.012 + 0.0062 * max(len(name) for name in drawing.names)
+    for place, (name, text) in enumerate(_ranges(drawing, units)):
+        row = 0.295 - 0.024 * place
+        figure.text(0.715, row, name, fontsize=8.5, fontweight="bold", color=FIRST_EDGE)
+        figure.text(0.715 + indent, row, text, fontsize=8.5)
+    return figure
+
+
+def _still(axis: "Axes", drawing: Drawing, view: View, motion: Motion, units: str) -> None:
+    draw_view(axis, drawing, view, [motion])(0)
+    for artist in moving_artists(axis.figure):  # type: ignore[arg-type]
+        artist.set_animated(False)
+    unit = shown_unit("m", units)
+    names = ("outward", "upward") if view == "side" else ("x", "y")
+    axis.xaxis.set_major_formatter(lambda value, _: f"{as_shown(value, 'm', units):.6g}")
+    axis.yaxis.set_major_formatter(lambda value, _: f"{as_shown(value, 'm', units):.6g}")
+    axis.set_xlabel(f"{names[0]} [{unit}]", fontsize=8)
+    axis.set_ylabel(f"{names[1]} [{unit}]", fontsize=8)
+    axis.tick_params(labelsize=8)
+    axis.grid(alpha=0.25)
+    axis.set_axisbelow(True)
+    title = "side view, in the plane of the arm" if view == "side" else "from above"
+    axis.set_title(title, loc="left", fontsize=9, color="0.4")
+
+
+def _name(axis: "Axes", drawing: Drawing, motion: Motion, units: str) -> None:
+    """Names of pins, links and cylinders, and ranges of joints."""
+
+    def shown(spot: Spot) -> tuple[float, float]:
+        x, y = seen(motion, "side", places(motion, [spot]))[0, 0]
+        return float(x), float(y)
+
+    bodies = [body for body in drawing.bodies if "side" in body.views]
+    outlines = [silhouette(seen(motion, "side", places(motion, body.spots))[0], body.radii) for body in bodies]
+    pins = [Label(name, shown(spot), {"fontsize": 8.0, "color": "0.15"}) for name, spot in drawing.pins.items()]
+    links, ends = [], []
+    moved = {link.name for link in drawing.links[: len(drawing.names)]}
+    for body, outline in zip(bodies, outlines, strict=True):
+        name = body.spots[0].link
+        if name in moved and name not in {label.text for label in links} and (body.fill == OF_RUN or len(outline) > 5):
+            middle = outline.mean(axis=0)
+            links.append(
+                Label(name, (float(middle[0]), float(middle[1])), {"fontsize": 10.0, "color": FIRST_EDGE, "fontweight": "bold"})
+            )
+    for stop in drawing.stops:
+        unit = "m" if drawing.links[stop.joint].joint == "prismatic" else "rad"
+        if stop.view == "side":
+            for value, tick in zip((stop.low, stop.high), stop.ticks, strict=True):
+                ends.append(Label(amount(value, unit, units), shown(tick[1]), {"fontsize": 7.0, "color": "0.45"}, line=False))
+    place_labels(axis, [*pins, *ends, *links], outlines)
+
+
+def _ranges(drawing: Drawing, units: str) -> list[tuple[str, str]]:
+    """What each function moves, from where to where, and where it begins."""
+    ends = {stop.joint: stop for stop in drawing.stops}
+    rows = []
+    for place, (name, start) in enumerate(zip(drawing.names, drawing.initial, strict=True)):
+        link = drawing.links[place]
+        unit = "m" if link.joint == "prismatic" else "rad"
+        stop = ends.get(place)
+        travel = f"{amount(stop.low, unit, units)} to {amount(stop.high, unit, units)}" if stop else "all round"
+        moves = "" if link.name == name else f"moves {link.name}, "
+        rows.append((name, f"{moves}{travel}, begins at {amount(start, unit, units)}"))
+    return rows

@@ -1,0 +1,36 @@
+"""What a layout has, as the lists that pages loop over."""
+
+from polydraulic.machine.actuator import Triangle
+from polydraulic.machine.drives import Motor, Ram, Rocker
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.columns import CIRCUIT, STATE, columns_of, gap_name
+from polydraulic.simulation.layout.expand import Rows
+
+_CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
+
+
+def page_lists(machine: LayoutMachine) -> dict[str, Rows]:
+    """Lists of the pages of a single machine; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
+    place = columns_of(machine).place
+    circuit_of = {f: (c.name, k) for c in machine.circuits for k, f in enumerate(c.functions, 1)}
+    gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
+    lists: dict[str, Rows] = {
+        "FUNCTIONS": [
+            {"F": f.name, "J": number, "D": f.actuator, "A": _CLASSES[f.actuator].__name__, "K": str(len(f.valve.knots)),
+             "C": circuit_of[f.name][0], "I": str(circuit_of[f.name][1])}
+            for number, f in enumerate(machine.functions)
+        ],
+        "CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits],
+        "GAPS": [{"C": c, "I": str(k)} for c, k, _ in gaps],
+        "QUANTITIES": [{"Q": quantity} for quantity, _ in STATE],
+        "STATE_PLACES": [{"Q": q, "F": f, "P": place[f"{f}.{q}"]} for q, _ in STATE for f in machine.names],
+        "INLET_PLACES": [{"F": f, "P": place[f"{f}.q_in"]} for f in machine.names],
+        "OUTLET_PLACES": [{"F": f, "P": place[f"{f}.q_out"]} for f in machine.names],
+        "CIRCUIT_PLACES": [{"C": c.name, "W": q, "P": place[f"{c.name}.{q}"]} for c in machine.circuits for q, _ in CIRCUIT],
+        "GAP_PLACES": [{"C": c, "I": str(k), "P": place[gap_name(c, k, n)]} for c, k, n in gaps],
+    }  # fmt: skip
+    for c in machine.circuits:
+        lists[f"FUNCTIONS_OF_{c.name}"] = [{"F": f} for f in c.functions]
+    for quantity, _ in STATE:
+        lists[f"PLACES_OF_{quantity}"] = [{"P": place[f"{f}.{quantity}"]} for f in machine.names]
+    return lists
