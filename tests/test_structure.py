@@ -28,6 +28,10 @@ TESTED_ELSEWHERE = {
     "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
     "identification/run_plot.py": ("identification/test_runs.py", "pictures of the runs made there"),
     "identification/validity.py": ("identification/test_model_card.py", "what the card says is held to new data"),
+    "machine/circuits/series_march_text.py": (
+        "machine/circuits/test_series_text.py",
+        "the march is held to the judge of the whole circuit",
+    ),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
     "measure/formats/can/database.py": (

@@ -1,0 +1,188 @@
+"""Text of the circuit of n valves in series on a pump: named tuples and straight-line kernels around those written by hand.
+
+Valves are counted from the pump. `series_n` solves a circuit: passes until they settle, the certificate, the march for what that refuses.
+Lanes call its parts, so that the loop over passes stands outside of the loop over lanes: `series_n_begin`, `series_n_pass` (`PASSES` times),
+`series_n_end`; where `limits` says so `series_n_limit_begin`, `_pass` and `_end`; `series_n_repair` where the status is not `PROVED`.
+Once a circuit has settled, a pass leaves it as it is, so that lanes have the bits of single circuits.
+"""
+
+from polydraulic.machine.circuits.series_march_text import march_text
+from polydraulic.machine.circuits.wording import definitions, each, repeated, valves
+
+SERIES_IMPORTS = (
+    "from typing import NamedTuple",
+    "from polydraulic._kernel import kernel",
+    "from polydraulic.elementary import exp",
+    "from polydraulic.machine.circuits.series_check import FAR, PROVED, UNPROVED, Junction, delivers, first_node, node, status_of",
+    "from polydraulic.machine.circuits.series_march import HALVINGS, Climb, asks_too_much, before_bypass, before_outlet, climbed",
+    "from polydraulic.machine.circuits.series_march import delivers_at, highest_root, joined, lowest_root, march_status, reached_at, unreached",
+    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, last_tangent, limited, passed_first",
+    "from polydraulic.machine.circuits.series_pass import passed_last, passed_on, settled, stepped, tangent, through",
+    "from polydraulic.machine.pump import Circuit, limits",
+    "from polydraulic.machine.valve import orifice_flow",
+)
+
+
+def series_text(n: int) -> str:
+    """Definitions of a circuit of `n` valves, 2 to 6; `SERIES_IMPORTS` belong above them.
+
+    Two are for comparison, since `series_circuit` is written by hand.
+    """
+    return definitions((_tuples(n), _passes(n), _limits(n), _ends(n), march_text(n), _solved(n)))
+
+
+def _tuples(n: int) -> str:
+    return f'''
+class Series{n}(NamedTuple):
+    """{n} actuators on a pump, each fed by what passes the valves before it."""
+
+{repeated("    q_in_~: float  # m3/s", range(1, n + 1))}
+{repeated("    p_between_~: float  # Pa, behind this valve", range(1, n))}
+    circuit: Circuit
+    status: int  # 0: proved, 1: repaired, 2: not to be trusted
+
+
+class Passed{n}(NamedTuple):
+    """Between two passes: the pump's flow and ln of its share, what passes each valve; last changes."""
+
+    q_pump: float  # m3/s
+    y: float
+    dy: float
+{repeated("    w_~: float  # m3/s", range(1, n))}
+{repeated("    dw_~: float  # m3/s", range(1, n))}
+'''
+
+
+def _result(n: int, flow: str, y: str) -> str:
+    return f"    return Passed{n}({flow}, {y}, {each('to_~.value', 1, n - 1)}, {each('to_~.change', 1, n - 1)})"
+
+
+def _passes(n: int) -> str:
+    return f'''
+@kernel
+def series_{n}_begin({valves(n)}):
+    """Where passes start: all actuators take the same."""
+    share = pump.flow / {n}.0
+    return Passed{n}(pump.flow, 0.0, AT_FIRST, {", ".join(f"{n - i}.0 * share" for i in range(1, n))}, {each("AT_FIRST", 2, n)})
+
+
+@kernel
+def series_{n}_settled(x):
+    """Whether the last pass changed no more than rounding does."""
+    return settled({_largest(n)}, x.q_pump)
+
+
+@kernel
+def series_{n}_pass(x, {valves(n)}):
+    """One pass at a given flow of the pump: tangents from the last valve to the first, then shares back."""
+    still = series_{n}_settled(x)
+{_backwards(n)}
+{_forwards(n, "x.q_pump")}
+{_result(n, "x.q_pump", "x.y, x.dy")}
+'''
+
+
+def _largest(n: int) -> str:
+    largest = "abs(x.dw_1)"
+    for i in range(2, n):
+        largest = f"max({largest}, abs(x.dw_{i}))"
+    return largest
+
+
+def _backwards(n: int) -> str:
+    inner = """    behind_~ = through(k_~.bypass, tail)
+    tail = tangent(x.w_~-, k_~.inlet, p_~, behind_~)
+"""
+    return f"""    tail = last_tangent(x.w_{n - 1}, k_{n}, p_{n}, pump.p_return)
+{repeated(inner, range(n - 1, 1, -1))}    behind_1 = through(k_1.bypass, tail)""".replace("\n\n", "\n")
+
+
+def _forwards(n: int, flow: str) -> str:
+    inner = (
+        """    to_~ = stepped(x.w_~, x.dw_~, passed_on(to_~-.value, k_~.inlet, p_~, behind_~), to_~-.value, still)"""
+    )
+    first = f"    to_1 = stepped(x.w_1, x.dw_1, passed_first({flow}, k_1.inlet, p_1, behind_1, pump), {flow}, still)"
+    return "\n".join([first, *(repeated(inner, [i]) for i in range(2, n))])
+
+
+def _limits(n: int) -> str:
+    return f'''
+@kernel
+def series_{n}_limit_begin(x):
+    """Where passes with torque limit start: from flows without it."""
+    return Passed{n}(x.q_pump, 0.0, AT_FIRST, {each("x.w_~", 1, n - 1)}, {each("AT_FIRST", 2, n)})
+
+
+@kernel
+def series_{n}_limit_settled(x):
+    """Whether the last pass changed no more than rounding does, the pump's flow included."""
+    return settled(max(abs(x.dy) * x.q_pump, {_largest(n)}), x.q_pump)
+
+
+@kernel
+def series_{n}_limit_pass(x, {valves(n)}):
+    """One pass, and between its halves a step of the pump's flow towards the torque limit."""
+    still = series_{n}_limit_settled(x)
+{_backwards(n)}
+    y = limited(x.y, x.dy, tangent(x.q_pump, k_1.inlet, p_1, behind_1), pump, still)
+    q_pump = x.q_pump if still else pump.flow * exp(y.value)
+{_forwards(n, "q_pump")}
+{_result(n, "q_pump", "y.value, y.change")}
+'''
+
+
+def _ends(n: int) -> str:
+    return f'''
+@kernel
+def series_{n}_seen(q_pump, {each("q_~", 1, n)}, {each("w_~", 1, n)}, {valves(n)}, repaired):
+    """Pressures that belong to flows into actuators and past valves; the certificate, unless they were repaired."""
+    node_{n} = node(q_{n}, w_{n}, k_{n}, p_{n}, pump.p_return, Junction(0.0, 0.0))
+{repeated("    node_~ = node(q_~, w_~, k_~, p_~, p_~+, node_~+)", range(n - 1, 1, -1))}
+    q_relief = q_pump - q_1 - w_1
+    first = first_node(q_1, w_1, q_relief, k_1, p_1, p_2, node_2, pump)
+    circuit = Circuit(q_pump, w_{n}, max(q_relief, 0.0), first.p, 0.0)
+    known = abs({" + ".join(f"p_{i}" for i in range(1, n + 1))}) < FAR
+    status = status_of(first.unmet, pump) if repaired == PROVED else repaired
+    status = status if known else UNPROVED
+    return Series{n}({each("q_~", 1, n)}, {each("p_~ + node_~.over", 2, n)}, circuit, status)
+
+
+@kernel
+def series_{n}_end(x, {valves(n)}):
+    """Flows after the passes, with pressures and certificate."""
+    q_1 = min(x.q_pump - x.w_1, orifice_flow(k_1.inlet, pump.relief - p_1))
+{repeated("    q_~ = x.w_~- - x.w_~", range(2, n))}
+    w_{n} = passed_last(x.w_{n - 1}, k_{n}, p_{n}, pump.p_return)
+    q_{n} = x.w_{n - 1} - w_{n}
+    return series_{n}_seen(x.q_pump, {each("q_~", 1, n)}, {each("x.w_~", 1, n - 1)}, w_{n}, {valves(n)}, PROVED)
+
+
+@kernel
+def series_{n}_limit_end(x, {valves(n)}):
+    """The same after passes with torque limit, to which the certificate then extends."""
+    s = series_{n}_end(x, {valves(n)})
+    status = s.status if delivers(s.circuit, pump) else UNPROVED
+    return Series{n}({each("s.q_in_~", 1, n)}, {each("s.p_between_~", 1, n - 1)}, s.circuit, status)
+'''
+
+
+def _solved(n: int) -> str:
+    return f'''
+@kernel
+def series_{n}({valves(n)}):
+    """{n} actuators on a pump, the first with priority: conductances in m3/s/Pa^0.5, port pressures in Pa."""
+    x = series_{n}_begin({valves(n)})
+    for _ in range(PASSES):
+        x = series_{n}_pass(x, {valves(n)})
+        if series_{n}_settled(x):
+            break
+    s = series_{n}_end(x, {valves(n)})
+    if limits(s.circuit.p_pump, pump):
+        x = series_{n}_limit_begin(x)
+        for _ in range(PASSES):
+            x = series_{n}_limit_pass(x, {valves(n)})
+            if series_{n}_limit_settled(x):
+                break
+        s = series_{n}_limit_end(x, {valves(n)})
+    return s if s.status == PROVED else series_{n}_repair({valves(n)})
+'''
