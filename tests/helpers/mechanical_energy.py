@@ -13,7 +13,9 @@ from polydraulic.parameters.schema import SwingMotor
 def joint_columns(machine, run):
     """Positions and rates, each (n_time, n_function)."""
     slides = [machine.link(f.moves).joint == "prismatic" for f in machine.functions]
-    positions = [run[f"{f.name}.{'position' if s else 'angle'}"] for f, s in zip(machine.functions, slides, strict=True)]
+    positions = [
+        run[f"{f.name}.{'position' if s else 'angle'}"] for f, s in zip(machine.functions, slides, strict=True)
+    ]
     rates = [run[f"{f.name}.{'speed' if s else 'rate'}"] for f, s in zip(machine.functions, slides, strict=True)]
     return np.column_stack(positions), np.column_stack(rates)
 
@@ -32,7 +34,9 @@ def mechanical_energy(machine, run):
         turns = link.joint == "revolute"
         turn, origin = frames[link.name]
         spin[link.name] = spin[parent] + (along * rate if turns else 0.0)
-        speed[link.name] = speed[parent] + np.cross(spin[parent], origin - frames[parent][1]) + (0.0 if turns else along * rate)
+        speed[link.name] = (
+            speed[parent] + np.cross(spin[parent], origin - frames[parent][1]) + (0.0 if turns else along * rate)
+        )
         to_centre = turn @ vector(link.cg)
         moving = speed[link.name] + np.cross(spin[link.name], to_centre)
         own = np.einsum("tji,tj->ti", turn, spin[link.name])  # in the link's frame, where its inertia is given
@@ -50,7 +54,9 @@ def joint_power(machine, run):
         a, b = _volumes(machine, f, q)
         x = f.friction
         level = x.coulomb + (x.static - x.coulomb) * np.exp(-((w / x.stribeck) ** 2))
-        power += (a * run[f"{f.name}.p_a"] - b * run[f"{f.name}.p_b"] - level * np.tanh(w / x.smoothing) - x.viscous * w) * w
+        power += (
+            a * run[f"{f.name}.p_a"] - b * run[f"{f.name}.p_b"] - level * np.tanh(w / x.smoothing) - x.viscous * w
+        ) * w
     return power
 
 

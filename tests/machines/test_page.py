@@ -52,7 +52,12 @@ def described():
     rows |= {("functions", key, "text") for key in ("moves", "actuator")}
     rows |= {("functions", key, POINT.unit) for key in ("rod_pin", *FourBar._fields)}
     rows |= {("circuits", key, "text") for key in Circuit._fields if key not in ("name", "pump")}
-    return rows | {("top", "title", "text"), ("top", "gravity", "m/s2"), ("tip", "link", "text"), ("tip", "at", POINT.unit)}
+    return rows | {
+        ("top", "title", "text"),
+        ("top", "gravity", "m/s2"),
+        ("tip", "link", "text"),
+        ("tip", "at", POINT.unit),
+    }
 
 
 def test_the_table_of_keys_is_that_of_the_schema():
@@ -63,5 +68,17 @@ def test_the_table_of_keys_is_that_of_the_schema():
 
 def test_no_part_of_the_schema_is_left_out():
     """A new field of a function or a machine needs a place in the table, and here."""
-    assert set(Function._fields) == {"name", "moves", "actuator", "drive", "pins", "pilot", "valve", "line", "friction", "stops", "initial"}
+    assert set(Function._fields) == {
+        "name",
+        "moves",
+        "actuator",
+        "drive",
+        "pins",
+        "pilot",
+        "valve",
+        "line",
+        "friction",
+        "stops",
+        "initial",
+    }
     assert set(LayoutMachine._fields) == {"title", "gravity", "tank", "links", "functions", "circuits", "tip"}

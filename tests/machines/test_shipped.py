@@ -44,14 +44,16 @@ def run_of(plant, request):
 def runs(plant, run_of):
     """Two seconds of two random operators, and the machine's own scenarios."""
     name = next(name for name in LAYOUTS if load_machine(name) == plant)
-    return [run_of(scenario) for scenario in (f"random:1:{SECONDS}", f"random:4:{SECONDS}", *scenario_names(name))]
+    return [run_of(scenario) for scenario in (f"random:1:{SECONDS}", f"random:2:{SECONDS}", *scenario_names(name))]
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_files_hold_nothing_unusual(name, call):
     assert unusual(load_machine(name)) == []
     code, out, _ = call("machine", "check", name)
-    assert code == 0 and "warning" not in out and out.rstrip().endswith(f"{name}: good")
+    assert code == 0
+    assert "warning" not in out
+    assert out.rstrip().endswith(f"{name}: good")
 
 
 @pytest.mark.parametrize("name", [name for name in LAYOUTS if name != "cat215b_bucket"])
@@ -73,14 +75,17 @@ def test_everything_is_a_number_and_stays_where_it_may_be(plant, runs):
         assert all(np.isfinite(run[name]).all() for name in run.names)
         positions, rates = joint_columns(plant, run)
         for place, f in enumerate(plant.functions):
-            assert f.stops.low <= positions[:, place].min() and positions[:, place].max() <= f.stops.high
+            assert f.stops.low <= positions[:, place].min()
+            assert positions[:, place].max() <= f.stops.high
             for port in ("p_a", "p_b"):
                 p = run[f"{f.name}.{port}"]
-                assert plant.tank.floor <= p.min() and p.max() <= f.line.relief
+                assert plant.tank.floor <= p.min()
+                assert p.max() <= f.line.relief
         assert np.abs(rates).max() < 6.0  # rad/s and m/s
         for c in plant.circuits:
             p = run[f"{c.name}.p_pump"]
-            assert plant.tank.return_pressure <= p.min() and p.max() <= c.pump.relief * (1.0 + 1e-12)
+            assert plant.tank.return_pressure <= p.min()
+            assert p.max() <= c.pump.relief * (1.0 + 1e-12)
 
 
 def test_its_scenarios_move_every_function(plant, runs):
@@ -88,6 +93,14 @@ def test_its_scenarios_move_every_function(plant, runs):
         positions, _ = joint_columns(plant, run)
         for place, f in enumerate(plant.functions):
             assert np.ptp(positions[:, place]) > 0.05 * min(f.stops.high - f.stops.low, np.pi), f.name
+
+
+def test_left_alone_it_comes_to_rest_where_it_stands(plant):
+    """The pressures at the start carry it, and friction does not drive it to and fro within steps of 5 ms."""
+    run = simulate(plant, "exact", Scenario("nobody", 5.0, {}), dt=5e-3)
+    positions, rates = joint_columns(plant, run)
+    assert np.abs(positions[-1] - positions[0]).max() < 3e-3  # rad and m
+    assert np.abs(rates[-1]).max() < 1e-6
 
 
 def _energy_gap(plant, run):
@@ -107,8 +120,8 @@ def test_energy_is_what_oil_has_worked_less_friction_to_the_order_of_the_integra
         gap, scale = _energy_gap(plant, run_of(f"random:1:{SECONDS}", dt))
         gaps.append(abs(gap))
     assert scale > 1e3
-    assert gaps[0] < 0.05 * scale
-    assert gaps[1] < 0.65 * gaps[0]
+    assert gaps[0] < 0.02 * scale
+    assert 0.4 * gaps[0] < gaps[1] < 0.6 * gaps[0]
 
 
 PLAIN = """
@@ -129,7 +142,9 @@ np.save(sys.argv[2], np.column_stack([run[name] for name in run.names]))
 def test_plain_python_has_the_bits_of_compiled_code(plant, tmp_path):
     name = next(name for name in LAYOUTS if load_machine(name) == plant)
     subprocess.run(
-        [sys.executable, "-c", PLAIN, name, tmp_path / "plain.npy"], check=True, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}
+        [sys.executable, "-c", PLAIN, name, tmp_path / "plain.npy"],
+        check=True,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
     )
     volts = {f: Constant(0.7 if place % 2 else -0.7) for place, f in enumerate(plant.names)}
     run = simulate(plant, "exact", Scenario("all at once", 0.1, volts), dt=5e-3)
@@ -140,7 +155,12 @@ def test_plain_python_has_the_bits_of_compiled_code(plant, tmp_path):
 
 # What a full lever does, as data sheets of the classes say it: seconds from stop to stop, or revolutions in a minute.
 TIMES = {
-    "excavator_22t": {("boom", 1): (3.0, 5.5), ("boom", -1): (2.0, 4.0), ("stick", -1): (3.0, 5.5), ("bucket", -1): (2.5, 5.0)},
+    "excavator_22t": {
+        ("boom", 1): (3.0, 5.5),
+        ("boom", -1): (2.0, 4.0),
+        ("stick", -1): (3.0, 5.5),
+        ("bucket", -1): (2.5, 5.0),
+    },
     "loader_crane": {("inner", 1): (5.0, 9.0), ("outer", 1): (3.0, 7.0), ("reach", 1): (3.0, 7.0)},
     "wheel_loader": {("lift", 1): (5.0, 6.5), ("lift", -1): (2.5, 4.5), ("tilt", -1): (1.5, 3.0)},
 }
