@@ -83,7 +83,7 @@ def _triangle(pins: Pins, link: Link, area_a: float, area_b: float) -> Triangle:
     t = geometry.triangle(pins, link)
     product = 2.0 * t.r_base * t.r_rod
     return Triangle(
-        squares=t.r_base**2 + t.r_rod**2,
+        squares=t.r_base**2 + t.r_rod**2 + t.aside**2,
         product_cos=product * cos(t.offset),
         product_sin=product * sin(t.offset),
         direction=t.direction,

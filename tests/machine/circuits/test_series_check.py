@@ -33,7 +33,6 @@ def certificate(q, passed, q_relief, k, p, pump):
 def test_no_flow_is_further_off_than_the_certificate_says(machine, kind):
     """Flows that are moved from those of the circuit, so that they still add up."""
     n, rng, pump, tight = 4, np.random.default_rng(0), pump_of(machine, 0.0), 0
-    refused = 0
     states = STATES[kind](machine, n, 40 if numba.config.DISABLE_JIT else 1000, rng)
     true = solved(series(n).repair_all, states, pump)
     for inlets, bypasses, p, row in zip(*states, true, strict=True):
@@ -45,12 +44,9 @@ def test_no_flow_is_further_off_than_the_certificate_says(machine, kind):
         k = [Orifices(a, b, 0.0) for a, b in zip(inlets, bypasses, strict=True)]
         found = certificate(q, moved, pump.flow - arriving[0], k, p, pump)
         error = max(np.abs(q - row[:n]).max(), np.abs(moved - passed).max())
-        # flow through what is shut has no bound, and is refused
-        assert error <= found.unmet * (1.0 + 1e-9) + 1e-9 * pump.flow or np.isnan(found.unmet)
-        refused += np.isnan(found.unmet)
+        assert error <= found.unmet * (1.0 + 1e-9) + 1e-9 * pump.flow
         tight += error > 0.01 * found.unmet
     assert tight > 0.2 * len(true)
-    assert refused < 0.1 * len(true)
 
 
 def test_a_node_where_nothing_arrives_has_the_pressure_that_opens_first():

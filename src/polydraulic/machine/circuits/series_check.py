@@ -16,6 +16,7 @@ from polydraulic.machine.valve import Orifices, orifice_flow
 PROVED, REPAIRED, UNPROVED = 0, 1, 2  # status of a circuit: flows of its passes, of its march, or not to be trusted
 CERTAIN = 1e-10  # share of pump flow by which flows may be off
 FAR = 1e30  # Pa; a pressure that nothing reaches
+LEAST = 1e-30  # m3/s/Pa^0.5; what is narrower might as well be shut
 
 
 class Junction(NamedTuple):
@@ -27,7 +28,7 @@ class Junction(NamedTuple):
 
 @kernel
 def _root(flow: float, conductance: float) -> float:
-    return flow / (conductance + 1e-300)
+    return flow / max(conductance, LEAST)
 
 
 @kernel
@@ -43,10 +44,11 @@ def node(q_in: float, passed: float, k: Orifices, p_in: float, p_next: float, be
     over = to_inlet * to_inlet if from_inlet else by_bypass
     driven = (k.bypass if from_inlet else k.inlet) * sqrt(max(over - base if from_inlet else over, 0.0))
     differs = abs(driven - (passed if from_inlet else q_in))
+    through_shut = (0.0 if k.inlet > 0.0 else q_in) + (0.0 if k.bypass > 0.0 else passed)
     # nothing arrives: the pressure is that at which the first of both opens
     still = q_in <= 0.0 and passed <= 0.0
     rest = min(0.0 if k.inlet > 0.0 else FAR, base if k.bypass > 0.0 else FAR)
-    return Junction(rest if still else over, behind.unmet + (0.0 if still else differs))
+    return Junction(rest if still else over, behind.unmet + (0.0 if still else differs + through_shut))
 
 
 class First(NamedTuple):

@@ -14,7 +14,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.machine.circuits.series_check import CERTAIN, FAR, REPAIRED, UNPROVED
+from polydraulic.machine.circuits.series_check import CERTAIN, FAR, LEAST, REPAIRED, UNPROVED
 from polydraulic.machine.pump import Pump, delivered
 from polydraulic.machine.valve import Orifices
 
@@ -66,8 +66,8 @@ def joined(x: Climb, inlet: float, p: float, base: float) -> Climb:
 @kernel
 def _lifted(y: float, flow: float, bypass: float) -> float:
     """Pressure before a bypass; a shut one passes nothing at any pressure."""
-    root = flow / (bypass + 1e-300)
-    return min(y + min(root * root, FAR), FAR) if bypass > 0.0 else FAR
+    root = flow / max(bypass, LEAST)
+    return min(y + root * root, FAR) if bypass > 0.0 else FAR
 
 
 @kernel

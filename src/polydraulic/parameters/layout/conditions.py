@@ -3,8 +3,8 @@
 from math import pi
 
 from polydraulic import display
-from polydraulic.parameters.layout.geometry import lever
-from polydraulic.parameters.layout.schema import Function, LayoutMachine, Link
+from polydraulic.parameters.layout.geometry import is_plane, lever
+from polydraulic.parameters.layout.schema import FourBar, Function, LayoutMachine, Link
 
 _ANGLES = 65  # over the range of a joint, for what must hold everywhere in it
 
@@ -58,8 +58,8 @@ def _function(f: Function, link: Link, machine: LayoutMachine) -> list[str]:
     require(f.friction.static >= f.friction.coulomb, f"friction.static = {f.friction.static:g}", "at least coulomb")
     low, high = (display.amount(value, unit) for value in f.stops)
     require(f.stops.low < f.stops.high, f"stops.low = {low}", f"below stops.high = {high}")
-    start = display.amount(f.initial.angle, unit)
-    require(f.stops.low <= f.initial.angle <= f.stops.high, f"initial.angle = {start}", f"within the stops, {low} to {high}")
+    start, where_at = display.amount(f.initial.angle, unit), "position" if unit == "m" else "angle"
+    require(f.stops.low <= f.initial.angle <= f.stops.high, f"initial.{where_at} = {start}", f"within the stops, {low} to {high}")
     floor, relief = machine.tank.floor, f.line.relief
     require(relief > machine.tank.return_pressure, f"line.relief = {_bar(relief)}", "above tank.return_pressure")
     for key in ("p_a", "p_b"):
@@ -75,6 +75,8 @@ def _function(f: Function, link: Link, machine: LayoutMachine) -> list[str]:
 def _levers(f: Function, link: Link) -> list[str]:
     """A cylinder must keep pushing the same way all over the joint's range."""
     where = f"functions.{f.name}"
+    if isinstance(f.pins, FourBar) and not is_plane(f.pins, link):
+        return [f"{where}: base, hinge, knee and pin must lie in one plane across the axis {link.axis} of {link.name}"]
     if f.stops.high - f.stops.low >= 2.0 * pi:
         return [f"{where}.stops: a {f.actuator} cannot turn a link all the way round"]
     signs = set()

@@ -20,7 +20,8 @@ def described(machine: LayoutMachine) -> list[str]:
     mass = sum(link.mass for link in machine.links)
     lines = [machine.title, f"links, {amount(mass, 'kg')} in all:"]
     for link in machine.links:
-        lines.append(f"  {link.name}: {link.joint} about {link.axis} on {link.parent}, {amount(link.mass, 'kg')}")
+        way = "about" if link.joint == "revolute" else "along"
+        lines.append(f"  {link.name}: {link.joint} {way} {link.axis} on {link.parent}, {amount(link.mass, 'kg')}")
     lines.append("functions:")
     lines += [f"  {_function(f, machine)}" for f in machine.functions]
     lines.append("circuits:")

@@ -13,10 +13,11 @@ _ACROSS = {"x": ("y", "z"), "y": ("z", "x"), "z": ("x", "y")}
 
 
 class Triangle(NamedTuple):
-    """Base pin, joint and rod pin: L^2 = r_base^2 + r_rod^2 - 2 r_base r_rod cos(psi), psi = offset + direction * angle."""
+    """Base pin, joint, rod pin: L^2 = r_base^2 + r_rod^2 + aside^2 - 2 r_base r_rod cos(psi), psi = offset + direction * angle."""
 
     r_base: float
     r_rod: float
+    aside: float  # how far the pins are from each other along the joint's axis
     offset: float  # rad, above 0
     direction: float  # 1 where a positive angle lengthens the cylinder, -1 where it shortens it
 
@@ -51,7 +52,16 @@ def triangle(pins: Pins, link: Link) -> Triangle:
     base, rod = from_joint(pins.base, link), plane(pins.rod, link.axis)
     psi = atan2(rod[1], rod[0]) - atan2(base[1], base[0])
     psi = (psi + pi) % (2.0 * pi) - pi
-    return Triangle(hypot(*base), hypot(*rod), abs(psi), 1.0 if psi >= 0.0 else -1.0)
+    along = link.axis[-1]
+    aside = pins.base.get(along, 0.0) - link.at.get(along, 0.0) - pins.rod.get(along, 0.0)
+    return Triangle(hypot(*base), hypot(*rod), aside, abs(psi), 1.0 if psi >= 0.0 else -1.0)
+
+
+def is_plane(pins: FourBar, link: Link) -> bool:
+    """Whether all pins of a bucket's linkage lie in one plane across the joint's axis."""
+    along = link.axis[-1]
+    places = [point.get(along, 0.0) - link.at.get(along, 0.0) for point in (pins.base, pins.hinge, pins.knee)]
+    return max(abs(place - pins.pin.get(along, 0.0)) for place in places) < 1e-9
 
 
 def rocker(pins: FourBar, link: Link) -> Rocker:
@@ -82,7 +92,7 @@ def lever(function: Function, link: Link, angle: float) -> float | None:
     if isinstance(function.pins, Pins):
         t = triangle(function.pins, link)
         psi = t.offset + t.direction * angle
-        length = sqrt(max(t.r_base**2 + t.r_rod**2 - 2.0 * t.r_base * t.r_rod * cos(psi), 1e-300))
+        length = sqrt(max(t.r_base**2 + t.r_rod**2 + t.aside**2 - 2.0 * t.r_base * t.r_rod * cos(psi), 1e-300))
         return t.direction * t.r_base * t.r_rod * sin(psi) / length
     if isinstance(function.pins, FourBar):
         r = rocker(function.pins, link)

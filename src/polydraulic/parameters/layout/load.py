@@ -85,7 +85,7 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     tank = reader.part(Tank, top, "tank", "")
     links = _ordered([_link(reader, name, item) for name, item in _named(reader, top, "links", MOST_LINKS)], reader)
     functions = _functions(reader, top, links)
-    circuits = _circuits(reader, top, [f.name for f in functions])
+    circuits = _circuits(reader, top)
     tip = _tip(reader, top, links)
     if not reader.wrong and tank is not None:
         machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip)
@@ -214,8 +214,9 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> Valve | None:
     return Valve(knots, *curves) if len(reader.wrong) == before else None
 
 
-def _circuits(reader: Reader, top: Mapping[str, Any], names: list[str]) -> tuple[Circuit, ...]:
+def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[Circuit, ...]:
     found = []
+    names = list(top["functions"]) if isinstance(top.get("functions"), Mapping) else []
     for name, item in _named(reader, top, "circuits", MOST_FUNCTIONS):
         where = f"circuits.{name}"
         data = reader.table(item, ("kind", "functions", "pump"), ("kind", "functions", "pump"), where)
@@ -225,7 +226,7 @@ def _circuits(reader: Reader, top: Mapping[str, Any], names: list[str]) -> tuple
         reader.require(good and 0 < len(fed) <= MOST_IN_SERIES,
             f"{where}.functions = {fed!r}: must be a list of 1 to {MOST_IN_SERIES} names of functions")  # fmt: skip
         for f in fed if good else []:
-            reader.require(f in names or not names, f"{where}.functions: {f!r} is no usable function; there are {names}")
+            reader.require(f in names or not names, f"{where}.functions: {f!r} is no function; there are {names}")
         pump = reader.part(Pump, data, "pump", where)
         if pump is not None and good:
             found.append(Circuit(name, kind, tuple(fed), pump))

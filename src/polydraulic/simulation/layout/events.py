@@ -53,9 +53,10 @@ def _conditions(
     yield ("bypass closes", "bypass opens"), travel >= bypass, _share(travel, bypass)
     yield ("low stop met", "low stop left"), angle <= f.stops.low, None
     yield ("high stop met", "high stop left"), angle >= f.stops.high, None
-    for port, side in (("p_a", "A"), ("p_b", "B")):
-        p = column(f"{f.name}.{port}")
+    sides = [("A", column(f"{f.name}.p_a")), ("B", column(f"{f.name}.p_b"))]
+    for side, p in sides:
         yield (f"line {side} relief opens", f"line {side} relief closes"), p >= f.line.relief, None
+    for side, p in sides:
         yield (f"line {side} runs empty", f"line {side} fills"), p <= machine.tank.floor, None
 
 

@@ -134,21 +134,21 @@ def _text(node: ast.stmt) -> str:
 
 
 def _broken(line: str) -> list[str]:
-    """A line that is too long as several: one argument of its outermost call a line."""
+    """A line that is too long as several: one argument of its outermost call a line, each broken again if need be."""
     indent = line[: len(line) - len(line.lstrip())]
-    start = re.match(r"\s*(?:return |[\w, .]+ = )[\w.]+\(", line)
-    if len(line) <= WIDTH or start is None or not line.endswith(")"):
+    start = re.match(r"\s*(?:return |[\w, .]+ = )?[\w.]+\(", line)
+    end = re.search(r"\),?$", line)
+    if len(line) <= WIDTH or start is None or end is None:
         return [line]
-    inside, depth, begin = line[start.end() : -1], 0, 0
+    inside, depth, begin = line[start.end() : end.start()], 0, 0
     parts = []
     for place, letter in enumerate(inside):
         depth += (letter in "([{") - (letter in ")]}")
-        if depth < 0:
+        if depth < 0:  # the call ends before the line does
             return [line]
         if letter == "," and depth == 0:
             parts.append(inside[begin:place].strip())
             begin = place + 1
     parts.append(inside[begin:].strip())
-    return [line[: start.end()], *(f"{indent}    {part}," for part in parts), f"{indent})"]
-
-
+    lines = [piece for part in parts for piece in _broken(f"{indent}    {part},")]
+    return [line[: start.end()], *lines, f"{indent}{end[0]}"]

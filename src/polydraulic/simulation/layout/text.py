@@ -5,7 +5,7 @@ in it, so that machines that differ in numbers alone share it, and what has been
 """
 
 import ast
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from importlib.resources import files
 
 from polydraulic.flow.lanes import LANES
@@ -66,7 +66,7 @@ def _text(machine: LayoutMachine) -> str:
     motion = motion_text(tree_of(machine))
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
-    imports = sorted(dict.fromkeys([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())]))
+    imports = _joined([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
@@ -94,6 +94,17 @@ def _knots(n: int) -> dict[str, Rows]:
         return [{"I": str(k)} for k in range(start, end)]
 
     return {"SEGMENTS": numbered(0, n - 1), "KNOTS": numbered(1, n), "INNER_KNOTS": numbered(1, n - 1)}
+
+
+def _joined(imports: Sequence[str]) -> list[str]:
+    """Lines that import the same, each name once."""
+    names: dict[str, set[str]] = {}
+    for line in imports:
+        if line.startswith("from "):
+            module, _, listed = line.removeprefix("from ").partition(" import ")
+            names.setdefault(module, set()).update(listed.split(", "))
+    plain = sorted({line for line in imports if line.startswith("import ")})
+    return [*plain, *(f"from {module} import {', '.join(sorted(of))}" for module, of in sorted(names.items()))]
 
 
 def fields_of(text: str, name: str) -> list[str]:

@@ -1,0 +1,109 @@
+"""Machine files with links, functions and circuits: what is read, and what is refused all at once."""
+
+import math
+
+import pytest
+from helpers.small_crane import crane_text, write_crane
+
+from polydraulic import InputError, load_machine
+from polydraulic.parameters.load import as_excavator, load_layout, machine_names
+
+
+@pytest.fixture(scope="module")
+def crane(tmp_path_factory):
+    return load_machine(write_crane(tmp_path_factory.mktemp("crane")))
+
+
+def refused(folder, old, new):
+    with pytest.raises(InputError) as error:
+        load_machine(write_crane(folder, old, new))
+    return str(error.value)
+
+
+def test_numbers_arrive_in_si_whatever_unit_they_were_written_in(crane):
+    assert crane.circuits[1].pump.flow == pytest.approx(20 * 3.785411784e-3 / 60)
+    assert crane.function("slew").drive.displacement == pytest.approx(80e-6 / (2 * math.pi))
+    assert crane.function("extend").friction.viscous == 1500.0  # N s/m
+    assert crane.function("lift").stops.high == pytest.approx(math.radians(70))
+    assert crane.link("boom").at == {"x": 0.1, "z": 1.5}
+
+
+def test_functions_stand_in_the_order_of_their_links(tmp_path):
+    text = crane_text()
+    first, last = text.index("[functions.slew]"), text.index("[functions.extend]")
+    end = text.index("[circuits.main]")
+    path = tmp_path / "turned.toml"
+    path.write_text(text[:first] + text[last:end] + text[first:last] + text[end:], encoding="utf-8")
+    assert load_machine(path).names == ("slew", "lift", "extend")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('parent = "column"', 'parent = "colum"', "links.boom.parent = 'colum': must be one of ['ground', 'column'"),
+        ('parent = "ground"', 'parent = "arm"', "lead round in a circle"),
+        ("[links.column]", "[links.class]", "'class' is a word of Python"),
+        ("[functions.slew]", "[functions.int]", "'int' is a word of C or C++"),
+        ("[functions.slew]", '[functions."a-b"]', "must be 1 to 40 ASCII letters"),
+        ('moves = "arm"', 'moves = "boom"', "functions.extend.actuator = 'ram': cannot move boom, whose joint is revolute"),
+        ('actuator = "ram"', 'actuator = "cylinder"', "cannot move arm, whose joint is prismatic"),
+        ('functions = ["extend"]', 'functions = ["extend", "slew"]', "functions.slew: stands in circuits 2 times"),
+        ('functions = ["extend"]', 'functions = ["stretch"]', "'stretch' is no function"),
+        ('axis = "-y"', 'axis = "up"', "links.boom.axis = 'up': must be one of ['x', 'y', 'z'"),
+        ("mass = {value = 250", "mass = {value = -250", "links.boom.mass = -250 kg: must be finite and in [0, inf] kg"),
+        ('at.z = {value = 1.5, unit = "m"', 'at.z = {value = 1.5, unit = "kg"', "links.boom.at.z has unit 'kg'"),
+        ("at.z = {", "at.w = {", "unknown key 'w' in links.boom.at"),
+        ("value = [0, 1, 4, 8]", "value = [0, 4, 1, 8]", "functions.slew.valve.knots"),
+        ("value = [30, 14, 2, 0]", "value = [30, 14, 2]", "functions.slew.valve.bypass: 3 numbers for 4 knots"),
+        ("initial.angle = {value = 20", "initial.angle = {value = 95", "initial.angle = 95 deg: must be within the stops, -20 deg to 70 deg"),
+        ("rod_pin.x = {value = 0.7", "rod_pin.x = {value = -0.1", "functions.lift"),
+        ("inertia.zz = {value = 161", "inertia.zz = {value = 400", "no body has one above the sum of the others"),
+        ("pump.relief = {value = 250", "pump.relief = {value = 2", "pump.relief = 2 bar: must be above tank.return_pressure = 3 bar"),
+        ('kind = "series"', 'kind = "parallel"', "circuits.main.kind = 'parallel': must be one of ['series']"),
+        ('link = "arm"', 'link = "hook"', "tip.link = 'hook'"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named_with_what_is_allowed(tmp_path, old, new, words):
+    assert words in refused(tmp_path, old, new)
+
+
+def test_all_that_is_wrong_is_said_at_once(tmp_path):
+    text = crane_text().replace('axis = "-y"', 'axis = "up"').replace("value = 80, unit", "value = -80, unit")
+    path = tmp_path / "wrong.toml"
+    path.write_text(text.replace('title = "Small crane"', "title = 3"), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        load_machine(path)
+    found = str(error.value).split("\n  ")
+    assert found[0] == f"{path}: what is wrong:"
+    assert [line.split(" ")[0] for line in found[1:]] == ["title", "links.boom.axis", "functions.slew.motor.displacement"]
+
+
+def test_a_name_written_twice_but_for_capitals_is_refused(tmp_path):
+    text = crane_text().replace("[links.arm]", "[links.BOOM]").replace('moves = "arm"', 'moves = "BOOM"').replace('link = "arm"', 'link = "BOOM"')
+    path = tmp_path / "twice.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="stands there twice but for upper and lower case"):
+        load_machine(path)
+
+
+def test_more_links_than_there_may_be_are_refused(tmp_path):
+    text = crane_text()
+    arm = text[text.index("[links.arm]") : text.index("[functions.slew]")]
+    more = "".join(arm.replace("[links.arm]", f"[links.arm{k}]") for k in range(11))
+    path = tmp_path / "many.toml"
+    path.write_text(text.replace(arm, arm + more), encoding="utf-8")
+    with pytest.raises(InputError, match="links: 14 of them; must be 1 to 12"):
+        load_machine(path)
+
+
+def test_code_for_the_older_form_refuses_other_layouts_by_name(crane):
+    with pytest.raises(InputError, match="'Small crane' has the functions slew, lift, extend; this works for the layout of 'cat215b' alone"):
+        as_excavator(crane)
+    with pytest.raises(InputError, match="has the older form"):
+        load_layout("cat215b")
+    assert as_excavator("cat215b").boom.cylinder.number == 2.0
+
+
+@pytest.mark.parametrize("name", machine_names())
+def test_every_machine_of_the_package_loads(name):
+    assert load_machine(name)

@@ -1,0 +1,18 @@
+import pytest
+
+from polydraulic import InputError, load_machine
+from polydraulic.parameters.layout.skeleton import skeleton
+
+
+def test_a_skeleton_is_a_machine_with_a_comment_for_each_kind_of_number(tmp_path):
+    text = skeleton("cat215b_bucket")
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    assert load_machine(path) == load_machine("cat215b_bucket")
+    comments = [line for line in text.split("\n") if line.startswith("# where this link's joint is")]
+    assert len(comments) == 1
+
+
+def test_the_older_form_is_no_pattern():
+    with pytest.raises(InputError, match="older form"):
+        skeleton("cat215b")

@@ -1,0 +1,30 @@
+import pytest
+from helpers.small_crane import write_crane
+
+from polydraulic import load_machine
+from polydraulic.parameters.layout.usual import unusual
+from polydraulic.parameters.load import load_layout, machine_names
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('at.x = {value = 1.8, unit = "m"', 'at.x = {value = 5, unit = "km"', "links.arm.at.x = 5000000 mm"),
+        ('pump.relief = {value = 250, unit = "bar"', 'pump.relief = {value = 250, unit = "psi"', "circuits.main.pump.relief = 17.24 bar"),
+        ('pump.flow = {value = 40, unit = "L/min"', 'pump.flow = {value = 40, unit = "m3/h"', None),
+        ('pump.flow = {value = 40, unit = "L/min"', 'pump.flow = {value = 16810, unit = "in3/s"', "circuits.main.pump.flow"),
+        ("mass = {value = 250", "mass = {value = 250000", "links.boom.mass = 250000 kg"),
+    ],
+)  # fmt: skip
+def test_absurd_values_are_named_with_what_is_usual(tmp_path, old, new, words):
+    found = unusual(load_machine(write_crane(tmp_path, old, new)))
+    if words is None:
+        assert found == []
+    else:
+        assert any(line.startswith(words) and "usual is" in line for line in found), found
+
+
+def test_the_machines_of_the_package_are_usual():
+    for name in machine_names():
+        if name != "cat215b":
+            assert unusual(load_layout(name)) == []

@@ -1,0 +1,91 @@
+"""Machines of other layouts in time: balances, stops, and the excavator as a tree of links against its closed form."""
+
+import numpy as np
+import pytest
+
+from polydraulic import InputError, load_machine, load_scenario, simulate
+from polydraulic.parameters.load import load_layout
+from polydraulic.parameters.scenario import random_operator
+from polydraulic.simulation.summary import run_summary
+
+
+@pytest.fixture(scope="module")
+def run(crane):
+    return simulate(crane, "exact", "random:3:20")
+
+
+def test_oil_is_neither_made_nor_lost(crane, run):
+    for c in crane.circuits:
+        used = sum(run[f"{f}.q_in"] for f in c.functions)
+        gap = run[f"{c.name}.q_pump"] - used - run[f"{c.name}.q_bypass"] - run[f"{c.name}.q_relief"]
+        assert np.abs(gap).max() < 1e-12 * c.pump.flow
+        assert run[f"{c.name}.p_pump"].max() <= c.pump.relief * (1 + 1e-12)
+        limited = run[f"{c.name}.p_pump"] > c.pump.torque_limit_start
+        power = run[f"{c.name}.p_pump"] * run[f"{c.name}.q_pump"] / (c.pump.flow * c.pump.torque_limit_start)
+        assert np.allclose(power[limited], 1.0, atol=1e-9)
+
+
+def test_joints_stay_within_their_stops_and_pressures_between_floor_and_relief(crane, run):
+    for f in crane.functions:
+        where = run[f"{f.name}.position" if f.name == "extend" else f"{f.name}.angle"]
+        assert f.stops.low <= where.min() and where.max() <= f.stops.high
+        assert run[f"{f.name}.p_a"].min() >= crane.tank.floor and run[f"{f.name}.p_b"].max() <= f.line.relief
+    assert run["extend.position"].max() == pytest.approx(1.4)
+    met = [event for event in run.info["events"] if event[1:] == ["extend", "high stop met"]]
+    assert met and run["extend.position"][np.searchsorted(run["time"], met[0][0])] == pytest.approx(1.4, abs=1e-3)
+
+
+def test_the_tip_is_where_the_joints_put_it(run):
+    reach = 0.1 + (1.8 + run["extend.position"] + 1.5) * np.cos(run["lift.angle"])
+    assert np.allclose(np.hypot(run["effector.x"], run["effector.y"]), reach, atol=1e-12)
+
+
+def test_a_summary_speaks_of_the_machines_own_functions(run):
+    lines = run_summary(run)
+    assert "slew" in lines[0] and "second pump" in lines[0]
+    assert any(line.startswith("at the end: slew") and "extend" in line for line in lines)
+
+
+def test_locked_functions_stand_still_and_keep_their_columns_short(crane):
+    run = simulate(crane, "exact", random_operator(5, 3.0, links=("lift",), functions=crane.names))
+    assert np.ptp(run["slew.angle"]) == 0.0 and np.ptp(run["extend.position"]) == 0.0 and np.ptp(run["lift.angle"]) > 0.01
+    assert "slew.p_a" not in run.names and "second.p_pump" not in run.names and "main.p_pump" in run.names
+
+
+def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
+    run = simulate(crane, "exact", random_operator(5, 3.0, links=("slew",), functions=crane.names), t_end=0.2)
+    assert np.abs(run["slew.rate"]).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("flow", "scenario", "options", "words"),
+    [
+        ("polynomial", "random:1:1", {}, "flow 'polynomial' knows the layout of 'cat215b' alone"),
+        ("exact", "random:1:1", {"method": "rosenbrock"}, "method 'rosenbrock' knows the layout of 'cat215b' alone"),
+        ("exact", "task", {}, "unknown key"),
+        ("exact", load_scenario("random:1:1"), {}, "names 'swing', which the machine does not have"),
+    ],
+)
+def test_what_a_layout_cannot_do_is_refused_by_name(crane, flow, scenario, options, words):
+    with pytest.raises(InputError, match=words):
+        simulate(crane, flow, scenario, **options)
+
+
+@pytest.mark.slow
+def test_the_excavator_as_a_tree_moves_like_the_closed_form(excavator_tree):
+    older = load_machine("cat215b")
+    for name in ("task", "step", "sine", "pulse"):
+        tree, arm = simulate(excavator_tree, "exact", name), simulate(older, "exact", name)
+        for link in ("swing", "boom", "stick"):
+            assert np.abs(tree[f"{link}.angle"] - arm[f"{link}.angle"]).max() < 1e-8  # coordinates are rounded to 1e-9 m
+        assert [event[1:] for event in tree.info["events"]] == [event[1:] for event in arm.info["events"]]
+
+
+@pytest.fixture
+def excavator_tree():
+    """cat215b_bucket without its bucket: the boom alone on its pump."""
+    machine = load_layout("cat215b_bucket")
+    circuits = tuple(c._replace(functions=tuple(f for f in c.functions if f != "bucket")) for c in machine.circuits)
+    return machine._replace(
+        links=machine.links[:3], functions=machine.functions[:3], circuits=circuits, tip=("stick", machine.link("bucket").at)
+    )
