@@ -2,6 +2,7 @@ import pytest
 from PIL import Image
 
 from polydraulic.plotting.animation import write_animation
+from tests.helpers.made_runs import made_run, small_crane
 
 
 def test_a_gif_lasts_as_long_as_the_run(machine, whole, tmp_path):
@@ -27,3 +28,10 @@ def test_an_interrupted_gif_leaves_nothing(machine, whole, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         write_animation(whole, machine, tmp_path / "run.gif", progress=stop)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_gif_of_any_layout_has_all_its_frames(tmp_path):
+    crane = small_crane()
+    write_animation({"made": made_run(crane)}, crane, tmp_path / "run.gif", rate=10.0)
+    with Image.open(tmp_path / "run.gif") as image:
+        assert image.n_frames == 11  # every frame differs from the one before

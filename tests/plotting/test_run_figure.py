@@ -8,6 +8,7 @@ from polydraulic.plotting.run_figure import plot_run
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.unit_table import PSI
+from tests.helpers.made_runs import made_run, small_crane
 
 QUANTITIES = ["joystick [V]", "spool [mm]", "flow [l/min]", "pressure [bar]", "angle [deg]"]
 
@@ -55,5 +56,34 @@ def test_numbers_are_in_the_units_asked_for(boom_runs):
 def test_what_is_no_run_is_named(boom_runs):
     with pytest.raises(InputError, match="there is no run to show"):
         plot_run({})
-    with pytest.raises(InputError, match=r"run 'mine' has no column 'swing.angle'"):
+    with pytest.raises(InputError, match=r"run 'mine' has no column 'effector.x'"):
         plot_run({"mine": Table({"time": np.zeros(2)}, {})})
+
+
+def test_a_joint_that_slides_has_its_own_label_and_pump():
+    run = made_run(small_crane())
+    figure = plot_run({"made": run})
+    *panels, _ = figure.axes
+    assert [axis.get_title() for axis in panels[::5]] == ["slew", "lift", "reach"]
+    assert [axis.get_ylabel() for axis in panels[4::5]] == ["angle [deg]", "", "position [mm]"]
+    assert panels[14].lines[0].get_ydata() == pytest.approx(1e3 * run["reach.position"])
+    assert panels[13].lines[1].get_ydata() == pytest.approx(1e-5 * run["work.p_pump"])
+    figure.savefig(io.BytesIO(), format="svg")
+
+
+def test_texts_of_many_functions_do_not_cover_each_other():
+    crane = made_run(small_crane())
+    names = [f"function_{k}" for k in range(8)]
+    columns = {name: values for name, values in crane.columns.items() if name.partition(".")[0] in ("time", "effector")}
+    for place, name in enumerate(names):
+        own = "reach" if place == 3 else "lift"
+        columns |= {name + old[len(own):]: values for old, values in crane.columns.items() if old.startswith(f"{own}.")}
+    units = {name: crane.units.get(name, "") for name in columns}
+    units |= {name: {"voltage": "V", "spool": "m", "angle": "rad", "position": "m"}.get(name.rpartition(".")[2], "Pa") for name in columns if "function" in name}
+    units |= {name: "m3/s" for name in columns if name.rpartition(".")[2] in ("q_in", "q_out")}
+    figure = plot_run({"made": Table(columns, units, {"circuits": {"work": names}})})
+    figure.draw_without_rendering()
+    texts = [t for axis in figure.axes for t in (axis.title, axis._right_title, axis.yaxis.label, *axis.get_yticklabels()) if t.get_text() and t.get_visible()]
+    boxes = [text.get_window_extent() for text in texts]
+    assert len(boxes) > 60
+    assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])

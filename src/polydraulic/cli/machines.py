@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import app
+from polydraulic.cli.application import METRIC, UnitsOption, app
 from polydraulic.errors import InputError
 
 machines = typer.Typer(
-    help="Machines of any layout as data: list them, check a file, begin a new one, show its kernels.\n\n"
+    help="Machines of any layout as data: list them, check and draw a file, begin a new one, show its kernels.\n\n"
     "A machine file says which links there are, what moves each of them, and which pump feeds which valves: see "
     "docs/your_machine.md.",
     no_args_is_help=True,
@@ -50,7 +50,7 @@ def check(machine: MachineArgument) -> None:
 
     Example: `polydraulic machine check my_machine.toml`
 
-    What comes next: `polydraulic simulate random:1:10 --machine my_machine.toml`.
+    What comes next: `polydraulic machine draw my_machine.toml --out my_machine.svg`, and look whether it is what you meant.
     """
     from polydraulic.parameters.layout.describe import described
     from polydraulic.parameters.layout.schema import LayoutMachine
@@ -66,6 +66,28 @@ def check(machine: MachineArgument) -> None:
     for line in unusual(found):
         print(f"warning: {line}")
     print(f"{machine}: good")
+
+
+@machines.command()
+def draw(
+    machine: MachineArgument,
+    out: Annotated[Path, typer.Option(help="Picture to write, .svg, .png or .pdf.")],
+    units: UnitsOption = METRIC,
+) -> None:
+    """Draw a machine with the names of its links, pins and cylinders, the travel of its joints, and where its tip can be.
+
+    A look at it shows whether the file says what was meant.
+
+    Example: `polydraulic machine draw my_machine.toml --out my_machine.svg`
+
+    What comes next: `polydraulic animate random:1:10 --machine my_machine.toml --out run.html`.
+    """
+    from polydraulic.plotting.machine_figure import draw_machine
+    from polydraulic.plotting.run_figure import picture_ending, save_figure
+
+    picture_ending(out)
+    save_figure(draw_machine(machine, units=units), out)
+    print(out)
 
 
 @machines.command()

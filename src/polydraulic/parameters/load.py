@@ -93,8 +93,8 @@ def machine_names() -> list[str]:
     return sorted(path.stem for path in _SETS.glob("*.toml"))
 
 
-def machine_title(name: str) -> str:
-    """What a machine that comes with the package is, in a line."""
+def machine_title(name: str | Path) -> str:
+    """What a machine is, in a line: its title, or the first comment of its file."""
     path = find(name, _SETS, "parameter set")
     return str(read_toml(path).get("title", path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")))
 

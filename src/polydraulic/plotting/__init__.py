@@ -1,4 +1,4 @@
-"""Pictures of runs: `run_figure` (the standard plot), `shapes` (the linkage as drawn), `frames`, `scene`, `gif` and `animation` (pages)."""
+"""Pictures: `run_figure` (the standard plot), `machine_figure` (a machine standing still), `drawing` (what is drawn of one), `animation`."""
 
 import lazy_loader
 

@@ -83,6 +83,8 @@ class Drawing(NamedTuple):
         The functions, whose positions runs hold.
     initial : tuple of float
         Positions of their joints at the start, rad or m.
+    travel : tuple of (low, high)
+        How far their joints may go.
     links : tuple of Link
         Those that the functions move, in the same order, then the followers.
     followers : tuple of Follower
@@ -105,6 +107,7 @@ class Drawing(NamedTuple):
 
     names: tuple[str, ...]
     initial: tuple[float, ...]
+    travel: tuple[tuple[float, float], ...]
     links: tuple[Link, ...]
     followers: tuple[Follower, ...]
     slews: bool

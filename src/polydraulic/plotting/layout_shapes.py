@@ -65,12 +65,13 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
     hidden = {spot.link for body in standing for spot in body.spots}
     tip = _spot(machine.tip[0], vector(machine.tip[1]))
     shown = [body for body in [*arms, *bars] if body.spots[0].link not in hidden]
-    side = 0.35 * reach
+    side = 0.38 * reach
     x, y, _ = vector(moved[0].at)
     outward = 0.0 if slews else x
     return Drawing(
         names=machine.names,
         initial=tuple(f.initial.angle for f in machine.functions),
+        travel=tuple((f.stops.low, f.stops.high) for f in machine.functions),
         links=(*moved, *rockers),
         followers=tuple(Follower(x.joint, rocker(x.pins, x.link)) for x in linkages),
         slews=slews,

@@ -1,5 +1,6 @@
 """A machine as its file describes it, standing still: links, pins, cylinders and the travel of its joints, all with their names."""
 
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,9 +8,9 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, checked_units, shown_unit
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.load import as_machine, machine_title
 from polydraulic.parameters.schema import Machine
-from polydraulic.plotting.drawing import OF_RUN, Drawing, Motion, Spot, View, limits, motion_of, places, seen, silhouette
+from polydraulic.plotting.drawing import OPEN, Drawing, Motion, Spot, View, limits, motion_of, places, seen, silhouette
 from polydraulic.plotting.labels import Label, place_labels
 from polydraulic.plotting.machine_drawing import machine_drawing
 from polydraulic.plotting.scene import FIRST_EDGE, draw_view, fill_place, moving_artists
@@ -44,12 +45,12 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     from matplotlib.figure import Figure
 
     checked_units(units)
-    machine = as_machine(machine)
-    drawing = machine_drawing(machine)
+    title = machine_title(machine) if isinstance(machine, str | Path) else getattr(machine, "title", "")
+    drawing = machine_drawing(as_machine(machine))
     motion = motion_of(drawing, np.array([drawing.initial]))
     reached = tip_places(drawing)
     figure = Figure(figsize=(14.0, 7.6), dpi=100)
-    side, top = figure.add_axes((0.045, 0.09, 0.62, 0.83)), figure.add_axes((0.715, 0.39, 0.275, 0.53))
+    side, top = figure.add_axes((0.045, 0.09, 0.62, 0.83)), figure.add_axes((0.735, 0.39, 0.255, 0.53))
     low, high = limits(drawing, [motion], "side")
     margin = 0.02 * (high - low).max()
     fill_place(side, np.minimum(low, reached.min(axis=0) - margin), np.maximum(high, reached.max(axis=0) + margin))
@@ -59,7 +60,7 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     for axis, view in ((side, "side"), (top, "top")):
         _still(axis, drawing, view, motion, units)  # type: ignore[arg-type]
     _name(side, drawing, motion, units)
-    figure.text(0.02, 0.955, getattr(machine, "title", ""), fontweight="bold", fontsize=12)
+    figure.text(0.02, 0.955, title, fontweight="bold", fontsize=12)
     figure.text(0.02, 0.018, _NOTE, fontsize=8.5, color="0.4")
     indent = 0.012 + 0.0062 * max(len(name) for name in drawing.names)
     for place, (name, text) in enumerate(_ranges(drawing, units)):
@@ -70,13 +71,16 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
 
 
 def _still(axis: "Axes", drawing: Drawing, view: View, motion: Motion, units: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     draw_view(axis, drawing, view, [motion])(0)
     for artist in moving_artists(axis.figure):  # type: ignore[arg-type]
         artist.set_animated(False)
     unit = shown_unit("m", units)
     names = ("outward", "upward") if view == "side" else ("x", "y")
-    axis.xaxis.set_major_formatter(lambda value, _: f"{as_shown(value, 'm', units):.6g}")
-    axis.yaxis.set_major_formatter(lambda value, _: f"{as_shown(value, 'm', units):.6g}")
+    for scale, ends in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
+        ticks = MaxNLocator(7, steps=[1, 2, 5, 10]).tick_values(*(as_shown(end, "m", units) for end in ends))[1:-1]
+        scale.set_ticks(ticks / as_shown(1.0, "m", units), [f"{tick:g}" for tick in ticks])
     axis.set_xlabel(f"{names[0]} [{unit}]", fontsize=8)
     axis.set_ylabel(f"{names[1]} [{unit}]", fontsize=8)
     axis.tick_params(labelsize=8)
@@ -100,8 +104,8 @@ def _name(axis: "Axes", drawing: Drawing, motion: Motion, units: str) -> None:
     moved = {link.name for link in drawing.links[: len(drawing.names)]}
     for body, outline in zip(bodies, outlines, strict=True):
         name = body.spots[0].link
-        if name in moved and name not in {label.text for label in links} and (body.fill == OF_RUN or len(outline) > 5):
-            middle = outline.mean(axis=0)
+        if name in moved and body.fill != OPEN and name not in {label.text for label in links}:
+            middle = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
             links.append(
                 Label(name, (float(middle[0]), float(middle[1])), {"fontsize": 10.0, "color": FIRST_EDGE, "fontweight": "bold"})
             )
@@ -115,13 +119,12 @@ def _name(axis: "Axes", drawing: Drawing, motion: Motion, units: str) -> None:
 
 def _ranges(drawing: Drawing, units: str) -> list[tuple[str, str]]:
     """What each function moves, from where to where, and where it begins."""
-    ends = {stop.joint: stop for stop in drawing.stops}
     rows = []
     for place, (name, start) in enumerate(zip(drawing.names, drawing.initial, strict=True)):
-        link = drawing.links[place]
+        link, (low, high) = drawing.links[place], drawing.travel[place]
         unit = "m" if link.joint == "prismatic" else "rad"
-        stop = ends.get(place)
-        travel = f"{amount(stop.low, unit, units)} to {amount(stop.high, unit, units)}" if stop else "all round"
+        travel = f"{amount(low, unit, units)} to {amount(high, unit, units)}"
+        travel = "all round" if unit == "rad" and high - low > 4.0 * pi else travel
         moves = "" if link.name == name else f"moves {link.name}, "
         rows.append((name, f"{moves}{travel}, begins at {amount(start, unit, units)}"))
     return rows

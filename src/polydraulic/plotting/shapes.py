@@ -60,14 +60,17 @@ def excavator_drawing(machine: Machine) -> Drawing:
         _beam("stick", short, 0.17),
         _beam("boom", long, 0.24),
     )  # fmt: skip
+    parts = [getattr(machine, link) for link in LINKS]
+    travel = [(part.stops.low, part.stops.high) for part in parts]
     stops = [
-        joint_stops(place, links[place], (s.low, s.high), radius)
+        joint_stops(place, links[place], travel[place], radius)
         for place, radius in enumerate((2.9, 1.25, 0.95))
-        if (s := getattr(machine, LINKS[place]).stops).high - s.low < 2.0 * pi
+        if travel[place][1] - travel[place][0] < 2.0 * pi
     ]
     return Drawing(
         names=LINKS,
-        initial=tuple(getattr(machine, link).initial.angle for link in LINKS),
+        initial=tuple(part.initial.angle for part in parts),
+        travel=tuple(travel),
         links=links,
         followers=(),
         slews=True,

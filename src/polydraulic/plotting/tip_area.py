@@ -17,18 +17,23 @@ def tip_places(drawing: Drawing) -> np.ndarray:
     ----------
     drawing : Drawing
     """
-    ends = {stop.joint: (stop.low, stop.high) for stop in drawing.stops}
     joints = _carriers(drawing)
     count = max(2, round(_COARSE ** (1.0 / max(len(joints) - 1, 1))))
     found = []
     for fine in joints:
-        steps = [np.linspace(*ends.get(j, (-np.pi, np.pi)), _FINE if j == fine else count) for j in joints]
+        steps = [np.linspace(*_once_round(drawing, j), _FINE if j == fine else count) for j in joints]
         mesh = np.meshgrid(*steps, indexing="ij")
         positions = np.tile(drawing.initial, (mesh[0].size, 1))
         positions[:, joints] = np.stack([values.ravel() for values in mesh], axis=-1)
         motion = motion_of(drawing._replace(followers=(), links=drawing.links[: len(drawing.names)]), positions)
         found.append(seen(motion, "side", places(motion, [drawing.tip]))[:, 0])
     return np.concatenate(found)
+
+
+def _once_round(drawing: Drawing, joint: int) -> tuple[float, float]:
+    low, high = drawing.travel[joint]
+    turns = drawing.links[joint].joint == "revolute" and high - low > 2.0 * np.pi
+    return (-np.pi, np.pi) if turns else (low, high)
 
 
 def _carriers(drawing: Drawing) -> list[int]:

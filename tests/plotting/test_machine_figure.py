@@ -1,0 +1,67 @@
+import io
+import itertools
+
+import numpy as np
+import pytest
+
+from polydraulic import load_machine
+from polydraulic.errors import InputError
+from polydraulic.plotting import draw_machine
+from tests.helpers.made_runs import small_crane
+
+
+def texts(figure):
+    return [text.get_text() for axis in figure.axes for text in axis.texts] + [t.get_text() for t in figure.texts]
+
+
+def test_all_parts_have_their_names():
+    found = texts(draw_machine("cat215b_bucket"))
+    pins = ["joint", "base", "rod pin"]
+    assert {"swing", "boom", "stick", "bucket", "tip"} <= set(found)
+    assert {f"{name} {pin}" for name in ("boom", "stick") for pin in pins} <= set(found)
+    assert {f"bucket {pin}" for pin in ("joint", "base", "hinge", "knee", "pin")} <= set(found)
+    assert {"-145 deg", "-28 deg"} <= set(found)
+    assert found[-5:] != found[:5]
+    assert "Caterpillar 215B excavator, with bucket" in found
+    assert "-115 deg to 25 deg, begins at -40 deg" in found
+    assert "all round, begins at 0 deg" in found
+
+
+def test_a_joint_that_slides_is_told_by_its_lengths():
+    found = texts(draw_machine(small_crane()))
+    assert "moves extension, 0 mm to 1100 mm, begins at 200 mm" in found
+    assert "1100 mm" in found
+    found = texts(draw_machine(small_crane(), units="field"))
+    assert "moves extension, 0 in to 43.31 in, begins at 7.874 in" in found
+
+
+@pytest.mark.parametrize("units", ["metric", "field"])
+def test_names_do_not_cover_each_other(units):
+    for machine in (load_machine("cat215b_bucket"), small_crane(), load_machine("cat215b")):
+        figure = draw_machine(machine, units=units)
+        boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+        assert len(boxes) > 8
+        assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+def test_axes_tell_lengths_in_the_units_asked_for():
+    for units, factor, label in (("metric", 1e3, "outward [mm]"), ("field", 1.0 / 0.0254, "outward [in]"), ("si", 1.0, "outward [m]")):
+        axis = draw_machine(small_crane(), units=units).axes[0]
+        assert axis.get_xlabel() == label
+        ticks = [(place, float(text.get_text())) for place, text in zip(axis.get_xticks(), axis.get_xticklabels(), strict=True)]
+        assert len(ticks) >= 4
+        assert np.array([shown for _, shown in ticks]) == pytest.approx(factor * np.array([place for place, _ in ticks]))
+
+
+def test_the_picture_has_the_moving_parts_in_it():
+    """Nothing waits for an animation: what is drawn in a file differs from an empty view."""
+    figure = draw_machine("cat215b")
+    assert not any(artist.get_animated() for artist in figure.findobj())
+    figure.savefig(io.BytesIO(), format="svg")
+
+
+def test_what_cannot_be_drawn_is_named():
+    with pytest.raises(InputError, match="units = 'imperial'"):
+        draw_machine("cat215b", units="imperial")
+    with pytest.raises(InputError, match="unknown parameter set 'nothing'"):
+        draw_machine("nothing")
