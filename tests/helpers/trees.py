@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.util
+import re
 import sys
 
 import numpy as np
@@ -11,44 +12,25 @@ from polydraulic.machine.tree.links import TENSOR, VECTOR, Link
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text, moving
 
 GRAVITY = 9.81
-DRIVERS = '''
-
-@driver
-def accelerate(q, v, torque, held, constants, found):
-    """Accelerations of many states, one a row."""
-    for i in range(q.shape[0]):
-        m = motion(turns(joints(q[i])), joints(v[i]), constants)
-        right = less(less(joints(torque[i]), m.bias), m.gravity)
-        put(found[i], solve_motion(m.mass, held, right))
-'''
+_PLAIN = """
+def kernel(function):
+    return function
 
 
-def with_joints(links):
-    """The head of a file that holds the mechanics, and what takes joints apart."""
-    names = moving(links)
-    n = range(len(names))
-    return "\n".join(
-        [
-            *MOTION_IMPORTS,
-            "from polydraulic._kernel import driver",
-            "\n\nclass Joints(NamedTuple):",
-            *(f"    {name}: float" for name in names),
-            "\n\nclass Held(NamedTuple):",
-            *(f"    {name}: bool" for name in names),
-            "\n\n@kernel\ndef joints(row):",
-            f"    return Joints({', '.join(f'row[{i}]' for i in n)})",
-            "\n\n@kernel\ndef less(a, b):",
-            f"    return Joints({', '.join(f'a.{name} - b.{name}' for name in names)})",
-            "\n\n@kernel\ndef put(row, x):",
-            *(f"    row[{i}] = x.{name}" for i, name in enumerate(names)),
-            "\n\n",
-        ]
-    )
+driver, sincos = kernel, getattr(sincos, "py_func", sincos)
+"""
 
 
-def mechanics(folder, links, points=(), more=DRIVERS):
-    """The mechanics of `links` as a module, from a real file in `folder`."""
-    text = with_joints(links) + motion_text(links, points=points) + more
+def head(links):
+    """What a file has before the mechanics: imports, `Joints` and `Held`."""
+    lines = [*MOTION_IMPORTS, "from polydraulic._kernel import driver", "\n\nclass Joints(NamedTuple):"]
+    lines += [f"    {name}: float" for name in moving(links)]
+    lines += ["\n\nclass Held(NamedTuple):", *(f"    {name}: bool" for name in moving(links)), "\n\n"]
+    return "\n".join(lines)
+
+
+def loaded(folder, text):
+    """A module of this text, from a real file in `folder`."""
     name = f"mechanics_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     path = folder / f"{name}.py"
     path.write_text(text)
@@ -57,6 +39,64 @@ def mechanics(folder, links, points=(), more=DRIVERS):
     sys.modules[name] = module  # annotations are looked up there
     spec.loader.exec_module(module)
     return module
+
+
+def mechanics(folder, links, points=(), more="", *, plain=False):
+    """The mechanics of `links` and `more` text as a module; `plain`: not compiled."""
+    return loaded(folder, head(links) + (_PLAIN if plain else "") + "\n\n" + motion_text(links, points=points) + more)
+
+
+def mass_entries(links):
+    """Names of the fields of a mass matrix, with row and column."""
+    fields = re.findall(r"^    (m\w+): float  # (\w+)(?:, (\w+))?$", motion_text(links), re.MULTILINE)
+    names = moving(links)
+    return {field: (names.index(a), names.index(b or a)) for field, a, b in fields}
+
+
+def everything(links):
+    """All that the mechanics give: what stands in each column of a row, and the text of functions that fill it.
+
+    `evaluate` takes plain arrays, so that one text runs compiled, in Python and as C; `evaluate_all` many states, one a row.
+    """
+    names, last = moving(links), links[-1].name
+    columns = [f"m.mass.{field}" for field in mass_entries(links)]
+    for what in ("m.bias", "m.gravity", "a", "p", "push"):
+        columns += [f"{what}.{name}" for name in names]
+    columns += ["place.x", "place.y", "place.z", "height", "motion_energy"]
+
+    def row(array):
+        return ", ".join(f"{array}[{i}]" for i in range(len(names)))
+
+    n_constants = (
+        motion_text(links, points=[last]).partition("class Constants")[2].partition("def ")[0].count(": float")
+    )
+    right = ", ".join(f"torque[{i}] - m.bias.{name} - m.gravity.{name}" for i, name in enumerate(names))
+    held = ", ".join(f"held[{i}] > 0.5" for i in range(len(names)))
+    point = ", ".join(f"point[{i}]" for i in range(6))
+    text = [
+        "\n\n@kernel",
+        "def evaluate(q, v, torque, held, point, c, found):",
+        f"    constants = Constants({', '.join(f'c[{i}]' for i in range(n_constants))})",
+        f"    turn = turns(Joints({row('q')}))",
+        f"    rate = Joints({row('v')})",
+        "    m = motion(turn, rate, constants)",
+        f"    right = Joints({right})",
+        f"    holding = Held({held})",
+        "    a = solve_motion(m.mass, holding, right)",
+        "    p = times(m.mass, rate)",
+        f"    place = place_{last}(turn, {point[:28]}, constants)",
+        f"    push = push_{last}(turn, {point}, constants)",
+        "    height = potential(turn, constants)",
+        "    motion_energy = kinetic(m.mass, rate)",
+        *(f"    found[{i}] = {column}" for i, column in enumerate(columns)),
+        "    return 0.0",
+        "\n\n@driver",
+        "def evaluate_all(q, v, torque, held, point, c, found):",
+        "    for i in range(q.shape[0]):",
+        "        evaluate(q[i], v[i], torque[i], held[i], point[i], c, found[i])",
+        "",
+    ]
+    return columns, "\n".join(text)
 
 
 def body(rng, mass, *, cg=VECTOR, inertia=TENSOR):
@@ -79,7 +119,9 @@ def excavator(links=3, **more):
     rng = np.random.default_rng(1)
     found = [
         Link("swing", None, "revolute", "z", inertia={"zz": 25000.0}),
-        Link("boom", "swing", "revolute", "-y", {"x": 0.81, "y": 0.12}, **body(rng, 1400.0, cg=plane, inertia=diagonal)),
+        Link(
+            "boom", "swing", "revolute", "-y", {"x": 0.81, "y": 0.12}, **body(rng, 1400.0, cg=plane, inertia=diagonal)
+        ),
         Link("stick", "boom", "revolute", "-y", {"x": 5.19}, **body(rng, 700.0, cg=plane, inertia=diagonal)),
         Link("bucket", "stick", "revolute", "-y", {"x": 2.3, "z": 0.1}, **body(rng, 500.0, cg=plane, inertia=diagonal)),
     ]

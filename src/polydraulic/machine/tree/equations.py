@@ -27,7 +27,7 @@ from polydraulic.machine.tree.frames import (
     to_parent,
     unit,
 )
-from polydraulic.machine.tree.links import Shape
+from polydraulic.machine.tree.links import VECTOR
 from polydraulic.machine.tree.mass import (
     NO_MASS,
     NO_MATRIX,
@@ -42,7 +42,13 @@ from polydraulic.machine.tree.mass import (
     together,
     turned_mass,
 )
+from polydraulic.machine.tree.shapes import Shape
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
+
+
+def entry_name(i: int, j: int, n: int) -> str:
+    """Name of row i and column j, counted from 0, in a mass matrix of n joints."""
+    return f"m{i + 1}{j + 1}" if n < 10 else f"m{i + 1}_{j + 1}"
 
 
 class Equations(NamedTuple):
@@ -93,7 +99,7 @@ def equations_of(shapes: Sequence[Shape], frames: dict[str, Frame], terms: Terms
         terms.section = f"momentum of what hangs on {shape.name}"
         frame = frames[shape.name]
         push = _unit_momentum(shape, frame, composites[shape.name])
-        weight.append(gravity * dot(ups[shape.name], push.force))
+        weight.append((gravity * dot(ups[shape.name], push.force)).named(f"{shape.name}_gravity"))
         mass[column, column] = _diagonal(shape, composites[shape.name])
         name = shape.name
         while (parent := parents[name]) is not None:
@@ -105,7 +111,7 @@ def equations_of(shapes: Sequence[Shape], frames: dict[str, Frame], terms: Terms
     bias = _bias(shapes, frames, composites, terms)
     terms.section = "energy"
     return Equations(
-        {place: term for place, term in sorted(mass.items()) if not term.zero},
+        {(i, j): term.named(entry_name(i, j, len(joints))) for (i, j), term in sorted(mass.items()) if not term.zero},
         bias,
         weight,
         gravity * ground.first[2],
@@ -236,7 +242,7 @@ def _with_own(shape: Shape, frame: Frame, here: _Field, whole: Mass, terms: Term
     field = _Field(
         added(here.rate, own),
         added(here.angular, cross(here.rate, own)),
-        matrix([added(here.gradient[i], more[i]) for i in range(3)]),
+        matrix([named(added(here.gradient[i], more[i]), f"{shape.name}_w{VECTOR[i]}") for i in range(3)]),
         here.at_joint,
     )
     return field, _Push(applied(more, whole.first), moment_of_field(more, whole))

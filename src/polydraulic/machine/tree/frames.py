@@ -9,7 +9,8 @@ shares, its base.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from polydraulic.machine.tree.links import VECTOR, Shape
+from polydraulic.machine.tree.links import VECTOR
+from polydraulic.machine.tree.shapes import Shape
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
 
 Vector = tuple[Term, Term, Term]

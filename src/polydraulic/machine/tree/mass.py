@@ -20,7 +20,8 @@ from polydraulic.machine.tree.frames import (
     times,
     turned,
 )
-from polydraulic.machine.tree.links import TENSOR, VECTOR, Shape
+from polydraulic.machine.tree.links import TENSOR, VECTOR
+from polydraulic.machine.tree.shapes import Shape
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
 
 NO_MATRIX: Matrix = (NOTHING, NOTHING, NOTHING)
@@ -95,7 +96,7 @@ def _moved_second(m: Mass, offset: Vector, step: Vector, first: Vector, i: int, 
     if i > j:
         i, j = j, i
     if offset[i].fixed and offset[j].fixed:
-        return m.second[i][j] + step[i] * offset[j] + offset[i] * m.first[j] + offset[j] * m.first[i]
+        return m.second[i][j] + (offset[i] * m.first[j] + offset[j] * m.first[i]) + step[i] * offset[j]
     return m.second[i][j] + (offset[i] * m.first[j] + first[i] * offset[j])
 
 
@@ -144,9 +145,11 @@ def moment_of_field(gradient: Matrix, m: Mass) -> Vector:
     def about(k: int) -> Term:
         i, j = plane(k)
         return (
-            (w[j][j] - w[i][i]) * s[i][j] + w[j][i] * s[i][i] - w[i][j] * s[j][j] + w[j][k] * s[k][i] - w[i][k] * s[k][j]
+            (w[j][j] - w[i][i]) * s[i][j]
+            + w[j][i] * s[i][i]
+            - w[i][j] * s[j][j]
+            + w[j][k] * s[k][i]
+            - w[i][k] * s[k][j]
         )
 
     return about(0), about(1), about(2)
-
-

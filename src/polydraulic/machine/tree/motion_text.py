@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from polydraulic.errors import InputError
 from polydraulic.machine.tree.equations import Equations, equations_of
 from polydraulic.machine.tree.frames import frames_of
-from polydraulic.machine.tree.links import Link, Shape, check_links, shape_of
+from polydraulic.machine.tree.link_checks import check_links
+from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.points import chain_of, place_of, point_leaves, torques_of
+from polydraulic.machine.tree.shapes import Shape, shape_of
 from polydraulic.machine.tree.solve_text import mass_text, solve_text, times_text
 from polydraulic.machine.tree.statements import Constants, body, call, returned
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
@@ -20,7 +22,7 @@ MOTION_IMPORTS = (
     "from typing import NamedTuple",
     "from polydraulic._kernel import kernel",
     "from polydraulic.elementary import SinCos, sincos",
-    "from polydraulic.machine.tree.links import Shape, links_of_shape",
+    "from polydraulic.machine.tree.shapes import Shape, links_of_shape",
 )
 
 
@@ -145,9 +147,10 @@ def _motion_text(names: Sequence[str], equations: Equations, constants: Constant
     return f'''@kernel
 def motion(turn, rate, constants):
     """Mass matrix and torques at a position and motion."""
-    # of a link: sin_, cos_ of its angle against the first of the links that turn about parallel axes; in the axes of
-    # what carries that one: _x from the parent's joint, _mx and _mxx first and second moments of all mass behind the joint,
-    # _polar the inertia about it, _ax acceleration of the joint by motion alone, _fx and _nx force and moment that arrive
+    # Of a link: sin_ and cos_ of its angle against the first of the links that turn about parallel axes; in the axes of
+    # what carries that one: _x from the parent's joint to its own, _mx and _mxx first and second moments of all mass
+    # behind its joint, _far_mx the first about the parent's joint, _polar inertia about its axis; by motion alone: _ax
+    # acceleration of its joint, _wxx the gradient of it, _fx and _nx force and moment that this takes.
 {body([*entries, *equations.bias, *equations.gravity], result, constants)}'''
 
 

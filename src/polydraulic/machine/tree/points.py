@@ -14,7 +14,7 @@ from polydraulic.machine.tree.frames import (
     to_parent,
     turned,
 )
-from polydraulic.machine.tree.links import Shape
+from polydraulic.machine.tree.shapes import Shape
 from polydraulic.machine.tree.terms import Term, Terms
 
 
@@ -91,5 +91,3 @@ def _from_parent(point: Vector, shape: Shape, frames: dict[str, Frame]) -> Vecto
 
 def _parent(shape: Shape, frames: dict[str, Frame]) -> Frame:
     return GROUND if shape.parent is None else frames[shape.parent]
-
-

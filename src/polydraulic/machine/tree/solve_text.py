@@ -1,20 +1,18 @@
 """Text of what is done with a mass matrix: products, kinetic energy, and a solution in which joints may be held.
 
 The solution is a factorisation L D L' written out for the entries that the tree has, from its tips to its root, so that branches stay
-apart. D holds blocks of two joints: each block takes one division.
+apart. D holds blocks of up to three joints, which are inverted by their cofactors: each block takes one division.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
+from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.statements import body, call, returned
 from polydraulic.machine.tree.terms import ZERO, Term, Terms
 
+_BLOCK = 3
 Entries = dict[tuple[int, int], Term]
-
-
-def entry_name(i: int, j: int, n: int) -> str:
-    """Name of the field of row i and column j, counted from 0, in a mass matrix of n joints."""
-    return f"m{i + 1}{j + 1}" if n < 10 else f"m{i + 1}_{j + 1}"
 
 
 def mass_text(names: Sequence[str], places: Sequence[tuple[int, int]]) -> str:
@@ -43,7 +41,9 @@ def times_text(names: Sequence[str], places: Sequence[tuple[int, int]]) -> str:
     terms = Terms()
     entries = _mirrored({(i, j): terms.leaf(f"mass.{entry_name(i, j, len(names))}", f"m{i}_{j}") for i, j in places})
     v = [terms.leaf(f"v.{name}", f"v_{name}") for name in names]
-    rows = [sum((entries[i, j] * v[j] for j in range(len(names)) if (i, j) in entries), ZERO) for i in range(len(names))]
+    rows = [
+        sum((entries[i, j] * v[j] for j in range(len(names)) if (i, j) in entries), ZERO) for i in range(len(names))
+    ]
     rates = " + ".join(f"momentum.{name} * rate.{name}" for name in names)
     return "\n".join(
         [
@@ -95,47 +95,60 @@ def _mirrored(entries: Entries) -> Entries:
 
 def _solution(m: Entries, right: list[Term], names: Sequence[str], terms: Terms) -> list[Term]:
     """Joints are eliminated by blocks from the last one on, and found from the first one on."""
-    n = len(right)
-    blocks = [tuple(range(max(end - 2, 0), end)) for end in range(n, 0, -2)]
-    found: list[Term] = [ZERO] * n
-    parts: list[tuple[tuple[int, ...], list[Term], dict[int, list[Term]]]] = []
-    for block in blocks:
-        inverse = _inverse(m, block, names, terms)
-        alone = [
-            sum((inverse[p][q] * right[k] for q, k in enumerate(block)), ZERO).named(f"{names[j]}_alone")
-            for p, j in enumerate(block)
-        ]
-        rest = range(block[0])
-        lever: dict[int, list[Term]] = {}
-        for i in rest:
+    found: list[Term] = [ZERO] * len(right)
+    parts = []
+    for block in _blocks(len(right)):
+        cofactors, scale = _inverse(m, block, names, terms)
+
+        alone = _divided([right[k] for k in block], cofactors, scale, [f"{names[j]}_alone" for j in block])
+        levers: dict[int, list[Term]] = {}
+        for i in range(block[0]):
             coupling = [m.get((i, k), ZERO) for k in block]
-            lever[i] = [
-                sum((c * inverse[q][p] for q, c in enumerate(coupling)), ZERO).named(f"{names[j]}_by_{names[i]}")
-                for p, j in enumerate(block)
-            ]
-            less = sum((c * a for c, a in zip(coupling, alone, strict=True)), ZERO)
-            right[i] = (right[i] - less).named(f"{names[i]}_right")
-        for i in rest:
+            levers[i] = _divided(coupling, cofactors, scale, [f"{names[j]}_by_{names[i]}" for j in block])
+            right[i] = (right[i] - _dot(coupling, alone)).named(f"{names[i]}_right")
+        for i in range(block[0]):
             for j in range(i, block[0]):
-                less = sum((lever[i][p] * m.get((k, j), ZERO) for p, k in enumerate(block)), ZERO)
-                value = (m.get((i, j), ZERO) - less).named(f"{names[i]}_{names[j]}_left")
+                less = _dot(levers[i], [m.get((k, j), ZERO) for k in block])
+                value = (m.get((i, j), ZERO) - less).named(f"left{i + 1}{j + 1}")
                 m |= {(i, j): value, (j, i): value}
-        parts.append((block, alone, lever))
-    for block, alone, lever in reversed(parts):
+        parts.append((block, alone, levers))
+    for block, alone, levers in reversed(parts):
         for p, j in enumerate(block):
-            less = sum((levers[p] * found[i] for i, levers in lever.items()), ZERO)
+            less = _dot([lever[p] for lever in levers.values()], [found[i] for i in levers])
             found[j] = (alone[p] - less).named(f"{names[j]}_found")
     return found
 
 
-def _inverse(m: Entries, block: tuple[int, ...], names: Sequence[str], terms: Terms) -> list[list[Term]]:
-    if len(block) == 1:
-        return [[terms.reciprocal(m[block[0], block[0]]).named(f"inverse_{names[block[0]]}")]]
-    a, b = block
-    one, both, other = m[a, a], m.get((a, b), ZERO), m[b, b]
-    scale = terms.reciprocal(one * other - both * both).named(f"scale_{names[a]}_{names[b]}")
-    couple = -(both * scale).named(f"couple_{names[a]}_{names[b]}")
-    return [
-        [(other * scale).named(f"inverse_{names[a]}"), couple],
-        [couple, (one * scale).named(f"inverse_{names[b]}")],
-    ]
+def _divided(row: Sequence[Term], cofactors: list[list[Term]], scale: Term, labels: Sequence[str]) -> list[Term]:
+    """A row times the inverse of a block; the division is under way while the products are summed."""
+    return [(_dot(row, column) * scale).named(label) for column, label in zip(cofactors, labels, strict=True)]
+
+
+def _blocks(n: int) -> list[range]:
+    """Blocks of at most three joints, alike in size, the last joints first."""
+    count = -(-n // _BLOCK)
+    ends = [n * k // count for k in range(count + 1)]
+    return [range(start, end) for start, end in pairwise(ends)][::-1]
+
+
+def _dot(a: Sequence[Term], b: Sequence[Term]) -> Term:
+    return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
+
+
+def _inverse(m: Entries, block: range, names: Sequence[str], terms: Terms) -> tuple[list[list[Term]], Term]:
+    """Cofactors of a block, and one over its determinant."""
+    n = len(block)
+    rows = [[m.get((i, j), ZERO) for j in block] for i in block]
+    cofactors = [[_cofactor(rows, i, j).named(f"c{block[i] + 1}{block[j] + 1}") for j in range(n)] for i in range(n)]
+    scale = terms.reciprocal(_dot(rows[0], cofactors[0]))
+    return cofactors, scale.named("scale_" + "_".join(names[k] for k in block))
+
+
+def _cofactor(rows: list[list[Term]], i: int, j: int) -> Term:
+    n = len(rows)
+    if n == 1:
+        return Term(1.0, None)
+    a, b = ([k % n for k in range(line + 1, line + n)] for line in (i, j))
+    if n == 2:
+        return rows[a[0]][b[0]] * (1.0 if i == j else -1.0)
+    return rows[a[0]][b[0]] * rows[a[1]][b[1]] - rows[a[0]][b[1]] * rows[a[1]][b[0]]

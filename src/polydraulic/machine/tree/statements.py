@@ -149,7 +149,8 @@ class _Writer:
     def _summands(self, node: Node) -> list[str]:
         if node.kind != "sum":
             return [self._whole(node)]
-        signed = self._signed(node, 1.0)
+        # what is known first is added first, so that the processor waits for the last part alone
+        signed = [(sign, text) for _, sign, text in sorted(self._signed(node, 1.0), key=lambda part: part[0])]
         first = next((i for i, (sign, _) in enumerate(signed) if sign > 0.0), 0)  # rather a - b than -b + a
         signed.insert(0, signed.pop(first))
         return [
@@ -157,15 +158,15 @@ class _Writer:
             for i, (sign, text) in enumerate(signed)
         ]
 
-    def _signed(self, node: Node, sign: float) -> list[tuple[float, str]]:
-        """Parts of a sum with their signs; sums that stand in its place are taken apart."""
+    def _signed(self, node: Node, sign: float) -> list[tuple[tuple[int, int], float, str]]:
+        """Parts of a sum: when they are known, signs and texts; sums that stand in its place are taken apart."""
         found = []
         for part, factor in node.parts:
             if abs(factor) == 1.0 and part.kind == "sum" and len(part.parts) > 1 and self._stands_here(part):
                 found += self._signed(part, sign * factor)
             else:
                 text = self._scaled(part, abs(factor))
-                found.append((sign if factor > 0.0 else -sign, text))
+                found.append(((part.depth, part.order), sign if factor > 0.0 else -sign, text))
         return found
 
     def _stands_here(self, node: Node) -> bool:
@@ -205,7 +206,7 @@ def _own_name(node: Node, otherwise: str) -> str:
     """A name for what has none, made of the names of its parts where all have one."""
     if node.kind == "sum" and len(node.parts) == 1 and node.parts[0][0].name:
         ((part, factor),) = node.parts
-        return f"{ {2.0: 'twice', 0.5: 'half'}.get(factor, 'scaled')}_{part.name}"
+        return f"{ {2.0: 'twice', 0.5: 'half'}.get(factor, 'scaled') }_{part.name}"
     if node.kind == "product" and all(part.name for part in node.parts):
         names = [part.name for part in node.parts]
         powers = {name: names.count(name) for name in names}

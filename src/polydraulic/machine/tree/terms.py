@@ -26,6 +26,8 @@ class Node:
         Whether it is made of parameters alone.
     section : str
         What was recorded when it was made.
+    depth : int
+        Operations one after the other until it is known, if nothing else keeps the processor busy.
     name : str
         For the text; may be empty.
     """
@@ -36,6 +38,7 @@ class Node:
     parts: tuple[Any, ...]
     fixed: bool
     section: str
+    depth: int
     name: str = ""
 
 
@@ -129,9 +132,9 @@ class Terms:
         """The node of this content."""
         key = (kind, parts)
         if key not in self._known:
-            self._known[key] = Node(self, len(self._known), kind, parts, fixed, self.section)
+            depth = 0 if fixed or kind == "leaf" else 1 + max(part.depth for part in parts)
+            self._known[key] = Node(self, len(self._known), kind, parts, fixed, self.section, depth)
         return self._known[key]
-
 
     def sum_node(self, parts: dict[Node, float], *, fixed: bool) -> Term:
         """The sum of these parts, in the order of their making.
@@ -143,7 +146,11 @@ class Terms:
         key = ("sum", tuple((node, factor * sign) for node, factor in ordered))
         if key not in self._known:
             shown = ordered if any(factor > 0.0 for _, factor in ordered) else key[1]
-            self._known[key] = Node(self, len(self._known), "sum", shown, fixed, self.section)
+            depth = 0
+            if not fixed:
+                for known in sorted(node.depth for node in parts):
+                    depth = 1 + max(depth, known)
+            self._known[key] = Node(self, len(self._known), "sum", shown, fixed, self.section, depth)
         node = self._known[key]
         return Term(1.0 if node.parts[0][1] == ordered[0][1] else -1.0, node)
 
@@ -162,11 +169,35 @@ def _added(a: Term, b: Term) -> Term:
     for left in (_single(a), _parts(a)):
         for right in (_single(b), _parts(b)):
             if left.keys() & right.keys():
-                return _sum({n: left.get(n, 0.0) + right.get(n, 0.0) for n in [*left, *right]})
+                return _sum(_settled({n: left.get(n, 0.0) + right.get(n, 0.0) for n in [*left, *right]}))
     for one, other in ((a, b), (b, a)):
-        if one.fixed and not other.fixed and any(node.fixed for node in _parts(other)):
-            return _sum(_parts(other) | _single(one))
+        if one.fixed and not other.fixed and (found := _with_fixed(other, one)) is not None:
+            return found
     return _sum(_single(a) | _single(b))
+
+
+def _settled(parts: dict[Node, float]) -> dict[Node, float]:
+    """The same with sums taken apart that hold the like of another part."""
+    for whole, factor in parts.items():
+        inner = _parts(Term(factor, whole)) if whole.kind == "sum" and factor != 0.0 else {}
+        if any(parts.get(node, 0.0) != 0.0 for node in inner):
+            rest = {node: size for node, size in parts.items() if node is not whole}
+            return _settled({n: rest.get(n, 0.0) + inner.get(n, 0.0) for n in [*rest, *inner]})
+    return parts
+
+
+def _with_fixed(total: Term, fixed: Term) -> Term | None:
+    """The sum of both if `total` has a fixed part somewhere, which takes the other; else None."""
+    parts = _parts(total)
+    if any(node.fixed for node in parts):
+        return _sum(parts | _single(fixed))
+    for node, factor in parts.items():
+        if node.kind == "sum" and node is not total.node and not node.name and abs(factor) == 1.0:
+            found = _with_fixed(Term(factor, node), fixed)
+            if found is not None and found.node is not None:
+                rest = {other: size for other, size in parts.items() if other is not node}
+                return _sum(rest) + found
+    return None
 
 
 def _single(term: Term) -> dict[Node, float]:
