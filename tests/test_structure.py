@@ -48,6 +48,8 @@ TESTED_ELSEWHERE = {
     "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
     "parameters/conditions.py": ("parameters/test_load.py", "conditions refuse files as ranges of single numbers do"),
     "parameters/quantity.py": ("parameters/test_values.py", "ranges are held by whoever sets a value"),
+    "plotting/carrier.py": ("plotting/test_layout_shapes.py", "machines are seen to stand on it"),
+    "plotting/machine_drawing.py": ("plotting/test_tip_area.py", "asked for the drawing of a machine of either form"),
     "progress.py": ("test_terminal.py", "a protocol; what is told is shown"),
     "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
     "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),

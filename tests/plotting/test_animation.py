@@ -9,6 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 
+from helpers.made_runs import made_run, small_crane
 from polydraulic.errors import InputError
 from polydraulic.parameters.load import load_layout
 from polydraulic.plotting.animation import write_animation
@@ -16,7 +17,6 @@ from polydraulic.plotting.drawing import motion_of, places, seen
 from polydraulic.plotting.frames import frames_of
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.shapes import excavator_drawing
-from tests.helpers.made_runs import made_run, small_crane
 
 
 def embedded(page):
@@ -89,12 +89,22 @@ def test_a_page_plays_in_a_browser(tmp_path):
     document.body.setAttribute("data-found", JSON.stringify([D.pins.map(at.spot), above.spot(D.pins.at(-1)), hull([[0, 0], [2, 0]], [1, 0.5]).length]));
     </script>"""
     (tmp_path / "asked.html").write_text(page.replace("</script>", asked))
-    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=2000", "--dump-dom", f"{tmp_path}/asked.html"]
+    command = [
+        browser,
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--virtual-time-budget=2000",
+        "--dump-dom",
+        f"{tmp_path}/asked.html",
+    ]
     shown = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
     pins, tip, corners = json.loads(re.search(r'data-found="([^"]*)"', shown)[1])
     drawing = layout_drawing(machine)
     motion = motion_of(drawing, frames_of({"made": run}, machine.names, 20.0).positions[0])
-    assert np.array(pins) == pytest.approx(seen(motion, "side", places(motion, list(drawing.pins.values())))[7], abs=1e-3)
+    assert np.array(pins) == pytest.approx(
+        seen(motion, "side", places(motion, list(drawing.pins.values())))[7], abs=1e-3
+    )
     assert tip == pytest.approx([run["effector.x"][7], run["effector.y"][7]], abs=1e-3)
     assert corners == 24 + 2  # half of each circle, and both points where it meets the straight sides
 

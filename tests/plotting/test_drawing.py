@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from helpers.made_runs import point_at, small_crane, spread
 from polydraulic import load_machine
 from polydraulic.parameters.layout.geometry import knee_at
-from polydraulic.plotting.drawing import PLANE, Spot, limits, motion_of, places, seen, silhouette
+from polydraulic.plotting.drawing import PLANE, Spot, motion_of, places, seen, silhouette, view_limits
 from polydraulic.plotting.layout_shapes import layout_drawing
-from tests.helpers.made_runs import point_at, small_crane, spread
 
 MACHINES = {
     "bucket": lambda: load_machine("cat215b_bucket"),
@@ -72,7 +72,8 @@ def test_a_rocker_stays_where_its_linkage_ends():
     motion = motion_of(drawing, np.array([[0.0, 0.0, -1.0, q] for q in np.linspace(0.0, 6.0, 50)]))
     rocker = motion.positions[:, 4]
     reached = [knee_at(drawing.followers[0].rocker, q) is not None for q in motion.positions[:, 3]]
-    assert reached[0] and not all(reached)
+    assert reached[0]
+    assert not all(reached)
     ended = reached.index(False)
     assert rocker[ended] == rocker[ended - 1] != rocker[ended - 2]
     assert np.all(np.isfinite(rocker))
@@ -92,7 +93,7 @@ def test_a_silhouette_holds_its_balls():
 def test_a_view_shows_all_of_the_machine(machine):
     drawing, motion = layout_drawing(machine), motion_of(layout_drawing(machine), spread(machine, 40))
     for view in ("side", "top"):
-        low, high = limits(drawing, [motion], view)
+        low, high = view_limits(drawing, [motion], view)
         for body in drawing.bodies:
             if view in body.views:
                 points = seen(motion, view, places(motion, body.spots))

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from helpers.made_runs import made_run, small_crane
 from polydraulic.errors import InputError
 from polydraulic.parameters.schema import LINKS
 from polydraulic.plotting.frames import frames_of
 from polydraulic.unit_table import PSI
-from tests.helpers.made_runs import made_run, small_crane
 
 
 def test_frames_lie_on_their_raster_and_between_rows(whole):
@@ -14,7 +14,9 @@ def test_frames_lie_on_their_raster_and_between_rows(whole):
     exact = whole["exact"]
     assert frames.positions[0][:, 1] == pytest.approx(np.interp(frames.time, exact["time"], exact["boom.angle"]))
     assert np.array_equal(frames.positions[0][0], [exact[f"{link}.angle"][0] for link in LINKS])
-    assert frames.effector[1][:, 2] == pytest.approx(np.interp(frames.time, exact["time"], whole["iterative"]["effector.z"]))
+    assert frames.effector[1][:, 2] == pytest.approx(
+        np.interp(frames.time, exact["time"], whole["iterative"]["effector.z"])
+    )
 
 
 def test_channels_are_those_that_every_run_has(whole, boom_runs):
@@ -57,12 +59,16 @@ def test_a_machine_of_any_layout_has_its_own_joints_and_pumps():
     crane = small_crane()
     run = made_run(crane)
     frames = frames_of({"made": run}, crane.names, 10.0)
-    assert frames.positions[0][-1] == pytest.approx([run["slew.angle"][-1], run["lift.angle"][-1], run["reach.position"][-1]])
+    assert frames.positions[0][-1] == pytest.approx(
+        [run["slew.angle"][-1], run["lift.angle"][-1], run["reach.position"][-1]]
+    )
     found = [f"{c.group}: {c.title} [{c.unit}]" for c in frames.channels]
     assert found[8] == "reach: position [mm]"
     assert found[-2:] == ["pumps and tip: work pump pressure [bar]", "pumps and tip: tip height [mm]"]
 
 
 def test_a_run_of_another_machine_is_named(whole):
-    with pytest.raises(InputError, match="run 'exact' has no column 'slew.angle' or 'slew.position'; give runs of the same machine"):
+    with pytest.raises(
+        InputError, match="run 'exact' has no column 'slew.angle' or 'slew.position'; give runs of the same machine"
+    ):
         frames_of(whole, small_crane().names, 10.0)

@@ -1,8 +1,8 @@
 import pytest
 from PIL import Image
 
+from helpers.made_runs import made_run, small_crane
 from polydraulic.plotting.animation import write_animation
-from tests.helpers.made_runs import made_run, small_crane
 
 
 def test_a_gif_lasts_as_long_as_the_run(machine, whole, tmp_path):

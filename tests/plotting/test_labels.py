@@ -11,7 +11,9 @@ def test_labels_of_a_crowd_cover_neither_each_other_nor_the_points():
     axis.set_xlim(0.0, 8.0)
     axis.set_ylim(0.0, 6.0)
     points = 4.0 + 0.25 * np.random.default_rng(3).normal(size=(18, 2))
-    boxes = place_labels(axis, [Label(f"pin number {k}", tuple(p), {"fontsize": 8.0}) for k, p in enumerate(points)], [])
+    boxes = place_labels(
+        axis, [Label(f"pin number {k}", tuple(p), {"fontsize": 8.0}) for k, p in enumerate(points)], []
+    )
     assert len(boxes) == 18
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
     assert all(axis.bbox.contains(*box.min) and axis.bbox.contains(*box.max) for box in boxes)

@@ -4,10 +4,10 @@ import itertools
 import numpy as np
 import pytest
 
+from helpers.made_runs import small_crane
 from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.plotting import draw_machine
-from tests.helpers.made_runs import small_crane
 
 
 def texts(figure):
@@ -45,12 +45,21 @@ def test_names_do_not_cover_each_other(units):
 
 
 def test_axes_tell_lengths_in_the_units_asked_for():
-    for units, factor, label in (("metric", 1e3, "outward [mm]"), ("field", 1.0 / 0.0254, "outward [in]"), ("si", 1.0, "outward [m]")):
+    for units, factor, label in (
+        ("metric", 1e3, "outward [mm]"),
+        ("field", 1.0 / 0.0254, "outward [in]"),
+        ("si", 1.0, "outward [m]"),
+    ):
         axis = draw_machine(small_crane(), units=units).axes[0]
         assert axis.get_xlabel() == label
-        ticks = [(place, float(text.get_text())) for place, text in zip(axis.get_xticks(), axis.get_xticklabels(), strict=True)]
+        ticks = [
+            (place, float(text.get_text()))
+            for place, text in zip(axis.get_xticks(), axis.get_xticklabels(), strict=True)
+        ]
         assert len(ticks) >= 4
-        assert np.array([shown for _, shown in ticks]) == pytest.approx(factor * np.array([place for place, _ in ticks]))
+        assert np.array([shown for _, shown in ticks]) == pytest.approx(
+            factor * np.array([place for place, _ in ticks])
+        )
 
 
 def test_the_picture_has_the_moving_parts_in_it():

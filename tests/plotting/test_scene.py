@@ -3,11 +3,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from helpers.made_runs import made_run, small_crane
 from polydraulic.plotting.frames import frames_of
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.scene import moving_artists, scene
 from polydraulic.plotting.shapes import excavator_drawing
-from tests.helpers.made_runs import made_run, small_crane
 
 
 def test_a_scene_shows_its_frame(machine, whole):
@@ -76,9 +76,7 @@ def test_a_joint_that_slides_is_marked_at_its_stop():
 def test_titles_of_many_functions_stay_in_their_places():
     """Twelve joints: three rows of strips, whose titles do not run into each other."""
     crane = small_crane()
-    functions = tuple(
-        crane.functions[0]._replace(name=f"a_rather_long_name_{k}", moves=f"link_{k}") for k in range(12)
-    )
+    functions = tuple(crane.functions[0]._replace(name=f"a_rather_long_name_{k}", moves=f"link_{k}") for k in range(12))
     links = tuple(
         crane.links[1]._replace(name=f"link_{k}", parent=f"link_{k - 1}" if k else "ground") for k in range(12)
     )

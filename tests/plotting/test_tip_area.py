@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from helpers.made_runs import point_at, small_crane
 from polydraulic import load_machine
 from polydraulic.plotting.machine_drawing import machine_drawing
 from polydraulic.plotting.tip_area import tip_area, tip_places
-from tests.helpers.made_runs import point_at, small_crane
 
 
 def test_places_are_those_between_the_stops():
@@ -23,7 +23,10 @@ def test_the_initial_tip_is_inside(machine):
         drawing = machine_drawing(given)
         x, y, area = tip_area(tip_places(drawing))
         if given is machine:
-            tip = (0.81 + 5.19 * np.cos(np.radians(30.0)) + 1.8 * np.cos(np.radians(-51.2)), 5.19 * 0.5 + 1.8 * np.sin(np.radians(-51.2)))
+            tip = (
+                0.81 + 5.19 * np.cos(np.radians(30.0)) + 1.8 * np.cos(np.radians(-51.2)),
+                5.19 * 0.5 + 1.8 * np.sin(np.radians(-51.2)),
+            )
         else:
             tip = point_at(given, drawing.initial, *given.tip)[[0, 2]]
         column, row = (int(np.argmin(np.abs(axis - value))) for axis, value in zip((x, y), tip, strict=True))

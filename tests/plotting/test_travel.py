@@ -29,7 +29,9 @@ def test_an_arc_follows_where_its_link_points_to():
     assert np.array(stops.path[0].at) == pytest.approx([1.0, 0.0, -0.5])
 
 
-@pytest.mark.parametrize(("axis", "along"), [("x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("z", (0, 0, 1)), ("-y", (0, -1, 0))])
+@pytest.mark.parametrize(
+    ("axis", "along"), [("x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("z", (0, 0, 1)), ("-y", (0, -1, 0))]
+)
 def test_a_joint_that_slides_has_a_line_beside_its_way(axis, along):
     stops = joint_stops(1, link("prismatic", axis), (0.2, 1.5), 0.3)
     ends = np.array([stops.path[0].at, stops.path[-1].at])

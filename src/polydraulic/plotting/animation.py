@@ -15,7 +15,7 @@ from polydraulic.machine.frames import vector
 from polydraulic.parameters.layout.schema import GROUND, LayoutMachine, Link
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
-from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, Motion, Spot, limits, motion_of
+from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, Motion, Spot, motion_of, view_limits
 from polydraulic.plotting.frames import Frames, frames_of
 from polydraulic.plotting.gif import write_gif
 from polydraulic.plotting.machine_drawing import machine_drawing
@@ -98,7 +98,7 @@ def page_data(frames: Frames, drawing: Drawing) -> dict[str, Any]:
         "scale": drawing.scale,
         "at_stop": AT_STOP,
         "captions": CAPTIONS,
-        "view": {view: _rounded(np.ravel(limits(drawing, motions, view)), 3) for view in drawing.corners},
+        "view": {view: _rounded(np.ravel(view_limits(drawing, motions, view)), 3) for view in drawing.corners},
         "slews": drawing.slews,
         "links": [_joint(link, places) for link in drawing.links],
         "bodies": [

@@ -3,11 +3,14 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from polydraulic.parameters.layout.schema import GROUND
-from polydraulic.plotting.drawing import PLANE, Body, Spot
+from polydraulic.plotting.drawing import PLANE, Outline, Spot
 
 INK, UPPER, CAB, GLASS, TRACK = "#34495e", "#e3e6ea", "#f4f6f8", "#d5e6f3", "#c9ced6"
 DEPTH = 1.65  # of the ground below the boom foot, at the scale 1
+Point3 = Sequence[float] | np.ndarray
 _REACH = 8.9  # m, of an excavator at the scale 1
 
 
@@ -16,9 +19,7 @@ def scale_of(reach: float) -> float:
     return reach / _REACH
 
 
-def excavator_bodies(
-    upper: str, axis: Sequence[float], foot: Sequence[float], scale: float, lowest: float = 0.0
-) -> tuple[Body, ...]:
+def excavator_bodies(upper: str, axis: Point3, foot: Point3, scale: float, lowest: float = 0.0) -> tuple[Outline, ...]:
     """Tracks, upper structure and cab.
 
     Parameters
@@ -69,7 +70,7 @@ def excavator_bodies(
     )
 
 
-def block(low: Sequence[float], high: Sequence[float], axis: Sequence[float]) -> tuple[Body, ...]:
+def block(low: Point3, high: Point3, axis: Point3) -> tuple[Outline, ...]:
     """A block between two corners in the ground's frame, (3,) each in m; `axis` is where the side view begins, m."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     side = tuple(Spot(PLANE, (x - axis[0], 0.0, z)) for x, z in ((x0, z0), (x1, z0), (x1, z1), (x0, z1)))
@@ -77,5 +78,5 @@ def block(low: Sequence[float], high: Sequence[float], axis: Sequence[float]) ->
     return _body(side, TRACK), _body(top, TRACK, view="top")
 
 
-def _body(spots: tuple[Spot, ...], fill: str, view: Any = "side", edge: str = INK) -> Body:
-    return Body(spots, (), (view,), fill, edge)
+def _body(spots: tuple[Spot, ...], fill: str, view: Any = "side", edge: str = INK) -> Outline:
+    return Outline(spots, (), (view,), fill, edge)

@@ -28,7 +28,7 @@ class Spot(NamedTuple):
     at: tuple[float, float, float]
 
 
-class Body(NamedTuple):
+class Outline(NamedTuple):
     """An outline: the polygon of its spots, or, if there are radii, the hull of balls round them.
 
     Attributes
@@ -48,7 +48,7 @@ class Body(NamedTuple):
     edge: str = OF_RUN
 
 
-class Ram(NamedTuple):
+class DrawnCylinder(NamedTuple):
     """A cylinder between two pins, its barrel at the first."""
 
     base: Spot
@@ -56,7 +56,7 @@ class Ram(NamedTuple):
     barrel: float  # m
 
 
-class Stops(NamedTuple):
+class Travel(NamedTuple):
     """Where a joint may go: a line on the parent link from end to end, and a tick at each."""
 
     joint: int  # place among the links
@@ -90,7 +90,7 @@ class Drawing(NamedTuple):
     followers : tuple of Follower
     slews : bool
         Whether the first link turns about an upright axis, and the side view with it.
-    bodies : tuple of Body
+    bodies : tuple of Outline
         Lowest first.
     rams, stops
     pins : mapping from name to Spot
@@ -111,9 +111,9 @@ class Drawing(NamedTuple):
     links: tuple[Link, ...]
     followers: tuple[Follower, ...]
     slews: bool
-    bodies: tuple[Body, ...]
-    rams: tuple[Ram, ...]
-    stops: tuple[Stops, ...]
+    bodies: tuple[Outline, ...]
+    rams: tuple[DrawnCylinder, ...]
+    stops: tuple[Travel, ...]
     pins: dict[str, Spot]
     tip: Spot
     clear: tuple[tuple[Spot, float], ...]
@@ -173,11 +173,11 @@ def _rocker_angle(rocker: Rocker, joint: float) -> float | None:
 
 def places(motion: Motion, spots: Sequence[Spot]) -> np.ndarray:
     """Spots in the ground's frame, (n_frame, n_spot, 3) in m."""
-    found = []
-    for link, at in spots:
+    found = np.empty((len(motion.positions), len(spots), 3))
+    for place, (link, at) in enumerate(spots):
         turn, origin = motion.frames[link]
-        found.append(origin + turn @ np.array(at))
-    return np.stack(found, axis=1)
+        found[:, place] = origin + turn @ np.array(at)
+    return found
 
 
 def seen(motion: Motion, view: View, points: np.ndarray) -> np.ndarray:
@@ -199,7 +199,7 @@ def silhouette(points: np.ndarray, radii: Sequence[float]) -> np.ndarray:
     return np.asarray(cloud[ConvexHull(cloud).vertices])
 
 
-def limits(drawing: Drawing, motions: Sequence[Motion], view: View) -> tuple[np.ndarray, np.ndarray]:
+def view_limits(drawing: Drawing, motions: Sequence[Motion], view: View) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corner of a view that shows all of the machine wherever it goes, m."""
     low, high = (np.array(corner) for corner in drawing.corners[view])
     room = np.array([margin for _, margin in drawing.clear])[:, None]

@@ -10,7 +10,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.transforms import Bbox
 
-_DISTANCES = (11.0, 18.0, 28.0, 40.0, 55.0, 75.0, 100.0)  # px at 100 dpi, from a point to the middle of a text's near edge
+_DISTANCES = (
+    11.0,
+    18.0,
+    28.0,
+    40.0,
+    55.0,
+    75.0,
+    100.0,
+)  # px at 100 dpi, from a point to the middle of a text's near edge
 _DIRECTIONS = 20
 _RASTER = np.stack(np.meshgrid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5)), axis=-1).reshape(-1, 2)  # of a text
 
@@ -40,8 +48,8 @@ def place_labels(axis: "Axes", labels: Sequence[Label], filled: Sequence[np.ndar
     list of matplotlib Bbox
         Where the texts stand, in pixels.
     """
-    from matplotlib.patheffects import withStroke
     from matplotlib.path import Path
+    from matplotlib.patheffects import withStroke
     from matplotlib.transforms import Bbox
 
     transform, frame = axis.transData, axis.get_window_extent()
@@ -49,9 +57,7 @@ def place_labels(axis: "Axes", labels: Sequence[Label], filled: Sequence[np.ndar
     points = np.array([transform.transform(label.point) for label in labels])
     halo, taken = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)], list[Bbox]()
     for label, point in zip(labels, points, strict=True):
-        text = axis.text(
-            *label.point, label.text, ha="center", va="center", zorder=9, path_effects=halo, **label.style
-        )
+        text = axis.text(*label.point, label.text, ha="center", va="center", zorder=9, path_effects=halo, **label.style)
         size = np.array(text.get_window_extent().size) + 3.0
         middles = point + _offsets(size)
         low, high = middles - 0.5 * size, middles + 0.5 * size
@@ -62,7 +68,8 @@ def place_labels(axis: "Axes", labels: Sequence[Label], filled: Sequence[np.ndar
         outside = np.any((low < frame.min) | (high > frame.max), axis=1)
         away = np.repeat(_DISTANCES, _DIRECTIONS)
         best = int(np.argmin(100.0 * over + 100.0 * outside + 6.0 * pins + 3.0 * covered + 0.02 * away))
-        text.set_position(transform.inverted().transform(middles[best]))
+        x, y = transform.inverted().transform(middles[best])
+        text.set_position((x, y))
         taken.append(Bbox([low[best], high[best]]))
         if label.line and away[best] > _DISTANCES[0]:
             near = np.clip(point, low[best], high[best])
@@ -75,4 +82,6 @@ def _offsets(size: np.ndarray) -> np.ndarray:
     """From a point to the middles of a text in all directions, so that its edge is as far away as wanted, (n, 2)."""
     turn = 2.0 * pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     directions = np.column_stack([np.cos(turn), np.sin(turn)])
-    return np.concatenate([away * directions + 0.5 * size * np.clip(1.5 * directions, -1.0, 1.0) for away in _DISTANCES])
+    return np.concatenate(
+        [away * directions + 0.5 * size * np.clip(1.5 * directions, -1.0, 1.0) for away in _DISTANCES]
+    )

@@ -15,7 +15,7 @@ from polydraulic.machine.frames import vector
 from polydraulic.parameters.layout.geometry import knee_at, rocker, triangle
 from polydraulic.parameters.layout.schema import GROUND, FourBar, Function, LayoutMachine, Link, Pins
 from polydraulic.plotting.carrier import DEPTH, block, excavator_bodies, scale_of
-from polydraulic.plotting.drawing import OF_RUN, Body, Drawing, Follower, Ram, Spot, Stops
+from polydraulic.plotting.drawing import OF_RUN, Drawing, DrawnCylinder, Follower, Outline, Spot, Travel
 from polydraulic.plotting.travel import across, joint_stops, signed_axis
 
 _THICK, _SLIMMER = 0.026, 0.86  # radius of a first link by reach, and of each next link by the one before
@@ -53,8 +53,12 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
     machine : LayoutMachine
     """
     moved = [machine.link(f.moves) for f in machine.functions]
-    linkages = [_Linkage(f.name, k, moved[k], f.pins) for k, f in enumerate(machine.functions) if isinstance(f.pins, FourBar)]
-    rockers = [Link(_rocker(x.name), x.link.parent, "revolute", x.link.axis, x.pins.hinge, 0.0, {}, {}) for x in linkages]
+    linkages = [
+        _Linkage(f.name, k, moved[k], f.pins) for k, f in enumerate(machine.functions) if isinstance(f.pins, FourBar)
+    ]
+    rockers = [
+        Link(_rocker(x.name), x.link.parent, "revolute", x.link.axis, x.pins.hinge, 0.0, {}, {}) for x in linkages
+    ]
     bones = {link.name: _bones(machine, link) for link in moved}
     reach = _reach(machine, bones)
     slews = moved[0].joint == "revolute" and moved[0].axis[-1] == "z" and moved[0].parent == GROUND
@@ -94,7 +98,9 @@ def _bones(machine: LayoutMachine, link: Link) -> _Bones:
     """What a link carries; a link that carries nothing ends as far behind its centre of gravity as it began before it."""
     children = [vector(other.at) for other in machine.links if other.parent == link.name]
     tips = [vector(machine.tip[1])] if machine.tip[0] == link.name else []
-    pins = [np.array(spot.at) for name, spot in _pins(machine) if spot.link == link.name and name != f"{link.name} joint"]
+    pins = [
+        np.array(spot.at) for name, spot in _pins(machine) if spot.link == link.name and name != f"{link.name} joint"
+    ]
     centre = vector(link.cg)
     farthest = max((float(np.linalg.norm(point)) for point in [*children, *tips, *pins]), default=0.0)
     ends = [2.0 * centre] if not tips and farthest < float(np.linalg.norm(centre)) else []
@@ -147,7 +153,7 @@ def _sizes(links: list[Link], reach: float, slews: bool) -> dict[str, float]:
     return sizes
 
 
-def _bodies(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> tuple[Body, ...]:
+def _bodies(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> tuple[Outline, ...]:
     """The outline of a link; what slides is seen from where it leaves its guide."""
     f = next(f for f in machine.functions if f.moves == link.name)
     if isinstance(f.pins, FourBar) and machine.tip[0] == link.name:
@@ -156,10 +162,10 @@ def _bodies(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> t
     spots += [(_spot(link.name, point), _PIN * size) for point in bones.pins]
     if link.joint == "prismatic":
         spots.append((_spot(link.parent, vector(link.at)), size))
-    return (Body(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN),)
+    return (Outline(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN),)
 
 
-def _bucket(link: Link, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Body, ...]:
+def _bucket(link: Link, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Outline, ...]:
     """A shell on the side of the centre of gravity, or of the pin if that is close to the line to the teeth; and how it looks from above."""
     axis, teeth = signed_axis(link), bones.joints[-1]
     ahead = across(link, teeth)
@@ -170,26 +176,31 @@ def _bucket(link: Link, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Bo
     shell = [joint, *(length * (along * ahead + side * off * left) for along, off in _SHELL)]
     ears = (_spot(link.name, joint), _spot(link.name, pin), _spot(link.name, 0.5 * shell[1]))
     return (
-        Body(ears, (size, _PIN * size, 0.1 * size), ("side",), OF_RUN),
-        Body(tuple(_spot(link.name, corner) for corner in shell), (), ("side",), OF_RUN),
-        Body(tuple(_spot(link.name, corner) for corner in (joint - broad, teeth - broad, teeth + broad, joint + broad)), (), ("top",), OF_RUN),
+        Outline(ears, (size, _PIN * size, 0.1 * size), ("side",), OF_RUN),
+        Outline(tuple(_spot(link.name, corner) for corner in shell), (), ("side",), OF_RUN),
+        Outline(
+            tuple(_spot(link.name, corner) for corner in (joint - broad, teeth - broad, teeth + broad, joint + broad)),
+            (),
+            ("top",),
+            OF_RUN,
+        ),
     )
 
 
-def _bars(linkage: _Linkage, size: float) -> list[Body]:
+def _bars(linkage: _Linkage, size: float) -> list[Outline]:
     """Rocker and coupler."""
     knee = _knee(linkage.name, linkage.pins)
     ends = (Spot(knee.link, (0.0, 0.0, 0.0)), _spot(linkage.link.name, vector(linkage.pins.pin)))
-    return [Body((knee, end), (size, size), ("side",), OF_RUN) for end in ends]
+    return [Outline((knee, end), (size, size), ("side",), OF_RUN) for end in ends]
 
 
-def _ram(machine: LayoutMachine, f: Function) -> Ram | None:
+def _ram(machine: LayoutMachine, f: Function) -> DrawnCylinder | None:
     if f.pins is None:
         return None
     link, base = machine.link(f.moves), _spot(machine.link(f.moves).parent, vector(f.pins.base))
     rod = _knee(f.name, f.pins) if isinstance(f.pins, FourBar) else _spot(link.name, vector(f.pins.rod))
     lengths = [_cylinder_length(f, link, joint) for joint in np.linspace(f.stops.low, f.stops.high, 41)]
-    return Ram(base, rod, 0.9 * min(lengths))
+    return DrawnCylinder(base, rod, 0.9 * min(lengths))
 
 
 def _cylinder_length(f: Function, link: Link, joint: float) -> float:
@@ -206,11 +217,13 @@ def _cylinder_length(f: Function, link: Link, joint: float) -> float:
 
 def _standing(
     machine: LayoutMachine, bones: dict[str, _Bones], reach: float, slews: bool
-) -> tuple[tuple[Body, ...], float]:
+) -> tuple[tuple[Outline, ...], float]:
     """What the arm stands on, and the height of the ground."""
     first, *others = (machine.link(f.moves) for f in machine.functions)
     feet = [vector(link.at) for link in machine.links if link.parent == first.name and link.joint == "revolute"]
-    if slews and feet and first.mass > sum(link.mass for link in others):  # it holds a counterweight, unlike a crane's column
+    if (
+        slews and feet and first.mass > sum(link.mass for link in others)
+    ):  # it holds a counterweight, unlike a crane's column
         axis, foot, scale = vector(first.at), feet[0], scale_of(reach)
         lowest = min((float(pin[2] - foot[2]) for pin in bones[first.name].pins), default=0.0)
         return excavator_bodies(first.name, axis, foot, scale, lowest), float(axis[2] + foot[2] - DEPTH * scale)
@@ -223,7 +236,7 @@ def _standing(
     return block((float(low[0] - behind[0]), float(low[1] - room[1]), ground), high + room, axis), ground
 
 
-def _travels(machine: LayoutMachine, bones: dict[str, _Bones], sizes: dict[str, float]) -> Iterator[Stops]:
+def _travels(machine: LayoutMachine, bones: dict[str, _Bones], sizes: dict[str, float]) -> Iterator[Travel]:
     for place, f in enumerate(machine.functions):
         link = machine.link(f.moves)
         ends = (f.stops.low, f.stops.high)

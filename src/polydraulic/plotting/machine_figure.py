@@ -10,7 +10,18 @@ from polydraulic.display import DEFAULT, amount, as_shown, checked_units, shown_
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine, machine_title
 from polydraulic.parameters.schema import Machine
-from polydraulic.plotting.drawing import OPEN, Drawing, Motion, Spot, View, limits, motion_of, places, seen, silhouette
+from polydraulic.plotting.drawing import (
+    OPEN,
+    Drawing,
+    Motion,
+    Spot,
+    View,
+    motion_of,
+    places,
+    seen,
+    silhouette,
+    view_limits,
+)
 from polydraulic.plotting.labels import Label, place_labels
 from polydraulic.plotting.machine_drawing import machine_drawing
 from polydraulic.plotting.scene import FIRST_EDGE, draw_view, fill_place, moving_artists
@@ -51,10 +62,10 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     reached = tip_places(drawing)
     figure = Figure(figsize=(14.0, 7.6), dpi=100)
     side, top = figure.add_axes((0.045, 0.09, 0.62, 0.83)), figure.add_axes((0.735, 0.39, 0.255, 0.53))
-    low, high = limits(drawing, [motion], "side")
+    low, high = view_limits(drawing, [motion], "side")
     margin = 0.02 * (high - low).max()
     fill_place(side, np.minimum(low, reached.min(axis=0) - margin), np.maximum(high, reached.max(axis=0) + margin))
-    fill_place(top, *limits(drawing, [motion], "top"))
+    fill_place(top, *view_limits(drawing, [motion], "top"))
     x, y, area = tip_area(reached)
     side.contourf(x, y, area, levels=[0.5, 2.0], colors=["#f6c98f"], alpha=0.35, zorder=0.5)
     for axis, view in ((side, "side"), (top, "top")):
@@ -80,7 +91,7 @@ def _still(axis: "Axes", drawing: Drawing, view: View, motion: Motion, units: st
     names = ("outward", "upward") if view == "side" else ("x", "y")
     for scale, ends in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
         ticks = MaxNLocator(7, steps=[1, 2, 5, 10]).tick_values(*(as_shown(end, "m", units) for end in ends))[1:-1]
-        scale.set_ticks(ticks / as_shown(1.0, "m", units), [f"{tick:g}" for tick in ticks])
+        scale.set_ticks([tick / as_shown(1.0, "m", units) for tick in ticks], [f"{tick:g}" for tick in ticks])
     axis.set_xlabel(f"{names[0]} [{unit}]", fontsize=8)
     axis.set_ylabel(f"{names[1]} [{unit}]", fontsize=8)
     axis.tick_params(labelsize=8)
@@ -100,20 +111,27 @@ def _name(axis: "Axes", drawing: Drawing, motion: Motion, units: str) -> None:
     bodies = [body for body in drawing.bodies if "side" in body.views]
     outlines = [silhouette(seen(motion, "side", places(motion, body.spots))[0], body.radii) for body in bodies]
     pins = [Label(name, shown(spot), {"fontsize": 8.0, "color": "0.15"}) for name, spot in drawing.pins.items()]
-    links, ends = [], []
+    links: list[Label] = []
+    ends: list[Label] = []
     moved = {link.name for link in drawing.links[: len(drawing.names)]}
     for body, outline in zip(bodies, outlines, strict=True):
         name = body.spots[0].link
         if name in moved and body.fill != OPEN and name not in {label.text for label in links}:
             middle = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
             links.append(
-                Label(name, (float(middle[0]), float(middle[1])), {"fontsize": 10.0, "color": FIRST_EDGE, "fontweight": "bold"})
+                Label(
+                    name,
+                    (float(middle[0]), float(middle[1])),
+                    {"fontsize": 10.0, "color": FIRST_EDGE, "fontweight": "bold"},
+                )
             )
     for stop in drawing.stops:
         unit = "m" if drawing.links[stop.joint].joint == "prismatic" else "rad"
         if stop.view == "side":
             for value, tick in zip((stop.low, stop.high), stop.ticks, strict=True):
-                ends.append(Label(amount(value, unit, units), shown(tick[1]), {"fontsize": 7.0, "color": "0.45"}, line=False))
+                ends.append(
+                    Label(amount(value, unit, units), shown(tick[1]), {"fontsize": 7.0, "color": "0.45"}, line=False)
+                )
     place_labels(axis, [*pins, *ends, *links], outlines)
 
 

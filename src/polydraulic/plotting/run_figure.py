@@ -75,7 +75,9 @@ def joint_column(table: Table, name: str, label: str) -> str:
     """
     found = [column for column in (f"{name}.angle", f"{name}.position") if column in table.names]
     if not found:
-        raise InputError(f"run {label!r} has no column '{name}.angle' or '{name}.position'; give runs of the same machine")
+        raise InputError(
+            f"run {label!r} has no column '{name}.angle' or '{name}.position'; give runs of the same machine"
+        )
     return found[0]
 
 
@@ -109,8 +111,9 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
     from matplotlib.figure import Figure
 
     links = moving_links(runs)
-    width = 4.2 * min(len(links), 4) + 2.8 * max(len(links) - 4, 0)
-    figure = Figure(figsize=(max(8.0, width), 11.0), layout="constrained")
+    width = max(8.0, 4.2 * min(len(links), 4) + 2.8 * max(len(links) - 4, 0))
+    figure = Figure(figsize=(width, 11.0), layout="constrained")
+    name_size = min(12.0, 100.0 * width / len(links) / max(len(link) for link in links))  # so that names keep apart
     grid = figure.add_gridspec(len(PANELS) + 1, len(links), height_ratios=[0.8, 0.8, 1.2, 1.2, 1.2, 1.0])
     first: Axes | None = None
     rows: dict[int, Axes] = {}  # the first axis of each
@@ -122,8 +125,10 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
             _draw_panel(axis, runs, link, panel, units)
             axis.tick_params(labelbottom=row == len(PANELS) - 1, labelleft=column == 0 or not panel.shared)
             if row == 0:
-                axis.set_title(link, fontweight="bold")
-            if column and axis.get_ylabel() == rows[row].get_ylabel():  # not so where one joint turns and another slides
+                axis.set_title(link, fontweight="bold", fontsize=name_size)
+            if (
+                column and axis.get_ylabel() == rows[row].get_ylabel()
+            ):  # not so where one joint turns and another slides
                 axis.set_ylabel("")
     below = figure.add_subplot(grid[-1, :], sharex=first)
     _draw_effector(below, runs, units)

@@ -14,15 +14,15 @@ from polydraulic.plotting.drawing import (
     AT_STOP,
     OF_RUN,
     OPEN,
-    Body,
     Drawing,
     Motion,
+    Outline,
     View,
-    limits,
     motion_of,
     places,
     seen,
     silhouette,
+    view_limits,
 )
 from polydraulic.plotting.frames import Frames, PlottedChannel
 from polydraulic.plotting.run_figure import line_style
@@ -60,7 +60,7 @@ def scene(frames: Frames, drawing: Drawing) -> tuple["Figure", Update]:
     updates: list[Update] = []
     views: list[tuple[Axes, View]] = [(side, "side"), (top, "top")]
     for axis, view in views:
-        fill_place(axis, *limits(drawing, motions, view))
+        fill_place(axis, *view_limits(drawing, motions, view))
         _frameless(axis, CAPTIONS[view], drawing.scale)
         updates += [draw_view(axis, drawing, view, motions), _trails(axis, motions, frames.effector, view)]
     updates += _strips(figure, frames, shown, ceil(len(shown) / rows))
@@ -129,13 +129,17 @@ def _layer(number: int) -> int:
     return 5 if number else 3
 
 
-def _body(axis: "Axes", body: Body, view: View, motion: Motion, number: int) -> Update:
+def _body(axis: "Axes", body: Outline, view: View, motion: Motion, number: int) -> Update:
     from matplotlib.patches import Polygon
 
     points = seen(motion, view, places(motion, body.spots))
     if body.fill in (OF_RUN, OPEN):
         filled = body.fill == OF_RUN and not number
-        style: dict[str, Any] = {"edgecolor": _edge(number), "linewidth": 1.3 if number else 1.2, "zorder": _layer(number)}
+        style: dict[str, Any] = {
+            "edgecolor": _edge(number),
+            "linewidth": 1.3 if number else 1.2,
+            "zorder": _layer(number),
+        }
         style["facecolor"] = line_style(number)[0] if filled else "none"
         if body.fill == OPEN:
             style |= {"linewidth": 0.8, "linestyle": (0, (3, 2))}
@@ -143,7 +147,8 @@ def _body(axis: "Axes", body: Body, view: View, motion: Motion, number: int) -> 
         style = {"facecolor": body.fill, "edgecolor": body.edge, "linewidth": 1.0, "zorder": 1}
     still = bool(np.all(np.ptp(points, axis=0) < 1e-9))
     outline = silhouette(points[0], body.radii)
-    patch = axis.add_patch(Polygon(outline, closed=True, joinstyle="round", animated=not still, **style))
+    patch = Polygon(outline, closed=True, joinstyle="round", animated=not still, **style)
+    axis.add_patch(patch)
 
     def update(k: int) -> None:
         if not still:
@@ -171,7 +176,12 @@ def _rams(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update
 
 def _pins(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update:
     points = seen(motion, "side", places(motion, list(drawing.pins.values())))
-    style = {"color": "white", "markeredgecolor": _edge(number), "markersize": 4.0, "zorder": _layer(number) + 1}
+    style: dict[str, Any] = {
+        "color": "white",
+        "markeredgecolor": _edge(number),
+        "markersize": 4.0,
+        "zorder": _layer(number) + 1,
+    }
     (pins,) = axis.plot([], [], "o", animated=True, **style)
     return lambda k: pins.set_data(*points[k].T)
 

@@ -11,7 +11,7 @@ from math import cos, pi, sin
 from polydraulic.parameters.layout.schema import GROUND, Link
 from polydraulic.parameters.schema import LINKS, Cylinder, Machine, Stops
 from polydraulic.plotting.carrier import DEPTH, excavator_bodies
-from polydraulic.plotting.drawing import OF_RUN, OPEN, Body, Drawing, Ram, Spot
+from polydraulic.plotting.drawing import OF_RUN, OPEN, Drawing, DrawnCylinder, Outline, Spot
 from polydraulic.plotting.travel import joint_stops
 
 # where the stick cylinder's base pin lies, seen from the stick joint; the rod pin makes up for it
@@ -76,8 +76,8 @@ def excavator_drawing(machine: Machine) -> Drawing:
         slews=True,
         bodies=(*excavator_bodies("swing", (0.0, 0.0, 0.0), (g.a1, 0.0, 0.0), 1.0), *outlines),
         rams=(
-            Ram(pins["boom base"], pins["boom rod pin"], _barrel(boom, machine.boom.stops, 1.0)),
-            Ram(pins["stick base"], pins["stick rod pin"], _barrel(stick, machine.stick.stops, -1.0)),
+            DrawnCylinder(pins["boom base"], pins["boom rod pin"], _barrel(boom, machine.boom.stops, 1.0)),
+            DrawnCylinder(pins["stick base"], pins["stick rod pin"], _barrel(stick, machine.stick.stops, -1.0)),
         ),
         stops=tuple(stops),
         pins=pins,
@@ -93,15 +93,15 @@ def _link(name: str, parent: str, axis: str, at: dict[str, float]) -> Link:
     return Link(name, parent, "revolute", axis, at, 0.0, {}, {})
 
 
-def _plate(link: str, corners: Sequence[tuple[float, float]], fill: str) -> Body:
+def _plate(link: str, corners: Sequence[tuple[float, float]], fill: str) -> Outline:
     """A link from the side."""
-    return Body(tuple(Spot(link, (x, 0.0, z)) for x, z in corners), (), ("side",), fill)
+    return Outline(tuple(Spot(link, (x, 0.0, z)) for x, z in corners), (), ("side",), fill)
 
 
-def _beam(link: str, length: float, half_width: float) -> Body:
+def _beam(link: str, length: float, half_width: float) -> Outline:
     """A link from above."""
     corners = [(0.0, -half_width), (length, -half_width), (length, half_width), (0.0, half_width)]
-    return Body(tuple(Spot(link, (x, y, 0.0)) for x, y in corners), (), ("top",), OF_RUN)
+    return Outline(tuple(Spot(link, (x, y, 0.0)) for x, y in corners), (), ("top",), OF_RUN)
 
 
 def _barrel(cylinder: Cylinder, stops: Stops, direction: float) -> float:

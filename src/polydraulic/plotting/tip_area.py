@@ -53,7 +53,7 @@ def tip_area(points: np.ndarray, cells: int = 150) -> tuple[np.ndarray, np.ndarr
     low, high = points.min(axis=0), points.max(axis=0)
     cell = max(float((high - low).max()) / cells, 1e-6)
     edges = [np.arange(a - 4.0 * cell, b + 5.0 * cell, cell) for a, b in zip(low, high, strict=True)]
-    hit = np.histogram2d(*points.T, bins=edges)[0] > 0
+    hit = np.histogramdd(points, bins=edges)[0] > 0
     area = gaussian_filter(binary_closing(hit, np.ones((3, 3)), iterations=2).astype(float), 0.7)
     x, y = (0.5 * (e[1:] + e[:-1]) for e in edges)
     return x, y, area.T

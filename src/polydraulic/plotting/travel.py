@@ -7,7 +7,7 @@ import numpy as np
 
 from polydraulic.machine.frames import vector
 from polydraulic.parameters.layout.schema import Link
-from polydraulic.plotting.drawing import Spot, Stops
+from polydraulic.plotting.drawing import Spot, Travel
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 _POINTS = 40
@@ -26,7 +26,9 @@ def across(link: Link, point: np.ndarray) -> np.ndarray:
     return flat / size if size > 1e-9 else np.eye(3)[2 if link.axis[-1] == "x" else 0]
 
 
-def joint_stops(joint: int, link: Link, ends: tuple[float, float], size: float, far: np.ndarray | None = None) -> Stops:
+def joint_stops(
+    joint: int, link: Link, ends: tuple[float, float], size: float, far: np.ndarray | None = None
+) -> Travel:
     """Travel of a joint as it is drawn.
 
     Parameters
@@ -52,7 +54,7 @@ def joint_stops(joint: int, link: Link, ends: tuple[float, float], size: float, 
     return _stops(joint, link, ends, point, (0.88, 1.12))
 
 
-def _line(joint: int, link: Link, ends: tuple[float, float], size: float) -> Stops:
+def _line(joint: int, link: Link, ends: tuple[float, float], size: float) -> Travel:
     axis, at = signed_axis(link), vector(link.at)
     beside = np.eye(3)[0 if link.axis[-1] == "z" else 2]
 
@@ -64,10 +66,10 @@ def _line(joint: int, link: Link, ends: tuple[float, float], size: float) -> Sto
 
 def _stops(
     joint: int, link: Link, ends: tuple[float, float], point: Callable[[float, float], Spot], tick: tuple[float, float]
-) -> Stops:
+) -> Travel:
     low, high = ends
     upright = link.joint == "revolute" and link.axis[-1] == "z"
-    return Stops(
+    return Travel(
         joint=joint,
         low=low,
         high=high,
