@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from helpers.mechanical_energy import joint_columns, joint_power, mechanical_energy
-from polydraulic import load_machine, simulate
+from polydraulic import load_machine, random_operator, simulate, simulate_batch
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.layout.usual import unusual
 from polydraulic.parameters.load import machine_names
@@ -151,6 +151,15 @@ def test_plain_python_has_the_bits_of_compiled_code(plant, tmp_path):
     compiled = np.column_stack([run[name] for name in run.names])
     assert len(compiled) == 21
     assert np.load(tmp_path / "plain.npy").tobytes() == compiled.tobytes()
+
+
+@pytest.mark.slow
+def test_lanes_have_the_bits_of_single_runs(plant):
+    operators = [random_operator(seed, 1.0, functions=plant.names) for seed in range(70)]  # more than stand side by side
+    batch = simulate_batch(plant, "exact", operators, keep=["rows"])
+    for place in (0, 31, 63, 64, 69):
+        run = simulate(plant, "exact", operators[place])
+        assert batch.rows[place].tobytes() == np.column_stack([run[name] for name in batch.names]).tobytes()
 
 
 # What a full lever does, as data sheets of the classes say it: seconds from stop to stop, or revolutions in a minute.
