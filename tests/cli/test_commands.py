@@ -53,7 +53,7 @@ def test_scenarios_are_listed_and_named_in_the_help(call):
     code, out, _ = call("scenarios")
     assert code == 0
     assert [line.split()[0] for line in out.splitlines()] == [*scenario_names(), "random:SEED"]
-    assert re.search(r"single_08 +10 s +boom +Boom alone", out)
+    assert re.search(r"single_08 +10 s +cat215b +boom +Boom alone", out)
     assert all(name in call("simulate", "--help")[1] for name in scenario_names())
 
 

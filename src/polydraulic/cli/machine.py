@@ -31,7 +31,7 @@ OwnMachineOption = Annotated[
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
-        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links; excavator_22t_dig, "
+        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links; cat215b_bucket_dig, excavator_22t_dig, "
         "loader_crane_lift, wheel_loader_cycle: those machines), a TOML file, "
         "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS.",
         autocompletion=_scenario_names,
@@ -219,7 +219,7 @@ def scenarios() -> None:
         rows.append((name, what.duration, machine, moved, what.title))
     rows.append(("random:SEED", 60.0, "any", "all", "Random operator; random:SEED:SECONDS for another duration"))
     for name, duration, machine, moved, title in rows:
-        print(f"{name:18s} {duration:5g} s  {machine:13s}  {moved:32s} {title}")
+        print(f"{name:18s} {duration:5g} s  {machine:14s}  {moved:32s} {title}")
 
 
 @app.command()

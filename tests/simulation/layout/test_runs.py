@@ -62,7 +62,7 @@ def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
     [
         ("polynomial", "random:1:1", {}, "flow 'polynomial' knows the layout of 'cat215b' alone"),
         ("exact", "random:1:1", {"method": "rosenbrock"}, "method 'rosenbrock' knows the layout of 'cat215b' alone"),
-        ("exact", "task", {}, "unknown key"),
+        ("exact", "task", {}, "is for the machine 'cat215b', which is moved by swing, boom, stick; this one is moved by slew"),
         ("exact", load_scenario("random:1:1"), {}, "names 'swing', which the machine does not have"),
     ],
 )

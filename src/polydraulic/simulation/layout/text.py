@@ -9,8 +9,7 @@ from collections.abc import Hashable, Sequence
 from importlib.resources import files
 
 from polydraulic.flow.lanes import LANES
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS
-from polydraulic.machine.circuits.series_text import series_text
+from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of

@@ -1,0 +1,193 @@
+"""Every machine that comes with the package and is described by links, functions and circuits: one body of tests for all of them."""
+
+import os
+import subprocess
+import sys
+
+import numba
+import numpy as np
+import pytest
+
+from helpers.mechanical_energy import joint_columns, joint_power, mechanical_energy
+from polydraulic import load_machine, random_operator, simulate, simulate_batch
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.usual import unusual
+from polydraulic.parameters.load import machine_names
+from polydraulic.parameters.scenario import Scenario, scenario_names
+from polydraulic.parameters.signals import Constant
+
+LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
+QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
+EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
+SECONDS = 2.0
+
+
+@pytest.fixture(scope="module", params=EACH)
+def plant(request):
+    return load_machine(request.param)
+
+
+@pytest.fixture(scope="module")
+def run_of(plant, request):
+    """A run by scenario and step, made once."""
+    made = {}
+
+    def run(scenario, dt=5e-3):
+        if (scenario, dt) not in made:
+            made[scenario, dt] = simulate(plant, "exact", scenario, dt=dt)
+        return made[scenario, dt]
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def runs(plant, run_of):
+    """Two seconds of two random operators, and the machine's own scenarios."""
+    name = next(name for name in LAYOUTS if load_machine(name) == plant)
+    return [run_of(scenario) for scenario in (f"random:1:{SECONDS}", f"random:2:{SECONDS}", *scenario_names(name))]
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_files_hold_nothing_unusual(name, call):
+    assert unusual(load_machine(name)) == []
+    code, out, _ = call("machine", "check", name)
+    assert code == 0
+    assert "warning" not in out
+    assert out.rstrip().endswith(f"{name}: good")
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_each_has_a_scenario_of_its_own(name):
+    assert scenario_names(name)
+
+
+def test_pump_flow_is_inlets_bypass_and_relief(plant, runs):
+    for run in runs:
+        assert run.info["steps_not_converged"] == 0
+        for c in plant.circuits:
+            inlets = sum(run[f"{f}.q_in"] for f in c.functions)
+            gap = run[f"{c.name}.q_pump"] - inlets - run[f"{c.name}.q_bypass"] - run[f"{c.name}.q_relief"]
+            assert np.abs(gap).max() <= 1e-9 * c.pump.flow
+
+
+def test_everything_is_a_number_and_stays_where_it_may_be(plant, runs):
+    for run in runs:
+        assert all(np.isfinite(run[name]).all() for name in run.names)
+        positions, rates = joint_columns(plant, run)
+        for place, f in enumerate(plant.functions):
+            assert f.stops.low <= positions[:, place].min()
+            assert positions[:, place].max() <= f.stops.high
+            for port in ("p_a", "p_b"):
+                p = run[f"{f.name}.{port}"]
+                assert plant.tank.floor <= p.min()
+                assert p.max() <= f.line.relief
+        assert np.abs(rates).max() < 6.0  # rad/s and m/s
+        for c in plant.circuits:
+            p = run[f"{c.name}.p_pump"]
+            assert plant.tank.return_pressure <= p.min()
+            assert p.max() <= c.pump.relief * (1.0 + 1e-12)
+
+
+def test_its_scenarios_move_every_function(plant, runs):
+    for run in runs[2:]:
+        positions, _ = joint_columns(plant, run)
+        for place, f in enumerate(plant.functions):
+            assert np.ptp(positions[:, place]) > 0.05 * min(f.stops.high - f.stops.low, np.pi), f.name
+
+
+def test_left_alone_it_comes_to_rest_where_it_stands(plant):
+    """The pressures at the start carry it, and friction does not drive it to and fro within steps of 5 ms."""
+    run = simulate(plant, "exact", Scenario("nobody", 5.0, {}), dt=5e-3)
+    positions, rates = joint_columns(plant, run)
+    assert np.abs(positions[-1] - positions[0]).max() < 3e-3  # rad and m
+    assert np.abs(rates[-1]).max() < 1e-6
+
+
+def _energy_gap(plant, run):
+    """Change of energy less the work done on the joints, over the steps in which no joint is at a stop, and the work in all, J."""
+    positions, _ = joint_columns(plant, run)
+    low, high = (np.array([getattr(f.stops, end) for f in plant.functions]) for end in ("low", "high"))
+    at_stop = ((positions <= low) | (positions >= high)).any(axis=1)
+    free = ~(at_stop[1:] | at_stop[:-1])
+    power = joint_power(plant, run)
+    change, work = np.diff(mechanical_energy(plant, run)), 0.5 * (power[1:] + power[:-1]) * np.diff(run["time"])
+    return (change - work)[free].sum(), np.abs(work[free]).sum()
+
+
+def test_energy_is_what_oil_has_worked_less_friction_to_the_order_of_the_integrator(plant, run_of):
+    gaps, scale = [], 0.0
+    for dt in (5e-3, 2.5e-3):
+        gap, scale = _energy_gap(plant, run_of(f"random:1:{SECONDS}", dt))
+        gaps.append(abs(gap))
+    assert scale > 1e3
+    assert gaps[0] < 0.02 * scale
+    assert 0.4 * gaps[0] < gaps[1] < 0.6 * gaps[0]
+
+
+PLAIN = """
+import sys
+import numpy as np
+from polydraulic import load_machine, simulate
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.signals import Constant
+
+plant = load_machine(sys.argv[1])
+volts = {f: Constant(0.7 if place % 2 else -0.7) for place, f in enumerate(plant.names)}
+run = simulate(plant, "exact", Scenario("all at once", 0.1, volts), dt=5e-3)
+np.save(sys.argv[2], np.column_stack([run[name] for name in run.names]))
+"""
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_plain_python_has_the_bits_of_compiled_code(plant, tmp_path):
+    name = next(name for name in LAYOUTS if load_machine(name) == plant)
+    subprocess.run(
+        [sys.executable, "-c", PLAIN, name, tmp_path / "plain.npy"],
+        check=True,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+    )
+    volts = {f: Constant(0.7 if place % 2 else -0.7) for place, f in enumerate(plant.names)}
+    run = simulate(plant, "exact", Scenario("all at once", 0.1, volts), dt=5e-3)
+    compiled = np.column_stack([run[name] for name in run.names])
+    assert len(compiled) == 21
+    assert np.load(tmp_path / "plain.npy").tobytes() == compiled.tobytes()
+
+
+@pytest.mark.slow
+def test_lanes_have_the_bits_of_single_runs(plant):
+    operators = [random_operator(seed, 1.0, functions=plant.names) for seed in range(70)]  # more than stand side by side
+    batch = simulate_batch(plant, "exact", operators, keep=["rows"])
+    for place in (0, 31, 63, 64, 69):
+        run = simulate(plant, "exact", operators[place])
+        assert batch.rows[place].tobytes() == np.column_stack([run[name] for name in batch.names]).tobytes()
+
+
+# What a full lever does, as data sheets of the classes say it: seconds from stop to stop, or revolutions in a minute.
+TIMES = {
+    "excavator_22t": {
+        ("boom", 1): (3.0, 5.5),
+        ("boom", -1): (2.0, 4.0),
+        ("stick", -1): (3.0, 5.5),
+        ("bucket", -1): (2.5, 5.0),
+    },
+    "loader_crane": {("inner", 1): (5.0, 9.0), ("outer", 1): (3.0, 7.0), ("reach", 1): (3.0, 7.0)},
+    "wheel_loader": {("lift", 1): (5.0, 6.5), ("lift", -1): (2.5, 4.5), ("tilt", -1): (1.5, 3.0)},
+}
+SPEEDS = {"excavator_22t": ("swing", 8.0, 12.0), "loader_crane": ("slew", 2.0, 4.0)}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[] if n == QUICK else pytest.mark.slow) for n in TIMES])
+def test_a_full_lever_takes_as_long_as_on_a_real_machine(name):
+    plant = load_machine(name)
+    for (function, side), (least, most) in TIMES[name].items():
+        f = plant.function(function)
+        begin, end = (f.stops.low, f.stops.high) if side > 0 else (f.stops.high, f.stops.low)
+        begun = f._replace(initial=f.initial._replace(angle=begin))
+        there = plant._replace(functions=tuple(begun if g.name == function else g for g in plant.functions))
+        run = simulate(there, "exact", Scenario("full lever", 12.0, {function: Constant(0.8 * side)}), dt=5e-3)
+        position = run[f"{function}.{'position' if plant.link(f.moves).joint == 'prismatic' else 'angle'}"]
+        assert least < run["time"][np.abs(position - end) < 1e-9][0] < most, (function, side)
+    if name in SPEEDS:
+        function, least, most = SPEEDS[name]
+        run = simulate(plant, "exact", Scenario("full lever", 8.0, {function: Constant(0.8)}), dt=5e-3)
+        assert least < run[f"{function}.rate"][-1] * 30.0 / np.pi < most
