@@ -5,8 +5,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import InputError, load_machine, simulate
 from polydraulic.export import export_machine, export_machine_fmu
 from polydraulic.export.machine import machine_parts
@@ -65,15 +65,23 @@ def test_the_fmu_runs_and_takes_other_parameters(crane, scenario, run, tmp_path,
     export_machine_fmu(crane, "exact", path, version=version, name="crane", force=True)
     description = fmpy.read_model_description(str(path), validate=True)
     variables = {v.name: v for v in description.modelVariables}
-    assert variables["tip.force_y"].causality == "input" and variables["extend.position"].unit == "m"
-    assert "functions.lift.line.relief" in variables and "circuits.main.pump.relief" not in variables  # the torque limit knows it, too
+    assert variables["tip.force_y"].causality == "input"
+    assert variables["extend.position"].unit == "m"
+    assert "functions.lift.line.relief" in variables
+    assert "circuits.main.pump.relief" not in variables
     columns = {"time": run["time"][:-1]}
     t = run["time"][:-1]
     columns |= {f"{f}.voltage": scenario.voltages(t, crane.names)[:, k] for k, f in enumerate(crane.names)}
     columns |= {f"tip.force_{c}": scenario.loads.forces(t)[:, k] for k, c in enumerate("xyz")}
     dtype = [(name, np.float64) for name in columns]
     signals = np.array(list(zip(*columns.values(), strict=True)), dtype=dtype)
-    options = {"input": signals, "output": ["lift.angle", "extend.position"], "output_interval": 5e-3, "step_size": 5e-3, "stop_time": 1.0}
+    options = {
+        "input": signals,
+        "output": ["lift.angle", "extend.position"],
+        "output_interval": 5e-3,
+        "step_size": 5e-3,
+        "stop_time": 1.0,
+    }
     found = fmpy.simulate_fmu(str(path), **options)
     for name in ("lift.angle", "extend.position"):
         assert np.allclose(found[name], run[name][: len(found)], atol=1e-9)

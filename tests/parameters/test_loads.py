@@ -39,7 +39,11 @@ def test_forces_and_payloads_arrive_in_si(tmp_path):
     [
         ("[force.z]", "[force.up]", "unknown key 'up' in force"),
         ('unit = "kN"', 'unit = "kg"', "force.z.force has unit 'kg'"),
-        ('kind = "constant"', 'kind = "step"', r"force.z.kind = 'step': must be one of \['constant', 'piecewise', 'sine'\]"),
+        (
+            'kind = "constant"',
+            'kind = "step"',
+            r"force.z.kind = 'step': must be one of \['constant', 'piecewise', 'sine'\]",
+        ),
         ("[500, 1500]", "[1500, 500]", "the times of a payload must rise"),
         ("[0.2, 0]", "[0.2]", "2 times, 1 masses"),
         ("[0.2, 0]", "[-0.2, 0]", r"payload.mass\[0\]"),

@@ -291,7 +291,10 @@ def export_machine(
         bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, by the package ziglang.")
     ] = False,
     force: Annotated[
-        bool, typer.Option("--force", help="With three more inputs, a force at the tip; of machines that are described by links.")
+        bool,
+        typer.Option(
+            "--force", help="With three more inputs, a force at the tip; of machines that are described by links."
+        ),
     ] = False,
     machine: MachineOption = "cat215b",
 ) -> None:
@@ -317,5 +320,7 @@ def export_machine(
         if to == "c":
             written = write_c(plant, flow, out, name=name, dt=dt, force=force)
         else:
-            written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross)
+            written = export_machine_fmu(
+                plant, flow, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
+            )
     print(written)

@@ -20,7 +20,6 @@ from polydraulic.simulation.loop import at_rest, reasonable, record
 from polydraulic.simulation.step import machine_step
 
 
-
 class Prepared(NamedTuple):
     """All numbers that a step reads."""
 

@@ -41,7 +41,9 @@ def layout_parts(
         raise InputError(f"locked = {sorted(locked)}: leave one of {list(machine.names)} free")
     ready = prepare_layout(machine, dt, locked, force=force)
     module = ready.module
-    numbers = module.Prepared(ready.valves, ready.plant, getattr(module.from_vector, "py_func", module.from_vector)(ready.start.tolist()))
+    numbers = module.Prepared(
+        ready.valves, ready.plant, getattr(module.from_vector, "py_func", module.from_vector)(ready.start.tolist())
+    )
     columns = columns_of(machine).columns
     return MachineParts(
         "exact",

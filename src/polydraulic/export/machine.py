@@ -81,7 +81,9 @@ def machine_c(
     """
     if c_name(name) != name:
         raise InputError(f"name = {name!r}: must be a C identifier that is free, for example {c_name(name)!r}")
-    return c_files(machine_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers), name, dt, locked)
+    return c_files(
+        machine_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers), name, dt, locked
+    )
 
 
 def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) -> dict[str, str]:
@@ -97,7 +99,9 @@ def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) 
         "flow": parts.flow,
         "dt": repr(float(dt)),
         "functions": ", ".join(parts.functions),
-        "forces": "" if len(parts.inputs) == len(parts.functions) else "; then a force in N at the tip, x, y and z of the ground",
+        "forces": ""
+        if len(parts.inputs) == len(parts.functions)
+        else "; then a force in N at the tip, x, y and z of the ground",
         "n_functions": str(len(parts.functions)),
         "n_inputs": str(len(parts.inputs)),
         "outputs": _enumerators(name, parts),

@@ -9,8 +9,8 @@ from typing import Any
 from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError, briefly
 from polydraulic.measure.log_units import conversion, quantity, says_pressure
-from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.entries import read_toml
+from polydraulic.parameters.keys import check_keys
 from polydraulic.unit_table import ATMOSPHERE, KINDS
 from polydraulic.units import Conversion, unit_kind
 

@@ -128,6 +128,7 @@ def _number(value: Any, unit: units.Conversion, quantity: Quantity, key: str, pa
 
 
 def read_switch(item: Any, key: str, path: Path) -> bool:
+    """Return one switch, true or false."""
     _entry(item, key, path, {"value", "source"})
     if not isinstance(item["value"], bool):
         raise InputError(f"{path}: {key} = {briefly(item['value'])}: must be true or false")

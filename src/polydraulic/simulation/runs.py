@@ -26,8 +26,8 @@ from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
-from polydraulic.simulation.loop import FASTEST, run
 from polydraulic.simulation.layout.runs import simulate_layout
+from polydraulic.simulation.loop import FASTEST, run
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from polydraulic.simulation.steps import n_steps, recorded_steps
 from polydraulic.tables import Table
@@ -37,7 +37,7 @@ METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbr
 
 
 def simulate(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     scenario: Scenario | str | Path,
     *,
@@ -53,7 +53,7 @@ def simulate(
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : Machine or LayoutMachine, or name or path of a parameter set
         The scenario's own pilots and initial state replace the machine's.
     flow : str or flow model
         Name of a flow model, or a model from one of the builders in `polydraulic.flow`.
@@ -104,7 +104,9 @@ def simulate(
     if isinstance(machine, LayoutMachine):
         return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, energy=energy)
     if energy:
-        raise InputError("the energy account is of machines that are described by links, functions and circuits; try 'cat215b_bucket'")
+        raise InputError(
+            "the energy account is of machines that are described by links, functions and circuits; try 'cat215b_bucket'"
+        )
     scenario = as_scenario(scenario)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
     if method != "semi-implicit" and FLOW_KINDS[flow_name(arranged.model)].has_state:
@@ -261,7 +263,7 @@ def _fastest(row: np.ndarray) -> str:
 
 
 def reference(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     scenario: Scenario | str | Path,
     *,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from polydraulic import load_scenario
+from polydraulic.export.excavator import outputs
 from polydraulic.export.fmu.machine import export_machine_fmu
 from polydraulic.export.fmu.machine_parameters import direct_parameters
-from polydraulic.export.excavator import outputs
 from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals

@@ -1,6 +1,6 @@
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.machine.tree.link_checks import check_tree
 from polydraulic.parameters.layout.payload import with_payload
@@ -18,12 +18,14 @@ def test_a_payload_is_a_point_mass_at_the_tip(crane):
     assert arm.mass == 200.0
     assert arm.cg["x"] == pytest.approx((120 * 0.6 + 80 * 1.5) / 200)
     away = 120 * 80 / 200 * (1.5 - 0.6) ** 2  # reduced mass times distance squared
-    assert arm.inertia["yy"] == pytest.approx(40 + away) and arm.inertia["xx"] == pytest.approx(2.0)
+    assert arm.inertia["yy"] == pytest.approx(40 + away)
+    assert arm.inertia["xx"] == pytest.approx(2.0)
 
 
 def test_machines_with_any_payload_share_a_layout(crane):
     empty = with_payload(crane, 0.0).link("arm")
-    assert empty.mass == 120.0 and empty.cg == crane.link("arm").cg
+    assert empty.mass == 120.0
+    assert empty.cg == crane.link("arm").cg
     assert layout_of(with_payload(crane, 0.0)) == layout_of(with_payload(crane, 80.0))
 
 

@@ -6,13 +6,13 @@ The C is that of `export.machine`; here are its variables, and the functions tha
 from collections.abc import Collection
 from html import escape
 from pathlib import Path
+
 import numpy as np
 
-from polydraulic.errors import InputError
 from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
-from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.fmu.machine_parameters import MachineParameter, direct_parameters
+from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.machine import machine_c, machine_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.translate.names import field_name

@@ -116,7 +116,7 @@ def _quantities(machine: LayoutMachine) -> Iterator[tuple[tuple[str, ...], Quant
         parts += [(("functions", f.name, key), part) for key, part in of.items()]
     parts += [(("circuits", c.name, "pump"), c.pump) for c in machine.circuits]
     for where, part in parts:
-        for path, leaf in leaves_of(type(part)).items():
+        for path, leaf in leaves_of(part.__class__).items():
             if leaf.quantity is not None and not leaf.size:
                 yield (*where, path), leaf.quantity
 

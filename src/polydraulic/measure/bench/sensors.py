@@ -11,8 +11,8 @@ import numpy as np
 from polydraulic.errors import InputError, briefly
 from polydraulic.measure.channels import FARTHEST, duration, low_and_high, text
 from polydraulic.measure.log_units import conversion, says_pressure
-from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.entries import read_toml
+from polydraulic.parameters.keys import check_keys
 from polydraulic.tables import Table
 
 _FILE = {"seed", "pause", "sensor"}

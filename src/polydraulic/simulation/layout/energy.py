@@ -22,7 +22,9 @@ class EnergyColumn(NamedTuple):
     values: np.ndarray
 
 
-def energy_columns(machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, columns: Columns, forces: np.ndarray) -> Iterator[EnergyColumn]:
+def energy_columns(
+    machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, columns: Columns, forces: np.ndarray
+) -> Iterator[EnergyColumn]:
     """Columns of the account.
 
     Parameters

@@ -99,22 +99,36 @@ def lane_lists(
             for f, inlet, bypass in zip(names, rows.groups["inlet"], rows.groups["bypass"], strict=True)
         ],
         "CIRCUIT_ROWS": [
-            {"C": c.name, "N": str(len(c.functions)), "P": place[f"{c.name}.p_pump"] * LANES, "STATUS": rows.status[c.name] * LANES}
+            {
+                "C": c.name,
+                "N": str(len(c.functions)),
+                "P": place[f"{c.name}.p_pump"] * LANES,
+                "STATUS": rows.status[c.name] * LANES,
+            }
             for c in machine.circuits
         ],
-        "SHORT_CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed],
+        "SHORT_CIRCUITS": [
+            {"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed
+        ],
         "LONG_CIRCUITS": [
-            {"C": c.name, "N": str(len(c.functions)), "T": f"Passed{len(c.functions)}"} for c in machine.circuits if len(c.functions) in passed
+            {"C": c.name, "N": str(len(c.functions)), "T": f"Passed{len(c.functions)}"}
+            for c in machine.circuits
+            if len(c.functions) in passed
         ],
     }
     lists |= {
-        f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)] for group, of in rows.groups.items()
+        f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)]
+        for group, of in rows.groups.items()
     }
     for c in machine.circuits:
         n = len(c.functions)
-        lists[f"INLET_ROWS_OF_{c.name}"] = [{"I": str(k), "R": place[f"{f}.q_in"] * LANES} for k, f in enumerate(c.functions, 1)]
+        lists[f"INLET_ROWS_OF_{c.name}"] = [
+            {"I": str(k), "R": place[f"{f}.q_in"] * LANES} for k, f in enumerate(c.functions, 1)
+        ]
         lists[f"WORD_ROWS_OF_{c.name}"] = [{"W": word, "R": place[f"{c.name}.{word}"] * LANES} for word, _ in CIRCUIT]
-        lists[f"GAP_ROWS_OF_{c.name}"] = [{"I": str(k), "R": place[gap_name(c.name, k, n)] * LANES} for k in range(1, n)]
+        lists[f"GAP_ROWS_OF_{c.name}"] = [
+            {"I": str(k), "R": place[gap_name(c.name, k, n)] * LANES} for k in range(1, n)
+        ]
         if n in passed:
             lists[f"PASSED_ROWS_OF_{c.name}"] = [
                 {"X": field, "R": row * LANES} for field, row in zip(passed[n], rows.passed[c.name], strict=True)

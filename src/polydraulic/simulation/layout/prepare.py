@@ -27,9 +27,7 @@ class Prepared(NamedTuple):
     start: np.ndarray  # (5 n_function,) state
 
 
-def prepare_layout(
-    machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False
-) -> Prepared:
+def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False) -> Prepared:
     """Precompute all of a machine that does not change during a run.
 
     Parameters

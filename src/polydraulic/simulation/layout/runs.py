@@ -24,7 +24,6 @@ from polydraulic.simulation.steps import n_steps
 from polydraulic.tables import Table
 
 
-
 class Segment(NamedTuple):
     """Part of a run with one payload."""
 
@@ -55,7 +54,9 @@ def simulate_layout(
     """
     check_flow(flow)
     if method != "semi-implicit":
-        raise InputError(f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'")
+        raise InputError(
+            f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'"
+        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
@@ -100,7 +101,9 @@ def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step:
     return [Segment(with_payload(machine, m), a, b) for m, a, b in zip(masses, begins, ends, strict=True) if b > a]
 
 
-def _diverged(scenario: Scenario, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float) -> SimulationError:
+def _diverged(
+    scenario: Scenario, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float
+) -> SimulationError:
     rates = {name: row[columns.place[f"{name}.rate"]] for name in machine.names}
     fastest = next(name for name, rate in rates.items() if not abs(rate) < FASTEST)
     return SimulationError(
@@ -113,7 +116,9 @@ def check_flow(flow: Any) -> None:
     """Refuse flow models that know one layout only."""
     if flow != "exact":
         name = flow if isinstance(flow, str) else type(flow).__name__
-        raise InputError(f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'")
+        raise InputError(
+            f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'"
+        )
 
 
 def step_inputs(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:

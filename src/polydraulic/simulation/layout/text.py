@@ -70,7 +70,10 @@ _written: dict[Hashable, str] = {}
 
 
 def _text(machine: LayoutMachine, force: bool) -> str:
-    pages = {name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8") for name in (*_PAGES, "valve")}
+    pages = {
+        name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8")
+        for name in (*_PAGES, "valve")
+    }
     tip = function_of(machine, machine.tip[0])
     motion = motion_text(tree_of(machine), points=[tip])
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
@@ -120,4 +123,6 @@ def _joined(imports: Sequence[str]) -> list[str]:
 def fields_of(text: str, name: str) -> list[str]:
     """Fields of a named tuple that a text defines, in their order."""
     found = next(node for node in ast.parse(text).body if isinstance(node, ast.ClassDef) and node.name == name)
-    return [node.target.id for node in found.body if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)]
+    return [
+        node.target.id for node in found.body if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    ]
