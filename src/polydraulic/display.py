@@ -62,6 +62,8 @@ QUANTITIES = {
     "q_pump": "pump flow",
     "angle": "angle",
     "rate": "angular rate",
+    "position": "position",
+    "speed": "speed",
 }
 
 
