@@ -63,6 +63,8 @@ QUANTITIES = {
     "q_pump": "pump flow",
     "angle": "angle",
     "rate": "angular rate",
+    "position": "position",
+    "speed": "speed",
 }
 
 
