@@ -224,9 +224,7 @@ def _dead_times(machine: AnyMachine) -> list[float]:
 
 def _inputs(machine: AnyMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
     return (
-        step_inputs(machine, scenario, t)
-        if isinstance(machine, LayoutMachine)
-        else step_voltages(machine, scenario, t)
+        step_inputs(machine, scenario, t) if isinstance(machine, LayoutMachine) else step_voltages(machine, scenario, t)
     )
 
 
