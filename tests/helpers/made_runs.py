@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from polydraulic import load_machine
-from polydraulic.parameters.layout.schema import Link, Pins
+from polydraulic.parameters.layout.schema import LinkParameters, Pins
 from polydraulic.parameters.schema import Initial, Stops
 from polydraulic.tables import Table
 
@@ -14,9 +14,11 @@ def small_crane(slew_axis="z"):
     machine = load_machine("cat215b_bucket")
     swing, boom, stick = (machine.function(name) for name in ("swing", "boom", "stick"))
     links = (
-        Link("column", "ground", "revolute", slew_axis, {"x": 0.4, "y": -0.1, "z": 0.2}, 250.0, {"z": 0.9}, {}),
-        Link("jib", "column", "revolute", "-y", {"x": 0.1, "z": 1.9}, 200.0, {"x": 1.2}, {}),
-        Link("extension", "jib", "prismatic", "x", {"x": 2.4}, 80.0, {"x": 0.3}, {}),
+        LinkParameters(
+            "column", "ground", "revolute", slew_axis, {"x": 0.4, "y": -0.1, "z": 0.2}, 250.0, {"z": 0.9}, {}
+        ),
+        LinkParameters("jib", "column", "revolute", "-y", {"x": 0.1, "z": 1.9}, 200.0, {"x": 1.2}, {}),
+        LinkParameters("extension", "jib", "prismatic", "x", {"x": 2.4}, 80.0, {"x": 0.3}, {}),
     )
     pins = Pins(base={"x": 0.25, "z": 0.7}, rod={"x": 0.9, "z": -0.15})
     functions = (

@@ -10,17 +10,17 @@ from polydraulic.parameters.layout.schema import (
     MOMENT,
     POINT,
     TRAVEL,
-    Circuit,
-    Cylinder,
+    CylinderSize,
     FourBar,
-    Function,
     LayoutMachine,
-    Link,
-    Pump,
+    LinkParameters,
+    MachineFunction,
+    PumpParameters,
     SlideFriction,
     SlideInitial,
     SlideStops,
-    Valve,
+    SupplyCircuit,
+    ValveCurves,
 )
 from polydraulic.parameters.quantity import leaf_of
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
@@ -28,7 +28,7 @@ from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops,
 PAGE = (ROOT / "docs" / "your_machine.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (\w+) \| `(\w+)`(?: or `(\w+)`)? \| ([^|]+?) \|", re.MULTILINE)
 PARTS = {
-    "tank": (Tank,), "motor": (SwingMotor,), "cylinder": (Cylinder,), "pilot": (Pilot,), "line": (Line,), "pump": (Pump,),
+    "tank": (Tank,), "motor": (SwingMotor,), "cylinder": (CylinderSize,), "pilot": (Pilot,), "line": (Line,), "pump": (PumpParameters,),
     "friction": (Friction, SlideFriction), "stops": (Stops, SlideStops), "initial": (Initial, SlideInitial),
 }  # fmt: skip
 
@@ -46,12 +46,12 @@ def described():
         for alike in zip(*map(units, parts), strict=True):
             keys, measured = zip(*alike, strict=True)
             rows.add((table, *dict.fromkeys(keys), " or ".join(dict.fromkeys(measured))))
-    rows |= {("valve", key, TRAVEL.unit if key == "knots" else CONDUCTANCE.unit) for key in Valve._fields}
+    rows |= {("valve", key, TRAVEL.unit if key == "knots" else CONDUCTANCE.unit) for key in ValveCurves._fields}
     special = {"at": POINT.unit, "cg": POINT.unit, "mass": MASS.unit, "inertia": MOMENT.unit}
-    rows |= {("links", key, special.get(key, "text")) for key in Link._fields if key != "name"}
+    rows |= {("links", key, special.get(key, "text")) for key in LinkParameters._fields if key != "name"}
     rows |= {("functions", key, "text") for key in ("moves", "actuator")}
     rows |= {("functions", key, POINT.unit) for key in ("rod_pin", *FourBar._fields)}
-    rows |= {("circuits", key, "text") for key in Circuit._fields if key not in ("name", "pump")}
+    rows |= {("circuits", key, "text") for key in SupplyCircuit._fields if key not in ("name", "pump")}
     return rows | {
         ("top", "title", "text"),
         ("top", "gravity", "m/s2"),
@@ -68,7 +68,7 @@ def test_the_table_of_keys_is_that_of_the_schema():
 
 def test_no_part_of_the_schema_is_left_out():
     """A new field of a function or a machine needs a place in the table, and here."""
-    assert set(Function._fields) == {
+    assert set(MachineFunction._fields) == {
         "name",
         "moves",
         "actuator",

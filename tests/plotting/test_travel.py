@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from polydraulic.parameters.layout.schema import Link
+from polydraulic.parameters.layout.schema import LinkParameters
 from polydraulic.plotting.travel import joint_stops
 
 
 def link(joint, axis):
-    return Link("arm", "base", joint, axis, {"x": 1.0, "z": 0.5}, 1.0, {}, {})
+    return LinkParameters("arm", "base", joint, axis, {"x": 1.0, "z": 0.5}, 1.0, {}, {})
 
 
 @pytest.mark.parametrize(("axis", "view", "high"), [

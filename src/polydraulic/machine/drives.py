@@ -11,7 +11,7 @@ from polydraulic._kernel import kernel
 from polydraulic.elementary import SinCos
 from polydraulic.machine.actuator import Triangle, lever_arm, motor_displacement
 from polydraulic.parameters.layout import geometry
-from polydraulic.parameters.layout.schema import Cylinder, FourBar, Function, Link, Pins
+from polydraulic.parameters.layout.schema import CylinderSize, FourBar, LinkParameters, MachineFunction, Pins
 from polydraulic.parameters.schema import SwingMotor
 
 
@@ -45,7 +45,7 @@ class Rocker(NamedTuple):
     area_b: float
 
 
-class Levers(NamedTuple):
+class JointLevers(NamedTuple):
     """Of one joint, towards line A and line B."""
 
     a: float
@@ -55,7 +55,7 @@ class Levers(NamedTuple):
 Drive = Motor | Ram | Triangle | Rocker
 
 
-def prepare_drive(function: Function, link: Link) -> Drive:
+def prepare_drive(function: MachineFunction, link: LinkParameters) -> Drive:
     """Numbers of a function's drive."""
     drive = function.drive
     if isinstance(drive, SwingMotor):
@@ -73,7 +73,7 @@ def prepare_drive(function: Function, link: Link) -> Drive:
     )
 
 
-def _areas(cylinder: Cylinder) -> tuple[float, float]:
+def _areas(cylinder: CylinderSize) -> tuple[float, float]:
     """Head and rod side of all cylinders, m2."""
     return (
         cylinder.number * pi / 4.0 * cylinder.bore**2,
@@ -81,7 +81,7 @@ def _areas(cylinder: Cylinder) -> tuple[float, float]:
     )
 
 
-def _triangle(pins: Pins, link: Link, area_a: float, area_b: float) -> Triangle:
+def _triangle(pins: Pins, link: LinkParameters, area_a: float, area_b: float) -> Triangle:
     t = geometry.triangle(pins, link)
     product = 2.0 * t.r_base * t.r_rod
     return Triangle(
@@ -94,33 +94,33 @@ def _triangle(pins: Pins, link: Link, area_a: float, area_b: float) -> Triangle:
     )
 
 
-def _rocker(pins: FourBar, link: Link, direction: float, area_a: float, area_b: float) -> Rocker:
+def _rocker(pins: FourBar, link: LinkParameters, direction: float, area_a: float, area_b: float) -> Rocker:
     r = geometry.rocker(pins, link)
     return Rocker(*r.base, *r.hinge, *r.pin, r.rocker**2 - r.coupler**2, r.rocker**2, r.side, direction, area_a, area_b)
 
 
 @kernel
-def drive_motor(joint: object, m: Motor) -> Levers:
-    """Levers of a motor: the same anywhere."""
-    return Levers(m.displacement, m.displacement)
+def drive_motor(joint: object, m: Motor) -> JointLevers:
+    """JointLevers of a motor: the same anywhere."""
+    return JointLevers(m.displacement, m.displacement)
 
 
 @kernel
-def drive_ram(joint: object, r: Ram) -> Levers:
-    """Levers of a cylinder along a prismatic joint: its areas."""
-    return Levers(r.area_a, r.area_b)
+def drive_ram(joint: object, r: Ram) -> JointLevers:
+    """JointLevers of a cylinder along a prismatic joint: its areas."""
+    return JointLevers(r.area_a, r.area_b)
 
 
 @kernel
-def drive_cylinder(joint: SinCos, t: Triangle) -> Levers:
-    """Levers of a cylinder between two pins."""
+def drive_cylinder(joint: SinCos, t: Triangle) -> JointLevers:
+    """JointLevers of a cylinder between two pins."""
     arm = lever_arm(joint, t)
-    return Levers(arm * t.area_a, arm * t.area_b)
+    return JointLevers(arm * t.area_a, arm * t.area_b)
 
 
 @kernel
-def drive_four_bar(joint: SinCos, r: Rocker) -> Levers:
-    """Levers of a bucket's cylinder: two circles give the knee, rigid rocker, coupler and link its speed."""
+def drive_four_bar(joint: SinCos, r: Rocker) -> JointLevers:
+    """JointLevers of a bucket's cylinder: two circles give the knee, rigid rocker, coupler and link its speed."""
     pin_u = r.pin_u * joint.cos - r.pin_v * joint.sin
     pin_v = r.pin_u * joint.sin + r.pin_v * joint.cos
     du, dv = pin_u - r.hinge_u, pin_v - r.hinge_v
@@ -133,4 +133,4 @@ def drive_four_bar(joint: SinCos, r: Rocker) -> Levers:
     turn = (coupler_v * pin_u - coupler_u * pin_v) / (coupler_v * rocker_u - coupler_u * rocker_v)
     ram_u, ram_v = r.hinge_u + rocker_u - r.base_u, r.hinge_v + rocker_v - r.base_v
     arm = r.direction * turn * (ram_v * rocker_u - ram_u * rocker_v) / sqrt(ram_u * ram_u + ram_v * ram_v)
-    return Levers(arm * r.area_a, arm * r.area_b)
+    return JointLevers(arm * r.area_a, arm * r.area_b)

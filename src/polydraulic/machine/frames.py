@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import COORDINATES, GROUND, LayoutMachine, Link, Point
+from polydraulic.parameters.layout.schema import COORDINATES, GROUND, LayoutMachine, LinkParameters, Point
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 Frames = Mapping[str, tuple[np.ndarray, np.ndarray]]  # link -> (..., 3, 3) turn, (..., 3) origin in m
@@ -27,7 +27,7 @@ def link_frames(machine: LayoutMachine, positions: np.ndarray) -> Frames:
     return tree_frames([machine.link(f.moves) for f in machine.functions], positions)
 
 
-def tree_frames(links: Sequence[Link], positions: np.ndarray) -> Frames:
+def tree_frames(links: Sequence[LinkParameters], positions: np.ndarray) -> Frames:
     """The same of links, parents first, each with its position (..., n_link)."""
     lead = positions.shape[:-1]
     frames = {GROUND: (np.broadcast_to(np.eye(3), (*lead, 3, 3)), np.zeros((*lead, 3)))}

@@ -12,10 +12,10 @@ from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.machine.frames import vector
-from polydraulic.parameters.layout.schema import GROUND, LayoutMachine, Link
+from polydraulic.parameters.layout.schema import GROUND, LayoutMachine, LinkParameters
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
-from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, Motion, Spot, motion_of, view_limits
+from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, DrawnMotion, Spot, motion_of, view_limits
 from polydraulic.plotting.frames import Frames, frames_of
 from polydraulic.plotting.gif import write_gif
 from polydraulic.plotting.machine_drawing import machine_drawing
@@ -123,7 +123,7 @@ def page_data(frames: Frames, drawing: Drawing) -> dict[str, Any]:
     }
 
 
-def _joint(link: Link, places: Mapping[str, int]) -> dict[str, Any]:
+def _joint(link: LinkParameters, places: Mapping[str, int]) -> dict[str, Any]:
     return {
         "parent": places[link.parent],
         "slides": link.joint == "prismatic",
@@ -133,7 +133,7 @@ def _joint(link: Link, places: Mapping[str, int]) -> dict[str, Any]:
     }
 
 
-def _run(frames: Frames, motion: Motion, number: int) -> dict[str, Any]:
+def _run(frames: Frames, motion: DrawnMotion, number: int) -> dict[str, Any]:
     color = line_style(number)[0]
     return {
         "name": frames.names[number],

@@ -11,8 +11,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from polydraulic.machine.frames import Frames, tree_frames, vector
-from polydraulic.parameters.layout.geometry import Rocker, knee_at
-from polydraulic.parameters.layout.schema import Link
+from polydraulic.parameters.layout.geometry import BucketLinkage, knee_at
+from polydraulic.parameters.layout.schema import LinkParameters
 
 AT_STOP = 2e-3  # rad or m; the loop halts a joint up to a step short of its stop
 PLANE = "plane of the arm"  # what always shows the same side: x outward from the upright axis, z as of the ground
@@ -71,7 +71,7 @@ class Follower(NamedTuple):
     """A link that has no position of its own: the rocker of a four-bar linkage, which follows the joint that it moves."""
 
     joint: int
-    rocker: Rocker
+    rocker: BucketLinkage
 
 
 class Drawing(NamedTuple):
@@ -85,7 +85,7 @@ class Drawing(NamedTuple):
         Positions of their joints at the start, rad or m.
     travel : tuple of (low, high)
         How far their joints may go.
-    links : tuple of Link
+    links : tuple of LinkParameters
         Those that the functions move, in the same order, then the followers.
     followers : tuple of Follower
     slews : bool
@@ -108,7 +108,7 @@ class Drawing(NamedTuple):
     names: tuple[str, ...]
     initial: tuple[float, ...]
     travel: tuple[tuple[float, float], ...]
-    links: tuple[Link, ...]
+    links: tuple[LinkParameters, ...]
     followers: tuple[Follower, ...]
     slews: bool
     bodies: tuple[Outline, ...]
@@ -122,7 +122,7 @@ class Drawing(NamedTuple):
     scale: float
 
 
-class Motion(NamedTuple):
+class DrawnMotion(NamedTuple):
     """Where all links of a drawing are, frame by frame."""
 
     positions: np.ndarray  # (n_frame, n_link) rad or m
@@ -131,7 +131,7 @@ class Motion(NamedTuple):
     axis: np.ndarray  # (3,) m, a point of the upright axis
 
 
-def motion_of(drawing: Drawing, positions: np.ndarray) -> Motion:
+def motion_of(drawing: Drawing, positions: np.ndarray) -> DrawnMotion:
     """Place the links of a drawing.
 
     Parameters
@@ -145,7 +145,7 @@ def motion_of(drawing: Drawing, positions: np.ndarray) -> Motion:
     turn = positions[:, 0] * (-1.0 if first.axis[0] == "-" else 1.0)
     heading, axis = (turn, vector(first.at)) if drawing.slews else (np.zeros(len(positions)), np.zeros(3))
     plane = (_upright(heading), np.broadcast_to(axis * (1.0, 1.0, 0.0), (len(positions), 3)))
-    return Motion(whole, {**tree_frames(drawing.links, whole), PLANE: plane}, heading, axis)
+    return DrawnMotion(whole, {**tree_frames(drawing.links, whole), PLANE: plane}, heading, axis)
 
 
 def _upright(heading: np.ndarray) -> np.ndarray:
@@ -155,7 +155,7 @@ def _upright(heading: np.ndarray) -> np.ndarray:
     return np.stack([c, -s, nought, s, c, nought, nought, nought, one], axis=-1).reshape(-1, 3, 3)
 
 
-def _rocker_angles(rocker: Rocker, joint: np.ndarray) -> np.ndarray:
+def _rocker_angles(rocker: BucketLinkage, joint: np.ndarray) -> np.ndarray:
     """How far a rocker has turned from where it is with its joint at zero; it stays where the linkage comes to its end."""
     angles, before = np.zeros(len(joint)), _rocker_angle(rocker, 0.0) or 0.0
     zero = before
@@ -166,12 +166,12 @@ def _rocker_angles(rocker: Rocker, joint: np.ndarray) -> np.ndarray:
     return angles
 
 
-def _rocker_angle(rocker: Rocker, joint: float) -> float | None:
+def _rocker_angle(rocker: BucketLinkage, joint: float) -> float | None:
     found = knee_at(rocker, joint)
     return None if found is None else atan2(found[0][1] - rocker.hinge[1], found[0][0] - rocker.hinge[0])
 
 
-def places(motion: Motion, spots: Sequence[Spot]) -> np.ndarray:
+def places(motion: DrawnMotion, spots: Sequence[Spot]) -> np.ndarray:
     """Spots in the ground's frame, (n_frame, n_spot, 3) in m."""
     found = np.empty((len(motion.positions), len(spots), 3))
     for place, (link, at) in enumerate(spots):
@@ -180,7 +180,7 @@ def places(motion: Motion, spots: Sequence[Spot]) -> np.ndarray:
     return found
 
 
-def seen(motion: Motion, view: View, points: np.ndarray) -> np.ndarray:
+def seen(motion: DrawnMotion, view: View, points: np.ndarray) -> np.ndarray:
     """Points of the ground's frame as a view shows them: (n_frame, n, 3) to (n_frame, n, 2)."""
     if view == "top":
         return points[..., :2]
@@ -199,7 +199,7 @@ def silhouette(points: np.ndarray, radii: Sequence[float]) -> np.ndarray:
     return np.asarray(cloud[ConvexHull(cloud).vertices])
 
 
-def view_limits(drawing: Drawing, motions: Sequence[Motion], view: View) -> tuple[np.ndarray, np.ndarray]:
+def view_limits(drawing: Drawing, motions: Sequence[DrawnMotion], view: View) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corner of a view that shows all of the machine wherever it goes, m."""
     low, high = (np.array(corner) for corner in drawing.corners[view])
     room = np.array([margin for _, margin in drawing.clear])[:, None]

@@ -13,7 +13,7 @@ import numpy as np
 
 from polydraulic.machine.frames import vector
 from polydraulic.parameters.layout.geometry import knee_at, rocker, triangle
-from polydraulic.parameters.layout.schema import GROUND, FourBar, Function, LayoutMachine, Link, Pins
+from polydraulic.parameters.layout.schema import GROUND, FourBar, LayoutMachine, LinkParameters, MachineFunction, Pins
 from polydraulic.plotting.carrier import DEPTH, block, excavator_bodies, scale_of
 from polydraulic.plotting.drawing import OF_RUN, Drawing, DrawnCylinder, Follower, Outline, Spot, Travel
 from polydraulic.plotting.travel import across, joint_stops, signed_axis
@@ -41,7 +41,7 @@ class _Linkage(NamedTuple):
 
     name: str
     joint: int
-    link: Link
+    link: LinkParameters
     pins: FourBar
 
 
@@ -57,7 +57,8 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
         _Linkage(f.name, k, moved[k], f.pins) for k, f in enumerate(machine.functions) if isinstance(f.pins, FourBar)
     ]
     rockers = [
-        Link(_rocker(x.name), x.link.parent, "revolute", x.link.axis, x.pins.hinge, 0.0, {}, {}) for x in linkages
+        LinkParameters(_rocker(x.name), x.link.parent, "revolute", x.link.axis, x.pins.hinge, 0.0, {}, {})
+        for x in linkages
     ]
     bones = {link.name: _bones(machine, link) for link in moved}
     reach = _reach(machine, bones)
@@ -94,7 +95,7 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
     )
 
 
-def _bones(machine: LayoutMachine, link: Link) -> _Bones:
+def _bones(machine: LayoutMachine, link: LinkParameters) -> _Bones:
     """What a link carries; a link that carries nothing ends as far behind its centre of gravity as it began before it."""
     children = [vector(other.at) for other in machine.links if other.parent == link.name]
     tips = [vector(machine.tip[1])] if machine.tip[0] == link.name else []
@@ -145,7 +146,7 @@ def _reach(machine: LayoutMachine, bones: dict[str, _Bones]) -> float:
     return max(longest, 0.1)
 
 
-def _sizes(links: list[Link], reach: float, slews: bool) -> dict[str, float]:
+def _sizes(links: list[LinkParameters], reach: float, slews: bool) -> dict[str, float]:
     """Radius of each link, m."""
     sizes = {GROUND: _THICK * reach / _SLIMMER}
     for place, link in enumerate(links):
@@ -153,7 +154,7 @@ def _sizes(links: list[Link], reach: float, slews: bool) -> dict[str, float]:
     return sizes
 
 
-def _bodies(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> tuple[Outline, ...]:
+def _bodies(machine: LayoutMachine, link: LinkParameters, bones: _Bones, size: float) -> tuple[Outline, ...]:
     """The outline of a link; what slides is seen from where it leaves its guide."""
     f = next(f for f in machine.functions if f.moves == link.name)
     if isinstance(f.pins, FourBar) and machine.tip[0] == link.name:
@@ -165,7 +166,7 @@ def _bodies(machine: LayoutMachine, link: Link, bones: _Bones, size: float) -> t
     return (Outline(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN),)
 
 
-def _bucket(link: Link, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Outline, ...]:
+def _bucket(link: LinkParameters, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Outline, ...]:
     """A shell on the side of the centre of gravity, or of the pin if that is close to the line to the teeth; and how it looks from above."""
     axis, teeth = signed_axis(link), bones.joints[-1]
     ahead = across(link, teeth)
@@ -194,7 +195,7 @@ def _bars(linkage: _Linkage, size: float) -> list[Outline]:
     return [Outline((knee, end), (size, size), ("side",), OF_RUN) for end in ends]
 
 
-def _ram(machine: LayoutMachine, f: Function) -> DrawnCylinder | None:
+def _ram(machine: LayoutMachine, f: MachineFunction) -> DrawnCylinder | None:
     if f.pins is None:
         return None
     link, base = machine.link(f.moves), _spot(machine.link(f.moves).parent, vector(f.pins.base))
@@ -203,7 +204,7 @@ def _ram(machine: LayoutMachine, f: Function) -> DrawnCylinder | None:
     return DrawnCylinder(base, rod, 0.9 * min(lengths))
 
 
-def _cylinder_length(f: Function, link: Link, joint: float) -> float:
+def _cylinder_length(f: MachineFunction, link: LinkParameters, joint: float) -> float:
     """Distance of a cylinder's pins in the plane of its joint, m."""
     if isinstance(f.pins, FourBar):
         linkage = rocker(f.pins, link)

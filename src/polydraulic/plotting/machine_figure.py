@@ -13,7 +13,7 @@ from polydraulic.parameters.schema import Machine
 from polydraulic.plotting.drawing import (
     OPEN,
     Drawing,
-    Motion,
+    DrawnMotion,
     Spot,
     View,
     motion_of,
@@ -81,7 +81,7 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     return figure
 
 
-def _still(axis: "Axes", drawing: Drawing, view: View, motion: Motion, units: str) -> None:
+def _still(axis: "Axes", drawing: Drawing, view: View, motion: DrawnMotion, units: str) -> None:
     from matplotlib.ticker import MaxNLocator
 
     draw_view(axis, drawing, view, [motion])(0)
@@ -101,7 +101,7 @@ def _still(axis: "Axes", drawing: Drawing, view: View, motion: Motion, units: st
     axis.set_title(title, loc="left", fontsize=9, color="0.4")
 
 
-def _name(axis: "Axes", drawing: Drawing, motion: Motion, units: str) -> None:
+def _name(axis: "Axes", drawing: Drawing, motion: DrawnMotion, units: str) -> None:
     """Names of pins, links and cylinders, and ranges of joints."""
 
     def shown(spot: Spot) -> tuple[float, float]:

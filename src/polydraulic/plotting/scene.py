@@ -15,7 +15,7 @@ from polydraulic.plotting.drawing import (
     OF_RUN,
     OPEN,
     Drawing,
-    Motion,
+    DrawnMotion,
     Outline,
     View,
     motion_of,
@@ -78,7 +78,7 @@ def scene(frames: Frames, drawing: Drawing) -> tuple["Figure", Update]:
     return figure, update
 
 
-def draw_view(axis: "Axes", drawing: Drawing, view: View, motions: Sequence[Motion]) -> Update:
+def draw_view(axis: "Axes", drawing: Drawing, view: View, motions: Sequence[DrawnMotion]) -> Update:
     """Draw a machine as one run moves it, or several, on an axis with limits: the first filled, the others as outlines."""
     if view == "side":
         axis.axhspan(axis.get_ylim()[0], drawing.ground, color="#f3efe8", linewidth=0.0, zorder=0)
@@ -129,7 +129,7 @@ def _layer(number: int) -> int:
     return 5 if number else 3
 
 
-def _body(axis: "Axes", body: Outline, view: View, motion: Motion, number: int) -> Update:
+def _body(axis: "Axes", body: Outline, view: View, motion: DrawnMotion, number: int) -> Update:
     from matplotlib.patches import Polygon
 
     points = seen(motion, view, places(motion, body.spots))
@@ -157,7 +157,7 @@ def _body(axis: "Axes", body: Outline, view: View, motion: Motion, number: int) 
     return update
 
 
-def _rams(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update:
+def _rams(axis: "Axes", drawing: Drawing, motion: DrawnMotion, number: int) -> Update:
     ends = seen(motion, "side", places(motion, [spot for ram in drawing.rams for spot in (ram.base, ram.rod)]))
     style: dict[str, Any] = {"animated": True, "color": _edge(number), "zorder": _layer(number)}
     rods = [axis.plot([], [], linewidth=2.0, **style)[0] for _ in drawing.rams]
@@ -174,7 +174,7 @@ def _rams(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update
     return update
 
 
-def _pins(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update:
+def _pins(axis: "Axes", drawing: Drawing, motion: DrawnMotion, number: int) -> Update:
     points = seen(motion, "side", places(motion, list(drawing.pins.values())))
     style: dict[str, Any] = {
         "color": "white",
@@ -186,7 +186,7 @@ def _pins(axis: "Axes", drawing: Drawing, motion: Motion, number: int) -> Update
     return lambda k: pins.set_data(*points[k].T)
 
 
-def _trails(axis: "Axes", motions: Sequence[Motion], effector: Sequence[np.ndarray], view: View) -> Update:
+def _trails(axis: "Axes", motions: Sequence[DrawnMotion], effector: Sequence[np.ndarray], view: View) -> Update:
     paths = [seen(motion, view, tip[:, None, :])[:, 0] for motion, tip in zip(motions, effector, strict=True)]
     lines = [
         axis.plot([], [], animated=True, color=_edge(number), linewidth=0.9, alpha=0.6, zorder=2)[0]
@@ -200,7 +200,7 @@ def _trails(axis: "Axes", motions: Sequence[Motion], effector: Sequence[np.ndarr
     return update
 
 
-def _stops(axis: "Axes", drawing: Drawing, view: View, motion: Motion) -> Update:
+def _stops(axis: "Axes", drawing: Drawing, view: View, motion: DrawnMotion) -> Update:
     """Lines of travel with a tick at each end stop; a tick turns red while the run stands at its stop."""
     stops = [s for s in drawing.stops if s.view == view]
     paths = [seen(motion, view, places(motion, s.path)) for s in stops]

@@ -8,7 +8,7 @@ the eye alone.
 from collections.abc import Sequence
 from math import cos, pi, sin
 
-from polydraulic.parameters.layout.schema import GROUND, Link
+from polydraulic.parameters.layout.schema import GROUND, LinkParameters
 from polydraulic.parameters.schema import LINKS, Cylinder, Machine, Stops
 from polydraulic.plotting.carrier import DEPTH, excavator_bodies
 from polydraulic.plotting.drawing import OF_RUN, OPEN, Drawing, DrawnCylinder, Outline, Spot
@@ -89,8 +89,8 @@ def excavator_drawing(machine: Machine) -> Drawing:
     )
 
 
-def _link(name: str, parent: str, axis: str, at: dict[str, float]) -> Link:
-    return Link(name, parent, "revolute", axis, at, 0.0, {}, {})
+def _link(name: str, parent: str, axis: str, at: dict[str, float]) -> LinkParameters:
+    return LinkParameters(name, parent, "revolute", axis, at, 0.0, {}, {})
 
 
 def _plate(link: str, corners: Sequence[tuple[float, float]], fill: str) -> Outline:

@@ -6,19 +6,19 @@ from math import cos, sin
 import numpy as np
 
 from polydraulic.machine.frames import vector
-from polydraulic.parameters.layout.schema import Link
+from polydraulic.parameters.layout.schema import LinkParameters
 from polydraulic.plotting.drawing import Spot, Travel
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 _POINTS = 40
 
 
-def signed_axis(link: Link) -> np.ndarray:
+def signed_axis(link: LinkParameters) -> np.ndarray:
     """Direction of a link's joint, (3,)."""
     return np.eye(3)[_AXES[link.axis[-1]]] * (-1.0 if link.axis[0] == "-" else 1.0)
 
 
-def across(link: Link, point: np.ndarray) -> np.ndarray:
+def across(link: LinkParameters, point: np.ndarray) -> np.ndarray:
     """Direction of a point across a link's joint, (3,); some direction across it if the point lies on the axis."""
     axis = signed_axis(link)
     flat = point - axis * (axis @ point)
@@ -27,7 +27,7 @@ def across(link: Link, point: np.ndarray) -> np.ndarray:
 
 
 def joint_stops(
-    joint: int, link: Link, ends: tuple[float, float], size: float, far: np.ndarray | None = None
+    joint: int, link: LinkParameters, ends: tuple[float, float], size: float, far: np.ndarray | None = None
 ) -> Travel:
     """Travel of a joint as it is drawn.
 
@@ -35,7 +35,7 @@ def joint_stops(
     ----------
     joint : int
         Place of the link among those that move.
-    link : Link
+    link : LinkParameters
     ends : (low, high), rad or m
     size : float, m
         Radius of the arc; distance of the line from the axis of a joint that slides.
@@ -54,7 +54,7 @@ def joint_stops(
     return _stops(joint, link, ends, point, (0.88, 1.12))
 
 
-def _line(joint: int, link: Link, ends: tuple[float, float], size: float) -> Travel:
+def _line(joint: int, link: LinkParameters, ends: tuple[float, float], size: float) -> Travel:
     axis, at = signed_axis(link), vector(link.at)
     beside = np.eye(3)[0 if link.axis[-1] == "z" else 2]
 
@@ -65,7 +65,11 @@ def _line(joint: int, link: Link, ends: tuple[float, float], size: float) -> Tra
 
 
 def _stops(
-    joint: int, link: Link, ends: tuple[float, float], point: Callable[[float, float], Spot], tick: tuple[float, float]
+    joint: int,
+    link: LinkParameters,
+    ends: tuple[float, float],
+    point: Callable[[float, float], Spot],
+    tick: tuple[float, float],
 ) -> Travel:
     low, high = ends
     upright = link.joint == "revolute" and link.axis[-1] == "z"
@@ -79,6 +83,6 @@ def _stops(
     )
 
 
-def _spot(link: Link, point: np.ndarray) -> Spot:
+def _spot(link: LinkParameters, point: np.ndarray) -> Spot:
     x, y, z = (float(value) for value in point)
     return Spot(link.parent, (x, y, z))

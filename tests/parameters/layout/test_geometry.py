@@ -8,7 +8,7 @@ import pytest
 from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.machine.frames import link_frames, placed
-from polydraulic.parameters.layout.geometry import knee_at, lever, plane, rocker
+from polydraulic.parameters.layout.geometry import across_axis, knee_at, lever, rocker
 
 
 def length(machine, function, angle):
@@ -48,9 +48,9 @@ def test_a_bucket_linkage_keeps_the_lengths_of_rocker_and_coupler():
 
 
 def _at_zero(f, link):
-    u0, v0 = plane(link.at, link.axis)
-    knee = plane(f.pins.knee, link.axis)
-    return (knee[0] - u0, knee[1] - v0), plane(f.pins.pin, link.axis)
+    u0, v0 = across_axis(link.at, link.axis)
+    knee = across_axis(f.pins.knee, link.axis)
+    return (knee[0] - u0, knee[1] - v0), across_axis(f.pins.pin, link.axis)
 
 
 def test_the_knee_is_where_the_file_says_while_the_joint_is_at_zero():

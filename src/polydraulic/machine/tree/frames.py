@@ -56,7 +56,7 @@ class LinkFrame(NamedTuple):
 _GROUND = LinkFrame(None, None, None, NOTHING, NOTHING, NOTHING)
 
 
-def link_frames(shapes: Sequence[Shape], terms: Recorder) -> dict[str, LinkFrame]:
+def axes_of_a_link(shapes: Sequence[Shape], terms: Recorder) -> dict[str, LinkFrame]:
     """Frames of all links, by name.
 
     Parameters

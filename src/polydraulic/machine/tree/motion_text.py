@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 from polydraulic.errors import InputError
 from polydraulic.machine.tree.equations import TreeEquations, equations_of
-from polydraulic.machine.tree.frames import link_frames
+from polydraulic.machine.tree.frames import axes_of_a_link
 from polydraulic.machine.tree.link_checks import check_tree
 from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.points import chain_of, place_of, point_leaves, torques_of
@@ -59,7 +59,7 @@ def motion_text(links: Sequence[Link], *, points: Sequence[str] = ()) -> str:
             known = ", ".join(link.name for link in links)
             raise InputError(f"points of {name!r} are asked for, which is no link; links are {known}")
     terms, constants = Recorder(), Constants()
-    frames = link_frames(shapes, terms)
+    frames = axes_of_a_link(shapes, terms)
     equations = equations_of(shapes, frames, terms)
     kernels = [_motion_text(names, equations, constants), _potential_text(equations, constants)]
     for name in points:

@@ -5,8 +5,8 @@ from typing import Any
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import build
 from polydraulic.parameters.keys import check_keys
-from polydraulic.parameters.layout.conditions import broken_conditions
-from polydraulic.parameters.layout.schema import Function, LayoutMachine, SlideInitial
+from polydraulic.parameters.layout.conditions import broken_layout
+from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction, SlideInitial
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Initial
 
@@ -22,13 +22,13 @@ def adapted(machine: LayoutMachine, scenario: Scenario) -> LayoutMachine:
     check_keys(scenario.changes, machine.names, (), "change", str(scenario.path))
     changed = tuple(_changed(f, machine, scenario) for f in machine.functions)
     found = machine._replace(functions=changed)
-    broken = broken_conditions(found) if scenario.changes else []
+    broken = broken_layout(found) if scenario.changes else []
     if broken:
         raise InputError(f"{scenario.path}: " + "; ".join(broken))
     return found
 
 
-def _changed(f: Function, machine: LayoutMachine, scenario: Scenario) -> Function:
+def _changed(f: MachineFunction, machine: LayoutMachine, scenario: Scenario) -> MachineFunction:
     parts: dict[str, Any] = scenario.changes.get(f.name, {})
     path, where = scenario.path, f"change.{f.name}"
     if "pilot" in parts:

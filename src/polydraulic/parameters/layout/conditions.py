@@ -5,12 +5,12 @@ from math import pi
 
 from polydraulic import display
 from polydraulic.parameters.layout.geometry import is_plane, lever
-from polydraulic.parameters.layout.schema import FourBar, Function, LayoutMachine, Link
+from polydraulic.parameters.layout.schema import FourBar, LayoutMachine, LinkParameters, MachineFunction
 
 _ANGLES = 65  # over the range of a joint, for what must hold everywhere in it
 
 
-def broken_conditions(machine: LayoutMachine) -> list[str]:
+def broken_layout(machine: LayoutMachine) -> list[str]:
     """Say which conditions a machine does not meet; each number by itself lies in its range."""
     broken: list[str] = []
     for link in machine.links:
@@ -32,7 +32,7 @@ def _bar(pressure: float) -> str:
     return display.amount(pressure, "Pa")
 
 
-def _inertia(link: Link) -> list[str]:
+def _inertia(link: LinkParameters) -> list[str]:
     i, where = link.inertia, f"links.{link.name}"
     xx, yy, zz, xy, xz, yz = (i.get(key, 0.0) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
     bad = [key for key, value in (("xx", xx), ("yy", yy), ("zz", zz)) if value < 0.0]
@@ -49,7 +49,7 @@ def _inertia(link: Link) -> list[str]:
     return []
 
 
-def _function(f: Function, link: Link, machine: LayoutMachine) -> list[str]:
+def _function(f: MachineFunction, link: LinkParameters, machine: LayoutMachine) -> list[str]:
     where, broken = f"functions.{f.name}", []
 
     def require(good: bool, what: str, allowed: str) -> None:
@@ -85,7 +85,7 @@ def _function(f: Function, link: Link, machine: LayoutMachine) -> list[str]:
     return broken
 
 
-def _levers(f: Function, link: Link) -> list[str]:
+def _levers(f: MachineFunction, link: LinkParameters) -> list[str]:
     """A cylinder must keep pushing the same way all over the joint's range."""
     where = f"functions.{f.name}"
     if isinstance(f.pins, FourBar) and not is_plane(f.pins, link):

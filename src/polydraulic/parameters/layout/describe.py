@@ -4,7 +4,7 @@ from math import pi
 
 from polydraulic.display import amount
 from polydraulic.parameters.layout.geometry import lever
-from polydraulic.parameters.layout.schema import Function, LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
 
 _ACTUATORS = {
     "motor": "a motor",
@@ -38,7 +38,7 @@ def described(machine: LayoutMachine) -> list[str]:
     return lines
 
 
-def _function(f: Function, machine: LayoutMachine) -> str:
+def _function(f: MachineFunction, machine: LayoutMachine) -> str:
     link = machine.link(f.moves)
     slides = link.joint == "prismatic"
     unit = "m" if slides else "rad"

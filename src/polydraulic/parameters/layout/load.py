@@ -6,7 +6,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import read_quantity
-from polydraulic.parameters.layout.conditions import broken_conditions
+from polydraulic.parameters.layout.conditions import broken_layout
 from polydraulic.parameters.layout.names import name_trouble
 from polydraulic.parameters.layout.reader import Reader
 from polydraulic.parameters.layout.schema import (
@@ -25,19 +25,19 @@ from polydraulic.parameters.layout.schema import (
     MOST_LINKS,
     POINT,
     TRAVEL,
-    Circuit,
-    Cylinder,
+    CylinderSize,
     FourBar,
-    Function,
     LayoutMachine,
-    Link,
+    LinkParameters,
+    MachineFunction,
     Pins,
     Point,
-    Pump,
+    PumpParameters,
     SlideFriction,
     SlideInitial,
     SlideStops,
-    Valve,
+    SupplyCircuit,
+    ValveCurves,
 )
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
@@ -47,7 +47,7 @@ CIRCUIT_KINDS = {
 }
 _SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
 _LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
-_ACTUATORS = {"motor": SwingMotor, "cylinder": Cylinder, "four_bar": Cylinder, "ram": Cylinder}
+_ACTUATORS = {"motor": SwingMotor, "cylinder": CylinderSize, "four_bar": CylinderSize, "ram": CylinderSize}
 _HELD: dict[str, tuple[str, ...]] = {"cylinder": ("base", "rod_pin"), "four_bar": ("base", "hinge", "knee", "pin")}
 _PARTS = ("pilot", "valve", "line", "friction", "stops", "initial")
 _CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
@@ -91,7 +91,7 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     tip = _tip(reader, top, links)
     if not reader.wrong and tank is not None:
         machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip)
-        reader.wrong += broken_conditions(machine)
+        reader.wrong += broken_layout(machine)
     if reader.wrong or tank is None:
         lines = list(dict.fromkeys(reader.wrong))
         raise InputError(f"{path}: " + (lines[0] if len(lines) == 1 else "\n  ".join(["what is wrong:", *lines])))
@@ -118,11 +118,11 @@ def _named(reader: Reader, top: Mapping[str, Any], key: str, most: int) -> list[
     return found
 
 
-def _link(reader: Reader, name: str, item: Mapping[str, Any]) -> Link:
+def _link(reader: Reader, name: str, item: Mapping[str, Any]) -> LinkParameters:
     where = f"links.{name}"
     data = reader.table(item, _LINK, ("parent", "joint", "axis", "mass", "cg"), where)
     parent = data.get("parent", GROUND)
-    return Link(
+    return LinkParameters(
         name,
         str(parent),
         reader.word(data, "joint", JOINTS, where),
@@ -134,9 +134,9 @@ def _link(reader: Reader, name: str, item: Mapping[str, Any]) -> Link:
     )
 
 
-def _ordered(links: list[Link], reader: Reader) -> tuple[Link, ...]:
+def _ordered(links: list[LinkParameters], reader: Reader) -> tuple[LinkParameters, ...]:
     """Links with parents first, otherwise as in the file; links whose parents cannot be found are named."""
-    done: list[Link] = []
+    done: list[LinkParameters] = []
     known = {GROUND}
     waiting = list(links)
     for _ in links:
@@ -154,7 +154,9 @@ def _ordered(links: list[Link], reader: Reader) -> tuple[Link, ...]:
     return tuple(done)
 
 
-def _functions(reader: Reader, top: Mapping[str, Any], links: tuple[Link, ...]) -> tuple[Function, ...]:
+def _functions(
+    reader: Reader, top: Mapping[str, Any], links: tuple[LinkParameters, ...]
+) -> tuple[MachineFunction, ...]:
     found = [_function(reader, name, item, links) for name, item in _named(reader, top, "functions", MOST_FUNCTIONS)]
     order = {link.name: place for place, link in enumerate(links)}
     moved = [f.moves for f in found if f is not None]
@@ -168,7 +170,9 @@ def _functions(reader: Reader, top: Mapping[str, Any], links: tuple[Link, ...]) 
     return tuple(sorted((f for f in found if f is not None), key=lambda f: order[f.moves]))
 
 
-def _function(reader: Reader, name: str, item: Mapping[str, Any], links: tuple[Link, ...]) -> Function | None:
+def _function(
+    reader: Reader, name: str, item: Mapping[str, Any], links: tuple[LinkParameters, ...]
+) -> MachineFunction | None:
     where, before = f"functions.{name}", len(reader.wrong)
     actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
     drive_key = "motor" if actuator == "motor" else "cylinder"
@@ -190,7 +194,7 @@ def _function(reader: Reader, name: str, item: Mapping[str, Any], links: tuple[L
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
     if len(reader.wrong) > before or None in (drive, pilot, line, valve, friction, stops, initial):
         return None
-    return Function(  # a prismatic joint's numbers go by the same names
+    return MachineFunction(  # a prismatic joint's numbers go by the same names
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
         Friction(*friction), Stops(*stops), Initial(*initial),  # type: ignore[misc]
     )  # fmt: skip
@@ -202,7 +206,7 @@ def _pins(actuator: str, pins: dict[str, Point]) -> Pins | FourBar | None:
     return FourBar(**pins) if actuator == "four_bar" else None
 
 
-def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> Valve | None:
+def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves | None:
     where, before = f"{where}.valve", len(reader.wrong)
     if "valve" not in data:
         return None
@@ -217,10 +221,10 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> Valve | None:
         reader.require(
             len(curve) == len(knots), f"{where}.{key}: {len(curve)} numbers for {len(knots)} knots; must be as many"
         )
-    return Valve(knots, *curves) if len(reader.wrong) == before else None
+    return ValveCurves(knots, *curves) if len(reader.wrong) == before else None
 
 
-def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[Circuit, ...]:
+def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[SupplyCircuit, ...]:
     found = []
     names = list(top["functions"]) if isinstance(top.get("functions"), Mapping) else []
     for name, item in _named(reader, top, "circuits", MOST_FUNCTIONS):
@@ -233,9 +237,9 @@ def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[Circuit, ...]:
             f"{where}.functions = {fed!r}: must be a list of 1 to {MOST_IN_SERIES} names of functions")  # fmt: skip
         for f in fed if good else []:
             reader.require(f in names or not names, f"{where}.functions: {f!r} is no function; there are {names}")
-        pump = reader.part(Pump, data, "pump", where)
+        pump = reader.part(PumpParameters, data, "pump", where)
         if pump is not None and good:
-            found.append(Circuit(name, kind, tuple(fed), pump))
+            found.append(SupplyCircuit(name, kind, tuple(fed), pump))
     fed_at = [f for circuit in found for f in circuit.functions]
     for name in names:
         count = fed_at.count(name)
@@ -244,7 +248,7 @@ def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[Circuit, ...]:
     return tuple(found)
 
 
-def _tip(reader: Reader, top: Mapping[str, Any], links: tuple[Link, ...]) -> tuple[str, Point]:
+def _tip(reader: Reader, top: Mapping[str, Any], links: tuple[LinkParameters, ...]) -> tuple[str, Point]:
     data = reader.table(top.get("tip", {}), ("link", "at"), ("link", "at"), "tip")
     link = reader.word(data, "link", [link.name for link in links], "tip")
     return link, reader.components(data, "at", COORDINATES, POINT, "tip")

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, Link, Point
+from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, LinkParameters, Point
 
 
 def with_payload(machine: LayoutMachine, mass: float) -> LayoutMachine:
@@ -23,7 +23,7 @@ def with_payload(machine: LayoutMachine, mass: float) -> LayoutMachine:
     return machine._replace(links=links)
 
 
-def _loaded(link: Link, at: Point, mass: float) -> Link:
+def _loaded(link: LinkParameters, at: Point, mass: float) -> LinkParameters:
     spread = [c for c in COORDINATES if c in link.cg or c in at]
     whole = link.mass + mass
     cg, place = _vector(link.cg), _vector(at)
@@ -42,7 +42,7 @@ def _vector(point: Point) -> np.ndarray:
     return np.array([point.get(c, 0.0) for c in COORDINATES])
 
 
-def _tensor(link: Link) -> np.ndarray:
+def _tensor(link: LinkParameters) -> np.ndarray:
     """Inertia about the centre of gravity, (3, 3); the entry xy is minus the integral of x y over the mass."""
     found = np.zeros((3, 3))
     for name, value in link.inertia.items():

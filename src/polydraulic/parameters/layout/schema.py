@@ -39,7 +39,7 @@ CONDUCTANCE = Quantity("m3/s/Pa^0.5", low=0.0)
 TRAVEL = Quantity("m", low=0.0)
 
 
-class Link(NamedTuple):
+class LinkParameters(NamedTuple):
     """A rigid body behind a joint.
 
     Attributes
@@ -69,7 +69,7 @@ class Link(NamedTuple):
     inertia: Mapping[str, float]
 
 
-class Cylinder(NamedTuple):
+class CylinderSize(NamedTuple):
     """Equal cylinders between a pin on the parent link and one on the link that is moved."""
 
     number: Annotated[float, Quantity("1", low=1.0, high=12.0)]
@@ -97,7 +97,7 @@ class FourBar(NamedTuple):
     pin: Point
 
 
-class Valve(NamedTuple):
+class ValveCurves(NamedTuple):
     """Orifice conductances K a over the spool's travel, linear between the knots: Q = K a sqrt(drop)."""
 
     knots: tuple[float, ...]  # m
@@ -132,7 +132,7 @@ class SlideInitial(NamedTuple):
     p_b: Pressure
 
 
-class Function(NamedTuple):
+class MachineFunction(NamedTuple):
     """What an operator moves with one lever.
 
     Attributes
@@ -142,7 +142,7 @@ class Function(NamedTuple):
         The link.
     actuator : str
         ``motor``, ``cylinder``, ``four_bar`` or ``ram`` (a cylinder along a prismatic joint).
-    drive : SwingMotor or Cylinder
+    drive : SwingMotor or CylinderSize
         Sizes of the actuator.
     pins : Pins, FourBar or None
         Where it is held.
@@ -153,17 +153,17 @@ class Function(NamedTuple):
     name: str
     moves: str
     actuator: str
-    drive: SwingMotor | Cylinder
+    drive: SwingMotor | CylinderSize
     pins: Pins | FourBar | None
     pilot: Pilot
-    valve: Valve
+    valve: ValveCurves
     line: Line
     friction: Friction
     stops: Stops
     initial: Initial
 
 
-class Pump(NamedTuple):
+class PumpParameters(NamedTuple):
     """Flow of a pump, its relief valve and torque limit: above `torque_limit_start` Q = flow (start / P)^exponent."""
 
     flow: Flow
@@ -173,13 +173,13 @@ class Pump(NamedTuple):
     torque_limit_exponent: Annotated[float, Quantity("1", above=0.0, high=2.0)]
 
 
-class Circuit(NamedTuple):
+class SupplyCircuit(NamedTuple):
     """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one."""
 
     name: str
     kind: str
     functions: tuple[str, ...]
-    pump: Pump
+    pump: PumpParameters
 
 
 class LayoutMachine(NamedTuple):
@@ -188,16 +188,16 @@ class LayoutMachine(NamedTuple):
     title: str
     gravity: float
     tank: Tank
-    links: tuple[Link, ...]
-    functions: tuple[Function, ...]
-    circuits: tuple[Circuit, ...]
+    links: tuple[LinkParameters, ...]
+    functions: tuple[MachineFunction, ...]
+    circuits: tuple[SupplyCircuit, ...]
     tip: tuple[str, Point]  # a link, and a point in its frame
 
-    def function(self, name: str) -> Function:
+    def function(self, name: str) -> MachineFunction:
         """The function of that name."""
         return next(f for f in self.functions if f.name == name)
 
-    def link(self, name: str) -> Link:
+    def link(self, name: str) -> LinkParameters:
         """The link of that name."""
         return next(link for link in self.links if link.name == name)
 

@@ -82,7 +82,9 @@ def arrange_cases(
     """Check and prepare the arguments of `simulate_batch`."""
     named = cache(load_machine)  # machines of one name are one kind
     items = [machines] if isinstance(machines, Machine | LayoutMachine | str | Path) else machines
-    given: list[AnyMachine] = [item if isinstance(item, Machine | LayoutMachine) else named(item) for item in items]
+    given: list[AnyMachine] = []
+    for item in items:
+        given.append(named(item) if isinstance(item, str | Path) else item)
     functions = _functions(given)
     scenarios = _scenarios(inputs, functions)
     voltage = None if scenarios else _voltages(inputs, functions)

@@ -2,19 +2,13 @@
 
 from typing import NamedTuple
 
+from polydraulic.flow.record import Column
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 STATE = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 FLOWS = (("q_in", "m3/s"), ("q_out", "m3/s"))
 CIRCUIT = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
 _SLIDES = {"angle": ("position", "m"), "rate": ("speed", "m/s")}  # of a prismatic joint
-
-
-class Column(NamedTuple):
-    """A value of a run, and its unit."""
-
-    name: str
-    unit: str
 
 
 class Columns(NamedTuple):

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import Function, LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
 from polydraulic.simulation.events import MAX_EVENTS
 
 Column = Callable[[str], np.ndarray]
@@ -37,7 +37,7 @@ def layout_events(
     return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
 
 
-def spool_edges(f: Function) -> tuple[float, float]:
+def spool_edges(f: MachineFunction) -> tuple[float, float]:
     """Travel in m at which a valve opens, and at which its bypass is shut (inf if it never is)."""
     tables = (f.valve.inlet, f.valve.outlet_positive, f.valve.outlet_negative)
     shut = [knot for place, knot in enumerate(f.valve.knots) if all(max(table[: place + 1]) == 0.0 for table in tables)]
@@ -46,7 +46,7 @@ def spool_edges(f: Function) -> tuple[float, float]:
 
 
 def _conditions(
-    f: Function, machine: LayoutMachine, column: Column
+    f: MachineFunction, machine: LayoutMachine, column: Column
 ) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray | None]]:
     """Words, where the condition holds, and the part of the way to the next row at which it changes."""
     travel, angle = np.abs(column(f"{f.name}.spool")), column(f"{f.name}.angle")

@@ -13,12 +13,12 @@ from polydraulic.machine.drives import prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
 from polydraulic.machine.pump import Pump
-from polydraulic.parameters.layout.schema import COORDINATES, Circuit, Function, LayoutMachine
+from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, MachineFunction, SupplyCircuit
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of
 
 
-class Prepared(NamedTuple):
+class ReadyMachine(NamedTuple):
     """A machine's kernels, and the numbers that they read."""
 
     module: ModuleType
@@ -27,7 +27,9 @@ class Prepared(NamedTuple):
     start: np.ndarray  # (5 n_function,) state
 
 
-def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False) -> Prepared:
+def prepare_layout(
+    machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False
+) -> ReadyMachine:
     """Precompute all of a machine that does not change during a run.
 
     Parameters
@@ -58,10 +60,10 @@ def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = 
         locked=module.Held(*(name in locked for name in machine.names)),
         tip=module.Point(*(machine.tip[1].get(c, 0.0) for c in COORDINATES)),
     )
-    return Prepared(module, prepare_valves(machine, module), plant, start_vector(machine))
+    return ReadyMachine(module, valves_of(machine, module), plant, start_vector(machine))
 
 
-def prepare_valves(machine: LayoutMachine, module: ModuleType) -> Any:
+def valves_of(machine: LayoutMachine, module: ModuleType) -> Any:
     """Orifice tables and pumps."""
     tables = {f"valve_{f.name}": _tables(module, f) for f in machine.functions}
     pumps = {f"pump_{c.name}": _pump(c, machine.tank.return_pressure) for c in machine.circuits}
@@ -75,14 +77,14 @@ def start_vector(machine: LayoutMachine) -> np.ndarray:
     return np.array([*rest, *(s.p_a for s in starts), *(s.p_b for s in starts), *(s.angle for s in starts), *rest])
 
 
-def _part(module: ModuleType, f: Function, machine: LayoutMachine, dt: float) -> Any:
+def _part(module: ModuleType, f: MachineFunction, machine: LayoutMachine, dt: float) -> Any:
     pilot = prepare_pilot(f.pilot, f.valve.knots[-1], dt)
     line = prepare_line(f.line, machine.tank, dt)
     drive = prepare_drive(f, machine.link(f.moves))
     return getattr(module, f"Part_{f.name}")(pilot, line, drive, f.friction, f.stops)
 
 
-def _tables(module: ModuleType, f: Function) -> Any:
+def _tables(module: ModuleType, f: MachineFunction) -> Any:
     knots, n = f.valve.knots, len(f.valve.knots)
 
     def segments(values: tuple[float, ...]) -> Any:
@@ -92,7 +94,7 @@ def _tables(module: ModuleType, f: Function) -> Any:
     return getattr(module, f"ValveTables_{n}")(*knots[1:], *(segments(curve) for curve in f.valve[1:]))
 
 
-def _pump(circuit: Circuit, p_return: float) -> Pump:
+def _pump(circuit: SupplyCircuit, p_return: float) -> Pump:
     pump = circuit.pump
     least = -pump.torque_limit_exponent * natural_log(max(pump.relief / pump.torque_limit_start, 1.0))
     return Pump(

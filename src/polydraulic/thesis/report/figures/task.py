@@ -97,7 +97,7 @@ def _poses(axis: "Axes", linkage: Linkage, poses: dict[float, np.ndarray], view:
             _polygon(axis, silhouette(outline, body.radii), alpha=_opacity(number, len(poses)), **_LINK)
     tips = dict(zip(poses, seen(motion, view, places(motion, [linkage.tip]))[:, 0], strict=True))
     _label(axis, tips, shift)
-    axis.set_xlim(-3.0, 1.5 + max(tip[0] for tip in tips.values()))
+    axis.set_xlim(-3.0, 2.1 + max(tip[0] for tip in tips.values()))
 
 
 def _label(axis: "Axes", tips: dict[float, np.ndarray], shift: np.ndarray) -> None:
