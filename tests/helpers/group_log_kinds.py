@@ -1,14 +1,15 @@
-"""What MDF, MAT and CAN logs look like out there, and what is to come of each: the tests run it, the documentation lists it."""
+"""What MDF, MAT, CAN and ROS logs look like out there, and what is to come of each: the tests run it, the documentation lists it."""
 
 import numpy as np
 
+from helpers import bag_made
 from helpers.can_made import DBC, bus, write_bus
 
 TIME = np.arange(60) * 0.01
 PRESSURE = np.round(100.0 + 10.0 * np.sin(20.0 * TIME), 3)
 RAW = (10.0 * PRESSURE).astype(np.uint16)
 READ, REFUSED = "read", "refused"
-MARKED = "<!-- what MDF, MAT and CAN logs hold -->"
+MARKED = "<!-- what MDF, MAT, CAN and ROS logs hold -->"
 
 
 def mdf(*groups, version="4.10", master=None, dbc=False, ending="mf4"):
@@ -67,6 +68,32 @@ def v73(**items):
 
 def can(ending, **changes):
     return lambda folder: write_bus(folder / f"log.{ending}", bus(60, **changes))
+
+
+def bag(storage="mcap", place="", more=(), without="", **changes):
+    """Write a bag; the folder, or the file in it that `place` names, without the file `without`."""
+
+    def write(folder):
+        make = bag_made.Messages(storage == "bag")
+        others = [(f"/{n}", kind, bag_made.BEGAN, make.of(kind, *values)) for n, (kind, *values) in enumerate(more)]
+        end = ".bag" if storage == "bag" else ""
+        path = bag_made.write_bag(folder / f"log{end}", [*bag_made.work(make, **changes), *others], storage, make)
+        if without:
+            (path / without).unlink()
+        return path / place if place else path
+
+    return write
+
+
+def journal(folder):
+    path = bag("db3")(folder)
+    (path / "log.db3-wal").write_bytes(b"frames")
+    return path
+
+
+def nothing_but_texts(folder):
+    text = bag_made.Messages().of("std_msgs/msg/String", "on")
+    return bag_made.write_bag(folder / "log", [("/state", "std_msgs/msg/String", bag_made.BEGAN, text)])
 
 
 def cut(make, share):
@@ -129,6 +156,22 @@ KINDS = {
         "frames without a database are named": (can("blf"), "p_head", ("not read",)),
         "BLF, cut off": (cut(can("blf"), 0.5), "p_head", ("not read",)),
         "MDF 4 or ASC, cut off within a row": (cut(can("mf4"), 0.5), "p_head", REFUSED),
+    },
+    "ROS": {
+        "ROS 2, the folder of a bag, MCAP or SQLite": (bag(), "/pump/fluid_pressure", READ),
+        "ROS 2, `.mcap` alone": (bag(place="log.mcap"), "/pump/fluid_pressure", READ),
+        "ROS 2, `.db3` alone": (bag("db3", "log.db3"), "pump/fluid_pressure", READ),
+        "ROS 1, `.bag`": (bag("bag"), "/pump/fluid_pressure", READ),
+        "joint states, each joint by its name": (bag(), "/joint_states/boom.position", READ),
+        "numbers without a header, at the times of receipt": (bag(), "/spool/data", READ),
+        "headers whose times are not those of receipt": (bag(late=2.0), "/pump/fluid_pressure", ("stamps",)),
+        "headers without times": (bag(stamps=lambda t: None), "/pump/fluid_pressure", ("unstamped",)),
+        "topics of texts, pictures, lists of messages beside others": (
+            bag(more=[("std_msgs/msg/String", "on"), ("tf2_msgs/msg/TFMessage", [])]), "/pump/fluid_pressure", ("not read",)),
+        "what a recorder had not put into its database": (journal, "/pump/fluid_pressure", ("not read",)),
+        "topics of texts alone": (nothing_but_texts, "/state/data", REFUSED),
+        "a folder without `metadata.yaml`": (bag(without="metadata.yaml"), "/pump/fluid_pressure", REFUSED),
+        "cut off": (cut(bag(place="log.mcap"), 0.5), "/pump/fluid_pressure", REFUSED),
     },
 }  # fmt: skip
 

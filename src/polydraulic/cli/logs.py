@@ -15,7 +15,7 @@ def import_(
     log: Annotated[
         list[str],
         typer.Argument(
-            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN); several files of one campaign, or a pattern in quotes."
+            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN), the folder of a ROS 2 bag, .mcap, .db3 or .bag; several files of one campaign, or a pattern in quotes."
         ),
     ],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,

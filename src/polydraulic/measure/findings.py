@@ -48,6 +48,11 @@ KINDS = {
     "text": ("error", "values that are no numbers; taken as missing"),
     "status": ("warning", "texts in place of values, such as 'error' or 'not available'; taken as missing"),
     "short frame": ("error", "frames shorter than their message; signals beyond their end are missing"),
+    "stamps": (
+        "warning",
+        "messages whose header gives another time than that of their receipt; the header's was taken",
+    ),
+    "unstamped": ("warning", "headers without a time; times of receipt were taken"),
     "not read": ("warning", "parts of the log that are no channels with rows and a time; left out"),
     "thousands": ("warning", "numbers with marks between thousands; the whole column is read so"),
     "decimal mark": ("error", "decimal points and decimal commas in one column; the rarer are taken as missing"),

@@ -1,4 +1,4 @@
-"""What MDF, MAT and CAN logs hold, case by case, as the documentation lists it."""
+"""What MDF, MAT, CAN and ROS logs hold, case by case, as the documentation lists it."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from polydraulic.measure import import_log, open_log
 from polydraulic.measure.channels import channel_map
 
 PAGE = Path(__file__).parents[3] / "docs" / "measured_logs.md"
-NAMED = {"status", "not read", "short frame", "duplicate", "text"}
+NAMED = {"status", "not read", "short frame", "duplicate", "text", "stamps", "unstamped"}
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,9 @@ def test_what_comes_of_each_kind_of_log(tmp_path, group, what, write, channel, c
     found = import_log(path, given, tmp_path / "t.parquet", dbc=dbc)
     with open_log(path, dbc=dbc) as log:
         assert log.signal(channel).name
-    kinds = {finding.kind for finding in found.findings if finding.channel in ("", channel)} & NAMED
+    kinds = {
+        finding.kind for finding in found.findings if finding.channel in ("", channel, channel.rpartition("/")[0])
+    } & NAMED
     expected = set() if came == READ else set(came)
     if dbc:  # the bus has frames that its database does not know
         kinds, expected = kinds - {"not read"} | (kinds & expected), expected
