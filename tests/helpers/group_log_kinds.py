@@ -3,7 +3,8 @@
 import numpy as np
 
 from helpers import bag_made
-from helpers.can_made import DBC, bus, write_bus
+from helpers.can_made import DBC, LONG, LONG_GROUP, bus, in_parts, long_message, write_bus
+from helpers.mat_made import opaque
 
 TIME = np.arange(60) * 0.01
 PRESSURE = np.round(100.0 + 10.0 * np.sin(20.0 * TIME), 3)
@@ -46,6 +47,18 @@ def v5(**items):
 
         savemat(folder / "log.mat", items)
         return folder / "log.mat"
+
+    return write
+
+
+def with_object(kind, **items):
+    """Write a file of arrays and of an object, as MATLAB does."""
+
+    def write(folder):
+        path = v5(**items)(folder)
+        with path.open("ab") as file:
+            file.write(opaque("tt", kind, compressed=True))
+        return path
 
     return write
 
@@ -96,6 +109,16 @@ def nothing_but_texts(folder):
     return bag_made.write_bag(folder / "log", [("/state", "std_msgs/msg/String", bag_made.BEGAN, text)])
 
 
+def several_frames(lost=()):
+    """Write a bus on which messages of J1939 take several frames, some of which may be lost."""
+
+    def write(folder):
+        frames = [f for k, t in enumerate(TIME) for f in in_parts(10.0 * t, LONG_GROUP, long_message(k))]
+        return write_bus(folder / "log.blf", [frame for n, frame in enumerate(frames) if n not in lost])
+
+    return write
+
+
 def cut(make, share):
     def write(folder):
         path = make(folder)
@@ -135,6 +158,7 @@ KINDS = {
         "Simulink's structure with time, v7.3": (
             v73(out__time=TIME[None], out__signals__values=PRESSURE[None]), "out.signals.values", READ),
         "empty arrays, sparse and complex matrices, cells beside others": (v5(**BOTH, empty=np.zeros((0, 3))), "p", ("not read",)),
+        "objects (timetable, timeseries, string), v5 to v7": (with_object("timetable", **BOTH), "p", ("not read",)),
         "objects (timetable, timeseries, string), v7.3": (
             v73(**BOTH, tt=(np.ones((1, 6), dtype=np.uint32), {"MATLAB_class": b"timetable", "MATLAB_object_decode": 3})),
             "p", ("not read",)),
@@ -148,7 +172,9 @@ KINDS = {
         "ASC": (can("asc"), "p_head", READ),
         "signed, big-endian, off the grid of bytes": (can("blf"), "p_head", READ),
         "multiplexed, also by a multiplexed signal": (can("blf"), "a", READ),
-        "codes of J1939 for error and not available": (can("blf"), "speed", ("status",)),
+        "messages of J1939 that take several frames (BAM, RTS and CTS)": (several_frames(), "first", READ),
+        "such messages, some of whose frames are lost": (several_frames((9, 14)), "first", ("not read",)),
+        "codes of J1939: error, not available, reserved, parameter specific": (can("blf"), "speed", ("status",)),
         "values with texts beside a scaling or a unit": (
             lambda folder: write_bus(folder / "log.blf", [(t, 256, False, bytes([0, 0, 0, 0, 0, 254 if k == 9 else k, 0, 0]))
                                                           for k, t in enumerate(TIME)]), "temp", ("status",)),
@@ -186,7 +212,8 @@ def databases(folder, group):
     if not group.startswith("CAN"):
         return ()
     (folder / "bus.dbc").write_text(DBC)
-    return (folder / "bus.dbc",)
+    (folder / "long.dbc").write_text(LONG)
+    return folder / "bus.dbc", folder / "long.dbc"
 
 
 def documented():

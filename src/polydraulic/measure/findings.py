@@ -30,7 +30,7 @@ KINDS = {
         "warning",
         "files of one campaign whose times begin anew; each is put behind the one before, with a gap",
     ),
-    "files overlap": ("error", "files of one campaign with the same times; what was recorded already is left out"),
+    "files overlap": ("error", "files of one campaign with the same times"),
     "file repeats": ("error", "files with the same rows as another one; left out"),
     "units of files": (
         "error",

@@ -1,15 +1,12 @@
 """What MDF, MAT, CAN and ROS logs hold, case by case, as the documentation lists it."""
 
-from pathlib import Path
-
 import pytest
 
-from helpers.group_log_kinds import READ, REFUSED, cases, databases, documented
+from helpers.group_log_kinds import READ, REFUSED, cases, databases
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log
 from polydraulic.measure.channels import channel_map
 
-PAGE = Path(__file__).parents[3] / "docs" / "measured_logs.md"
 NAMED = {"status", "not read", "short frame", "duplicate", "text", "stamps", "unstamped"}
 
 
@@ -39,7 +36,3 @@ def test_what_comes_of_each_kind_of_log(tmp_path, group, what, write, channel, c
         kinds, expected = kinds - {"not read"} | (kinds & expected), expected
     assert kinds == expected
     assert found.n_row or what.startswith(("multiplexed", "values"))
-
-
-def test_the_documentation_lists_them():
-    assert documented() in PAGE.read_text(encoding="utf-8")
