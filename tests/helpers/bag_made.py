@@ -2,7 +2,7 @@
 
 import numpy as np
 from rosbags.rosbag1 import Writer as OldWriter
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 BEGAN = 1_700_000_000  # s since 1970
@@ -59,11 +59,14 @@ def work(make, late=0.002, stamps=lambda t: BEGAN + t):
         yield "/spool", "std_msgs/msg/Float64", BEGAN + t, make.number(0.5 * t)
 
 
-def write_bag(path, messages, storage="mcap", make=None):
+def write_bag(path, messages, storage="mcap", make=None, compressed=None):
     """Write a bag of (topic, type, s since 1970, message): a folder, or a file of ROS 1 where `storage` is ``"bag"``."""
     make = make or Messages(storage == "bag")
     old = storage == "bag"
-    with OldWriter(path) if old else Writer(path, version=9, storage_plugin=PLUGINS[storage]) as writer:
+    bag = OldWriter(path) if old else Writer(path, version=9, storage_plugin=PLUGINS[storage])
+    if compressed:
+        bag.set_compression(CompressionMode[compressed], CompressionFormat.ZSTD)
+    with bag as writer:
         connections = {}
         for topic, kind, seconds, message in messages:
             key = topic, kind

@@ -12,7 +12,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock
-from polydraulic.measure.formats.logs import BAGS, open_log
+from polydraulic.measure.formats.logs import open_log
 
 _APART = 60.0  # s between files whose times begin anew: nobody knows how long it was
 _ANEW = 0.05  # of the shorter file: files that begin so close to each other have clocks that begin anew
@@ -165,7 +165,11 @@ def _digest(path: Path) -> bytes:
     """What tells the content of a file, or of the folder of a bag, from that of others."""
     if not path.exists():
         raise InputError(f"{path}: no such file")
-    files = sorted(file for file in path.iterdir() if file.suffix in BAGS) if path.is_dir() else [path]
+    files = (
+        sorted(file for file in path.iterdir() if file.is_file() and file.suffix != ".yaml")
+        if path.is_dir()
+        else [path]
+    )
     found = b""
     for one in files:
         with one.open("rb") as file:

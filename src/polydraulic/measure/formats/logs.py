@@ -22,7 +22,7 @@ ENDINGS = (
     ".bag",
 )
 _BUS = (".mf4", ".blf", ".asc")
-BAGS = (".mcap", ".db3", ".bag")
+_BAGS = (".mcap", ".db3", ".bag")
 
 
 def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | Path] = ()) -> Log:
@@ -63,7 +63,7 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
         from polydraulic.measure.formats.can.can_log import open_can
 
         return open_can(path, [Path(file) for file in dbc])
-    if ending in BAGS:
+    if ending in _BAGS:
         from polydraulic.measure.formats.ros.bag_log import open_bag
 
         return open_bag(path)

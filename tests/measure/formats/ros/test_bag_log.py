@@ -73,6 +73,18 @@ def test_every_number_is_what_a_second_reader_reads(tmp_path, storage):
             assert np.array_equal(found[name][1], values), name
 
 
+@pytest.mark.parametrize(
+    ("storage", "compressed"), [("mcap", "STORAGE"), ("mcap", "FILE"), ("db3", "FILE"), ("db3", "MESSAGE")]
+)
+def test_compressed_bags_hold_the_same(tmp_path, storage, compressed):
+    plain = columns(write_bag(tmp_path / "plain", work(MAKE)))[0]
+    found, _, left_out, _ = columns(write_bag(tmp_path / "small", work(MAKE), storage, compressed=compressed))
+    assert left_out == {}
+    assert found.keys() == plain.keys()
+    for name, (time, values) in plain.items():
+        assert np.array_equal(found[name], (time, values)), name
+
+
 def test_units_are_those_of_the_definitions(tmp_path):
     _, signals, _, _ = columns(write_bag(tmp_path / "log", work(MAKE)))
     units = {name: (signal.unit, signal.other_unit) for name, signal in signals.items()}
