@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
+from mcap_ros2.writer import Writer as OtherWriter
 
-from helpers.bag_made import BEGAN, HEAD, TIME, Messages, work, write_bag
+from helpers.bag_made import BEGAN, HEAD, TIME, Messages, whole_ns, work, write_bag
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
@@ -83,6 +84,23 @@ def test_compressed_bags_hold_the_same(tmp_path, storage, compressed):
     assert found.keys() == plain.keys()
     for name, (time, values) in plain.items():
         assert np.array_equal(found[name], (time, values)), name
+
+
+@pytest.mark.parametrize("kind", ["sensor_msgs/msg/FluidPressure", "sensor_msgs/FluidPressure"])
+def test_files_of_another_writer_are_read(tmp_path, kind):
+    definition, _ = MAKE.store.generate_msgdef("sensor_msgs/msg/FluidPressure", ros_version=2)
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = OtherWriter(file)
+        schema = writer.register_msgdef(kind, definition)
+        for k, t in enumerate(TIME):
+            ns = whole_ns(BEGAN + t)
+            stamp = {"sec": ns // 10**9, "nanosec": ns % 10**9}
+            message = {"header": {"stamp": stamp, "frame_id": ""}, "fluid_pressure": HEAD[k], "variance": 0.0}
+            writer.write_message(topic="/pump", schema=schema, message=message, log_time=ns, publish_time=ns)
+        writer.finish()
+    found, signals, left_out, _ = columns(tmp_path / "a.mcap")
+    assert np.array_equal(found["/pump/fluid_pressure"][1], HEAD)
+    assert (signals["/pump/fluid_pressure"].unit, left_out) == ("Pa(a)", {})
 
 
 def test_units_are_those_of_the_definitions(tmp_path):

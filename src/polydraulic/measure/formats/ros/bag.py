@@ -57,15 +57,15 @@ class Bag:
             raise InputError(f"{self._path}: the log is damaged after {n} messages ({error})") from error
 
     def _message(self, key: Key, content: bytes) -> Any:
-        store = self._stores[key]
+        store, kind = self._stores[key], full_name(key[1])
         try:
-            return store.deserialize_ros1(content, key[1]) if self._old else store.deserialize_cdr(content, key[1])
+            return store.deserialize_ros1(content, kind) if self._old else store.deserialize_cdr(content, kind)
         except Exception:  # errors of many kinds on damaged bytes
             return None
 
     def _why_not(self, connection: Any) -> str:
         """Make types for a topic; the reason where there are none."""
-        kind = connection.msgtype
+        kind = full_name(connection.msgtype)
         if kind in _PICTURES:
             return f"{kind}: pictures and clouds of points are no channels"
         if not connection.msgcount:
@@ -87,8 +87,13 @@ class Bag:
                 )
         except Exception as error:  # rosbags raises errors of many kinds
             return f"the definition of its type {kind} cannot be read: {error}"
-        self._stores[connection.topic, kind] = store
+        self._stores[connection.topic, connection.msgtype] = store
         return ""
+
+
+def full_name(kind: str) -> str:
+    """Name of a type with its middle, which some writers leave out: ``sensor_msgs/msg/Imu``."""
+    return kind if kind.count("/") != 1 else kind.replace("/", "/msg/")
 
 
 def _of_idl(types: Any, definition: str) -> Any:

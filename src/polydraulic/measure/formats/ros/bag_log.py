@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock, Signal
-from polydraulic.measure.formats.ros.bag import Bag, opened_bag, unfinished
+from polydraulic.measure.formats.ros.bag import Bag, full_name, opened_bag, unfinished
 from polydraulic.measure.formats.ros.fields import Fields
 from polydraulic.measure.formats.ros.topic_rows import MOST, TopicRows
 
@@ -106,7 +106,7 @@ def _topics(bag: Bag, folder: Path) -> tuple[dict[tuple[str, str], _Topic], dict
             left_out[label] = reason
             continue
         try:
-            fields = Fields(bag.store(name, kind), kind)
+            fields = Fields(bag.store(name, kind), full_name(kind))
         except Exception as error:  # rosbags raises errors of many kinds on definitions that contradict themselves
             left_out[label] = f"its type {kind} cannot be read: {error}"
             continue
