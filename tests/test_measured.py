@@ -39,14 +39,13 @@ def test_a_page_states_what_was_printed(page, name, text):
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "benchmarks" / "results").glob("*.json")))
-def test_what_is_kept_says_where_it_is_from_and_is_stated_somewhere(name):
+def test_what_is_kept_says_where_it_is_from(name):
     found = kept(name)
     assert found["command"].startswith(f"python benchmarks/{name}.py")
     assert (ROOT / "benchmarks" / f"{name}.py").is_file()
     assert re.fullmatch(r"\d{4}-\d\d-\d\d", found["date"])
     assert found["commit"]
     assert found["machine"]
-    assert name in {named for _, named, _ in BLOCKS}
 
 
 def test_a_number_that_was_not_printed_is_seen():
