@@ -26,15 +26,17 @@ test-all: .venv/ready
 	$(PYTEST)
 	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(PLAIN)
 
+# What is printed is kept in benchmarks/results, and pages state no number of it that is not there (tests/test_measured.py).
 bench: .venv/ready
-	$(BIN)/python benchmarks/run.py
-	$(BIN)/python benchmarks/solvers.py
-	$(BIN)/python benchmarks/machine.py
-	$(BIN)/python benchmarks/machine_c.py
-	$(BIN)/python benchmarks/tree_motion.py
-	$(BIN)/python benchmarks/flows.py
-	$(BIN)/python benchmarks/exports.py
+	$(BIN)/python benchmarks/keep.py run
+	$(BIN)/python benchmarks/keep.py solvers
+	$(BIN)/python benchmarks/keep.py machine
+	$(BIN)/python benchmarks/keep.py machine_c
+	$(BIN)/python benchmarks/keep.py tree_motion
+	$(BIN)/python benchmarks/keep.py flows
+	$(BIN)/python benchmarks/keep.py exports
 	$(BIN)/python benchmarks/networks.py --quick
+	$(BIN)/python benchmarks/keep.py networks --only evaluation
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.
 bench-peers: .venv/ready .venv-peers/ready

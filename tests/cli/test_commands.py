@@ -216,6 +216,14 @@ def test_a_log_becomes_a_model_with_a_card_and_is_judged_by_the_next_one(call, t
     )
     assert code == 0
     assert "blocks of time" in card.read_text()
+    code, out, _ = call(
+        "fit", tmp_path / "1.parquet", tmp_path / "2.parquet", "--inputs", "a,b", "--outputs", "y", "--out", model
+    )
+    assert (code, load_models(model)[0].training["rows"]) == (0, 2000)
+    code, _, err = call(
+        "fit", tmp_path / "1.parquet", tmp_path / "1.parquet", "--inputs", "a,b", "--outputs", "y", "--out", model
+    )
+    assert (code, "1.parquet (2) has the same rows as 1.parquet (1); give each table once" in err) == (2, True)
     code, out, _ = call("check", model, "--data", tmp_path / "2.parquet")
     assert (code, out.splitlines()[0]) == (0, "y [bar]: holds")
     code, out, _ = call("check", model, "--data", tmp_path / "3.parquet")

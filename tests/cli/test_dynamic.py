@@ -47,6 +47,14 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     code, _, err = call("check m.json --data untimed.csv")
     assert (code, "the table has no column 'time'" in err) == (2, True)
 
+    code, out, _ = call("check m.json --data next.csv worn.csv")
+    assert (code, out.splitlines()[0]) == (1, "y [bar]: does not hold any more")
+    for several in ("--data next.csv log.parquet", "--data next.csv --data log.parquet", "--data n*t.csv log.parquet"):
+        code, out, _ = call(f"check m.json {several}")
+        assert (code, out.splitlines()[0]) == (0, "y [bar]: holds")
+    assert "model is judged by tables that follow --data" in call("check m.json next.csv")[2]
+    assert "4 free run(s) of up to 299 rows" in call("run m.json next.csv log.parquet")[1]
+
     code, out, _ = call("run m.json next.csv --out run.parquet --plot run.svg")
     assert code == 0
     assert out.startswith("2 free run(s) of up to 299 rows, 598 of 600 rows answered\ny, free run: R2 0.99")

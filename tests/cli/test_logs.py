@@ -176,6 +176,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
     assert code == 0
     assert "3 windows of 6 s, each begun from the measured state" in out
     assert (machine_files / "replay.svg").is_file()
+    assert "18 windows of 6 s" in call("replay later.parquet table.parquet --model machine.json --seconds 6")[1]
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,15 @@ SG_MUL_VAL_ 512 a page 0-0;
 SG_MUL_VAL_ 512 inner page 1-1;
 SG_MUL_VAL_ 512 b inner 2-3, 5-5;
 """
+LONG = """VERSION ""
+BU_: ECU
+BO_ 2566852606 Long: 20 ECU
+ SG_ first : 0|16@1+ (0.1,0) [0|0] "bar" ECU
+ SG_ last : 152|8@1+ (1,0) [0|0] "rpm" ECU
+BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
+BA_DEF_DEF_ "VFrameFormat" "J1939PG";
+"""
+LONG_GROUP = 0xFF0F  # of J1939, of the message in it
 ENGINE = 0x18FEF117  # another priority and sender than in the database, as on any real bus
 
 
@@ -51,6 +60,21 @@ def bus(n=400, seed=1):
         frames.append((0.01 * k + 0.002, 512, False, bytes(multi)))
         frames.append((0.01 * k + 0.003, 0x7FF, False, b"\x01\x02"))
     return frames
+
+
+def in_parts(time, group, data, source=3, destination=255, kind=32):
+    """A message of J1939 in frames of 8 bytes: by broadcast (32), or as requested (16) of one destination."""
+    parts = [data[k : k + 7].ljust(7, b"\xff") for k in range(0, len(data), 7)]
+    announced = bytes([kind, len(data) & 0xFF, len(data) >> 8, len(parts), 0xFF, *group.to_bytes(3, "little")])
+    frames = [(time, 0x1CEC0000 | destination << 8 | source, True, announced)]
+    for number, part in enumerate(parts, 1):
+        frames.append((time + 0.001 * number, 0x1CEB0000 | destination << 8 | source, True, bytes([number]) + part))
+    return frames
+
+
+def long_message(k):
+    """20 bytes of the message of `LONG`: `first` is k / 10 bar, `last` is k rpm."""
+    return int(k).to_bytes(2, "little") + bytes(17) + bytes([k])
 
 
 def write_bus(path, frames):

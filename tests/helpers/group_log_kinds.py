@@ -1,14 +1,16 @@
-"""What MDF, MAT and CAN logs look like out there, and what is to come of each: the tests run it, the documentation lists it."""
+"""What MDF, MAT, CAN and ROS logs look like out there, and what is to come of each: the tests run it, the documentation lists it."""
 
 import numpy as np
 
-from helpers.can_made import DBC, bus, write_bus
+from helpers import bag_made
+from helpers.can_made import DBC, LONG, LONG_GROUP, bus, in_parts, long_message, write_bus
+from helpers.mat_made import opaque
 
 TIME = np.arange(60) * 0.01
 PRESSURE = np.round(100.0 + 10.0 * np.sin(20.0 * TIME), 3)
 RAW = (10.0 * PRESSURE).astype(np.uint16)
 READ, REFUSED = "read", "refused"
-MARKED = "<!-- what MDF, MAT and CAN logs hold -->"
+MARKED = "<!-- what MDF, MAT, CAN and ROS logs hold -->"
 
 
 def mdf(*groups, version="4.10", master=None, dbc=False, ending="mf4"):
@@ -49,6 +51,18 @@ def v5(**items):
     return write
 
 
+def with_object(kind, **items):
+    """Write a file of arrays and of an object, as MATLAB does."""
+
+    def write(folder):
+        path = v5(**items)(folder)
+        with path.open("ab") as file:
+            file.write(opaque("tt", kind, compressed=True))
+        return path
+
+    return write
+
+
 def v73(**items):
     """Write a file of arrays, or of (values, attributes)."""
 
@@ -67,6 +81,42 @@ def v73(**items):
 
 def can(ending, **changes):
     return lambda folder: write_bus(folder / f"log.{ending}", bus(60, **changes))
+
+
+def bag(storage="mcap", place="", more=(), without="", **changes):
+    """Write a bag; the folder, or the file in it that `place` names, without the file `without`."""
+
+    def write(folder):
+        make = bag_made.Messages(storage == "bag")
+        others = [(f"/{n}", kind, bag_made.BEGAN, make.of(kind, *values)) for n, (kind, *values) in enumerate(more)]
+        end = ".bag" if storage == "bag" else ""
+        path = bag_made.write_bag(folder / f"log{end}", [*bag_made.work(make, **changes), *others], storage, make)
+        if without:
+            (path / without).unlink()
+        return path / place if place else path
+
+    return write
+
+
+def journal(folder):
+    path = bag("db3")(folder)
+    (path / "log.db3-wal").write_bytes(b"frames")
+    return path
+
+
+def nothing_but_texts(folder):
+    text = bag_made.Messages().of("std_msgs/msg/String", "on")
+    return bag_made.write_bag(folder / "log", [("/state", "std_msgs/msg/String", bag_made.BEGAN, text)])
+
+
+def several_frames(lost=()):
+    """Write a bus on which messages of J1939 take several frames, some of which may be lost."""
+
+    def write(folder):
+        frames = [f for k, t in enumerate(TIME) for f in in_parts(10.0 * t, LONG_GROUP, long_message(k))]
+        return write_bus(folder / "log.blf", [frame for n, frame in enumerate(frames) if n not in lost])
+
+    return write
 
 
 def cut(make, share):
@@ -108,6 +158,7 @@ KINDS = {
         "Simulink's structure with time, v7.3": (
             v73(out__time=TIME[None], out__signals__values=PRESSURE[None]), "out.signals.values", READ),
         "empty arrays, sparse and complex matrices, cells beside others": (v5(**BOTH, empty=np.zeros((0, 3))), "p", ("not read",)),
+        "objects (timetable, timeseries, string), v5 to v7": (with_object("timetable", **BOTH), "p", ("not read",)),
         "objects (timetable, timeseries, string), v7.3": (
             v73(**BOTH, tt=(np.ones((1, 6), dtype=np.uint32), {"MATLAB_class": b"timetable", "MATLAB_object_decode": 3})),
             "p", ("not read",)),
@@ -121,7 +172,9 @@ KINDS = {
         "ASC": (can("asc"), "p_head", READ),
         "signed, big-endian, off the grid of bytes": (can("blf"), "p_head", READ),
         "multiplexed, also by a multiplexed signal": (can("blf"), "a", READ),
-        "codes of J1939 for error and not available": (can("blf"), "speed", ("status",)),
+        "messages of J1939 that take several frames (BAM, RTS and CTS)": (several_frames(), "first", READ),
+        "such messages, some of whose frames are lost": (several_frames((9, 14)), "first", ("not read",)),
+        "codes of J1939: error, not available, reserved, parameter specific": (can("blf"), "speed", ("status",)),
         "values with texts beside a scaling or a unit": (
             lambda folder: write_bus(folder / "log.blf", [(t, 256, False, bytes([0, 0, 0, 0, 0, 254 if k == 9 else k, 0, 0]))
                                                           for k, t in enumerate(TIME)]), "temp", ("status",)),
@@ -129,6 +182,22 @@ KINDS = {
         "frames without a database are named": (can("blf"), "p_head", ("not read",)),
         "BLF, cut off": (cut(can("blf"), 0.5), "p_head", ("not read",)),
         "MDF 4 or ASC, cut off within a row": (cut(can("mf4"), 0.5), "p_head", REFUSED),
+    },
+    "ROS": {
+        "ROS 2, the folder of a bag, MCAP or SQLite": (bag(), "/pump/fluid_pressure", READ),
+        "ROS 2, `.mcap` alone": (bag(place="log.mcap"), "/pump/fluid_pressure", READ),
+        "ROS 2, `.db3` alone": (bag("db3", "log.db3"), "pump/fluid_pressure", READ),
+        "ROS 1, `.bag`": (bag("bag"), "/pump/fluid_pressure", READ),
+        "joint states, each joint by its name": (bag(), "/joint_states/boom.position", READ),
+        "numbers without a header, at the times of receipt": (bag(), "/spool/data", READ),
+        "headers whose times are not those of receipt": (bag(late=2.0), "/pump/fluid_pressure", ("stamps",)),
+        "headers without times": (bag(stamps=lambda t: None), "/pump/fluid_pressure", ("unstamped",)),
+        "topics of texts, pictures, lists of messages beside others": (
+            bag(more=[("std_msgs/msg/String", "on"), ("tf2_msgs/msg/TFMessage", [])]), "/pump/fluid_pressure", ("not read",)),
+        "what a recorder had not put into its database": (journal, "/pump/fluid_pressure", ("not read",)),
+        "topics of texts alone": (nothing_but_texts, "/state/data", REFUSED),
+        "a folder without `metadata.yaml`": (bag(without="metadata.yaml"), "/pump/fluid_pressure", REFUSED),
+        "cut off": (cut(bag(place="log.mcap"), 0.5), "/pump/fluid_pressure", REFUSED),
     },
 }  # fmt: skip
 
@@ -143,7 +212,8 @@ def databases(folder, group):
     if not group.startswith("CAN"):
         return ()
     (folder / "bus.dbc").write_text(DBC)
-    return (folder / "bus.dbc",)
+    (folder / "long.dbc").write_text(LONG)
+    return folder / "bus.dbc", folder / "long.dbc"
 
 
 def documented():

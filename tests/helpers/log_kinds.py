@@ -62,6 +62,7 @@ TEXTS = {
         "a block of metadata above the header": ("Device,ABC\nDate,2024-01-01\nRate,100\n\n" + PLAIN, READ),
         "units in a line below the header": (PLAIN.replace("time,p\n", "time,p\ns,bar\n"), READ),
         "`Time (s)`, `p (bar)`, `p [bar]` as names with units": (PLAIN.replace("time,p", "time (s),p (bar)"), READ),
+        "`time/s`, `p/bar`, `p in bar`, `p, bar` as names with units": (PLAIN.replace("time,p", 'time/s,"p, bar"'), READ),
         "a header that ends in a delimiter": (PLAIN.replace("time,p\n", "time,p,\n"), READ),
         "rows that end in a delimiter": (lines("{t:.2f},{p},\n"), READ),
         "rows shorter than the header": (PLAIN.replace("time,p\n", "time,p,x,y\n"), READ),

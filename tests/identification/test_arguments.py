@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, Table, write_table
-from polydraulic.identification.arguments import check_columns, table_of
+from polydraulic.identification.arguments import check_columns, names_of_parts, parts_of, table_of
 
 
 def test_a_table_and_its_file_are_the_same_with_another_name(tmp_path):
@@ -32,3 +32,81 @@ def test_columns_that_cannot_be_learnt_are_named():
         check_columns(table, ["b"], ["a"])
     with pytest.raises(InputError, match="it needs no model"):
         check_columns(table, ["a"], ["b"])
+
+
+def log(begin=0.0, n=4, unit="m", info=None, segment=None, **more):
+    time = begin + 0.1 * np.arange(n)
+    columns = {"time": time, "a": 1e3 * begin + np.arange(n) + n, **more}
+    if segment is not None:
+        columns["segment"] = np.array(segment, dtype=float)
+    return Table(columns, {"time": "s", "a": unit}, info or {})
+
+
+def test_several_tables_are_one_whose_borders_are_kept(tmp_path):
+    write_table(log(segment=[0, 0, 1, 1]), tmp_path / "day1.csv")
+    write_table(log(n=3, segment=[5, 5, 5]), tmp_path / "day2.csv")
+    for given in (
+        [tmp_path / "day1.csv", tmp_path / "day2.csv"],
+        [str(tmp_path / "day*.csv")],
+        str(tmp_path / "day*.csv"),
+    ):
+        table, name = table_of(given, ["a"], ["time", "segment"])
+        assert table["a"].tolist() == [4, 5, 6, 7, 3, 4, 5]
+        assert table["segment"].tolist() == [0, 0, 1, 1, 2, 2, 2]
+        assert table["time"] == pytest.approx([0, 0.1, 0.2, 0.3, 60.3, 60.4, 60.5])
+        assert (name, parts_of(table), names_of_parts(table)) == (
+            "day1.csv, day2.csv",
+            [4, 3],
+            ["day1.csv", "day2.csv"],
+        )
+    one, name = table_of([tmp_path / "day1.csv"], ["a"])
+    assert (name, parts_of(one), names_of_parts(one)) == ("day1.csv", [4], [])
+
+
+def test_tables_with_dates_are_in_their_order_and_times_stay(tmp_path):
+    tables = [log(info={"began": 1.7e9 + 100.0}), log(info={"began": 1.7e9}, n=5)]
+    table, name = table_of(tables)
+    assert name == "table (2), table (1)"
+    assert table["time"] == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 100, 100.1, 100.2, 100.3])
+    assert table.info["began"] == 1.7e9
+    table, _ = table_of([log(1.7e9 + 60.0), log(1.7e9)])  # since 1970
+    assert table["time"][[0, -1]] == pytest.approx([1.7e9, 1.7e9 + 60.3], abs=1e-6)
+    with pytest.raises(
+        InputError, match=r"table \(2\) begins 0.1 s before table \(1\) ends: the same time would count twice"
+    ):
+        table_of([log(1.7e9), log(1.7e9 + 0.2)])
+    mixed, _ = table_of([log(info={"began": 1.7e9}), log(n=3)])
+    assert "began" not in mixed.info
+
+
+def test_tables_without_times_are_put_together():
+    table, _ = table_of([Table({"a": np.arange(3.0)}, {"a": "m"}), Table({"a": np.arange(2.0)}, {"a": "m"})])
+    assert (table["a"].tolist(), table["segment"].tolist()) == ([0, 1, 2, 0, 1], [0, 0, 0, 1, 1])
+    assert "time" not in table.names
+
+
+def test_tables_that_do_not_belong_together_are_named(tmp_path):
+    write_table(log(), tmp_path / "a.csv")
+    write_table(log(n=5, b=np.ones(5)), tmp_path / "b.csv")
+    write_table(log(n=5, unit="mm"), tmp_path / "mm.csv")
+    write_table(Table({"a": np.arange(5.0)}, {"a": "m"}), tmp_path / "timeless.csv")
+    write_table(log(), tmp_path / "twin.csv")
+
+    def both(other, columns=None, optional=()):
+        return table_of([tmp_path / "a.csv", tmp_path / other], columns, optional)
+
+    for other, columns, optional, told in (
+        ("b.csv", None, (), "a.csv: no column 'b', which b.csv has"),
+        ("b.csv", ["a", "b"], (), "a.csv: no column 'b'; the table has"),
+        ("timeless.csv", ["a"], ["time"], "timeless.csv: no column 'time', which a.csv has"),
+        ("mm.csv", ["a"], (), "mm.csv: column 'a' is in 'mm', in a.csv in 'm'; bring them to one unit"),
+        ("twin.csv", None, (), "twin.csv has the same rows as a.csv"),
+        ("none.csv", None, (), "none.csv: no such file"),
+        ("none*.csv", None, (), "none\\*.csv: no file matches"),
+    ):
+        with pytest.raises(InputError, match=told):
+            both(other, columns, optional)
+    with pytest.raises(InputError, match="no table is given"):
+        table_of([])
+    with pytest.raises(InputError, match="column 'time' is an input: of several tables"):
+        check_columns(table_of([log(), log(n=5)])[0], ["time"], ["a"])

@@ -10,7 +10,7 @@ import pytest
 from helpers.logs_with_memory import memory_log
 from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
-from polydraulic.identification import Errors, RunErrors, fit_dynamic, write_card
+from polydraulic.identification import Errors, RunErrors, check_models, fit_dynamic, write_card
 from polydraulic.identification.dynamic_fit import statements
 from polydraulic.identification.runs import run_on
 from polydraulic.identification.validity import run_validity
@@ -218,3 +218,38 @@ def test_other_units_rasters_and_missing_columns_are_named(fits):
         run_validity(models, memory_log(raster=0.01))
     with pytest.raises(InputError, match="no column 'z'"):
         run_validity(models, Table({name: LOG[name] for name in ("time", "u", "y")}, LOG.units))
+
+
+def halves():
+    """The log in two, each with a clock of its own; and as one with two segments."""
+    parts = [slice(0, 220), slice(220, None)]
+    cut = [Table({n: v[part] for n, v in LOG.columns.items()}, LOG.units) for part in parts]
+    anew = [Table({**half.columns, "time": half["time"] - half["time"][0]}, LOG.units) for half in cut]
+    return anew, Table({**LOG.columns, "segment": np.repeat([0.0, 1.0], 220)}, LOG.units)
+
+
+def test_of_several_logs_neither_lags_nor_blocks_go_over_the_end_of_one(found):
+    apart, segments = halves()
+    both = fit_dynamic(apart, ["u"], ["y", "z"], estimator=ONE, longest_lag=1)
+    assert both.models == fit_dynamic(segments, ["u"], ["y", "z"], estimator=ONE, longest_lag=1).models
+    assert both.table["segment"].tolist() == segments["segment"].tolist()
+    short = Table({n: v[:150] for n, v in apart[0].columns.items()}, LOG.units)
+    run = fit_dynamic([short, apart[1]], ["u"], ["y", "z"], estimator=ONE, longest_lag=1).outputs[0].held
+    for number in range(run.n_run):
+        rows = run.row[run.number == number]
+        assert np.all(np.diff(rows) == 1)
+        assert rows[-1] < 150 or rows[0] > 150  # the first row behind the border is only read
+
+
+def test_logs_of_different_rasters_are_named():
+    apart, _ = halves()
+    slow = Table({**apart[1].columns, "time": 2.0 * apart[1]["time"]}, LOG.units)
+    with pytest.raises(InputError, match=r"table \(2\): rows are 0.04 s apart, those of table \(1\) 0.02 s"):
+        fit_dynamic([apart[0], slow], ["u"], ["y"], estimator=ONE, longest_lag=1)
+
+
+def test_a_model_is_judged_by_several_logs(found):
+    apart, segments = halves()
+    here, there = (check_models(found.models, data=data) for data in (apart, segments))
+    assert str(here) == str(there)
+    assert here.found[0].statements[0].startswith("22 free run(s) of up to 21 rows")

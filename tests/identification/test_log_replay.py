@@ -117,3 +117,14 @@ def test_the_picture_shows_joints_and_drift(found):
 def test_bad_logs_are_named(machine, log, seconds, message):
     with pytest.raises(InputError, match=message):
         replay(log, machine, FLOW, seconds=seconds)
+
+
+def test_no_window_goes_over_the_end_of_one_of_several_logs(machine):
+    half = len(LOG) // 2  # files that a logger cut without losing a row
+    parts = [some(LOG, np.arange(len(LOG)) < half), some(LOG, np.arange(len(LOG)) >= half)]
+    assert begins(LOG, machine, seconds=8.0) == pytest.approx([0.0, 8.0])
+    assert begins(parts, machine, seconds=8.0) == pytest.approx([0.0, LOG["time"][half]])
+    anew = Table({**parts[1].columns, "time": parts[1]["time"] - parts[1]["time"][0]}, LOG.units)
+    windows = replay([parts[0], anew], machine, FLOW, seconds=8.0).windows
+    assert windows[1].time[0] == pytest.approx(LOG["time"][half - 1] + 60.0)
+    assert windows[1].run == pytest.approx(replay(parts[1], machine, FLOW, seconds=8.0).windows[0].run, abs=1e-3)

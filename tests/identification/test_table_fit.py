@@ -4,6 +4,7 @@ import pytest
 from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
 from polydraulic.identification import fit_table
+from polydraulic.networks.hold_out import held_rows
 from polydraulic.tables import Table, write_table
 
 RNG = np.random.default_rng(4)
@@ -143,3 +144,17 @@ def test_errors_and_rows_of_a_fit(in_si):
     assert read.held.X[:, 1] == pytest.approx(1e-5 * fit.held.X[:, 1])
     assert (read.r2, read.covered) == (fit.r2, fit.covered)
     assert in_si.text("field").startswith("q [in3/s]: 2 network(s)")
+
+
+def test_of_several_logs_no_block_goes_over_the_end_of_one():
+    one, two = log(700, seed=1), log(1100, seed=2)
+    both = fit_table([one, two], ["a", "b"], ["y"], estimator=AbductiveRegressor(max_layers=1))
+    held = both.outputs[0].held
+    a = np.concatenate([one["a"], two["a"]])
+    expected = held_rows(1800, 20, [700, 1100])
+    assert np.array_equal(held.X[:, 0], a[expected])
+    begun = np.flatnonzero(expected & ~np.roll(expected, 1))
+    assert len(begun) == 4
+    assert not (expected[699] and expected[700])
+    assert not np.array_equal(expected, held_rows(1800, 20))
+    assert (both.source, both.outputs[0].model.training["rows"]) == ("table (1), table (2)", 1800)

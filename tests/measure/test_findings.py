@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from helpers.log_tables import PAGE, tables
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import SHOWN, Findings
 
@@ -37,3 +38,8 @@ def test_errors_stand_before_warnings_and_can_be_asked_for():
     assert found.of("constant", "b") == []
     with pytest.raises(InputError, match="no finding is called 'odd'"):
         found.of("odd")
+
+
+@pytest.mark.parametrize("table", tables(), ids=lambda table: table.partition("\n")[0])
+def test_the_documentation_lists_what_is_read_refused_and_reported(table):
+    assert table in PAGE.read_text(encoding="utf-8"), "run python tests/helpers/log_tables.py"

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.networks.hold_out import calibration_rows, drawn_rows, held_blocks, held_rows
+from polydraulic.networks.hold_out import blocks_of_parts, calibration_rows, drawn_rows, held_blocks, held_rows
 
 
 @given(st.integers(0, 200), st.integers(0, 200), st.integers(0, 5))
@@ -49,3 +49,19 @@ def test_blocks_are_as_long_as_each_other(n, blocks):
     runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]]))))[::2]
     assert len(runs) == blocks // 5
     assert set(runs) <= {n // blocks, n // blocks + 1}
+
+
+@given(st.lists(st.integers(1, 300), min_size=1, max_size=30), st.integers(1, 100))
+def test_no_block_goes_over_the_end_of_a_part(parts, blocks):
+    counts = blocks_of_parts(blocks, parts)
+    assert min(counts) >= 1
+    assert abs(sum(counts) - blocks) <= len(parts)
+    held, before, ends = held_rows(sum(parts), blocks, parts), 0, np.cumsum([0, *parts])
+    for low, high, count in zip(ends[:-1], ends[1:], counts, strict=True):
+        number = before + np.arange(high - low) * count // (high - low)  # blocks begin with their part
+        assert np.array_equal(held[low:high], number % 5 == 4)
+        before += count
+
+
+def test_a_single_part_has_the_blocks_of_all_rows():
+    assert np.array_equal(held_rows(317, 20, [317]), held_rows(317, 20))

@@ -12,7 +12,12 @@ from polydraulic.terminal import progress_bar
 @app.command()
 def run(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit --dynamic.")],
-    log: Annotated[Path, typer.Argument(help="Table with the model's signals, at its raster, with a column time.")],
+    log: Annotated[
+        list[str],
+        typer.Argument(
+            help="Table with the model's signals, at its raster, with a column time; several tables, or a pattern in quotes."
+        ),
+    ],
     out: Annotated[
         Path | None, typer.Option(help="Table to write, .parquet or .csv: measured, free run, one step ahead.")
     ] = None,

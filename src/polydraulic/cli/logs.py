@@ -15,7 +15,7 @@ def import_(
     log: Annotated[
         list[str],
         typer.Argument(
-            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN); several files of one campaign, or a pattern in quotes."
+            help="Log: .csv, .csv.gz, .parquet, .mf4, .mdf, .dat (MDF), .mat (v5, v7.3), .blf or .asc (CAN), the folder of a ROS 2 bag, .mcap, .db3 or .bag; several files of one campaign, or a pattern in quotes."
         ),
     ],
     channels: Annotated[Path | None, typer.Option(help="Channel map, TOML.")] = None,
@@ -146,7 +146,10 @@ def record(
 @app.command()
 def fit_machine(
     table: Annotated[
-        Path, typer.Argument(help="Imported table with LINK.spool, .p_a, .p_b, .q_in, .q_out of all links.")
+        list[str],
+        typer.Argument(
+            help="Imported table with LINK.spool, .p_a, .p_b, .q_in, .q_out of all links; several tables, or a pattern in quotes."
+        ),
     ],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     machine: Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")] = "cat215b",
@@ -191,7 +194,10 @@ def fit_machine(
 @app.command()
 def replay(
     table: Annotated[
-        Path, typer.Argument(help="Imported table with LINK.voltage, .angle, .spool, .p_a, .p_b of all links.")
+        list[str],
+        typer.Argument(
+            help="Imported table with LINK.voltage, .angle, .spool, .p_a, .p_b of all links; several tables, or a pattern in quotes."
+        ),
     ],
     flow: Annotated[str, typer.Option(help="Flow model, as for simulate.")] = "polynomial",
     model: Annotated[

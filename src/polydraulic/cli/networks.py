@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
 @app.command()
 def fit(
-    table: Annotated[Path, typer.Argument(help="CSV or Parquet table; any numbers, no hydraulics needed.")],
+    table: Annotated[
+        list[str],
+        typer.Argument(
+            help="CSV or Parquet table; any numbers, no hydraulics needed. Several tables, or a pattern in quotes, are learnt from together."
+        ),
+    ],
     inputs: Annotated[str, typer.Option(help="Input columns, separated by commas.")],
     outputs: Annotated[str, typer.Option(help="Output columns, separated by commas; one model each.")],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
@@ -68,6 +73,8 @@ def fit(
     - From a log, with all that an engineer asks before trusting it: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
     --outputs boom.q_in --regions 12 --out q_in.json --card q_in.html`; `polydraulic check q_in.json --data new.parquet` later
     says whether it still holds.
+
+    - From several days: `polydraulic fit monday.parquet tuesday.parquet --inputs boom.spool,boom.p_in --outputs boom.q_in --out q_in.json`
 
     - With memory: `polydraulic fit log.parquet --inputs valve --outputs pressure --dynamic --out pressure.json --card pressure.html`;
     `polydraulic run pressure.json log.parquet --plot run.svg` shows it running.
@@ -122,6 +129,7 @@ def fit(
 @app.command()
 def check(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
+    tables: Annotated[list[str] | None, typer.Argument(help="Further tables of --data.")] = None,
     within: Annotated[
         str | None,
         typer.Option(
@@ -137,7 +145,7 @@ def check(
     ] = None,
     boxes: Annotated[int, typer.Option(help="Sub-boxes a region that the proof may take.", min=1)] = 20000,
     data: Annotated[
-        Path | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
+        list[str] | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
     ] = None,
     units: UnitsOption = METRIC,
 ) -> None:
@@ -151,14 +159,16 @@ def check(
 
     Example: `polydraulic check q_in.json --range "0,170 l/min"`
 
-    - A year later: `polydraulic check q_in.json --data this_year.parquet`
+    - A year later: `polydraulic check q_in.json --data this_year.parquet`, or `--data spring.parquet autumn.parquet`
 
     What comes next: a model that does not hold any more is fitted again, with the new rows; `polydraulic export` writes one that does.
     """
     from polydraulic.identification.model_check import check_models
     from polydraulic.networks.model.model_file import load_models
 
-    if data is not None and (within is not None or box):
+    if tables and not data:
+        raise InputError(f"{tables[0]}: a model is judged by tables that follow --data")
+    if data and (within is not None or box):
         raise InputError("--data judges a model by measurements; --range and --box go with a proof")
     models = load_models(model)
     outputs = dict.fromkeys(found.output.unit for found in models)
@@ -166,7 +176,13 @@ def check(
     read = {variable.name: variable.unit for found in models for variable in found.inputs}
     with progress_bar("check") as progress:
         found = check_models(
-            models, data=data, limits=limits, box=_box(box or [], read), max_boxes=boxes, units=units, progress=progress
+            models,
+            data=[*data, *(tables or [])] if data else None,
+            limits=limits,
+            box=_box(box or [], read),
+            max_boxes=boxes,
+            units=units,
+            progress=progress,
         )
     print(found)
     if not found.holds:

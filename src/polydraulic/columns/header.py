@@ -1,10 +1,15 @@
-"""Names and units in the header of a text file: ``name [unit]``, ``name (unit)``, or units in a line of their own."""
+"""Names and units in the header of a text file.
+
+``name [unit]``, ``name (unit)``, ``name/unit`` (the quotient of DIN and ISO), ``name in unit``, ``name, unit``, or units in a line of
+their own. What could be something else stays a name: ``p_bar``, ``km/h``, ``pulses/s``, ``valve/A``.
+"""
 
 import re
 from collections import Counter
 from collections.abc import Sequence
 
-from polydraulic.units import FACTORS
+from polydraulic.errors import InputError
+from polydraulic.units import FACTORS, read_unit
 
 _BRACKETS = re.compile(r"^\s*(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*$")
 _PARENTHESES = re.compile(r"^\s*(?P<name>.*?\S)\s*\((?P<unit>[^()]*(?:\([^()]*\))?)\)\s*$")
@@ -13,6 +18,15 @@ _SYMBOLS = frozenset(
     "s ms us µs ns min h sec m mm cm km µm um in ft bar mbar barg bara psi psig psia Pa hPa kPa MPa Nm N kN MN J kJ W kW V mV kV "
     "mA kg t l L ml cc cm3 m3 rev U deg ° grad rad rpm RPM 1/min Hz kHz °C degC degF K % gpm GPM lpm LPM lbf lb hp PS g Ω Ohm".split()
 ) | {unit for units in FACTORS.values() for unit in units if len(unit) > 1}
+_FORMS = (
+    re.compile(r"^(?P<name>[^/]*[^/\s])\s*/\s*(?P<unit>\([^()]+\)|[^()\s]+(\([^()]*\))?)$"),
+    re.compile(r"(?i)^(?P<name>.*\S)\s+in\s+(?P<unit>\S+)$"),
+    re.compile(r"^(?P<name>.*[^\s,])\s*,\s*(?P<unit>[^\s,]+)$"),
+)
+# what a unit must measure where a name says what is measured; elsewhere rates are divided by times, and A is a port
+_TIME = re.compile(r"^(t|(?i:time|timestamp|zeit|zeitstempel|dauer|duration))([ _]|$)")
+_CURRENT = re.compile(r"(?i)^(i|current|strom)([ _]|$)")
+_PRESSURE = re.compile(r"(?i)^(p|pressure|druck)([ _]|$)")
 _POWER = re.compile(r"[\^*]*-?[\d²³]+$")
 
 
@@ -56,5 +70,30 @@ def _split(head: str) -> tuple[str, str]:
         if is_unit(inner) or (
             inner in ("A", "bar(g)", "bar(a)", "psi(g)", "psi(a)") and not (pressure and inner == "A")
         ):
-            return match["name"], inner
-    return head.strip(), ""
+            return match["name"].rstrip("/ "), inner
+    head = head.strip()
+    for form in _FORMS:
+        match = form.match(head)
+        if match:
+            name, unit = match["name"], re.sub(r"^\((.*)\)$", r"\1", match["unit"]).strip()
+            if _measured_in(name, unit, head):
+                return name, unit
+    return head, ""
+
+
+def _measured_in(name: str, unit: str, head: str) -> bool:
+    """Whether a name and a unit stand in a head, not a unit alone, a rate, or a port."""
+    found, is_time = _kind(unit), _TIME.match(name) is not None
+    if found == "s" or is_time:
+        return found == "s" and is_time
+    if not found or _kind(head):
+        return False
+    return (found == "Pa" or not _PRESSURE.match(name)) and (found != "A" or _CURRENT.match(name) is not None)
+
+
+def _kind(text: str) -> str:
+    """SI unit of what a unit of the table measures; empty for any other text."""
+    try:
+        return read_unit(text, kind="Pa").si if text and text != "1" else ""
+    except InputError:
+        return ""

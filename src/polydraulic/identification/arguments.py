@@ -1,26 +1,70 @@
-"""What the functions of this package are given: tables and models, or where they are; what each of them checks."""
+"""What the functions of this package are given: tables and models, or where they are; what each of them checks.
+
+Several tables are taken as one. Where one ends and the next begins is kept: no segment, and no block that is held out, goes over it.
+"""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.measure.formats.campaign import expand
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.model_file import load_models
-from polydraulic.tables import Table, finite, read_table
+from polydraulic.tables import Table, began, finite, read_table
+
+TIMES = ("time", "segment")  # what tells a log from any table
+_FILES = "files"  # in the info of a table: names and numbers of rows of those that it was made of
+_APART = 60.0  # s between tables whose times begin anew: nobody knows how long it was
+_DATES = 315_532_800.0  # s since 1970: from 1980 on times are dates
+_NAMED = 3  # tables in the name of several
 
 
 def table_of(
-    given: Table | str | Path, columns: Sequence[str] | None = None, optional: Sequence[str] = ()
+    given: Table | str | Path | Sequence[Table | str | Path],
+    columns: Sequence[str] | None = None,
+    optional: Sequence[str] = (),
 ) -> tuple[Table, str]:
     """A table or that of a file, and what it is called; only `columns` if given, and those of `optional` that it has.
+
+    Several tables, or files that match a pattern such as ``day*.parquet``, become one: those with dates in the order of these, all
+    others as they are given. Times rise through all of them, a minute apart where they begin anew, and ``segment`` is counted on.
 
     Raises
     ------
     InputError
-        As `read_table`; also of a table in memory without rows, or with a value that is not a finite number.
+        As `read_table`; also of a table in memory without rows, or with a value that is not a finite number. Of several tables: one that
+        lacks a column of the others or has it in another unit, that is there twice, or whose dates overlap those of another one.
     """
+    parts = [given] if isinstance(given, Table | str | Path) else list(given)
+    found = [place for part in parts for place in ([part] if isinstance(part, Table) else expand(part))]
+    if not found:
+        raise InputError("no table is given")
+    if len(found) == 1:
+        return _one(found[0], columns, optional)
+    named = [_one(part, columns, optional) for part in found]
+    if len({name for _, name in named}) < len(named):  # of several folders, or in memory
+        named = [(table, f"{name} ({number})") for number, (table, name) in enumerate(named, 1)]
+    return _joined(named)
+
+
+def parts_of(table: Table) -> list[int]:
+    """Numbers of rows of the tables that a table was made of; one number for any other."""
+    files: Any = table.info.get(_FILES, [])
+    rows = [int(n) for _, n in files] if isinstance(files, list) else []
+    return rows if sum(rows) == len(table) and rows else [len(table)]
+
+
+def names_of_parts(table: Table) -> list[str]:
+    """What the tables are called that a table was made of; empty for any other."""
+    files: Any = table.info.get(_FILES, [])
+    return [str(name) for name, _ in files] if len(parts_of(table)) > 1 else []
+
+
+def _one(given: Table | str | Path, columns: Sequence[str] | None, optional: Sequence[str]) -> tuple[Table, str]:
     if not isinstance(given, Table):
         return read_table(given, columns, optional=optional), Path(given).name
     wanted = (
@@ -34,13 +78,84 @@ def table_of(
     return table, "table"
 
 
+def _joined(named: list[tuple[Table, str]]) -> tuple[Table, str]:
+    first, name_of_first = named[0]
+    for table, name in named[1:]:
+        for one, other, has in ((first, table, name), (table, first, name_of_first)):
+            missing = [column for column in one.names if column not in other.names and column != "segment"]
+            if missing:
+                where = name_of_first if one is first else name
+                raise InputError(
+                    f"{has}: no column {missing[0]!r}, which {where} has; give tables with the same columns"
+                )
+        for column in first.names:
+            units = first.unit(column), table.unit(column)
+            if column in table.names and units[0] != units[1]:
+                raise InputError(
+                    f"{name}: column {column!r} is in {units[1]!r}, in {name_of_first} in {units[0]!r}; bring them to one unit"
+                )
+    for k, (table, name) in enumerate(named):
+        twin = next((other for one, other in named[:k] if len(one) == len(table) and one == table), None)
+        if twin is not None:
+            raise InputError(f"{name} has the same rows as {twin}; give each table once")
+    named, times = _in_order(named)
+    columns = {c: np.concatenate([table[c] for table, _ in named]) for c in first.names if c not in TIMES}
+    if times:
+        columns["time"] = np.concatenate(times)
+    columns["segment"] = np.concatenate(_segments([table for table, _ in named]))
+    unit_of = first.units | {"segment": "1"}
+    names = [name for _, name in named]
+    info = {**named[0][0].info, _FILES: [[name, len(table)] for table, name in named]}
+    if not all(began(table) for table, _ in named):  # times are not counted from one date
+        info.pop("began", None)
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return Table(columns, {c: unit_of.get(c, "") for c in columns}, info), ", ".join(names[:_NAMED]) + more
+
+
+def _in_order(named: list[tuple[Table, str]]) -> tuple[list[tuple[Table, str]], list[np.ndarray]]:
+    """Tables in the order of their dates, and times that rise through all of them; no times where the tables have none."""
+    if "time" not in named[0][0].names:
+        return named, []
+    dated = [(began(table) + float(table["time"].min()), *pair) for pair in named for table in pair[:1]]
+    if min(date for date, _, _ in dated) > _DATES:
+        dated.sort(key=lambda one: one[0])
+        for (_, table, name), (date, _, following) in pairwise(dated):
+            over = began(table) + float(table["time"].max()) - date
+            if over >= 0.0:
+                raise InputError(
+                    f"{following} begins {over:.4g} s before {name} ends: the same time would count twice; cut one"
+                )
+        zero = began(dated[0][1])
+        return [(t, n) for _, t, n in dated], [table["time"] + (began(table) - zero) for _, table, _ in dated]
+    times: list[np.ndarray] = []
+    for table, _ in named:
+        time, end = table["time"], float(times[-1].max()) if times else -np.inf
+        times.append(time if time.min() > end else time + (end + _APART - float(time.min())))
+    return named, times
+
+
+def _segments(tables: Sequence[Table]) -> list[np.ndarray]:
+    """Numbers of segments that are counted on from table to table."""
+    found: list[np.ndarray] = []
+    following = 0.0
+    for table in tables:
+        own = table["segment"] - table["segment"].min() if "segment" in table.names else np.zeros(len(table))
+        found.append(own + following)
+        following = float(found[-1].max()) + 1.0
+    return found
+
+
 def models_of(given: Sequence[Model] | str | Path) -> list[Model]:
     """Models, or those of a model file."""
     return load_models(given) if isinstance(given, str | Path) else list(given)
 
 
 def check_columns(table: Table, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-    """Refuse a column that is both input and output, or constant."""
+    """Refuse a column that is both input and output, or constant; the time of several tables, too."""
+    if "time" in inputs and len(parts_of(table)) > 1:
+        raise InputError(
+            "column 'time' is an input: of several tables it says when, not what; give one table, or leave it out"
+        )
     both = set(inputs) & set(outputs)
     if both:
         raise InputError(f"column {sorted(both)[0]!r} is both input and output")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ from sklearn.base import BaseEstimator
 
 from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import check_columns, table_of
+from polydraulic.identification.arguments import check_columns, parts_of, table_of
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
@@ -20,7 +21,7 @@ from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, spans_of
 from polydraulic.networks.growth.regressor import AbductiveRegressor
-from polydraulic.networks.hold_out import BLOCKS, held_blocks
+from polydraulic.networks.hold_out import BLOCKS, blocks_of_parts, held_blocks
 from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.lag_words import lags_in_words
 from polydraulic.networks.model.model import Model, Variable
@@ -119,7 +120,7 @@ class DynamicFit:
 
 
 def fit_dynamic(
-    table: Table | str | Path,
+    table: Table | str | Path | Sequence[Table | str | Path],
     inputs: Sequence[str],
     outputs: Sequence[str],
     *,
@@ -134,8 +135,9 @@ def fit_dynamic(
 
     Parameters
     ----------
-    table : Table, str or Path
-        Or its file: a log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`.
+    table : Table, str, Path or sequence of them
+        Or its file: a log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`. Of several tables, or a pattern such
+        as ``day*.parquet``, no lag and no block goes over the end of one.
     inputs, outputs : sequence of str
     estimator : AbductiveRegressor, optional
         Of every network; chosen by free runs if not given.
@@ -157,7 +159,7 @@ def fit_dynamic(
     check_columns(table, inputs, outputs)
     rows = log_rows(table)
     spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
-    held = _held_out(spans, longest_lag)
+    held = _held_out(spans, longest_lag, parts_of(table))
     X, y = table.matrix(inputs), table.matrix(outputs)
     without = y.copy()
     without[rows_of(held)] = np.nan  # a gap, across which nothing is learnt
@@ -230,15 +232,18 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     return [*found, f"reads {lags_in_words(dynamics_of(model))}; {model.n_coefficients} coefficients, {_how(chosen)}"]
 
 
-def _held_out(spans: Sequence[Span], longest_lag: int) -> list[Span]:
-    """Rows of every fifth block of time."""
+def _held_out(spans: Sequence[Span], longest_lag: int, parts: Sequence[int]) -> list[Span]:
+    """Rows of every fifth block of time; no block goes beyond its part, a number of rows."""
     n, least = sum(b - a for a, b in spans), longest_lag + _SMALLEST
     if n < _FEW_BLOCKS * least:
         raise InputError(
             f"the log has {n} rows; to hold blocks of time out it takes {_FEW_BLOCKS * least} with a longest lag of "
             f"{longest_lag} rows: shorten the lag, or record more"
         )
-    blocks = blocks_of(spans, BLOCKS if n >= BLOCKS * least else _FEW_BLOCKS)
+    counts = blocks_of_parts(BLOCKS if n >= BLOCKS * least else _FEW_BLOCKS, parts)
+    blocks: list[list[Span]] = []
+    for (low, high), count in zip(pairwise(np.cumsum([0, *parts]).tolist()), counts, strict=True):
+        blocks += blocks_of([(a, b) for a, b in spans if low <= a < high], count)
     return [span for block in held_blocks(blocks) for span in block]
 
 

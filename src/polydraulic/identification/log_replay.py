@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_shown, shown_unit, time_axis, with_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow
-from polydraulic.identification.arguments import models_of, table_of
+from polydraulic.identification.arguments import models_of, parts_of, table_of
 from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.linkage import end_effector
 from polydraulic.networks.model.model import Model
@@ -112,7 +112,7 @@ class Replay:
 
 
 def replay(
-    log: Table | str | Path,
+    log: Table | str | Path | Sequence[Table | str | Path],
     machine: Machine | str | Path = "cat215b",
     flow: str | FlowModel = "polynomial",
     *,
@@ -128,8 +128,9 @@ def replay(
 
     Parameters
     ----------
-    log : Table, str or Path
+    log : Table, str, Path or sequence of them
         Or its file: ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
+        Of several tables, or a pattern such as ``day*.parquet``, no window goes over the end of one.
     machine : Machine, str or Path
         Or a parameter set by its name or file.
     flow : str or flow model
@@ -183,17 +184,18 @@ def replayed(
     time = log["time"]
     if np.any(np.diff(time) <= 0.0):
         raise InputError("column 'time' does not rise from row to row; a replay needs a log as it was recorded")
-    begins = _begins(time, np.ones(len(time), dtype=bool) if rows is None else rows, seconds)
+    begins = _begins(time, np.ones(len(time), dtype=bool) if rows is None else rows, seconds, parts_of(log))
     if not begins:
         return []
     n_step = round(seconds / _DT)
     voltage, x0 = np.empty((len(begins), n_step, 3)), np.empty((len(begins), 15))
     for number, begin in enumerate(begins):
         at = time[begin] + np.arange(n_step) * _DT
+        own = _part_with(parts_of(log), begin)
         for place, link in enumerate(LINKS):
             late = at - getattr(machine, link).pilot.dead_time
-            voltage[number, :, place] = np.interp(late, time, log[f"{link}.voltage"])
-        x0[number] = _state(log, begin)
+            voltage[number, :, place] = np.interp(late, time[own], log[f"{link}.voltage"][own])
+        x0[number] = _state(log, begin, own)
     columns = [f"{link}.angle" for link in LINKS]
     batch = simulate_batch(
         machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=progress
@@ -295,33 +297,42 @@ def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     return figure
 
 
-def _begins(time: np.ndarray, rows: np.ndarray, seconds: float) -> list[int]:
-    """First rows of windows that follow each other in pieces without a long gap."""
+def _begins(time: np.ndarray, rows: np.ndarray, seconds: float, parts: Sequence[int]) -> list[int]:
+    """First rows of windows that follow each other in pieces without a long gap, each in one of the parts, numbers of rows."""
     allowed = np.flatnonzero(rows)
     if not allowed.size:
         return []
-    cuts = np.flatnonzero((np.diff(allowed) > 1) | (np.diff(time[allowed]) > _BRIDGED)) + 1
+    part = np.repeat(np.arange(len(parts)), parts)[allowed]
+    cuts = np.flatnonzero((np.diff(allowed) > 1) | (np.diff(time[allowed]) > _BRIDGED) | (np.diff(part) > 0)) + 1
     found = []
     for piece in np.split(allowed, cuts):
-        last = time[piece[-1]]
+        last, own = time[piece[-1]], _part_with(parts, piece[0])
         earliest = time[piece[0]]
         for row in piece.tolist():
             if time[row] + seconds > last + 1e-9:
                 break
-            if time[row] >= earliest - 1e-9 and len(_near(time, row)) >= _ROWS_NEAR:
+            if time[row] >= earliest - 1e-9 and len(_near(time, row, own)) >= _ROWS_NEAR:
                 found.append(row)
                 earliest = time[row] + seconds
     return found
 
 
-def _near(time: np.ndarray, row: int) -> np.ndarray:
-    low, high = np.searchsorted(time, [time[row] - _NEAR - 1e-9, time[row] + _NEAR + 1e-9])
-    return np.arange(low, high)
+def _part_with(parts: Sequence[int], row: int) -> slice:
+    """Rows of the part, of parts with so many rows, that a row is in."""
+    ends = np.cumsum([0, *parts]).tolist()
+    part = int(np.searchsorted(ends, row, side="right")) - 1
+    return slice(ends[part], ends[part + 1])
 
 
-def _state(log: Table, row: int) -> np.ndarray:
-    """Measured state in a row, (15,)."""
-    near = _near(log["time"], row)
+def _near(time: np.ndarray, row: int, own: slice) -> np.ndarray:
+    """Rows of a part of the log that are near to a row in time."""
+    low, high = np.searchsorted(time[own], [time[row] - _NEAR - 1e-9, time[row] + _NEAR + 1e-9])
+    return np.arange(low, high) + own.start
+
+
+def _state(log: Table, row: int, own: slice) -> np.ndarray:
+    """Measured state in a row, (15,), from rows of the part of the log that it is in."""
+    near = _near(log["time"], row, own)
     t = log["time"][near] - log["time"][row]
     fits = [np.polyfit(t, log[f"{link}.angle"][near], 2) for link in LINKS]
     values = [log[f"{link}.{what}"][row] for what in ("spool", "p_a", "p_b") for link in LINKS]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.identification.arguments import names_of_parts, parts_of
 from polydraulic.networks.model.model import Model
 from polydraulic.tables import Table
 
@@ -45,7 +46,7 @@ def log_rows(table: Table) -> LogRows:
     Raises
     ------
     InputError
-        No column ``time``, times that stand still, or no raster in them.
+        No column ``time``, times that stand still, no raster in them, or tables of different rasters.
     """
     if "time" not in table.names:
         raise InputError(
@@ -56,6 +57,7 @@ def log_rows(table: Table) -> LogRows:
         raise InputError(f"the table has {len(table)} row(s): nothing follows anything")
     step = np.diff(table["time"])
     same = np.diff(table["segment"]) == 0.0 if "segment" in table.names else np.ones(len(step), dtype=bool)
+    _same_raster(table, step, same)
     if not same.any():
         raise InputError(f"each of the {len(table)} rows is a segment of its own: nothing follows anything")
     usual = float(np.median(step[same]))
@@ -72,6 +74,22 @@ def log_rows(table: Table) -> LogRows:
     # times may be rounded, so that their mean step says more than any one
     raster = float(f"{step[follows].mean():.6g}")
     return LogRows(np.concatenate([[0], np.cumsum(~follows)]), raster)
+
+
+def _same_raster(table: Table, step: np.ndarray, same: np.ndarray) -> None:
+    """Refuse tables that have been put together and have rasters of their own."""
+    ends = np.cumsum([0, *parts_of(table)])
+    usual = {}
+    for name, low, high in zip(names_of_parts(table), ends[:-1], ends[1:], strict=True) if len(ends) > 2 else ():
+        own = step[low : high - 1][same[low : high - 1]]
+        if own.size:
+            usual[name] = float(np.median(own))
+    for name, raster in usual.items():
+        first = next(iter(usual))
+        if abs(raster - usual[first]) > _SAME * abs(usual[first]):
+            raise InputError(
+                f"{name}: rows are {raster:g} s apart, those of {first} {usual[first]:g} s; import both logs with the same raster"
+            )
 
 
 def rows_for(models: Sequence[Model], table: Table) -> LogRows:

@@ -90,7 +90,7 @@ class MachineFit:
 
 
 def fit_machine(
-    table: Table | str | Path,
+    table: Table | str | Path | Sequence[Table | str | Path],
     machine: Machine | str | Path = "cat215b",
     *,
     max_regions: int = REGIONS,
@@ -106,8 +106,8 @@ def fit_machine(
 
     Parameters
     ----------
-    table : Table, str or Path
-        Or its file, an imported log: ``time`` and ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b``, ``LINK.q_in``, ``LINK.q_out`` of all
+    table : Table, str, Path or sequence of them
+        Or its file (several, or a pattern such as ``day*.parquet``, are learnt from together), an imported log: ``time`` and ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b``, ``LINK.q_in``, ``LINK.q_out`` of all
         three links, in SI.
     machine : Machine, str or Path
         Or a parameter set by its name or file. Of it pump flows, relief setting, return pressure and the borders of spool travel are

@@ -3,6 +3,7 @@
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.identification.arguments import parts_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.identification.machine_learning import CELL
 from polydraulic.identification.machine_log import Known, judging_rows, some_rows
@@ -22,7 +23,7 @@ def held_out(log: Table, min_blocks: int = BLOCKS) -> np.ndarray:
     """Every fifth block of time, (n_row,) array of bool: blocks of half a minute, or `min_blocks`; pauses of the log do not count."""
     n = len(log)
     seconds = n * float(np.median(np.diff(log["time"]))) if n > 1 else 0.0
-    return held_rows(n, max(min_blocks, round(seconds / _BLOCK)))
+    return held_rows(n, max(min_blocks, round(seconds / _BLOCK)), parts_of(log))
 
 
 def judged_network(machine: Machine, log: Table, held: np.ndarray, model: Model, earlier: Model) -> OutputFit:

@@ -126,15 +126,27 @@ def as_judged(model: Model, table: Table) -> Table:
     InputError
         A column is missing or in another unit, or the valve never opens.
     """
-    how: Any = model.training.get("log")
-    if not isinstance(how, dict) or set(how) != set(Known._fields):
+    known = _known_by(model)
+    if known is None:
         return table
-    known = Known(**how)
     log = by_port(known, table)
     rows = judging_rows(model.output.name, log, known)
     if not rows.any():
         raise InputError(f"no row of {len(log)} says anything of {model.output.name!r}: its valve never opens")
     return some_rows(log, rows)
+
+
+def judged_by(model: Model) -> list[str]:
+    """Columns that `as_judged` and a judgement of the model need: of a machine's network those of an imported log."""
+    if _known_by(model) is None:
+        return [variable.name for variable in (*model.inputs, model.output)]
+    return [f"{link}.{what}" for link in LINKS for what in MEASURED]
+
+
+def _known_by(model: Model) -> Known | None:
+    """What a network of a machine says that must be known to read a log; None for any other model."""
+    how: Any = model.training.get("log")
+    return Known(**how) if isinstance(how, dict) and set(how) == set(Known._fields) else None
 
 
 def some_rows(table: Table, keep: np.ndarray) -> Table:

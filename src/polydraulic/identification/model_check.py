@@ -8,8 +8,8 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import models_of, table_of
-from polydraulic.identification.machine_log import as_judged
+from polydraulic.identification.arguments import TIMES, models_of, table_of
+from polydraulic.identification.machine_log import as_judged, judged_by
 from polydraulic.identification.validity import Validity, run_validity, validity
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model, Variable
@@ -67,7 +67,7 @@ class Check:
 def check_models(
     models: Sequence[Model] | str | Path,
     *,
-    data: Table | str | Path | None = None,
+    data: Table | str | Path | Sequence[Table | str | Path] | None = None,
     limits: tuple[float, float] | None = None,
     box: Mapping[str, tuple[float, float]] | None = None,
     max_boxes: int = 20000,
@@ -80,8 +80,8 @@ def check_models(
     ----------
     models : sequence of Model, str or Path
         Or the model file.
-    data : Table, str or Path, optional
-        Or its file: new measurements. Models are judged next to what was stated when they were fitted; dynamic ones run on their own
+    data : Table, str, Path or sequence of them, optional
+        Or its file: new measurements; of several tables, or a pattern such as ``day*.parquet``, no run goes over the end of one. Models are judged next to what was stated when they were fitted; dynamic ones run on their own
         through it, begun anew as often as then; those of a machine read an imported log.
     limits : (low, high), optional
         Is it proved that no output leaves this range, in the output's unit? The proved ranges of outputs and slopes if not given.
@@ -107,7 +107,7 @@ def check_models(
     if data is not None:
         if limits is not None or box:
             raise InputError("data judge models by measurements; limits and a box go with a proof: give one of them")
-        table, _ = table_of(data)
+        table, _ = table_of(data, _read_by(some), TIMES)
         static, dynamic = ([model for model in some if (model.dynamics is None) == how] for how in (True, False))
         judged: list[Validity] = []
         for model in static:
@@ -127,6 +127,17 @@ def check_models(
             else check_range(model, *limits, place, max_boxes=max_boxes)
         )
     return Check(some, proved, dynamic_notes(some), units)
+
+
+def _read_by(models: Sequence[Model]) -> list[str]:
+    """Columns by which models are judged."""
+    found: list[str] = []
+    for model in models:
+        if model.dynamics is not None:
+            found += [*(lag.signal for lag in model.dynamics.lags), model.output.name]
+        else:
+            found += judged_by(model)
+    return list(dict.fromkeys(found))
 
 
 def _place(model: Model, box: Mapping[str, tuple[float, float]]) -> np.ndarray:

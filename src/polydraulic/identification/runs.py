@@ -178,7 +178,10 @@ class ModelRuns:
 
 
 def run_models(
-    models: Sequence[Model] | str | Path, log: Table | str | Path, *, every: float | None = None
+    models: Sequence[Model] | str | Path,
+    log: Table | str | Path | Sequence[Table | str | Path],
+    *,
+    every: float | None = None,
 ) -> ModelRuns:
     """Run dynamic models on a log: from measured inputs and their own answers, next to what was measured.
 
@@ -188,7 +191,7 @@ def run_models(
     ----------
     models : sequence of Model, str or Path
         From `fit_dynamic`, or the model file: one for each output that they read of each other.
-    log : Table, str or Path
+    log : Table, str, Path or sequence of them
         Or its file: the models' signals, at their raster, with a column ``time``.
     every : float, s, optional
         Begin anew from measured outputs after so much time; never within a segment if not given.

@@ -10,7 +10,7 @@ from sklearn.base import clone
 
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import check_columns, table_of
+from polydraulic.identification.arguments import check_columns, parts_of, table_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
@@ -60,7 +60,7 @@ class TableFit:
 
 
 def fit_table(
-    table: Table | str | Path,
+    table: Table | str | Path | Sequence[Table | str | Path],
     inputs: Sequence[str],
     outputs: Sequence[str],
     *,
@@ -76,9 +76,9 @@ def fit_table(
 
     Parameters
     ----------
-    table : Table, str or Path
+    table : Table, str, Path or sequence of them
         Or its file. With a column ``time`` it is a log: blocks of time are held out, since neighbours in time are no independent
-        witnesses.
+        witnesses. Of several tables, or a pattern such as ``day*.parquet``, no block goes over the end of one.
     inputs, outputs : sequence of str
         Columns.
     edges : mapping from input name to edges, optional
@@ -100,7 +100,7 @@ def fit_table(
     ------
     InputError
         A column that is missing, constant, or both input and output; values that are not finite; too few rows; edges of an unknown
-        column; deadbands without a log.
+        column; deadbands without a log; tables of which one lacks a column or has it in another unit.
 
     Examples
     --------
@@ -122,7 +122,8 @@ def fit_table(
     by_index = {list(inputs).index(name): cuts for name, cuts in borders.items()}
     regressor = RegionRegressor(base, edges=by_index or None, max_regions=max_regions)
     by_time = "time" in rows.names
-    X, held = rows.matrix(inputs), held_rows(len(rows), BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None)
+    blocks = BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None
+    X, held = rows.matrix(inputs), held_rows(len(rows), blocks, parts_of(rows))
     names = [Variable(name, rows.unit(name)) for name in inputs]
     fits: list[OutputFit] = []
     for output in outputs:

@@ -30,7 +30,7 @@ KINDS = {
         "warning",
         "files of one campaign whose times begin anew; each is put behind the one before, with a gap",
     ),
-    "files overlap": ("error", "files of one campaign with the same times; what was recorded already is left out"),
+    "files overlap": ("error", "files of one campaign with the same times"),
     "file repeats": ("error", "files with the same rows as another one; left out"),
     "units of files": (
         "error",
@@ -48,6 +48,11 @@ KINDS = {
     "text": ("error", "values that are no numbers; taken as missing"),
     "status": ("warning", "texts in place of values, such as 'error' or 'not available'; taken as missing"),
     "short frame": ("error", "frames shorter than their message; signals beyond their end are missing"),
+    "stamps": (
+        "warning",
+        "messages whose header gives another time than that of their receipt; the header's was taken",
+    ),
+    "unstamped": ("warning", "headers without a time; times of receipt were taken"),
     "not read": ("warning", "parts of the log that are no channels with rows and a time; left out"),
     "thousands": ("warning", "numbers with marks between thousands; the whole column is read so"),
     "decimal mark": ("error", "decimal points and decimal commas in one column; the rarer are taken as missing"),

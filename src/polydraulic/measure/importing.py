@@ -268,7 +268,8 @@ def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: F
         of_log = channels.conversion(channel, given) if given else found
     except InputError:
         of_log = None
-    if of_log is None or of_log[:3] != found[:3]:
+    allowed = [of_log] if not signal.other_unit else [of_log, channels.conversion(channel, signal.other_unit)]
+    if all(one is None or one[:3] != found[:3] for one in allowed):
         findings.add("unit", channel.source, f"the log says {given!r}, the map {channel.unit!r}")
     if of_log is not None and of_log.si == "Pa" != found.si and channel.kind != found.si:
         raise InputError(

@@ -214,7 +214,7 @@ def _unit_line(signal: Signal) -> str:
         found = conversion(signal.unit, kind="Pa" if pressure else "")
     except InputError as error:
         return f'unit = ""  # the log says {_text(signal.unit)}: {_text(str(error))[1:-1]}'
-    line = f"unit = {_text(signal.unit)}"
+    line = f"unit = {_text(signal.unit)}" + (f"  # or {signal.other_unit}" if signal.other_unit else "")
     if pressure and found.si != "Pa":  # a sensor that is logged as it is
         line += f'\nkind = "{unit_kind(found.si).name}"  # its name says pressure, its unit does not'
     return line

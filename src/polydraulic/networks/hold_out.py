@@ -40,10 +40,35 @@ def calibration_rows(n: int, share: float, random_state: Any) -> tuple[np.ndarra
     return np.sort(learn), np.sort(hold)
 
 
-def held_rows(n: int, blocks: int | None = None) -> np.ndarray:
-    """Which of `n` rows are held out, (n,) array of bool: every fifth row, or every fifth of `blocks` blocks."""
-    place = np.arange(n) if blocks is None else np.arange(n) * blocks // max(n, 1)
+def held_rows(n: int, blocks: int | None = None, parts: Sequence[int] | None = None) -> np.ndarray:
+    """Which of `n` rows are held out, (n,) array of bool: every fifth row, or every fifth of about `blocks` blocks.
+
+    Parameters
+    ----------
+    n : int
+    blocks : int, optional
+    parts : sequence of int, optional
+        Numbers of rows, `n` in all, of tables that no block goes beyond.
+    """
+    if blocks is None:
+        place = np.arange(n)
+    else:
+        parts = [n] if parts is None else parts
+        counts = blocks_of_parts(blocks, parts)
+        before = np.cumsum([0, *counts])
+        place = np.concatenate(
+            [
+                first + np.arange(rows) * count // max(rows, 1)
+                for first, rows, count in zip(before, parts, counts, strict=False)
+            ]
+        )
     return np.asarray(place % FOLD == FOLD - 1)
+
+
+def blocks_of_parts(blocks: int, parts: Sequence[int]) -> list[int]:
+    """Into how many blocks each part is cut: by its rows, one at least."""
+    total = max(sum(parts), 1)
+    return [max(1, round(blocks * rows / total)) for rows in parts]
 
 
 def held_blocks(blocks: Sequence[T]) -> list[T]:

@@ -50,9 +50,22 @@ def test_what_is_wrong_is_named_with_its_rows_in_any_blocks(blocks):
         kept, gaps, findings, _ = checked(time, blocks=blocks)
         assert (len(kept), gaps, findings) == (n, [], [finding])
         assert np.all(np.diff(kept) > 0.0)
-    kept, _, findings, _ = checked(over, blocks=min(blocks, 7))
+    kept, _, findings, _ = checked(over, blocks=blocks)
     assert np.all(np.diff(kept) > 0.0)
     assert findings == [("overlap", [(41, 44)])]
+
+
+@pytest.mark.parametrize("blocks", range(1, 31))
+def test_where_blocks_end_changes_no_name(blocks):
+    over, back, last = STEADY.copy(), STEADY.copy(), STEADY.copy()
+    over[57:] -= 0.035
+    back[57], last[-1] = 0.1, 0.1
+    for time, finding in (
+        (over, ("overlap", [(58, 60)])),
+        (back, ("clock jump", [(58, 58)])),
+        (last, ("clock jump", [(100, 100)])),
+    ):
+        assert checked(time, blocks=blocks)[2] == [finding]
 
 
 def test_samples_are_apart_up_to_two_and_a_half_rasters():

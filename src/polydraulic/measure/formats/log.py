@@ -29,6 +29,8 @@ class Signal(NamedTuple):
         Of a date or a time of day that stands alone: the signal that holds the other one, and is read with it.
     doubt : str
         A date that can be read in two ways, where nothing in the log says which.
+    other_unit : str
+        Another unit that the format allows the numbers to be in; a map may say which.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Signal(NamedTuple):
     kind: str = ""
     beside: str = ""
     doubt: str = ""
+    other_unit: str = ""
 
 
 class LogBlock(NamedTuple):

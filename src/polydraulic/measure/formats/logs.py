@@ -6,17 +6,32 @@ from pathlib import Path
 from polydraulic.errors import InputError
 from polydraulic.measure.formats.log import Log
 
-ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mdf", ".dat", ".mat", ".blf", ".asc")
+ENDINGS = (
+    ".csv",
+    ".csv.gz",
+    ".txt",
+    ".parquet",
+    ".mf4",
+    ".mdf",
+    ".dat",
+    ".mat",
+    ".blf",
+    ".asc",
+    ".mcap",
+    ".db3",
+    ".bag",
+)
 _BUS = (".mf4", ".blf", ".asc")
+_BAGS = (".mcap", ".db3", ".bag")
 
 
 def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | Path] = ()) -> Log:
-    """Open a log: CSV (plain or .gz), Parquet, MDF 3 or 4, MAT v5 or v7.3; a CAN bus log (MDF 4, BLF, ASC) with its databases.
+    """Open a log: CSV (plain or .gz), Parquet, MDF 3 or 4, MAT v5 or v7.3; a CAN bus log (MDF 4, BLF, ASC) with its databases; a ROS bag.
 
     Parameters
     ----------
     path : str or Path
-        A CSV header may carry units as ``name [unit]``, or in a line of their own below it.
+        A CSV header may carry units as ``name [unit]``, or in a line of their own below it. Bags are a folder, or a file of it.
     dates : str, optional
         ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates as texts that can be read in two ways.
     dbc : sequence of str or Path, optional
@@ -28,6 +43,10 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
         No such file, another ending, a file that is not what its ending says.
     """
     path = Path(path)
+    if path.is_dir() and not dbc:
+        from polydraulic.measure.formats.ros.bag_log import open_bag
+
+        return open_bag(path)
     ending = next((e for e in ENDINGS if path.name.lower().endswith(e)), None)
     if ending is None:
         raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}")
@@ -44,6 +63,10 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
         from polydraulic.measure.formats.can.can_log import open_can
 
         return open_can(path, [Path(file) for file in dbc])
+    if ending in _BAGS:
+        from polydraulic.measure.formats.ros.bag_log import open_bag
+
+        return open_bag(path)
     if ending == ".parquet":
         from polydraulic.measure.formats.parquet_log import open_parquet
 

@@ -11,6 +11,12 @@ SPARSE = "a sparse matrix"
 CELL = "a cell array"
 COMPLEX = "complex numbers"
 CUBE = "an array of more than two dimensions"
+# what MATLAB must be asked for, since only MATLAB reads its objects
+_HINTS = {
+    "timetable": "writetimetable(tt, 'log.csv'), or s = table2struct(timetable2table(tt), 'ToScalar', true) with s.Time = seconds(tt.Time)",
+    "table": "writetable(t, 'log.csv'), or s = table2struct(t, 'ToScalar', true)",
+    "timeseries": "t = ts.Time; p = ts.Data",
+}
 
 
 class Arrays(NamedTuple):
@@ -61,5 +67,6 @@ def labels(name: str, count: int) -> list[str]:
 
 def object_of(kind: str) -> str:
     """Why an object of a class is not read."""
-    hint = "; save its variables and its times as arrays" if kind in ("timetable", "table", "timeseries") else ""
-    return f"an object of class {kind}{hint}" if kind else "an object, such as a timetable or a string; save its arrays"
+    if not kind:  # SciPy does not tell its class
+        return f"an object, such as a timetable or a string: {_HINTS['timetable']}"
+    return f"an object of class {kind}" + (f": {_HINTS[kind]}" if kind in _HINTS else "")

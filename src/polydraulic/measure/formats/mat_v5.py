@@ -20,9 +20,10 @@ from polydraulic.measure.formats.mat_arrays import (
     labels,
     object_of,
 )
+from polydraulic.measure.formats.mat_variables import variables_of
 
 _LEFT_OUT = {"cell": CELL, "function": "a function", "sparse": SPARSE}
-_LEFT_OUT |= dict.fromkeys(("object", "opaque", "unknown"), object_of(""))
+_LEFT_OUT |= dict.fromkeys(("object", "unknown"), object_of(""))
 
 
 def arrays_of_v5(path: Path) -> Arrays:
@@ -32,28 +33,30 @@ def arrays_of_v5(path: Path) -> Arrays:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of names that come twice
-            listed = io.whosmat(path)
+            listed = variables_of(path)
+    except InputError:
+        raise
     except Exception as error:  # SciPy raises errors of many kinds on damaged files
         raise InputError(f"{path}: cannot be read as a MAT log ({error})") from error
     # one variable in memory at a time: each signal goes to a file of its own, from which blocks are read
     folder = tempfile.TemporaryDirectory(prefix="polydraulic-")
     kept = _Kept(Path(folder.name))
-    for number, (name, shape, kind) in enumerate(listed, 1):
-        if kind == "opaque":  # SciPy does not read its name
-            name = f"(variable {number})"
-        if kind == "char" or name.startswith("__"):  # texts, and MATLAB's own bookkeeping
+    for name, shape, kind, object_kind in listed:
+        if kind == "char" or not name or name.startswith("__"):  # texts, and MATLAB's own bookkeeping
             continue
-        if kind in _LEFT_OUT or 0 in shape:
+        if kind == "opaque":
+            kept.left_out[name] = object_of(object_kind)
+        elif kind in _LEFT_OUT or 0 in shape:
             kept.left_out[name] = _LEFT_OUT.get(kind, EMPTY)
-            continue
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                read = io.loadmat(path, variable_names=[name], simplify_cells=True)
-            kept.keep(name, read.get(name))
-        except Exception as error:
-            folder.cleanup()
-            raise InputError(f"{path}: variable {name!r} cannot be read ({error})") from error
+        else:
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    read = io.loadmat(path, variable_names=[name], simplify_cells=True)
+                kept.keep(name, read.get(name))
+            except Exception as error:
+                folder.cleanup()
+                raise InputError(f"{path}: variable {name!r} cannot be read ({error})") from error
 
     def read_part(name: str, begun: int, end: int) -> np.ndarray:
         return np.fromfile(kept.files[name], count=end - begun, offset=8 * begun)

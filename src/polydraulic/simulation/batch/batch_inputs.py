@@ -81,7 +81,7 @@ def arrange_cases(
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
     named = cache(load_machine)  # machines of one name are one kind
-    items = [machines] if isinstance(machines, Machine | LayoutMachine | str | Path) else machines
+    items: Sequence[Any] = [machines] if isinstance(machines, Machine | LayoutMachine | str | Path) else machines
     given: list[AnyMachine] = []
     for item in items:
         given.append(named(item) if isinstance(item, str | Path) else item)

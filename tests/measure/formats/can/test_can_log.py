@@ -8,6 +8,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
 from polydraulic.measure.findings import Findings
+from polydraulic.measure.formats.can.database import j1939_codes
 
 ENDINGS = ["mf4", "blf", "asc"]
 
@@ -156,9 +157,36 @@ def test_messages_are_of_j1939_where_the_database_says_so(tmp_path, attributes, 
     (tmp_path / "bus.dbc").write_text(DBC.replace(FRAME_FORMAT.format(3), attributes))
     frame = 2566844672 & 0x1FFFFFFF
     path = write_bus(tmp_path / "a.blf", [(0.01 * k, frame, True, bytes([0, 250 + k] + [0] * 6)) for k in range(6)])
+    findings = Findings()
+    with open_log(path, dbc=[tmp_path / "bus.dbc"]) as log:
+        (block,) = log.read(log.signal("torque").group, ["torque"], None, findings)
+    assert np.isnan(block.values["torque"]).tolist() == [False] + [j1939] * 5
+    said = [
+        text
+        for f in findings.of("status")
+        for text in ("specific", "reserved", "error", "not available")
+        if text in f.detail
+    ]
+    assert said == (["specific", "reserved", "error", "not available"] if j1939 else [])
+
+
+@pytest.mark.parametrize(("name", "low", "high"), [
+    ("parameter specific", 0xFB00, 0xFBFF), ("reserved", 0xFC00, 0xFDFF), ("error", 0xFE00, 0xFEFF), ("not available", 0xFF00, 0xFFFF),
+])  # fmt: skip
+def test_codes_of_two_bytes_are_those_of_the_higher_one(name, low, high):
+    assert [code for code in j1939_codes(16) if code.text == name] == [(low, high, name)]
+    assert [code[:2] for code in j1939_codes(8) if code.text == name] == [(low >> 8, high >> 8)]
+
+
+def test_a_value_that_a_database_names_is_none_of_these_codes(tmp_path):
+    named = "VAL_ 2566844672 torque " + " ".join(f'{k} "mode {k}"' for k in range(253)) + " ;\n"
+    states = DBC.replace('(1,-125) [-125|125] "%"', '(1,0) [0|0] ""') + named
+    (tmp_path / "bus.dbc").write_text(states)
+    frame = 2566844672 & 0x1FFFFFFF
+    path = write_bus(tmp_path / "a.blf", [(0.01 * k, frame, True, bytes([0, 250 + k] + [0] * 6)) for k in range(6)])
     with open_log(path, dbc=[tmp_path / "bus.dbc"]) as log:
         (block,) = log.read(log.signal("torque").group, ["torque"], None, Findings())
-    assert np.isnan(block.values["torque"]).tolist() == [False] * 4 + [j1939] * 2
+    assert block.values["torque"] == pytest.approx([250, 251, 252, np.nan, np.nan, np.nan], nan_ok=True)
 
 
 @pytest.mark.parametrize(

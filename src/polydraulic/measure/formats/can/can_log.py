@@ -14,8 +14,9 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.can.bits import unsigned
-from polydraulic.measure.formats.can.database import CanSignal, Message, Messages, Selection
-from polydraulic.measure.formats.can.frames import BusFrames, bus_frames_of, cut_off
+from polydraulic.measure.formats.can.database import CanSignal, Message, Messages, Selection, parameter_group
+from polydraulic.measure.formats.can.frames import LONGEST, BusFrames, bus_frames_of, cut_off
+from polydraulic.measure.formats.can.transport import Transport
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
@@ -52,7 +53,7 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
             spool.add(block)
         spool.flush()
         if not spool.known:
-            seen = ", ".join(sorted(spool.unknown)[:5]) or "none"
+            seen = ", ".join(sorted(spool.unknown | spool.unknown_groups)[:5]) or "none"
             raise InputError(
                 f"{path}: no frame that {', '.join(p.name for p in databases)} knows; identifiers of the log: {seen}"
             )
@@ -73,6 +74,8 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
             of.append(signal)
     signals, twice, also, origin = in_groups(found, names)
     left_out = cut_off(path) | dict.fromkeys(sorted(spool.unknown), "frames that no database knows")
+    left_out |= dict.fromkeys(sorted(spool.unknown_groups), "messages of several frames that no database knows")
+    left_out |= spool.transport.incomplete()
     for message in messages.exact.values():
         if all(message is not known for known in spool.known.values()):
             for signal in message.signals:
@@ -111,6 +114,8 @@ class _Spool:
         self.messages, self.folder = messages, folder
         self.known: dict[_Key, Message] = {}
         self.unknown: set[str] = set()
+        self.unknown_groups: set[str] = set()
+        self.transport = Transport()
         self.count: dict[_Key, int] = {}
         self.began = 0.0
         self._files: dict[_Key, Path] = {}
@@ -120,25 +125,53 @@ class _Spool:
     def add(self, block: BusFrames) -> None:
         """Sort the frames of a block."""
         self.began = self.began or block.began
+        if self.messages.groups:  # a bus of J1939
+            alone, put_together = self.transport.split(block)
+            block = BusFrames(
+                block.time[alone], block.bus[alone], block.frame[alone], block.extended[alone], block.length[alone], block.data[alone],
+                block.began,
+            )  # fmt: skip
+            for whole in put_together:
+                self._add_whole(_Key(whole.bus, whole.frame, True), whole.time, whole.data)
         code = (block.bus << 30) | (block.frame << 1) | block.extended
         for one in np.unique(code).tolist():
             key = _Key(one >> 30, (one >> 1) & 0x1FFFFFFF, bool(one & 1))
-            message = self.known.get(key) or self.messages.find(key.frame, key.extended)
+            message = self._message(key)
             if message is None:
                 self.unknown.add(f"{key.frame:#x}" + ("x" if key.extended else ""))
                 continue
-            if key not in self.known:
-                self.known[key], self.count[key] = message, 0
-                self._files[key], self._parts[key] = self.folder / str(len(self._files)), []
             rows = np.flatnonzero(code == one)
             records = np.zeros(len(rows), dtype=_record(message))
             records["time"], records["length"] = block.time[rows], block.length[rows]
-            records["data"] = block.data[rows, : records["data"].shape[1]]
-            self._parts[key].append(records.tobytes())
-            self._waiting += records.nbytes
-            self.count[key] += len(rows)
+            records["data"][:, :LONGEST] = block.data[rows, : records["data"].shape[1]]
+            self._keep(key, records)
         if self._waiting > _WAITING:
             self.flush()
+
+    def _add_whole(self, key: _Key, time: float, data: bytes) -> None:
+        """Add a message that was put together from several frames."""
+        message = self._message(key)
+        if message is None:
+            self.unknown_groups.add(f"PGN {parameter_group(key.frame):#06x} ({parameter_group(key.frame)})")
+            return
+        records = np.zeros(1, dtype=_record(message))
+        width = min(len(data), records["data"].shape[1])
+        records["time"], records["length"] = time, len(data)
+        records["data"][0, :width] = np.frombuffer(data, dtype=np.uint8, count=width)
+        self._keep(key, records)
+
+    def _message(self, key: _Key) -> Message | None:
+        """Return what is known of frames with an identifier, and begin their file if it is the first."""
+        message = self.known.get(key) or self.messages.find(key.frame, key.extended)
+        if message is not None and key not in self.known:
+            self.known[key], self.count[key] = message, 0
+            self._files[key], self._parts[key] = self.folder / str(len(self._files)), []
+        return message
+
+    def _keep(self, key: _Key, records: np.ndarray) -> None:
+        self._parts[key].append(records.tobytes())
+        self._waiting += records.nbytes
+        self.count[key] += len(records)
 
     def flush(self) -> None:
         """Write what waits."""

@@ -13,7 +13,7 @@ from polydraulic.measure.formats.status_text import StatusText, states
 from polydraulic.measure.log_units import need
 
 _PDU2 = 240  # from this format on a J1939 group has no destination in its identifier
-ERROR, NOT_AVAILABLE = "error", "not available"
+ERROR, NOT_AVAILABLE, RESERVED, SPECIFIC = "error", "not available", "reserved", "parameter specific"
 
 
 class Selection(NamedTuple):
@@ -124,13 +124,23 @@ def parameter_group(frame: int) -> int:
 
 def j1939_codes(length: int) -> list[StatusText]:
     """Raw values of J1939 that stand for no value, by the number of bits."""
-    if length in (2, 4, 8, 10):
+    if length in (2, 4, 10):
         top = 2**length - 1
         return [StatusText(top - 1, top - 1, ERROR), StatusText(top, top, NOT_AVAILABLE)]
-    if 12 <= length <= 32:
-        step = 2 ** (length - 8)
-        return [StatusText(254 * step, 255 * step - 1, ERROR), StatusText(255 * step, 256 * step - 1, NOT_AVAILABLE)]
+    if length == 8 or 12 <= length <= 32:
+        step = 2 ** (length - 8)  # what the highest byte says
+        of_byte = ((251, 252, SPECIFIC), (252, 254, RESERVED), (254, 255, ERROR), (255, 256, NOT_AVAILABLE))
+        return [StatusText(low * step, high * step - 1, text) for low, high, text in of_byte]
     return []
+
+
+def _without(code: StatusText, named: Sequence[float]) -> list[StatusText]:
+    """What is left of a range of raw values without those that a database names, which rise."""
+    found, low = [], code.low
+    for value in [value for value in named if code.low <= value <= code.high]:
+        found += [StatusText(low, value - 1, code.text)] if value > low else []
+        low = value + 1
+    return found + ([StatusText(low, code.high, code.text)] if low <= code.high else [])
 
 
 def _read(path: Path) -> list[tuple[int, bool, Message]]:
@@ -182,8 +192,8 @@ def _signal(signal: Any, by_name: dict[str, Any], j1939: bool) -> CanSignal:
     if signal.is_multiplexer:
         codes = []
     elif j1939 and not (signal.is_signed or signal.is_float):
-        named = {t.low for t, number in zip(texts, kept, strict=True) if number}
-        codes += [code for code in j1939_codes(length) if code.low not in named]
+        named = sorted(t.low for t, number in zip(texts, kept, strict=True) if number)
+        codes += [piece for code in j1939_codes(length) for piece in _without(code, named)]
     return CanSignal(
         signal.name, unit, _field(signal), bool(signal.is_signed), bool(signal.is_float), float(signal.scale),
         float(signal.offset), tuple(reversed(selections)), tuple(codes),
