@@ -198,3 +198,20 @@ def test_arrays_that_do_not_fit_are_one_clear_error():
     with pytest.raises(InputError, match="2 output names"):
         model.to_models(outputs=[Variable("a"), Variable("b")])
     assert str(clone(model)) == str(model)
+
+
+@pytest.mark.parametrize(("scale", "offset"), [(1e-150, 0.0), (1e140, 0.0), (1.0, 1e9)])
+def test_signals_of_any_size_are_learnt(scale, offset):
+    u, y = hammerstein(300)
+    learner = DynamicRegressor(input_lags=[2], output_lags=[1, 2]).fit(u * scale + offset, y * scale + offset)
+    run = learner.simulate(u * scale + offset, y * scale + offset)
+    assert np.std(run / scale - (y + offset / scale)) < 0.01 * y.std()
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-310, 1e200])
+def test_signals_whose_squares_are_no_numbers_are_named(scale):
+    u, y = hammerstein(100)
+    with pytest.raises(InputError, match="x0 lies in .* scale it"):
+        DynamicRegressor().fit(u * scale, y)
+    with pytest.raises(InputError, match="y lies in .* scale it"):
+        DynamicRegressor().fit(u, y * scale)

@@ -3,8 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from polydraulic import AbductiveRegressor
-from polydraulic.networks import Variable
+from polydraulic import AbductiveRegressor, RegionRegressor
+from polydraulic.errors import InputError
+from polydraulic.networks import AbductiveClassifier, PerceptronRegressor, Variable
 
 RNG = np.random.default_rng(11)
 X = RNG.uniform(-1.0, 1.0, size=(200, 2))
@@ -194,6 +195,21 @@ def test_weights_that_sum_to_less_than_a_network_needs_are_named():
         AbductiveRegressor().fit(X, Y, np.full(200, 1e300))
     with pytest.raises(ValueError, match="the weights sum to"):
         AbductiveRegressor().fit(X, Y, np.geomspace(1e-150, 1e150, 200))
+    with pytest.warns(UserWarning, match="the weights of 200 rows sum to 10: .* divide the weights by their mean"):
+        AbductiveRegressor().fit(X, Y, np.full(200, 0.05))
+
+
+@pytest.mark.parametrize("weight", [np.geomspace(1e-290, 1e10, 200), np.where(X[:, 0] > 0.0, 1.0, 5e-324)])
+def test_weights_beside_which_others_do_not_count_are_refused_by_every_learner(weight):
+    edges = {1: [0.0]}
+    for learner in (AbductiveRegressor(), RegionRegressor(edges=edges), AbductiveClassifier(), PerceptronRegressor()):
+        with pytest.raises(InputError, match="the weights reach from .* does not count; give these rows the weight 0"):
+            learner.fit(X, Y > 0.0, weight)
+    with pytest.raises(InputError, match="the weights reach from"):
+        AbductiveRegressor().fit_blocks([(X[:100], Y[:100], weight[:100]), (X[100:], Y[100:], weight[100:])])
+    counted = np.where(weight > 1e-13 * weight.max(), weight, 0.0)
+    few = AbductiveRegressor(max_layers=1).fit(X, Y, counted)
+    assert np.average((few.predict(X) - Y) ** 2, weights=counted) < 0.1 * np.average(Y**2, weights=counted)
 
 
 def test_offsets_and_scales_of_any_size_are_learnt():

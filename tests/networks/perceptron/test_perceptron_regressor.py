@@ -110,6 +110,26 @@ def test_weights_act_like_repetitions_to_the_last_bit(seed):
     assert weighted.network_ == twice.network_
 
 
+@pytest.mark.parametrize(
+    ("scale", "offset"), [(1e-300, 0.0), (1e-200, 0.0), (1e200, 0.0), (1.0, 1e12), (1e-2, 1e12), (1.0, 1e14)]
+)
+def test_offsets_and_scales_of_any_size_are_learnt(scale, offset):
+    unit = X / [0.01, 2e7]
+    plain = rms(PerceptronRegressor(**quick).fit(unit, Y).predict(unit) - Y)
+    seen = unit * scale + offset  # of which rounding takes digits
+    assert rms(PerceptronRegressor(**quick).fit(seen, Y).predict(seen) - Y) < 1.5 * plain + 0.2 * Y.std()
+    target = Y / Y.std() * scale + offset
+    answers = PerceptronRegressor(**quick).fit(unit, target).predict(unit)
+    assert np.std((answers - target) / scale) < 0.3
+
+
+def test_inputs_that_cannot_be_learnt_from_are_named():
+    with pytest.raises(InputError, match="a column varies by less than 2.2e-308"):
+        PerceptronRegressor(**quick).fit(X * [1.0, 1e-318], Y)
+    with pytest.warns(UserWarning, match=r"input 1 varies by .* about 1e\+12, which is no more than rounding"):
+        PerceptronRegressor(**quick).fit(X * [1.0, 2e-11] + [0.0, 1e12], Y)
+
+
 def test_a_seed_gives_the_same_network_and_others_differ():
     assert PerceptronRegressor(**quick).fit(X, Y).network_ == PerceptronRegressor(**quick).fit(X, Y).network_
     losses = {PerceptronRegressor(**quick, random_state=seed).fit(X, Y).loss_ for seed in range(3)}

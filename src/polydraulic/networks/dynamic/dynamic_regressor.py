@@ -30,6 +30,7 @@ _MARGIN = 0.1  # of their range, by which the limits of outputs and of their cha
 _HORIZONS, _OWN_HORIZONS = (8, 16, 32, 64, 128, 256), (None, 8, 64)  # to choose from; for a given estimator
 _PATIENCE = 8  # so many more terms of each output without a gain end the growth
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
+_THINNEST, _LARGEST = 1e-150, 1e150  # of signals, whose squares are to be numbers with all digits
 
 
 class DynamicRegressor(BaseEstimator):
@@ -138,6 +139,7 @@ class DynamicRegressor(BaseEstimator):
         signals = np.column_stack([X, y])
         self.n_outputs_ = signals.shape[1] - self.n_features_in_
         spans = spans_of(segments, np.isfinite(signals).all(axis=1))
+        _check_sizes(signals[rows_of(spans)], self._names())
         *self.tried_, self.choice_ = self._choose(signals, spans)
         self.models_ = self._learn(self.choice_, signals, spans)
         self.warm_up_ = self._dynamics.warm_up
@@ -355,6 +357,17 @@ class DynamicRegressor(BaseEstimator):
 def _but(spans: list[Span], block: list[Span], warm_up: int) -> list[Span]:
     """Rows to learn from: those before a block start its runs, are known then, and stay out with it."""
     return without(spans, [(a - warm_up, b) for a, b in block])
+
+
+def _check_sizes(signals: np.ndarray, names: Sequence[str]) -> None:
+    """Refuse signals whose squares are no numbers, or lose their digits."""
+    for name, values in zip(names, signals.T, strict=True):
+        low, high = (float(end(values)) if values.size else 0.0 for end in (np.min, np.max))
+        if max(-low, high) > _LARGEST or 0.0 < high - low < _THINNEST:
+            raise InputError(
+                f"{name} lies in {low:g} to {high:g}: its values must not be beyond {_LARGEST:g}, nor vary by less than "
+                f"{_THINNEST:g}; scale it"
+            )
 
 
 def _targets(spans: list[Span], choice: Choice) -> list[Span]:

@@ -17,6 +17,7 @@ from polydraulic.networks.growth.refine import refine
 from polydraulic.networks.growth.row_blocks import row_blocks
 from polydraulic.networks.growth.synthesis import SMALLEST_VARIANCE, Settings, penalty, residual_variance, synthesize
 from polydraulic.networks.growth.training_rows import (
+    SMALLEST,
     Scaling,
     TrainingRows,
     rows_apart,
@@ -32,7 +33,6 @@ from polydraulic.networks.model.nodes import POLYNOMIALS
 from polydraulic.networks.model.table import UNBOUNDED, Network, Node
 
 _log = logging.getLogger(__name__)
-_SMALLEST = 4  # rows to learn from; up to three for a coefficient, a constant is all that is found
 _MAX_REFINEMENTS = 100  # passes over the rows
 _MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
 _MISSING = ("refuse", "drop", "impute")
@@ -289,13 +289,13 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     def _grow(self, rows: TrainingRows, settings: Settings, apart: TrainingRows | None = None) -> Grown:
         s = rows.scaling
-        if s.weight < _SMALLEST:
+        if s.weight < SMALLEST:
             weighted = any(w is not None for *_, w in rows)
             raise InputError(
                 f"the weights sum to {s.weight:g}: a weight acts like that many repetitions of its row, and a network needs at "
-                f"least {_SMALLEST} rows; divide the weights by their mean to weigh rows against each other"
+                f"least {SMALLEST} rows; divide the weights by their mean to weigh rows against each other"
                 if weighted
-                else f"n_samples = {s.weight:g}: a network needs at least {_SMALLEST} rows"
+                else f"n_samples = {s.weight:g}: a network needs at least {SMALLEST} rows"
             )
         n_input = len(s.x_mean)
         inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)

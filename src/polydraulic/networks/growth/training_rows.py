@@ -5,7 +5,7 @@ from a file row group by row group. A block is inputs (n_row, n_input), target (
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,8 +14,10 @@ import numpy as np
 from polydraulic.errors import InputError
 
 BLOCK = 4096
+SMALLEST = 4  # rows to learn from; up to three for a coefficient, a constant is all that is found
 _CONSTANT = 8.0 * float(np.finfo(np.float64).eps)  # a range smaller than this share of the mean is rounding
-_HEAVIEST = 1e15  # weight of all rows: beyond it, the smallest one no longer counts
+_HEAVIEST = 1e15  # weight of all rows, and of one in terms of another: beyond it, the smallest one no longer counts
+_LIGHT = 0.1  # mean weight below which rows are fewer than they look
 
 _LEAST = 1e-280  # squares below it have lost digits, or are zero
 
@@ -140,7 +142,7 @@ class ParquetBlocks:
 
 def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
     """Statistics in one pass; means and spreads of blocks are merged, so that no large sums cancel."""
-    weight, mean, square = 0.0, np.zeros(0), np.zeros(0)
+    weight, mean, square, n_row, lightest, heaviest = 0.0, np.zeros(0), np.zeros(0), 0, np.inf, 0.0
     low, high = np.zeros(0), np.zeros(0)
     with np.errstate(over="ignore", invalid="ignore"):
         for x, y, w in blocks():
@@ -148,6 +150,10 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
                 raise InputError(f"a block has {x.shape[1]} inputs, those before it have {mean.size - 1}")
             v = np.column_stack([x, y])
             total = float(len(v) if w is None else w.sum())
+            n_row += len(v)
+            if w is not None:
+                lightest = min(lightest, float(w.min(where=w > 0.0, initial=np.inf)))
+                heaviest = max(heaviest, float(w.max()))
             block_mean = (v.sum(axis=0) if w is None else w @ v) / total
             squares = (v - block_mean) ** 2
             block_square = squares.sum(axis=0) if w is None else w @ squares
@@ -167,17 +173,16 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
             f"the weights sum to {weight:g}: a weight acts like that many repetitions of its row; divide the weights by "
             "their mean to weigh rows against each other"
         )
-    if not np.all(np.isfinite(mean)):
-        raise InputError("the values are too large for their sums to be numbers: scale the columns")
-    constant = (high - low <= _CONSTANT * np.abs(mean)) | (high <= low)
-    # a constant that was computed may differ in its last digit; more than that was a signal before it was rounded
-    for place in np.flatnonzero(constant & (high - low > 1.5 * np.spacing(np.abs(mean)))).tolist():
-        name = "the target" if place == len(mean) - 1 else f"input {place}"
+    check_span(lightest, heaviest)
+    if SMALLEST <= weight < _LIGHT * n_row:
         warnings.warn(
-            f"{name} varies by {high[place] - low[place]:g} about {mean[place]:g}, which is no more than rounding: it counts as "
-            "constant; subtract the offset before it is rounded",
+            f"the weights of {n_row} rows sum to {weight:g}: a weight acts like that many repetitions of its row, and so few rows teach "
+            "little; divide the weights by their mean to weigh rows against each other",
             stacklevel=2,
         )
+    if not np.all(np.isfinite(mean)):
+        raise InputError("the values are too large for their sums to be numbers: scale the columns")
+    constant = constant_columns(low, high, mean, [*(f"input {place}" for place in range(len(mean) - 1)), "the target"])
     mean = np.where(constant, low, mean) + 0.0  # no negative zeros in files
     spread = np.where(constant, 1.0, np.sqrt(square / weight))
     lost = ~constant & (spread * spread < _LEAST)
@@ -185,14 +190,41 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
         spread[lost] = _small_spread(blocks, weight, mean[lost], (high - low)[lost], lost)
     if not np.all(np.isfinite([*mean, *(spread * spread)])):
         raise InputError("the values are too large for their squares to be numbers: scale the columns")
-    if np.any(spread < np.finfo(np.float64).smallest_normal):  # its inverse may be none
-        raise InputError(
-            "a column varies by less than 2.2e-308, the smallest number with all its digits: scale the columns"
-        )
+    check_narrow(spread)
     return Scaling(
         weight, mean[:-1], spread[:-1], low[:-1], high[:-1],
         float(mean[-1]), float(spread[-1]), float(low[-1]), float(high[-1]),
     )  # fmt: skip
+
+
+def constant_columns(low: np.ndarray, high: np.ndarray, mean: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """Which columns vary by no more than rounding, (n_column,) array of bool; warns of those that were signals before they were rounded."""
+    constant: np.ndarray = (high - low <= _CONSTANT * np.abs(mean)) | (high <= low)
+    # a constant that was computed may differ in its last digit; more than that was a signal before it was rounded
+    for place in np.flatnonzero(constant & (high - low > 1.5 * np.spacing(np.abs(mean)))).tolist():
+        warnings.warn(
+            f"{names[place]} varies by {high[place] - low[place]:g} about {mean[place]:g}, which is no more than rounding: it counts as "
+            "constant; subtract the offset before it is rounded",
+            stacklevel=3,
+        )
+    return constant
+
+
+def check_narrow(spread: np.ndarray) -> None:
+    """Refuse columns that vary so little that the inverse of it may be no number."""
+    if np.any(spread < np.finfo(np.float64).smallest_normal):
+        raise InputError(
+            "a column varies by less than 2.2e-308, the smallest number with all its digits: scale the columns"
+        )
+
+
+def check_span(lightest: float, heaviest: float) -> None:
+    """Refuse weights of which the smallest does not count beside the largest."""
+    if not heaviest <= _HEAVIEST * lightest:
+        raise InputError(
+            f"the weights reach from {lightest:g} to {heaviest:g}: beside a weight that is {_HEAVIEST:g} times as large one does not count; "
+            "give these rows the weight 0, which leaves them out, or a larger one"
+        )
 
 
 def _small_spread(

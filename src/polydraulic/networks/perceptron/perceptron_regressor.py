@@ -14,6 +14,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 from threadpoolctl import threadpool_limits
 
 from polydraulic.errors import InputError
+from polydraulic.networks.growth.training_rows import check_narrow, check_span, constant_columns
 from polydraulic.networks.hold_out import drawn_rows
 from polydraulic.networks.model.fitted import checked_box, settings_of, variables
 from polydraulic.networks.model.model import Model, Variable
@@ -155,8 +156,9 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
             span, y_span = high - low, float(y.max() - y_least)
         if not np.all(np.isfinite([*span, y_span])):
             raise InputError("the values are too large for their range to be a number: scale the columns")
-        varies = span > np.maximum(1e-12 * np.maximum(np.abs(low), np.abs(high)), 1e-300)
+        varies = ~constant_columns(low, high, low, [f"input {place}" for place in range(len(low))])
         scale = np.where(varies, span, 1.0)
+        check_narrow(scale)
         task = Task(
             inputs=np.column_stack([np.where(varies, (X - low) / scale, 0.0), np.ones(len(y))]),
             target=(y - y_least) / (y_span or 1.0),
@@ -289,6 +291,7 @@ def _merge_rows(X: np.ndarray, y: np.ndarray, weight: np.ndarray) -> tuple[np.nd
     if not len(rows):
         raise InputError("sample_weight: no row has a weight above 0")
     merged = np.bincount(place.ravel(), weights=weight[weight > 0.0])
+    check_span(float(merged.min()), float(merged.max()))
     return rows[:, :-1], rows[:, -1], merged
 
 
