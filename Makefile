@@ -35,6 +35,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py tree_motion
 	$(BIN)/python benchmarks/keep.py flows
 	$(BIN)/python benchmarks/keep.py exports
+	$(BIN)/python benchmarks/keep.py series
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
 

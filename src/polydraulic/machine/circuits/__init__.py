@@ -1,1 +1,1 @@
-"""Circuits of a pump and several valves, as text that is generated for a layout around kernels written by hand."""
+"""Circuits of a pump and many valves, as text that is generated around kernels written by hand; circuits that are joined."""

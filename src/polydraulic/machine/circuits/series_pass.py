@@ -15,7 +15,7 @@ from polydraulic.machine.valve import Orifices, orifice_flow
 
 PASSES = 8  # what they leave is repaired
 AT_FIRST = 1e300  # m3/s; the last change of a flow that has not moved yet
-_REST = 1e-15  # share of pump flow; a smaller change is rounding
+_REST = 1e-12  # share of pump flow; a smaller change of a pass leaves nothing to do
 _SWING = 0.3  # of its last change: a flow that turns back by more moves by half
 
 
