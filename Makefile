@@ -31,6 +31,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/solvers.py
 	$(BIN)/python benchmarks/machine.py
 	$(BIN)/python benchmarks/machine_c.py
+	$(BIN)/python benchmarks/tree_motion.py
 	$(BIN)/python benchmarks/flows.py
 	$(BIN)/python benchmarks/exports.py
 	$(BIN)/python benchmarks/networks.py --quick

@@ -1,58 +1,45 @@
 """The generated equations of motion next to those written by hand for three joints: angles, mass matrix, torques and solution.
 
-``python benchmarks/tree_motion.py`` prints and asserts nothing. Each call goes through the same random states and sums all that
-it finds, so that nothing is left out. Times are processor times of the calling thread.
+``python benchmarks/tree_motion.py`` prints and asserts nothing. Each call goes through the same random states and sums all
+accelerations that it finds, so that nothing is left out. Times are processor times of the calling thread.
 """
 
+import importlib.util
 import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+import numpy as np
 
-from helpers.trees import GRAVITY, TREES, mechanics, random_states
 from polydraulic import load_machine
 from polydraulic._kernel import driver, kernel
 from polydraulic.elementary import sincos
 from polydraulic.machine.linkage import Held, motion, prepare_linkage, solve_motion
 from polydraulic.machine.state import Links
-from polydraulic.machine.tree.motion_text import moving
+from polydraulic.machine.tree.links import Link
+from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text, moving
 from polydraulic.thesis.timing import paired_times
 from show import show
 
-STATES, REPEATS = 1024, 200  # a power of two; a call is long, since it takes time to look at its arguments
-TOTAL = '''
+STATES, REPEATS = 1024, 200  # a call is long, since it takes a while to look at its arguments
+LOOP = """
 
 @kernel
 def joints(rows, i):
-    return Joints(ROW)
+    return Joints({row})
 
 
 @driver
-def total(q, v, torque, held, constants):
-    """Sum of all accelerations."""
+def total(q, v, torque, held, constants, n):
     found = 0.0
-    for k in range(REPEATS * q.shape[0]):
+    for k in range(n * q.shape[0]):
         i = k % q.shape[0]
         m = motion(turns(joints(q, i)), joints(v, i), constants)
         push = joints(torque, i)
-        a = solve_motion(m.mass, held, Joints(RIGHT))
-        found += SUM
+        a = solve_motion(m.mass, held, Joints({right}))
+        found += {sum}
     return found
-'''
-
-
-def total_text(names):
-    """A loop for joints of these names."""
-    texts = {
-        "ROW": [f"rows[i, {k}]" for k in range(len(names))],
-        "RIGHT": [f"push.{name} - m.bias.{name} - m.gravity.{name}" for name in names],
-        "REPEATS": [str(REPEATS)],
-    }
-    text = TOTAL.replace("SUM", " + ".join(f"a.{name}" for name in names))
-    for word, parts in texts.items():
-        text = text.replace(word, ", ".join(parts))
-    return text
+"""
 
 
 @kernel
@@ -61,9 +48,9 @@ def links_of(rows, i):
 
 
 @driver
-def total_by_hand(q, v, torque, held, linkage):
+def total_by_hand(q, v, torque, held, linkage, n):
     found = 0.0
-    for k in range(REPEATS * q.shape[0]):
+    for k in range(n * q.shape[0]):
         i = k % q.shape[0]
         angle, rate, push = links_of(q, i), links_of(v, i), links_of(torque, i)
         m = motion(sincos(angle.boom), sincos(angle.stick), rate, linkage)
@@ -77,18 +64,74 @@ def total_by_hand(q, v, torque, held, linkage):
     return found
 
 
+def arm(name, parent, joint, axis, **place):
+    """A link that is long in x, with a centre of gravity off its middle."""
+    return Link(name, parent, joint, axis, place, 500.0, {"x": 1.0, "z": 0.1}, {"xx": 20.0, "yy": 200.0, "zz": 200.0})
+
+
+SWING = Link("swing", None, "revolute", "z", inertia={"zz": 25000.0})
+THREE = [
+    SWING,
+    arm("boom", "swing", "revolute", "-y", x=0.81, y=0.12),
+    arm("stick", "boom", "revolute", "-y", x=5.19),
+]
+TREES = {
+    "three joints": THREE,
+    "four, one a bucket": [*THREE, arm("bucket", "stick", "revolute", "-y", x=1.8)],
+    "four, one a telescopic boom": [
+        *THREE[:2],
+        arm("extension", "boom", "prismatic", "x", x=3.0),
+        arm("jib", "extension", "revolute", "-y", x=2.0),
+    ],
+    "six, a bucket that tilts and turns": [
+        *THREE,
+        arm("bucket", "stick", "revolute", "-y", x=1.8),
+        arm("tilt", "bucket", "revolute", "x", x=0.3),
+        arm("turn", "tilt", "revolute", "z", z=-0.3),
+    ],
+}
+
+
+def random_states(n_joints):
+    rng = np.random.default_rng(0)
+    return [rng.uniform(-limit, limit, (STATES, n_joints)) for limit in (3.0, 1.5, 2e4)]
+
+
+def generated(links, folder):
+    """The sum over all states, by a module in a file of its own."""
+    names = moving(links)
+    loop = LOOP.format(
+        row=", ".join(f"rows[i, {k}]" for k in range(len(names))),
+        right=", ".join(f"push.{name} - m.bias.{name} - m.gravity.{name}" for name in names),
+        sum=" + ".join(f"a.{name}" for name in names),
+    )
+    tuples = [
+        f"class {tuple_name}(NamedTuple):\n" + "".join(f"    {name}: {kind}\n" for name in names)
+        for tuple_name, kind in (("Joints", "float"), ("Held", "bool"))
+    ]
+    imports = [*MOTION_IMPORTS, "from polydraulic._kernel import driver"]
+    path = folder / f"{'_'.join(names)}.py"
+    path.write_text("\n".join([*imports, *tuples, motion_text(links), loop]))
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    held, constants = module.Held(*[False] * len(names)), module.prepare_motion(links, 9.81)
+    states = random_states(len(names))
+    return lambda: module.total(*states, held, constants, REPEATS)
+
+
 def main():
-    states = random_states(TREES["three links"], STATES)
-    linkage, held = prepare_linkage(load_machine("cat215b")), Held(False, False, False)
-    calls = {"three links by hand": lambda: total_by_hand(*states, held, linkage)}
+    states, linkage = random_states(3), prepare_linkage(load_machine("cat215b"))
+    calls = {"by hand": lambda: total_by_hand(*states, Held(False, False, False), linkage, REPEATS)}
     with tempfile.TemporaryDirectory() as folder:
-        for name, links in TREES.items():
-            names = moving(links)
-            module = mechanics(Path(folder), links, more=total_text(names))
-            arguments = (*random_states(links, STATES), module.Held(*[False] * len(names)))
-            arguments = (*arguments, module.prepare_motion(links, GRAVITY))
-            calls[f"generated: {name} ({len(names)} joints)"] = lambda m=module, a=arguments: m.total(*a)
-        show("Angles, equations of motion and solution of a state", paired_times(calls), "ns", per=STATES * REPEATS)
+        calls |= {f"generated: {name}": generated(links, Path(folder)) for name, links in TREES.items()}
+        show(
+            "Angles, equations of motion and their solution in one state",
+            paired_times(calls),
+            "ns",
+            per=STATES * REPEATS,
+        )
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from polydraulic.display import (
     DEFAULT,
     SYSTEMS,
     amount,
+    as_drawn,
     as_shown,
     moment,
     quantity_of,
@@ -77,3 +78,9 @@ def test_times_of_logs_with_a_date_are_dates():
     at, label = time_axis(seconds)
     assert (at is seconds, label) == (True, "time [s]")
     assert as_shown(2e5, "Pa", "metric") == 2.0
+
+
+def test_names_in_pictures_are_no_formulas_and_not_longer_than_the_picture():
+    assert as_drawn(r"$x_{$") == r"\$x_{\$"
+    assert as_drawn("p_{ %") == "p_{ %"
+    assert as_drawn("q" * 300) == "q" * 79 + "…"

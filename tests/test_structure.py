@@ -18,6 +18,8 @@ TESTED_ELSEWHERE = {
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
     "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
+    "export/fresh.py": ("export/test_verify.py", "every target runs in a process of its own there"),
+    "export/fresh_script.py": ("export/test_verify.py", "what those processes run"),
     "export/fmu/xml.py": ("export/fmu/test_networks.py", "descriptions are validated and read by importers"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
     "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
@@ -32,7 +34,19 @@ TESTED_ELSEWHERE = {
         "machine/circuits/test_series_text.py",
         "the march is held to the judge of the whole circuit",
     ),
+    "machine/circuits/series_slopes.py": (
+        "machine/circuits/test_series_slopes_text.py",
+        "parts of the slopes held to differences there",
+    ),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
+    "machine/tree/equations.py": (
+        "machine/tree/test_motion_text.py",
+        "recorded mechanics are held to MuJoCo as a whole",
+    ),
+    "machine/tree/frames.py": ("machine/tree/test_motion_text.py", "recorded mechanics are held to MuJoCo as a whole"),
+    "machine/tree/links.py": ("machine/tree/test_link_checks.py", "a record"),
+    "machine/tree/mass.py": ("machine/tree/test_motion_text.py", "recorded mechanics are held to MuJoCo as a whole"),
+    "machine/tree/points.py": ("machine/tree/test_motion_text.py", "points and forces there are held to MuJoCo"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
     "measure/formats/can/database.py": (
         "measure/formats/can/test_can_log.py",

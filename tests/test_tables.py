@@ -230,3 +230,38 @@ def test_tables_are_shown_column_by_column():
 def test_when_a_log_began():
     assert began(Table({}, {}, {"began": 1.7e9})) == 1.7e9
     assert began(Table({}, {})) == began(Table({}, {}, {"began": "noon"})) == 0.0
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet"])
+def test_names_of_columns_travel_or_are_refused_before_anything_is_written(ending, tmp_path):
+    path = tmp_path / f"t{ending}"
+    names = [
+        "lambda",
+        "None",
+        "p / bar",
+        "a,b",
+        'a"b',
+        "%",
+        "$x",
+        r"\\frac",
+        "p_{",
+        "two\nlines",
+        "Ünï🙂",
+        "x" * 300,
+        "A",
+        "a",
+        "=1+1",
+    ]
+    table = Table.from_dict(
+        {name: [float(k), 2.5] for k, name in enumerate(names)}, {"lambda": "m3/s", "a,b": "bar", "two\nlines": "V"}
+    )
+    write_table(table, path)
+    assert read_table(path) == table
+    for name in ("", " ", "a\x00", "\ud800", "\uffff"):
+        with pytest.raises(InputError, match="column "):
+            write_table(Table.from_dict({name: [1.0]}), tmp_path / f"other{ending}")
+    if ending == ".csv":
+        for name, unit in (("p [bar]", ""), (" p", ""), ("p", "a]b")):
+            with pytest.raises(InputError, match="would not be read so from CSV"):
+                write_table(Table.from_dict({name: [1.0]}, {name: unit}), tmp_path / "other.csv")
+    assert list(tmp_path.iterdir()) == [path]

@@ -15,6 +15,7 @@ from polydraulic.units import from_si
 Value = TypeVar("Value", float, np.ndarray)
 
 DEFAULT = "metric"
+_LONGEST = 80  # letters of a name in a picture, which would have no room for more
 # SI unit of a kind of quantity -> the unit it is shown in; a kind that is left out is shown in SI
 SYSTEMS: dict[str, dict[str, str]] = {
     "metric": {
@@ -62,6 +63,8 @@ QUANTITIES = {
     "q_pump": "pump flow",
     "angle": "angle",
     "rate": "angular rate",
+    "position": "position",
+    "speed": "speed",
 }
 
 
@@ -116,6 +119,11 @@ def amount(value: float, unit: str, units: str = DEFAULT, *, digits: int = 4) ->
 def with_unit(name: str, unit: str) -> str:
     """Name and unit as they stand at an axis or above a column: ``"pump pressure [bar]"``."""
     return f"{name} [{unit}]" if unit not in ("", "1") else name
+
+
+def as_drawn(text: str) -> str:
+    """A name as text of a picture: letter by letter, for matplotlib would set what stands between dollars as a formula, or fail at it."""
+    return (text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…").replace("$", r"\$")
 
 
 def quantity_of(column: str) -> str:

@@ -1,9 +1,10 @@
 """Files that are whole or absent: written beside their place and moved there at the end."""
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from polydraulic.errors import InputError
@@ -21,9 +22,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=path.suffix, dir=path.parent)
+        with suppress(FileNotFoundError):
+            path.lstat()  # finds a name that is too long before the work is done
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem[:40]}.", suffix=path.suffix[:20], dir=path.parent)
+    except ValueError as error:  # a null character, a lone surrogate
+        raise InputError(f"cannot write {str(path)!r}: no file can have this name; choose another") from error
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose a folder you may write to") from error
+        mend = "shorter names" if error.errno == errno.ENAMETOOLONG else "a folder you may write to"
+        raise InputError(f"cannot write {path}: {error.strerror}; choose {mend}") from error
     os.close(handle)
     temporary = Path(name)
     try:

@@ -18,6 +18,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
+from polydraulic.names import checked_name, checked_text
 from polydraulic.pages import html
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import ArrayLike
 
-_HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
+_HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$", re.DOTALL)
 _INFO_KEY = b"polydraulic"
 _SHOWN_ROWS, _SHOWN_COLUMNS = 5, 30  # at both ends; of a table that is displayed
 
@@ -240,6 +241,10 @@ def table_writer(
     info : mapping, optional
     """
     ending = table_ending(path)
+    for name, unit in units.items():
+        checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
+        if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
+            raise InputError(f"column {name!r} [{unit}] would not be read so from CSV: rename it, or write .parquet")
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
@@ -259,8 +264,8 @@ def table_writer(
 
 
 def _quoted(head: str) -> str:
-    """A head of a CSV column, in quotes where it holds a comma."""
-    return '"' + head.replace('"', '""') + '"' if "," in head or '"' in head else head
+    """A head of a CSV column, in quotes where it holds what parts columns and lines."""
+    return '"' + head.replace('"', '""') + '"' if set(head) & set(',"\n\r') else head
 
 
 def read_table(path: str | Path, columns: Sequence[str] | None = None, *, optional: Sequence[str] = ()) -> Table:
@@ -291,11 +296,10 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
         raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({str(error).splitlines()[0]})") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    heads = [_HEADER.match(entry.name) if ending == ".csv" else None for entry in raw.schema]
-    names = [head["name"] if head else entry.name for head, entry in zip(heads, raw.schema, strict=True)]
+    found = [_name_and_unit(entry.name) if ending == ".csv" else (entry.name, _unit_of(entry)) for entry in raw.schema]
+    names = [name for name, _ in found]
     _refuse_twice(names, f"{path}: ")
-    found = [(head["unit"] or "") if head else _unit_of(entry) for head, entry in zip(heads, raw.schema, strict=True)]
-    units = dict(zip(names, found, strict=True))
+    units = dict(found)
     wanted = (
         [*columns, *(name for name in optional if name in units and name not in columns)]
         if columns is not None
@@ -358,16 +362,24 @@ def _schema(units: Mapping[str, str], info: Mapping[str, object]) -> "pa.Schema"
 
 
 def _unit_of(entry: "pa.Field") -> str:
-    return str((entry.metadata or {}).get(b"unit", b"").decode())
+    return str((entry.metadata or {}).get(b"unit", b"").decode(errors="replace"))
 
 
 def _info_of(schema: "pa.Schema") -> dict[str, object]:
-    stored = (schema.metadata or {}).get(_INFO_KEY)
-    return json.loads(stored) if stored else {}
+    try:
+        found = json.loads((schema.metadata or {}).get(_INFO_KEY, b"{}"))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"the metadata of the table are damaged ({error})") from error
+    return found if isinstance(found, dict) else {}
 
 
 def _head(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
+
+
+def _name_and_unit(head: str) -> tuple[str, str]:
+    found = _HEADER.match(head)
+    return (found["name"], found["unit"] or "") if found else (head, "")
 
 
 def shown_column(table: Table, name: str, units: str = DEFAULT) -> tuple[np.ndarray, str]:

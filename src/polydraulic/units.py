@@ -228,9 +228,11 @@ def _unmarked(plain: str, kind: str, library: Library | None) -> _Reading:
         return _Reading(_SYMBOLS["rpm"].factor, "rad/s")  # 1/min
     si = _SI_OF_BASE.get(_base(found))
     if si is not None:
-        energy = si == "N m" and any(symbol.si in ("W", "J") for symbol, _ in found)
-        damping = si == "kg/s" and any(symbol.si == "N" for symbol, _ in found)
-        return _Reading(_factor(found), "J" if energy else ("N s/m" if damping else si))
+        if si == "N m" and any(symbol.si in ("W", "J") for symbol, _ in found):
+            si = "J"
+        if si == "kg/s" and any(symbol.si == "N" for symbol, _ in found):  # a force over a speed
+            si = "N s/m"
+        return _Reading(_factor(found), si)
     # a mass where only a force makes sense: pounds of a torque are; kilograms on an area are where a pressure is known
     weights = [name.lower().rstrip("s") in ("kg", "lb", "t") for name, _ in names]
     heavy = [(_weight(s) if is_weight else s, p) for (s, p), is_weight in zip(found, weights, strict=True)]

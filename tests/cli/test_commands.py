@@ -66,6 +66,31 @@ def test_animate_writes_a_page(call, tmp_path):
     assert '"iterative"' in (tmp_path / "run.html").read_text()
 
 
+def test_a_machine_of_any_layout_is_simulated_plotted_and_animated(call, tmp_path):
+    chosen = ("random:3:0.5", "--machine", "cat215b_bucket", "--units", "field")
+    code, out, _ = call("simulate", *chosen, "--plot", tmp_path / "run.svg", "--out", tmp_path / "run.csv")
+    assert code == 0
+    assert re.search(r"bucket [AB] [\d.]+ psi at .* series pump [\d.]+ psi", out)
+    assert re.search(r"at the end: swing .* bucket -?[\d.]+ deg; tip at x [\d.]+ in", out)
+    assert (tmp_path / "run.svg").stat().st_size > 10_000
+    assert "bucket.angle" in (tmp_path / "run.csv").read_text().partition("\n")[0]
+    code, _, _ = call("animate", *chosen, "--out", tmp_path / "run.html")
+    assert code == 0
+    assert '"group":"bucket","title":"inlet pressure","unit":"psi"' in (tmp_path / "run.html").read_text()
+    code, _, error = call("simulate", *chosen, "--flow", "iterative", "--plot", tmp_path / "other.svg")
+    assert code == 2
+    assert "flow 'iterative' knows the layout of 'cat215b' alone" in error
+    assert not (tmp_path / "other.svg").exists()
+
+
+@pytest.mark.parametrize("machine", ["cat215b", "loader_crane", "wheel_loader"])
+def test_a_machine_is_drawn(call, tmp_path, machine):
+    code, out, _ = call("machine", "draw", machine, "--out", tmp_path / "machine.svg")
+    assert code == 0
+    assert "machine.svg" in out
+    assert (tmp_path / "machine.svg").read_text().count("<path") > 100
+
+
 def test_simulate_takes_a_method(call):
     code, out, _ = call("simulate", "single_05", "--method", "rosenbrock", "--raster", "0.1")
     assert code == 0
@@ -242,6 +267,9 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("simulate", "single_08", "--dt", "20"), "at least one time step"),
         (("simulate", "single_09"), "unknown scenario 'single_09'"),
         (("simulate", "single_08", "--machine", "cat1"), "unknown parameter set 'cat1'"),
+        (("machine", "draw", "cat1", "--out", "{0}/m.svg"), "unknown parameter set 'cat1'"),
+        (("machine", "draw", "cat215b", "--out", "{0}/m.gif"), "a picture ends in one of ['.svg', '.png', '.pdf']"),
+        (("machine", "draw", "cat215b", "--out", "{0}/m.svg", "--units", "imperial"), "units = 'imperial'"),
         (("simulate", "single_08", "--model", "{0}/bad.json"), "--model goes with --flow polynomial, neural"),
         (("simulate", "single_08", "--flow", "polynomial", "--model", "{0}/bad.json"), "bad.json: not a model file"),
         (("simulate", "single_08", "--flow", "polynomial", "--model", "{0}/new.json"), "has schema 99"),

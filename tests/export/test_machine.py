@@ -10,14 +10,9 @@ from helpers import c_machine
 from polydraulic import load_scenario, simulate
 from polydraulic._kernel import driver
 from polydraulic.errors import InputError
-from polydraulic.export.machine import (
-    DIVERGED,
-    export_machine,
-    machine_advance,
-    machine_c,
-    outputs,
-    prepared,
-)
+from polydraulic.export.excavator import machine_advance, outputs, prepared
+from polydraulic.export.machine import export_machine, machine_c
+from polydraulic.export.machine_parts import DIVERGED
 from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
@@ -100,7 +95,7 @@ def test_other_flow_models_translate_too(machine, flow, tmp_path):
 def _each(machine, memory, rows, voltage, status):
     for i in range(rows.shape[0]):
         memory[:] = 0.0
-        status[i] = machine_advance(machine, memory, rows[i], voltage[i, 0], voltage[i, 1], voltage[i, 2])
+        status[i] = machine_advance(machine, memory, rows[i], voltage[i])
 
 
 @pytest.mark.slow

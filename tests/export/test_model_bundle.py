@@ -1,17 +1,8 @@
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.export import c_name, export_c
+from polydraulic.export import export_c
 from polydraulic.networks import Model, Network, Node, Variable
-
-
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [("boom.q_in", "boom_q_in"), ("int", "int_"), ("3d", "m_3d"), ("Öl", "m__l"), ("_x", "m__x"), ("exp", "exp_"),
-     ("value_0_0", "m_value_0_0"), ("class", "class_"), ("", "m_")],
-)  # fmt: skip
-def test_c_names(name, expected):
-    assert c_name(name) == expected
 
 
 def test_models_that_do_not_go_together_are_refused(exported_models, tmp_path):

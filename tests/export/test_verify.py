@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.export import agreement_table, build, verify, verify_models
+from polydraulic.export import agreement_table, build, fresh, targets, verify, verify_models
 from polydraulic.networks import Model
 
 
@@ -32,16 +32,16 @@ def test_all_targets_agree(exported_models):
 
 
 def test_a_wrong_number_is_told(exported_models, monkeypatch):
-    right = verify.to_python
+    right = targets.to_python
 
     def wrong(model: Model, name: str) -> str:
         network = model.networks[0]
         shifted = replace(network, y_mean=network.y_mean + 1e-6)
         return right(replace(model, networks=(shifted, *model.networks[1:])), name)
 
-    monkeypatch.setattr(verify, "to_python", wrong)
+    monkeypatch.setattr(targets, "to_python", wrong)
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    for module in (verify, build):
+    for module in (fresh, build):
         monkeypatch.setattr(module, "find_spec", lambda name: None)
     found, not_tried = verify_models(exported_models["single"], n=60)
     assert [a.target for a in found] == ["python"]
@@ -55,7 +55,7 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
 
 def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):
     monkeypatch.setattr(verify, "_targets", lambda whole, folder: [
-        ("nan", True, lambda X: verify._Answers(np.full((len(X), 1), np.nan)))])  # fmt: skip
+        ("nan", True, lambda X: fresh.Answers(np.full((len(X), 1), np.nan)))])  # fmt: skip
     found, _ = verify_models(exported_models["single"], n=60)
     assert found[0].inside == np.inf
     assert not found[0].holds

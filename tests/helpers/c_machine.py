@@ -5,7 +5,8 @@ import subprocess
 
 import numpy as np
 
-from polydraulic.export.machine import machine_c, outputs, prepared
+from polydraulic.export.excavator import outputs, prepared
+from polydraulic.export.machine import machine_c
 from polydraulic.flow import FLOW_KINDS, flow_name
 
 STRICT = (

@@ -114,7 +114,12 @@ pump.torque_limit_exponent = {value = 1, unit = "1", source = "made up"}"""
 
 def _friction(dry: float, unit: str) -> str:
     damping, speed = ("N m s", "rad/s") if unit == "N m" else ("N s/m", "m/s")
-    numbers = (("coulomb", dry, unit), ("static", 1.5 * dry, unit), ("viscous", 3.0 * dry, damping), ("smoothing", 0.02, speed))
+    numbers = (
+        ("coulomb", dry, unit),
+        ("static", 1.5 * dry, unit),
+        ("viscous", 3.0 * dry, damping),
+        ("smoothing", 0.02, speed),
+    )
     return "\n".join(
         f'friction.{key} = {{value = {value}, unit = "{of}", source = "made up"}}'
         for key, value, of in (*numbers, ("stribeck", 0.05, speed))

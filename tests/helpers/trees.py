@@ -181,6 +181,24 @@ TREES = {
 }
 
 
+def random_tree(seed):
+    """Any joints about any axes, in any order, with whatever components are declared."""
+    rng = np.random.default_rng(seed)
+
+    def some(names):
+        return tuple(name for name in names if rng.random() < 0.6)
+
+    links = []
+    for i in range(int(rng.integers(1, 9))):
+        joint = str(rng.choice(["revolute", "revolute", "revolute", "prismatic", "fixed"])) if i else "revolute"
+        axis = None if joint == "fixed" else str(rng.choice(["x", "y", "z", "-x", "-y", "-z"]))
+        parent = None if i == 0 or rng.random() < 0.1 else f"l{rng.integers(max(0, i - 2), i)}"
+        place = {c: float(rng.uniform(-1.0, 1.0)) for c in some(VECTOR)}
+        numbers = body(rng, float(rng.uniform(1.0, 500.0)), cg=some(VECTOR), inertia=TENSOR if i % 2 else TENSOR[:3])
+        links.append(Link(f"l{i}", parent, joint, axis, place, **numbers))
+    return links
+
+
 def random_states(links, n, seed=0):
     """Positions, rates and torques, one state a row: rad and m, rad/s and m/s, N m and N."""
     rng, k = np.random.default_rng(seed), len(moving(links))
@@ -198,10 +216,11 @@ def mujoco_model(links):
         return np.array([given.get(c, 0.0) for c in VECTOR])
 
     def nested(link, joints, at):
-        joints = [(axis, kind, place - vector(link.at)) for axis, kind, place in joints]
+        joints = [(kind, axis, place - vector(link.at)) for kind, axis, place in joints]
         if link.joint != "fixed":
             direction = np.array([float(c == link.axis[-1]) for c in VECTOR]) * (-1.0 if link.axis[0] == "-" else 1.0)
-            joints.append((direction, "hinge" if link.joint == "revolute" else "slide", np.zeros(3)))
+            kind = "hinge" if link.joint == "revolute" else "slide"
+            joints.append((f'name="{link.name}" type="{kind}"', direction, np.zeros(3)))
         at, behind = at + vector(link.at), [other for other in links if other.parent == link.name]
         if link.mass is None and not link.inertia:
             (child,) = behind
@@ -214,7 +233,7 @@ def mujoco_model(links):
         return "".join(
             [
                 f'<body name="{link.name}" pos="{numbers(at)}">',
-                *(f'<joint type="{k}" axis="{numbers(a)}" pos="{numbers(p)}"/>' for a, k, p in joints),
+                *(f'<joint {kind} axis="{numbers(a)}" pos="{numbers(p)}"/>' for kind, a, p in joints),
                 f"<inertial {inertial}/>",
                 *(nested(child, [], np.zeros(3)) for child in behind),
                 "</body>",

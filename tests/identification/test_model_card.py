@@ -1,6 +1,7 @@
 """Model cards, and whether a model still holds."""
 
 import json
+from html import escape
 
 import numpy as np
 import pytest
@@ -46,6 +47,21 @@ def test_the_card_says_what_an_engineer_asks(found, tmp_path):
         assert text in page
     assert page.count("data:image/svg+xml") == 3
     assert 'src="http' not in page
+
+
+@pytest.mark.parametrize("odd", ["p_{", "$x", r"$\frac$", "50 %", "a$b$c", "<b>&amp;", "\\", "#^~", "w" * 300])
+def test_names_that_are_no_formulas_are_drawn_and_written_letter_by_letter(odd, tmp_path):
+    table = log(400)
+    names = {"a": odd, "b": f"{odd} 2", "y": f"{odd} out"}
+    renamed = Table({names.get(n, n): table[n] for n in table}, {names.get(n, n): table.unit(n) for n in table})
+    fitted = fit_table(
+        renamed, [names["a"], names["b"]], [names["y"]], estimator=AbductiveRegressor(max_layers=1), edges={odd: [0.0]}
+    )
+    card = write_card(fitted, tmp_path / "card.html")
+    assert card["models"][0]["inputs"] == [f"{odd} [m]", f"{odd} 2"]
+    page = (tmp_path / "card.html").read_text()
+    assert escape(f"{odd} out [bar]") in page
+    assert page.count("data:image/svg+xml") == 3
 
 
 def test_a_card_ends_in_html(found, tmp_path):

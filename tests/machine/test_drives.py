@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.elementary import sincos
 from polydraulic.machine import drives
@@ -39,4 +39,5 @@ def test_line_a_pushes_towards_positive_motion_whichever_way_the_cylinder_is_bui
     for f, link in functions(tmp_path):
         middle = 0.5 * (f.stops.low + f.stops.high)
         found = KERNELS[f.actuator](sincos(middle) if link.joint == "revolute" else middle, prepare_drive(f, link))
-        assert found.a > 0.0 and found.b > 0.0
+        assert found.a > 0.0
+        assert found.b > 0.0

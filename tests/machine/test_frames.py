@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.machine.linkage import end_effector

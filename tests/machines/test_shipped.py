@@ -155,7 +155,9 @@ def test_plain_python_has_the_bits_of_compiled_code(plant, tmp_path):
 
 @pytest.mark.slow
 def test_lanes_have_the_bits_of_single_runs(plant):
-    operators = [random_operator(seed, 1.0, functions=plant.names) for seed in range(70)]  # more than stand side by side
+    operators = [
+        random_operator(seed, 1.0, functions=plant.names) for seed in range(70)
+    ]  # more than stand side by side
     batch = simulate_batch(plant, "exact", operators, keep=["rows"])
     for place in (0, 31, 63, 64, 69):
         run = simulate(plant, "exact", operators[place])

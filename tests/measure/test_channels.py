@@ -122,3 +122,18 @@ def test_the_atmosphere_is_read_as_absolute(text, pascal):
 def test_a_missing_map_says_how_to_get_one(tmp_path):
     with pytest.raises(InputError, match="no such file; `polydraulic import --suggest LOG` writes a first one"):
         load_channels(tmp_path / "map.toml")
+
+
+@pytest.mark.parametrize("value", ["9" * 400, "1e308", "-1e308", "[[]]", "{}", "[1e308, inf]", '"1e308 m"', "x = 1"])
+def test_strange_values_anywhere_in_a_map_are_one_error(value, tmp_path):
+    lines = (MAP + FLOW).splitlines()
+    places = [
+        k
+        for k, line in enumerate(lines)
+        if " = " in line and line.split(" = ")[0] not in ("source", "name", "position", "pressure")
+    ]
+    for k in places:
+        path = tmp_path / "map.toml"
+        path.write_text("\n".join([*lines[:k], f"{lines[k].split(' = ')[0]} = {value}", *lines[k + 1 :]]))
+        with pytest.raises(InputError, match="map.toml"):
+            load_channels(path)

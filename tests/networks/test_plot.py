@@ -33,3 +33,21 @@ def test_borders_of_regions_are_drawn_inside_the_domain():
     assert axis.get_xlim() == (X[:, 0].min(), X[:, 0].max())
     assert {float(v) for line in axis.lines for v in line.get_ydata()} == {X[:, 1].min(), -0.5, 0.5, X[:, 1].max()}
     assert axis.get_xlabel() == "p [Pa]"
+
+
+def test_names_are_drawn_as_they_are_not_as_formulas():
+    names = [Variable(r"$\frac$", "$"), Variable("$q$")]
+    model = (
+        RegionRegressor(AbductiveRegressor(max_layers=1), edges={0: [0.0]})
+        .fit(X, X[:, 0])
+        .to_model(names, Variable("p_{"))
+    )
+    figure = Figure()
+    first, second = figure.subplots(2)
+    draw_regions(first, model)
+    draw_network(second, model.networks[0], model.inputs, model.output)
+    figure.draw_without_rendering()  # which reads formulas
+    drawn = [text for text in (first.xaxis.label, first.yaxis.label, *second.texts) if text.get_parse_math()]
+    shown = [text._preprocess_math(text.get_text()) for text in drawn]
+    assert shown[:2] == [(r"$\frac$ [$]", False), ("$q$", False)]
+    assert not any(formula for _, formula in shown)

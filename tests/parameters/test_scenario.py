@@ -1,7 +1,10 @@
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from polydraulic import load_machine, load_scenario
+from polydraulic import load_machine, load_scenario, parameters
 from polydraulic.errors import InputError
 from polydraulic.parameters.load import function_names, machine_text
 from polydraulic.parameters.scenario import scenario_machine, scenario_names
@@ -9,6 +12,7 @@ from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Piecewise
 from polydraulic.tables import read_table, write_table
 
+SHIPPED = Path(parameters.__file__).parent / "scenarios"
 BASIC = """
 title = "mine"
 source = "test"
@@ -237,3 +241,16 @@ def test_a_recording_in_a_scenario_file_is_converted_too(written, tmp_path):
 def test_other_names_say_what_may_be_given():
     with pytest.raises(InputError, match=r"unknown scenario 'x'; .*\.csv or \.parquet recording, or random:SEED"):
         load_scenario("x")
+
+
+@pytest.mark.parametrize("value", ["9" * 400, "1e308", "-1e308", "[[]]", "{}", "nan", "1979-05-27"])
+@pytest.mark.parametrize("scenario", ["sine", "pulse", "task"])
+def test_strange_values_anywhere_in_a_scenario_are_one_error(scenario, value, tmp_path):
+    lines = (SHIPPED / f"{scenario}.toml").read_text().splitlines()
+    places = [k for k, line in enumerate(lines) if re.match(r"[\w.]+ = ", line)]
+    assert len(places) > 5
+    for k in places:
+        path = tmp_path / "mine.toml"
+        path.write_text("\n".join([*lines[:k], f"{lines[k].split(' = ')[0]} = {value}", *lines[k + 1 :]]))
+        with pytest.raises(InputError, match="mine.toml"):
+            load_scenario(path)

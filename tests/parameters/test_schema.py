@@ -20,6 +20,11 @@ def test_a_range_says_what_it_allows():
     assert [length.allows(value) for value in (0.0, 1e-9, 1e9)] == [False, True, True]
     assert (share.range, length.range) == ("in [0, 1]", "above 0")
     assert Quantity("m", above=0.0, high=2.0).range == "above 0, at most 2"
+    assert [Quantity("m").allows(value) for value in (1e20, -1e20, 1e21, 1e-31, 10**400, float("nan"))] == [
+        True,
+        True,
+        *[False] * 4,
+    ]
 
 
 def test_every_parameter_of_a_machine_has_a_unit_that_can_be_converted():

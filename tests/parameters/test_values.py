@@ -89,3 +89,13 @@ def test_what_is_given_stays_and_names_are_loaded(machine):
         as_scenario(3)
     with pytest.raises(InputError, match="unknown parameter set 'cat'; choose one of"):
         as_machine("cat")
+
+
+STRANGE = [10**400, -(10**400), 10**5000, 1e308, -1e308, 1e-308, [[]], [10**400] * 6, [1e308] * 6]
+
+
+@pytest.mark.parametrize("value", STRANGE, ids=map(str, range(len(STRANGE))))
+def test_no_value_is_too_strange_for_an_error(machine, value):
+    for path in leaves_of(Machine):
+        with pytest.raises(InputError, match="a machine with these values cannot be made"):
+            machine.with_values({path: value})

@@ -159,6 +159,7 @@ def test_only_known_pump_pressures_are_given(machine, scenario):
         ({"dt": 11.0}, "duration = 10.0 s: must be finite and at least one time step"),
         ({"t_end": 0.001}, "duration = 0.001 s"),
         ({"t_end": float("nan")}, "duration = nan s"),
+        ({"t_end": 1e300}, r"makes 2e\+302 steps of 0.005 s; at most 1e\+09 are made"),
         ({"every": 0}, "every = 0: must be a whole number"),
     ],
 )

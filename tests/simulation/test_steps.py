@@ -9,7 +9,10 @@ def test_whole_steps_of_a_duration_that_rounding_leaves_short():
     assert recorded_steps(0.005, 1, 0.1) == 20
 
 
-@pytest.mark.parametrize(("t_end", "every", "words"), [(0.001, 1, "at least one time step"), (float("nan"), 1, "finite"), (1.0, 0, "every = 0")])
+@pytest.mark.parametrize(
+    ("t_end", "every", "words"),
+    [(0.001, 1, "at least one time step"), (float("nan"), 1, "finite"), (1.0, 0, "every = 0")],
+)
 def test_runs_without_steps_are_refused(t_end, every, words):
     with pytest.raises(InputError, match=words):
         n_steps(load_scenario("random:1:5"), 0.005, t_end, every)

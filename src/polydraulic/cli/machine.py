@@ -290,6 +290,12 @@ def export_machine(
     cross: Annotated[
         bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, by the package ziglang.")
     ] = False,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force", help="With three more inputs, a force at the tip; of machines that are described by links."
+        ),
+    ] = False,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Write the whole machine, joysticks to end-effector, as C99 or as an FMU for co-simulation; no Python in it.
@@ -304,16 +310,17 @@ def export_machine(
     """
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
-    from polydraulic.flow.dispatch import build_flow
-    from polydraulic.parameters.load import as_excavator
+    from polydraulic.parameters.load import load_machine
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
-    plant = as_excavator(machine)
+    plant = load_machine(machine)
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":
-            written = write_c(plant, build_flow(flow, plant), out, name=name, dt=dt)
+            written = write_c(plant, flow, out, name=name, dt=dt, force=force)
         else:
-            written = export_machine_fmu(plant, flow, out, version=int(to[-1]), name=name, dt=dt, cross=cross)
+            written = export_machine_fmu(
+                plant, flow, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
+            )
     print(written)

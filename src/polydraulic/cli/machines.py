@@ -115,10 +115,12 @@ def new(
     """
     from polydraulic.files import write_text
     from polydraulic.parameters.layout.skeleton import skeleton
+    from polydraulic.parameters.load import load_layout, machine_text
 
     if out.suffix != ".toml":
         raise InputError(f"{out}: a machine file ends in .toml")
     if out.exists():
         raise InputError(f"{out} is there already; choose another name, or remove it first")
-    write_text(out, skeleton(like))
+    load_layout(like)  # the older form is no pattern
+    write_text(out, skeleton(machine_text(like), like))
     print(f"{out}: a machine like {like}; put in your numbers, then: polydraulic machine check {out}")

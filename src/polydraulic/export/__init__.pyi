@@ -6,7 +6,8 @@ from .fmu.networks import export_fmu
 from .fmu.package import write_fmu
 from .formula import to_latex, to_python, to_sympy, to_text
 from .machine import export_machine, machine_c
-from .model_bundle import Bundle, bundle, c_name
+from .model_bundle import Bundle, bundle
+from .names import c_name
 from .onnx import export_onnx, to_onnx
 from .targets import TARGETS, export_models
 from .verify import Agreement, agreement_table, verify_models

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from polydraulic.errors import InputError
 
 COMPILERS = ("cc", "gcc", "clang")
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC")  # no fused multiply-adds: the bits of the package
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")  # no fused multiply-adds: the bits of the package
 _SYSTEM = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
 _MACHINE = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 _ZIG = (sys.executable, "-m", "ziglang", "cc")
@@ -90,15 +90,36 @@ def compile_library(
     InputError
         If the sources do not compile.
     """
+    return _compiled(command, text, ["-shared", "-fPIC", *flags, *sources])
+
+
+def compile_program(command: Sequence[str], text: Mapping[str, str], sources: Sequence[str], path: Path) -> None:
+    """Compile a program that uses the mathematical functions of the C library, and put it to `path`.
+
+    Parameters
+    ----------
+    command, text, sources
+        As for `compile_library`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the sources do not compile.
+    """
+    path.write_bytes(_compiled(command, text, [*sources, "-lm"]))
+    path.chmod(0o755)
+
+
+def _compiled(command: Sequence[str], text: Mapping[str, str], arguments: Sequence[str]) -> bytes:
     with TemporaryDirectory() as folder:
         for name, content in text.items():
             (Path(folder) / name).write_text(content, encoding="utf-8")
-        done = subprocess.run(
-            [*command, *FLAGS, *flags, *sources, "-o", "library"], cwd=folder, capture_output=True, text=True
-        )
+        done = subprocess.run([*command, *FLAGS, *arguments, "-o", "made"], cwd=folder, capture_output=True, text=True)
         if done.returncode:
+            sources = [argument for argument in arguments if argument.endswith(".c")]
             raise InputError(f"{' '.join(command)} cannot compile {', '.join(sources)}: {done.stderr.strip()[:2000]}")
-        return (Path(folder) / "library").read_bytes()
+        return (Path(folder) / "made").read_bytes()
 
 
 def platform_tuple() -> str:

@@ -4,6 +4,7 @@ The first three are for reading and algebra and round what they print or compute
 as the package and the C code do, and gives the same bits.
 """
 
+import builtins
 import keyword
 import re
 from collections.abc import Callable, Sequence
@@ -168,8 +169,8 @@ def to_python(model: Model, name: str) -> str:
     InputError
         If `name` cannot name a function.
     """
-    if not name.isidentifier() or keyword.iskeyword(name):
-        raise InputError(f"name = {name!r}: must be a Python identifier")
+    if not name.isidentifier() or keyword.iskeyword(name) or hasattr(builtins, name):
+        raise InputError(f"name = {name!r}: must be a Python identifier that is neither a keyword nor built in")
     low, high = model.domain().T
     doc = [f"{model.output} from", ""]
     doc += [f"x{i}: {v}, domain {low[i]:g} to {high[i]:g}" for i, v in enumerate(model.inputs)]

@@ -5,173 +5,115 @@ Five files: ``NAME.h`` and ``NAME.c``, which a program uses; ``NAME_kernels.h`` 
 """
 
 from collections.abc import Collection
-from math import ceil
 from pathlib import Path
 from string import Template
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import kernel
-from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
+from polydraulic.export.excavator import excavator_parts
 from polydraulic.export.exported import Exported
+from polydraulic.export.layout import layout_parts
+from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_text
-from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
-from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_vector
-from polydraulic.machine.linkage import tip
-from polydraulic.machine.plant import Plant, prepare
-from polydraulic.machine.state import Links, State, initial_state
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import LINKS, Geometry, Machine
-from polydraulic.simulation.loop import at_rest, reasonable, record
-from polydraulic.simulation.step import machine_step
+from polydraulic.flow.dispatch import FlowModel
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.schema import Machine
 
-DIVERGED = 4  # beside the flow model's OK, NOT_CONVERGED and OUT_OF_DOMAIN
 MOST_NUMBERS = 200_000  # in tables of a flow model: 4 MB of text
 _TEMPLATES = Path(__file__).parent / "templates"
 
 
-class Prepared(NamedTuple):
-    """All numbers that a step reads."""
-
-    model: Any
-    plant: Plant
-    geometry: Geometry
-    start: State
-
-
-@kernel
-def _record_tip(angle: Links, g: Geometry, row: np.ndarray) -> None:
-    point = tip(sincos(angle.swing), sincos(angle.boom), sincos(angle.boom + angle.stick), g)
-    row[N_RECORD], row[N_RECORD + 1], row[N_RECORD + 2] = point.x, point.y, point.z
-
-
-@kernel
-def machine_start(machine: Prepared, memory: np.ndarray, row: np.ndarray) -> int:
-    """Outputs at the start, with centred spools; returns the flow model's status."""
-    step = at_rest(machine.model, memory, machine.plant, machine.start)
-    record(step, row)
-    _record_tip(step.state.angle, machine.geometry, row)
-    return step.flows.status
-
-
-@kernel
-def machine_advance(
-    machine: Prepared, memory: np.ndarray, row: np.ndarray, v_sw: float, v_bo: float, v_st: float
-) -> int:
-    """One step from the state in a row to that after it; the row stays as it is where a rate leaves all reason."""
-    x = from_vector(row)
-    step = machine_step(machine.model, memory, machine.plant, x, Links(v_sw, v_bo, v_st))
-    if not reasonable(step.state.rate):
-        return DIVERGED
-    record(step, row)
-    _record_tip(step.state.angle, machine.geometry, row)
-    return step.flows.status
-
-
-def outputs() -> list[Column]:
-    """What the exported machine gives after each step, in its order: a recorded row, and the tip."""
-    return [*COLUMNS, *(Column(name, "m") for name in EFFECTOR)]
-
-
-def prepared(
-    machine: Machine,
+def machine_parts(
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     *,
     dt: float = 5e-3,
     locked: Collection[str] = (),
+    force: bool = False,
     most_numbers: int = MOST_NUMBERS,
-) -> Prepared:
-    """Collect the numbers of a step, from the same preparation as `simulate`.
-
-    Parameters
-    ----------
-    machine : Machine
-    flow : str or flow model
-    dt : float, s
-    locked : collection of str
-        Links whose joints are held.
-    most_numbers : int
-        That tables of the flow model may hold.
-
-    Raises
-    ------
-    InputError
-        If the flow model does not serve a link that is free, or its tables are too large for a C file.
-    """
-    unknown = set(locked) - set(LINKS)
-    if unknown or set(locked) == set(LINKS):
-        raise InputError(f"locked = {sorted(locked)}: must be some of {list(LINKS)}, and leave one free")
-    model = as_flow(flow, machine)
-    missing = [link for link in LINKS if link not in locked and link not in served_links(model)]
-    if missing:
-        raise InputError(f"flow {flow_name(model)!r} does not serve {', '.join(missing)}; give locked={missing}")
-    numbers = _count(model)
-    if numbers > most_numbers:
-        raise InputError(
-            f"flow {flow_name(model)!r} holds {numbers} numbers; a C file takes up to {most_numbers}: make it smaller"
-        )
-    return Prepared(model, prepare(machine, dt, locked), machine.geometry, initial_state(machine))
+) -> MachineParts:
+    """Kernels and numbers of a machine, from the same preparation as `simulate`; arguments as for `machine_c`."""
+    machine = as_machine(machine)
+    if isinstance(machine, LayoutMachine):
+        return layout_parts(machine, flow, dt=dt, locked=locked, force=force)
+    if force:
+        raise InputError("a force at the tip is for machines that are described by links, for example 'cat215b_bucket'")
+    return excavator_parts(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
 
 
 def machine_c(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     *,
     name: str = "machine",
     dt: float = 5e-3,
     locked: Collection[str] = (),
+    force: bool = False,
     most_numbers: int = MOST_NUMBERS,
 ) -> dict[str, str]:
     """Texts of the C files by file name.
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : Machine or LayoutMachine, or name or path of a parameter set
     flow : str or flow model
-        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``.
+        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; ``"exact"``
+        for machines that are described by links.
     name : str
         Of the machine, before all names that the linker sees.
     dt : float, s
         Time step; part of the numbers, so that it cannot change later.
     locked : collection of str
-        Links whose joints are held, and whose voltages are ignored.
+        Links or functions whose joints are held, and whose voltages are ignored.
+    force : bool
+        Whether three more inputs are a force in N at the tip, along the ground's axes; of machines that are described by links.
     most_numbers : int
         That tables of the flow model may hold: 4 MB of text.
 
     Raises
     ------
     InputError
-        As `prepared`; if `name` is no C identifier; with file and line where a kernel does not translate.
+        If the flow model does not serve a function that is free, or its tables are too large for a C file; if `name` is no C identifier; with file and line where a kernel does not translate.
     """
-    machine = as_excavator(machine)
     if c_name(name) != name:
-        raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}")
-    parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
-    kind = flow_name(parts.model)
-    memory, row = np.zeros(FLOW_KINDS[kind].n_memory(parts.model)), np.zeros(len(outputs()))
+        raise InputError(f"name = {name!r}: must be a C identifier that is free, for example {c_name(name)!r}")
+    return c_files(
+        machine_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers), name, dt, locked
+    )
+
+
+def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) -> dict[str, str]:
+    """Texts of the C files of a machine's parts, by file name; `name`, `dt` and `locked` as for `machine_c`."""
+    memory, row, inputs = np.zeros(parts.n_memory), np.zeros(len(parts.outputs)), np.zeros(len(parts.inputs))
     own = ("machine", "init", "step", "advance", "init_with", "step_with", "parameters")
     program = Program([f"{name}_{word}" for word in own])
-    start = program.entry(f"{name}_kernel_start", machine_start, [parts, memory, row])
-    advance = program.entry(f"{name}_kernel_advance", machine_advance, [parts, memory, row, 0.0, 0.0, 0.0])
-    delays = _delays(machine, dt)
+    start = program.entry(f"{name}_kernel_start", parts.start, [parts.numbers, memory, row])
+    advance = program.entry(f"{name}_kernel_advance", parts.advance, [parts.numbers, memory, row, inputs])
     fill = {
         "name": name,
         "NAME": name.upper(),
-        "flow": kind,
+        "flow": parts.flow,
         "dt": repr(float(dt)),
-        "outputs": _enumerators(name),
+        "functions": ", ".join(parts.functions),
+        "forces": ""
+        if len(parts.inputs) == len(parts.functions)
+        else "; then a force in N at the tip, x, y and z of the ground",
+        "n_functions": str(len(parts.functions)),
+        "n_inputs": str(len(parts.inputs)),
+        "outputs": _enumerators(name, parts),
+        "an_output": f"{name}_{_joint(parts)}".upper(),
         "n_memory": str(len(memory)),
-        "n_waiting": str(max(1, *delays)),
-        "delays": ", ".join(map(str, delays)),
-        "free": ", ".join("false" if link in locked else "true" for link in LINKS),
+        "n_waiting": str(max(1, *parts.delays)),
+        "delays": ", ".join(map(str, parts.delays)),
+        "free": ", ".join("false" if f in locked else "true" for f in parts.functions),
         "structs": program.scope.structs(),
         "prototypes": f"{start.prototype};\n{advance.prototype};",
         "code": program.code(),
-        "data": program.scope.data(parts, f"{name}_parameters"),
+        "data": program.scope.data(parts.numbers, f"{name}_parameters"),
     }
     files = {
         file: Template((_TEMPLATES / f"machine{file}.txt").read_text(encoding="utf-8")).substitute(fill)
@@ -180,33 +122,21 @@ def machine_c(
     return {f"{name}{file}": text for file, text in files.items()}
 
 
-def machine_size(machine: Machine, flow: str | FlowModel, *, dt: float = 5e-3) -> int:
-    """Numbers of 8 bytes in the struct of a machine.
-
-    Parameters
-    ----------
-    machine, flow, dt
-        As for `machine_c`.
-    """
-    model = as_flow(flow, machine)
-    n_memory = FLOW_KINDS[flow_name(model)].n_memory(model)
-    return len(outputs()) + n_memory + len(LINKS) * max(1, *_delays(machine, dt)) + 2
-
-
 def export_machine(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     folder: str | Path,
     *,
     name: str = "machine",
     dt: float = 5e-3,
     locked: Collection[str] = (),
+    force: bool = False,
 ) -> Exported:
     """Write the files of `machine_c` into a folder.
 
     Parameters
     ----------
-    machine, flow, name, dt, locked
+    machine, flow, name, dt, locked, force
         As for `machine_c`.
     folder : str or Path
 
@@ -220,27 +150,20 @@ def export_machine(
     InputError
         As `machine_c`, or if the folder cannot be written.
     """
-    texts = machine_c(machine, flow, name=name, dt=dt, locked=locked)
+    texts = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force)
     files = {Path(folder) / file: text for file, text in texts.items()}
     for path, text in files.items():
         write_text(path, text)
     return Exported(tuple(files))
 
 
-def _delays(machine: Machine, dt: float) -> list[int]:
-    """Steps of the pilots' dead times, rounded up."""
-    return [ceil(getattr(machine, link).pilot.dead_time / dt - 1e-9) for link in LINKS]
-
-
-def _enumerators(name: str) -> str:
+def _enumerators(name: str, parts: MachineParts) -> str:
     lines = []
-    for number, output in enumerate(outputs()):
-        lines.append(f"    {name}_{output.name.replace('.', '_')}".upper() + f" = {number}, /* {output.unit} */")
+    for number, (output, unit) in enumerate(parts.outputs):
+        lines.append(f"    {name}_{output.replace('.', '_')}".upper() + f" = {number}, /* {unit} */")
     return "\n".join([*lines, f"    {name.upper()}_N_OUTPUTS = {len(lines)}"])
 
 
-def _count(value: Any) -> int:
-    """Numbers in a model."""
-    if isinstance(value, np.ndarray):
-        return value.size
-    return sum(map(_count, value)) if isinstance(value, tuple) else 1
+def _joint(parts: MachineParts) -> str:
+    """An output that says where a joint is."""
+    return next(output for output, _ in parts.outputs if output.endswith((".angle", ".position"))).replace(".", "_")

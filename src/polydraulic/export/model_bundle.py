@@ -1,29 +1,14 @@
 """Models that are exported together: one list of inputs, one output a model, one name."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.export.names import c_name, unique_names
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.slopes import distance_outside, model_slopes
-
-_TAKEN = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long "
-    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
-    "main NULL "
-    "alignas alignof and and_eq asm bitand bitor bool catch class compl constexpr decltype delete explicit export false "
-    "friend mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public "
-    "reinterpret_cast static_assert static_cast template this thread_local throw true try typeid typename using virtual "
-    "wchar_t xor xor_eq "
-    # functions of the standard library
-    "abs acos asin atan atan2 ceil cos cosh div erf exp exp2 fabs floor fma fmax fmin fmod free gamma hypot index j0 j1 jn "
-    "labs ldexp log log10 log2 malloc modf pow printf puts rand rint round signal sin sinh sqrt tan tanh time trunc y0 y1 yn "
-    "clamp sigmoid differs not_a_number".split()
-)
-_OWN = re.compile(r"(value|region|low|high|share|place|outside|near|test)_\w+")  # what `c` calls its own parts
 
 
 @dataclass(frozen=True)
@@ -152,23 +137,3 @@ def bundle(models: Sequence[Model], *, name: str | None = None) -> Bundle:
     places = tuple(tuple(order.index(variable.name) for variable in model.inputs) for model in models)
     called = name if name is not None else outputs[0] if len(models) == 1 else "model"
     return Bundle(c_name(called), tuple(models), tuple(inputs.values()), places)
-
-
-def c_name(name: str) -> str:
-    """A C identifier that resembles `name`."""
-    text = re.sub(r"\W", "_", name, flags=re.ASCII)
-    if text in _TAKEN or _OWN.fullmatch(text):
-        return f"{text}_" if text in _TAKEN else f"m_{text}"
-    return text if re.match(r"[A-Za-z]", text) else f"m_{text}"
-
-
-def unique_names(names: Sequence[str]) -> list[str]:
-    """C identifiers for `names`, numbered where two would be the same."""
-    found: list[str] = []
-    for name in names:
-        start = c_name(name)
-        text, number = start, 2
-        while text.upper() in (other.upper() for other in found):
-            text, number = f"{start}_{number}", number + 1
-        found.append(text)
-    return found

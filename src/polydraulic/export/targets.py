@@ -1,5 +1,6 @@
 """Every target by its name, for the command line and for scripts."""
 
+import ast
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +20,7 @@ ENDINGS = {
     "c": "", "fmi2": ".fmu", "fmi3": ".fmu", "onnx": ".onnx", "python": ".py", "sympy": ".py", "latex": ".tex",
 }  # fmt: skip
 TARGETS = tuple(ENDINGS)
+_PAIR = "ExprCondPair"  # in no public module of SymPy
 _FILES = {*ENDINGS.values(), ".c", ".h", ".zip", ".json"} - {""}  # endings that are not those of folders
 
 
@@ -76,7 +78,7 @@ def export_models(
     if to == "onnx":
         return export_onnx(models, path, name=whole.name, real=real)
     write_text(path, {"python": _python, "sympy": _sympy, "latex": _latex}[to](whole))
-    names = whole.name_notes() if to == "python" else []
+    names = whole.name_notes() if to in ("python", "sympy") else []
     return Exported((path,), (*names, *dynamic_notes(models)))
 
 
@@ -96,18 +98,19 @@ def _python(whole: Bundle) -> str:
 
 
 def _sympy(whole: Bundle) -> str:
-    """A module that builds the expressions."""
+    """A module that builds the expressions, in a function: an output may be called S or Add."""
     from sympy import srepr
 
+    texts = [srepr(to_sympy(model)) for model in whole.models]
+    used = {node.id for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     lines = [f'"""{whole.name} as SymPy expressions, valid inside the domain."""', ""]
-    lines += ["from sympy import *", "from sympy.core.parameters import distribute"]
-    lines += ["from sympy.functions.elementary.piecewise import ExprCondPair", ""]
     lines += [f"# {_about(m)}" for m in whole.models]
-    lines += ["", "with distribute(False):  # else numbers would be multiplied into sums and lose digits"]
-    lines += [
-        f"    {name} = {srepr(to_sympy(model))}"
-        for model, name in zip(whole.models, whole.identifiers()[1], strict=True)
-    ]
+    lines += ["", "", "def own_expressions():", f"    from sympy import {', '.join(sorted(used - {_PAIR}))}"]
+    lines += ["    from sympy.core.parameters import distribute"]
+    lines += [f"    from sympy.functions.elementary.piecewise import {_PAIR}"] if _PAIR in used else []
+    lines += ["", "    with distribute(False):  # else numbers would be multiplied into sums and lose digits"]
+    lines += ["        return (", *(f"            {text}," for text in texts), "        )", "", ""]
+    lines += [f"{', '.join(whole.identifiers()[1])}{',' if len(texts) == 1 else ''} = own_expressions()"]
     return "\n".join(lines) + "\n"
 
 

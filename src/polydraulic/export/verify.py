@@ -1,9 +1,7 @@
 """The same points through every target that can be built here, and the largest differences from the package."""
 
-import ctypes
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -11,12 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.build import compile_library, find_compiler
-from polydraulic.export.c.source import to_c
-from polydraulic.export.fmu.networks import export_fmu
-from polydraulic.export.formula import to_python
+from polydraulic.export.fresh import Answers, FailedError, NotHereError, run_c, run_fmu, run_onnx, run_python
 from polydraulic.export.model_bundle import Bundle, bundle
-from polydraulic.export.onnx import to_onnx
 from polydraulic.networks.model.model import Model
 from polydraulic.progress import Progress, quiet
 
@@ -61,14 +55,6 @@ class Agreement(NamedTuple):
         return not self.exact or (largest <= ROUNDING * self.size and not self.domain)
 
 
-class _Answers(NamedTuple):
-    """Outputs (n, n_output), Jacobians (n, n_output, n_input), distance outside (n,)."""
-
-    y: np.ndarray
-    slopes: np.ndarray | None = None
-    outside: np.ndarray | None = None
-
-
 def verify_models(
     models: Sequence[Model],
     *,
@@ -77,6 +63,9 @@ def verify_models(
     progress: Progress = quiet,
 ) -> tuple[list[Agreement], dict[str, str]]:
     """Run the same points through the package and through every target.
+
+    Each target is written as for a user and runs in a process of its own: Python, FMUs and ONNX in a new interpreter, C in a program
+    that includes the header beside those of the C library.
 
     Parameters
     ----------
@@ -94,7 +83,7 @@ def verify_models(
     agreements : list of Agreement
         One a target and output.
     not_tried : dict
-        Why a target could not be tried here, by its name.
+        Why a target could not be tried here, or fails, by its name. One that fails differs infinitely.
 
     Raises
     ------
@@ -114,9 +103,12 @@ def verify_models(
             X, expected = double if exact else single
             try:
                 answers = run(X)
-            except _NotHereError as reason:
+            except NotHereError as reason:
                 not_tried[target] = str(reason)
                 continue
+            except FailedError as reason:  # written, but it does not run: no number
+                not_tried[target] = f"fails: {reason}"
+                answers = Answers(np.full_like(expected.y, np.nan))
             found += _compared(whole, target, exact, expected, answers)
     return found, not_tried
 
@@ -153,16 +145,12 @@ class _Expected(NamedTuple):
     outside: np.ndarray
 
 
-class _NotHereError(Exception):
-    """What a target needs is not here."""
-
-
 def _expected(whole: Bundle, n: int, seed: int, dtype: Any) -> tuple[np.ndarray, _Expected]:
     X = whole.points(n, seed).astype(dtype).astype(np.float64)
     return X, _Expected(whole.predict(X), whole.slopes(X), whole.outside(X))
 
 
-def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, found: _Answers) -> Iterator[Agreement]:
+def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, found: Answers) -> Iterator[Agreement]:
     n, size = len(expected.y), np.abs(expected.y).max(axis=0)
     difference = np.abs(found.y - expected.y)
     difference[np.isnan(difference)] = np.inf
@@ -182,97 +170,13 @@ def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, foun
         yield Agreement(target, str(output), inside, border, outside, slopes, domain, float(size[k]) or 1.0, exact)
 
 
-def _targets(whole: Bundle, folder: Path) -> Iterator[tuple[str, bool, Callable[[np.ndarray], _Answers]]]:
+def _targets(whole: Bundle, folder: Path) -> Iterator[tuple[str, bool, Callable[[np.ndarray], Answers]]]:
     """Name, whether it is in double precision, and what runs it."""
-    yield "python", True, partial(_python, whole)
+    yield "python", True, partial(run_python, whole, folder)
     for real in ("double", "float"):
-        yield f"c {real}", real == "double", partial(_c, whole, folder, real)
+        yield f"c {real}", real == "double", partial(run_c, whole, folder, real)
     for version in (2, 3):
         for kind, short in (("ModelExchange", "me"), ("CoSimulation", "cs")):
-            yield f"fmi{version} {short}", True, partial(_fmu, whole, folder, version, kind)
+            yield f"fmi{version} {short}", True, partial(run_fmu, whole, folder, version, kind)
     for real in ("double", "float"):
-        yield f"onnx {real}", real == "double", partial(_onnx, whole, real)
-
-
-def _python(whole: Bundle, X: np.ndarray) -> _Answers:
-    columns = []
-    for model, place in zip(whole.models, whole.places, strict=True):
-        names: dict[str, Any] = {}
-        exec(to_python(model, "f"), names)
-        columns.append([names["f"](*row) for row in X[:, list(place)].tolist()])
-    return _Answers(np.array(columns).T)
-
-
-def _compiler() -> list[str]:
-    command = find_compiler()
-    if command is None:
-        raise _NotHereError("no C compiler is installed")
-    return command
-
-
-def _c(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> _Answers:
-    command = _compiler()
-    try:
-        header, source = to_c(whole, real=real)
-    except InputError as error:
-        raise _NotHereError(str(error)) from error
-    path = folder / f"{whole.name}_{real}"
-    path.write_bytes(
-        compile_library(command, {f"{whole.name}.h": header, f"{whole.name}.c": source}, [f"{whole.name}.c"])
-    )
-    library, dtype = ctypes.CDLL(str(path)), np.float64 if real == "double" else np.float32
-    slopes, outside = (getattr(library, whole.name + end) for end in ("_slopes", "_outside"))
-    outside.restype = ctypes.c_double if real == "double" else ctypes.c_float
-    m, size = len(whole.models), len(whole.inputs)
-    x, scratch = np.ascontiguousarray(X, dtype=dtype), np.empty(size, dtype=dtype)
-    y, dy, far = np.empty((len(X), m), dtype=dtype), np.empty((len(X), m, size), dtype=dtype), np.empty(len(X))
-    for i in range(len(X)):
-        row, out, partials = (array[i].ctypes.data_as(ctypes.c_void_p) for array in (x, y, dy))
-        slopes(row, out, partials)
-        far[i] = outside(row, scratch.ctypes.data_as(ctypes.c_void_p))
-    return _Answers(y.astype(np.float64), dy.astype(np.float64), far)
-
-
-def _fmu(whole: Bundle, folder: Path, version: int, kind: str, X: np.ndarray) -> _Answers:
-    if find_spec("fmpy") is None:
-        raise _NotHereError("needs fmpy: pip install fmpy")
-    _compiler()
-    import fmpy
-
-    place = folder / f"fmi{version}"
-    if not place.exists():
-        path = export_fmu(whole.models, folder / f"fmi{version}.fmu", version=version, name=whole.name).main
-        fmpy.extract(str(path), unzipdir=str(place))
-    fmu = fmpy.instantiate_fmu(str(place), fmpy.read_model_description(str(place)), fmi_type=kind)
-    put, get = (fmu.setReal, fmu.getReal) if version == 2 else (fmu.setFloat64, fmu.getFloat64)
-    if version == 2:
-        fmu.setupExperiment(startTime=0.0)
-    fmu.enterInitializationMode()
-    fmu.exitInitializationMode()
-    n, m = len(whole.inputs), len(whole.models)
-    inputs, outputs = list(range(n)), list(range(n, n + m))
-    values, partials = np.empty((len(X), m + 1)), np.empty((len(X), m, n))
-    seeds = np.eye(n).tolist()
-    for k, row in enumerate(X.tolist()):
-        put(inputs, row)
-        if kind == "CoSimulation":
-            fmu.doStep(currentCommunicationPoint=float(k), communicationStepSize=1.0)
-        values[k] = get([*outputs, n + m])
-        partials[k] = np.transpose([fmu.getDirectionalDerivative(outputs, inputs, seed) for seed in seeds])
-    fmu.terminate()
-    fmu.freeInstance()
-    return _Answers(values[:, :m], partials, values[:, m])
-
-
-def _onnx(whole: Bundle, real: str, X: np.ndarray) -> _Answers:
-    for needed in ("onnx", "onnxruntime"):
-        if find_spec(needed) is None:
-            raise _NotHereError(f"needs {needed}: pip install {needed}")
-    import onnxruntime
-
-    options = onnxruntime.SessionOptions()
-    options.log_severity_level = 3  # errors only
-    content = to_onnx(whole, real=real).SerializeToString()
-    session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
-    y, far = session.run(["y", "domain"], {"x": X.astype(np.float64 if real == "double" else np.float32)})
-    return _Answers(y.astype(np.float64), None, far[:, 0])
+        yield f"onnx {real}", real == "double", partial(run_onnx, whole, folder, real)

@@ -43,7 +43,7 @@ from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.model_file import parse_models
 from polydraulic.networks.model.partition import Regions, choose
 from polydraulic.networks.model.table import Network, NetworkTable, evaluate, work_size
-from polydraulic.parameters.load import as_excavator, as_excavator
+from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import LINKS, Machine
 
 ARRANGEMENTS = ("cascade", "direct")

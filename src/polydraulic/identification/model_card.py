@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, as_shown, dated, moment, shown_unit, with_unit
+from polydraulic.display import DEFAULT, as_drawn, as_shown, dated, moment, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_text
@@ -313,7 +313,7 @@ def _coverage(inputs: Sequence[str], table: Table) -> Any:
             axis = axes[row, column]
             if len(names) == 1:
                 axis.hist(table[names[0]], bins=_BINS)
-                axis.set_xlabel(with_unit(names[0], table.unit(names[0])))
+                axis.set_xlabel(as_drawn(with_unit(names[0], table.unit(names[0]))))
                 axis.set_ylabel("rows")
             elif column > row:
                 axis.set_axis_off()
@@ -323,8 +323,8 @@ def _coverage(inputs: Sequence[str], table: Table) -> Any:
                 axis.pcolormesh(
                     xs, ys, np.where(counts > 0.0, np.log10(np.maximum(counts, 1.0)), np.nan).T, rasterized=True
                 )
-                axis.set_xlabel(with_unit(names[column], table.unit(names[column])), fontsize="small")
-                axis.set_ylabel(with_unit(names[row + 1], table.unit(names[row + 1])), fontsize="small")
+                axis.set_xlabel(as_drawn(with_unit(names[column], table.unit(names[column]))), fontsize="small")
+                axis.set_ylabel(as_drawn(with_unit(names[row + 1], table.unit(names[row + 1]))), fontsize="small")
     return figure
 
 
@@ -336,10 +336,10 @@ def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
     figure = Figure(figsize=(8.0, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     left.plot(y, predicted, ",", rasterized=True)
-    left.set_xlabel(f"measured {model.output}")
-    left.set_ylabel(f"predicted {model.output}")
+    left.set_xlabel(as_drawn(f"measured {model.output}"))
+    left.set_ylabel(as_drawn(f"predicted {model.output}"))
     right.hist(error, bins=60)
-    right.set_xlabel(str(Variable("error", model.output.unit)))
+    right.set_xlabel(as_drawn(str(Variable("error", model.output.unit))))
     right.set_ylabel("rows")
     right.set_yscale("log")
     return figure
@@ -353,7 +353,7 @@ def _networks(model: Model, drawn: int) -> Any:
     axes = figure.subplots(drawn, 1, squeeze=False)
     for axis, network, name in zip(axes[:, 0], model.networks, region_names(model), strict=False):
         draw_network(axis, network, model.inputs, model.output)
-        axis.set_title(name, fontsize="small")
+        axis.set_title(as_drawn(name), fontsize="small")
     return figure
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, time_axis
+from polydraulic.display import DEFAULT, as_drawn, time_axis
 from polydraulic.identification.runs import DynamicRun, ModelRuns
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.shown_model import shown_model
@@ -36,7 +36,7 @@ def plot_runs(found: ModelRuns, *, units: str = DEFAULT) -> "Figure":
     for axis, own, answered in zip(axes, found.models, found.runs, strict=True):
         model, run = shown_model(own, units), answered.shown(own.output.unit, units)
         label = _draw(axis, run, np.ones(len(run.row), dtype=bool), _half_width(model, run), began(found.log))
-        axis.set_ylabel(str(model.output))
+        axis.set_ylabel(as_drawn(str(model.output)))
     axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
     return figure
@@ -53,7 +53,7 @@ def plot_separately(model: Model, run: DynamicRun) -> "Figure":
     label = ""
     for axis, number in zip(axes, shown, strict=True):
         label = _draw(axis, run, run.number == number, _half_width(model, run))
-        axis.set_ylabel(str(model.output), fontsize="small")
+        axis.set_ylabel(as_drawn(str(model.output)), fontsize="small")
     axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
     return figure

@@ -66,8 +66,10 @@ def prepare_drive(function: Function, link: Link) -> Drive:
     middle = 0.5 * (function.stops.low + function.stops.high)
     lengthens = (geometry.lever(function, link, middle) or 0.0) > 0.0
     area_a, area_b = (head, rod) if lengthens else (rod, head)
-    return _triangle(function.pins, link, area_a, area_b) if isinstance(function.pins, Pins) else _rocker(
-        function.pins, link, 1.0 if lengthens else -1.0, area_a, area_b
+    return (
+        _triangle(function.pins, link, area_a, area_b)
+        if isinstance(function.pins, Pins)
+        else _rocker(function.pins, link, 1.0 if lengthens else -1.0, area_a, area_b)
     )
 
 
@@ -94,9 +96,7 @@ def _triangle(pins: Pins, link: Link, area_a: float, area_b: float) -> Triangle:
 
 def _rocker(pins: FourBar, link: Link, direction: float, area_a: float, area_b: float) -> Rocker:
     r = geometry.rocker(pins, link)
-    return Rocker(
-        *r.base, *r.hinge, *r.pin, r.rocker**2 - r.coupler**2, r.rocker**2, r.side, direction, area_a, area_b
-    )
+    return Rocker(*r.base, *r.hinge, *r.pin, r.rocker**2 - r.coupler**2, r.rocker**2, r.side, direction, area_a, area_b)
 
 
 @kernel

@@ -2,15 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from polydraulic.columns.timestamps import ORDERS
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.measure.log_units import conversion, quantity, says_pressure
-from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.entries import read_toml
+from polydraulic.parameters.keys import check_keys
 from polydraulic.unit_table import ATMOSPHERE, KINDS
 from polydraulic.units import Conversion, unit_kind
 
@@ -18,6 +18,7 @@ ROLES = ("input", "output", "time", "ignore")
 BETWEEN = ("linear", "hold")
 RESERVED = ("time", "segment")  # columns that every imported table has
 SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
+FARTHEST = 1e100  # of ranges: differences and squares are numbers
 THINNEST, DENSEST = 0.3e5, 1.2e5  # Pa, of atmospheres: from the highest mountain to the deepest mine
 _SI_OF_KIND = {kind.name: kind.si for kind in KINDS}
 _MAP = {"raster", "interval", "atmosphere", "channel", "flow"}
@@ -213,7 +214,7 @@ def duration(value: Any, where: str, low: float = SHORTEST, high: float = LONGES
 def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
     """Check a text that is not empty, one of `allowed` if given."""
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{where} = {value!r}: must be a string")
+        raise InputError(f"{where} = {briefly(value)}: must be a string")
     if allowed is not None and value not in allowed:
         raise InputError(f"{where} = {value!r}: must be one of {list(allowed)}")
     return value
@@ -222,9 +223,11 @@ def text(value: Any, where: str, allowed: Sequence[str] | None = None) -> str:
 def low_and_high(value: Any, where: str) -> tuple[float, float]:
     """Check a range ``[low, high]``."""
     good = isinstance(value, list) and len(value) == 2
-    good = good and all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in value)
+    good = good and all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= FARTHEST for v in value)
     if not good or not value[0] < value[1]:
-        raise InputError(f"{where} = {value!r}: must be [low, high], two numbers in the channel's unit, low below high")
+        raise InputError(
+            f"{where} = {briefly(value)}: must be [low, high], two numbers in the channel's unit of at most {FARTHEST:g}, low below high"
+        )
     return float(value[0]), float(value[1])
 
 
@@ -255,7 +258,7 @@ def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
         return Channel(source, source, role)
     unit = item.get("unit", "s" if role == "time" else "")
     if not isinstance(unit, str):
-        raise InputError(f"unit of {where} = {unit!r}: must be a string, empty for plain numbers")
+        raise InputError(f"unit of {where} = {briefly(unit)}: must be a string, empty for plain numbers")
     name = source if role == "time" else text(item.get("name", source), f"name of {where}")
     kind, why = _kind(item, where, name, pressures) if role != "time" else ("s", "its role")
     try:
@@ -285,7 +288,7 @@ def _channel(item: Any, where: str, pressures: set[str | None]) -> Channel:
     between = text(item.get("between", "linear"), f"between of {where}", BETWEEN)
     sign = item.get("sign", 1)
     if isinstance(sign, bool) or sign not in (1, -1):
-        raise InputError(f"sign of {where} = {sign!r}: must be 1 or -1")
+        raise InputError(f"sign of {where} = {briefly(sign)}: must be 1 or -1")
     return Channel(source, name, role, unit, kind, _raster(item, where), between, low, high, int(sign))
 
 

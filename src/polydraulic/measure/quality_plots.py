@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.display import time_axis, with_unit
+from polydraulic.display import as_drawn, time_axis, with_unit
 from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage
 from polydraulic.units import Conversion
@@ -48,7 +48,7 @@ def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion],
             if check.low - margin <= limit <= check.high + margin:
                 axis.axhline(value_in(check, unit, limit), color="#c33", linewidth=0.8)
         source = "" if c.source == c.name else f"   ({c.source})"
-        axis.set_title(with_unit(c.name, unit.unit) + source, loc="left", fontsize="small", pad=2.0)
+        axis.set_title(as_drawn(with_unit(c.name, unit.unit) + source), loc="left", fontsize="small", pad=2.0)
         axis.tick_params(labelsize="small")
         axis.grid(alpha=0.3)
     axes[-1].set_xlabel(label)
@@ -84,7 +84,7 @@ def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
                 Rectangle((left, low), right - left, high - low, fill=False, edgecolor="#c33", linewidth=1.2)
             )
         for label, name in ((axis.set_xlabel, pair.x), (axis.set_ylabel, pair.y)):
-            label(with_unit(name, units[name].unit), fontsize="small")
+            label(as_drawn(with_unit(name, units[name].unit)), fontsize="small")
         axis.set_title(f"{pair.share:.0%} of the cells", loc="left", fontsize="small")
         axis.tick_params(labelsize="x-small")
     for axis in axes[len(pairs) :]:

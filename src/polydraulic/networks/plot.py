@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.display import as_drawn
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import KIND_NAMES, terms
@@ -44,7 +45,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
             axis.plot([place[slot][0], x], [place[slot][1], y], color="0.6", linewidth=width, zorder=1)
     for slot, (x, y) in place.items():
         if slot < network.n_inputs:
-            text, color = f"N{slot + 1}\n{inputs[slot]}", "#dbe9f6" if slot in used else "#eeeeee"
+            text, color = f"N{slot + 1}\n{as_drawn(str(inputs[slot]))}", "#dbe9f6" if slot in used else "#eeeeee"
         else:
             node = network.nodes[slot - network.n_inputs]
             text, color = f"{KIND_NAMES[node.kind]}\n{len(node.coef)}", "#fde8c8"
@@ -57,7 +58,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
             linewidth=0.8,
             zorder=1,
         )
-    text = f"U\n{output}" if network.nodes else f"constant\n{network.y_mean:.4g}"
+    text = f"U\n{as_drawn(str(output))}" if network.nodes else f"constant\n{network.y_mean:.4g}"
     axis.text(last, 0.0, text, ha="center", va="center", fontsize=7, bbox={**_BOX, "facecolor": "#dff0d8"}, zorder=2)
     heights = [y for _, y in place.values()]
     axis.set_xlim(-0.6, last + 0.6)
@@ -95,7 +96,7 @@ def draw_history(axis: "Axes", history: Sequence[GrowthStep], unit: str) -> None
     best = [step for step in history if step.accepted][-1]
     axis.axvline(best.n_coefficients, color="0.7", linewidth=0.8)
     axis.set_xlabel("coefficients K")
-    axis.set_ylabel(f"squared error [({unit})²]")
+    axis.set_ylabel(f"squared error [({as_drawn(unit)})²]")
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")
 
@@ -117,5 +118,5 @@ def draw_regions(axis: "Axes", model: Model, *, x: int = 0, y: int = 1) -> None:
         axis.plot(*corners, color="k", linewidth=0.6)
     axis.set_xlim(low[x], high[x])
     axis.set_ylim(low[y], high[y])
-    axis.set_xlabel(str(model.inputs[x]))
-    axis.set_ylabel(str(model.inputs[y]))
+    axis.set_xlabel(as_drawn(str(model.inputs[x])))
+    axis.set_ylabel(as_drawn(str(model.inputs[y])))

@@ -3,16 +3,20 @@
 Every entry of a parameter file is ``key = { value = ..., unit = "...", source = "..." }``; switches have no unit.
 """
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 from polydraulic import units
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.quantity import Quantity, is_number, leaf_of
 
 Tree = TypeVar("Tree", bound=tuple)
+_DEEPEST = 20  # levels of tables and lists
+# A key of a hundred parts, for which a parser of TOML takes time with the square of their number.
+_LONG_KEY = re.compile(r"""(?<![\w."'-])(?:(?:[\w-]++|"[^"\n]{0,99}+"|'[^'\n]{0,99}+')[ \t]*+\.[ \t]*+){100}""")
 
 
 def find(source: str | Path, folder: Path, what: str, more: str = "") -> Path:
@@ -33,11 +37,44 @@ def find(source: str | Path, folder: Path, what: str, more: str = "") -> Path:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Parse a TOML file."""
+    """Parse a TOML file.
+
+    Raises
+    ------
+    InputError
+        It is none, is nested too deep, or holds a whole number beyond the 64 bits that TOML has for them.
+    """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        text = path.read_text(encoding="utf-8")
+        if _LONG_KEY.search(text):
+            raise RecursionError
+        data = tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{path}: not a file of ours: tables or lists are nested too deep") from error
+    except (OSError, ValueError) as error:  # also whole numbers of thousands of digits
         raise InputError(f"{path}: not a TOML file ({error})") from error
+    _check_sizes(data, path)
+    return data
+
+
+def _check_sizes(data: dict[str, Any], path: Path) -> None:
+    """Refuse whole numbers that TOML does not have and depths at which nobody looks, without going deep oneself."""
+    level: list[tuple[str, Any]] = list(data.items())
+    for _ in range(_DEEPEST):
+        for key, item in level:
+            if isinstance(item, int) and not -(2**63) <= item < 2**63:
+                raise InputError(
+                    f"{path}: {key} = {briefly(item)}: a whole number has 64 bits; write a larger one with a point"
+                )
+        inner: list[tuple[str, Any]] = []
+        for key, item in level:
+            if isinstance(item, dict):
+                inner += [(f"{key}.{name}", part) for name, part in item.items()]
+            elif isinstance(item, list):
+                inner += [(f"{key}[{place}]", part) for place, part in enumerate(item)]
+        level = inner
+    if level:
+        raise InputError(f"{path}: {level[0][0][:60]} ...: tables or lists are nested too deep")
 
 
 def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | None = None) -> Tree:
@@ -73,25 +110,28 @@ def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int
         )
     if size:
         if not isinstance(value, list) or (size > 0 and len(value) != size) or not value:
-            raise InputError(f"{path}: {key} = {value!r}: must be a list of {size if size > 0 else 'some'} numbers")
+            raise InputError(
+                f"{path}: {key} = {briefly(value)}: must be a list of {size if size > 0 else 'some'} numbers"
+            )
         return tuple(_number(v, known, quantity, f"{key}[{i}]", path) for i, v in enumerate(value))
     return _number(value, known, quantity, key, path)
 
 
 def _number(value: Any, unit: units.Conversion, quantity: Quantity, key: str, path: Path) -> float:
     if not is_number(value):
-        raise InputError(f"{path}: {key} = {value!r}: must be a number")
+        raise InputError(f"{path}: {key} = {briefly(value)}: must be a number")
     si = unit.to_si(float(value))
     if not quantity.allows(si):
         here = Quantity(unit.unit, *map(unit.from_si, (quantity.low, quantity.high, quantity.above)))
-        raise InputError(f"{path}: {key} = {value} {unit.unit}: {here.demand}")
+        raise InputError(f"{path}: {key} = {value} {unit.unit}: {here.demand(si)}")
     return si
 
 
 def read_switch(item: Any, key: str, path: Path) -> bool:
+    """Return one switch, true or false."""
     _entry(item, key, path, {"value", "source"})
     if not isinstance(item["value"], bool):
-        raise InputError(f"{path}: {key} = {item['value']!r}: must be true or false")
+        raise InputError(f"{path}: {key} = {briefly(item['value'])}: must be true or false")
     return item["value"]
 
 
@@ -99,4 +139,4 @@ def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
     check_keys(item, needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
-        raise InputError(f"{path}: {key}.{texts[0]} = {item[texts[0]]!r}: must be a string")
+        raise InputError(f"{path}: {key}.{texts[0]} = {briefly(item[texts[0]])}: must be a string")

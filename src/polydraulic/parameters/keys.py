@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 
 
 def check_keys(data: Any, allowed: Collection[str], needed: Collection[str], where: str = "", file: str = "") -> None:
@@ -26,7 +26,7 @@ def check_keys(data: Any, allowed: Collection[str], needed: Collection[str], whe
     """
     at = f"{file}: " if file else ""
     if not isinstance(data, Mapping):
-        raise InputError(f"{at}{where or 'file'} must be a table, not {data!r}")
+        raise InputError(f"{at}{where or 'file'} must be a table, not {briefly(data)}")
     of = f" in {where}" if where else ""
     unknown = sorted(str(key) for key in data if key not in allowed)
     missing = sorted(key for key in needed if key not in data)

@@ -2,14 +2,22 @@
 
 import types
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf
 from numbers import Real
 from typing import Any, NamedTuple, get_args
+
+SMALLEST, LARGEST = (
+    1e-30,
+    1e20,
+)  # in SI: far beyond any machine, while products and quotients of several are still numbers
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """SI unit and allowed range of a parameter; `above` is a limit that the value itself may not touch."""
+    """SI unit and allowed range of a parameter; `above` is a limit that the value itself may not touch.
+
+    Besides, a value is 0 or of a size from `SMALLEST` to `LARGEST`.
+    """
 
     unit: str
     low: float = -inf
@@ -23,14 +31,19 @@ class Quantity:
             return f"above {self.above:g}" + (f", at most {self.high:g}" if self.high < inf else "")
         return f"in [{self.low:g}, {self.high:g}]"
 
-    @property
-    def demand(self) -> str:
-        """What every value must be, in words."""
+    def demand(self, value: float) -> str:
+        """What every value must be, in words that tell what is wrong with this one, in SI."""
+        if abs(value) < inf and not _has_usual_size(value):
+            return f"must be 0 or of a size from {SMALLEST:g} to {LARGEST:g} in SI units"
         return f"must be finite and {self.range} {self.unit}"
 
     def allows(self, value: float) -> bool:
         """Whether a value is finite and lies in the range."""
-        return isfinite(value) and self.low <= value <= self.high and value > self.above
+        return _has_usual_size(value) and self.low <= value <= self.high and value > self.above
+
+
+def _has_usual_size(value: float) -> bool:
+    return value == 0.0 or SMALLEST <= abs(value) <= LARGEST  # also of an integer that no float holds
 
 
 class LeafKind(NamedTuple):

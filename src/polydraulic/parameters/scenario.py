@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.entries import build, find, read_quantity, read_toml
 from polydraulic.parameters.keys import check_keys
+from polydraulic.parameters.loads import Loads, read_loads
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.recording import ENDINGS, Recording
@@ -24,7 +25,7 @@ from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
 _SETS = Path(__file__).parent / "sets"
-_SECTIONS = {"title", "machine", "source", "duration", "locked", "voltage", "change"}
+_SECTIONS = {"title", "machine", "source", "duration", "locked", "voltage", "change", "force", "payload"}
 _USUAL_MACHINE = "cat215b"
 _CHANGEABLE = {"pilot", "initial"}
 _RANDOM = "random:"
@@ -52,6 +53,8 @@ class Scenario:
         Links that are held at their initial angle.
     changes : dict
         Partial parameter tree, as in a file, applied by `adapt`.
+    loads : Loads
+        What acts at the tip.
     """
 
     name: str
@@ -61,6 +64,7 @@ class Scenario:
     title: str = ""
     changes: dict[str, Any] = field(default_factory=dict, repr=False)
     path: Path = field(default=Path("scenario"), repr=False)
+    loads: Loads = field(default_factory=Loads, repr=False)
 
     def adapt(self, machine: Machine) -> Machine:
         """Return the machine with this scenario's pilots and initial state."""
@@ -95,6 +99,9 @@ def load_scenario(source: str | Path, functions: Sequence[str] | None = None) ->
         return _recording(Path(source), functions or LINKS)
     path, data = _read(source)
     check_keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, file=str(path))
+    for key in ("title", "source"):
+        if not isinstance(data[key], str):
+            raise InputError(f"{path}: {key} = {briefly(data[key])}: must be a string")
     own = _functions_of(_machine_of(data, path))
     functions = functions or own
     moved = set(data["voltage"]) if isinstance(data["voltage"], dict) else set()
@@ -107,14 +114,14 @@ def load_scenario(source: str | Path, functions: Sequence[str] | None = None) ->
     duration = read_quantity(data["duration"], Quantity("s", above=0.0, high=inf), "duration", path)
     locked = data.get("locked", [])
     if not isinstance(locked, list) or any(link not in functions for link in locked):
-        raise InputError(f"{path}: locked = {locked!r}: must be a list of {list(functions)}")
+        raise InputError(f"{path}: locked = {briefly(locked)}: must be a list of {list(functions)}")
     check_keys(data["voltage"], functions, (), "voltage", str(path))
     signals = {link: _signal(item, f"voltage.{link}", path) for link, item in data["voltage"].items()}
     changes = data.get("change", {})
     check_keys(changes, functions, (), "change", str(path))
     for link, part in changes.items():
         check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
-    return Scenario(path.stem, duration, signals, tuple(locked), str(data["title"]), changes, path)
+    return Scenario(path.stem, duration, signals, tuple(locked), data["title"], changes, path, read_loads(data, path))
 
 
 def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINKS) -> Scenario:
@@ -229,8 +236,8 @@ def _functions_of(machine: str) -> tuple[str, ...]:
 
 def _signal(item: Any, where: str, path: Path) -> Signal:
     kind = item.get("kind") if isinstance(item, dict) else None
-    if kind not in _KINDS:
-        raise InputError(f"{path}: {where}.kind = {kind!r}: must be one of {sorted(_KINDS)}")
+    if not isinstance(kind, str) or kind not in _KINDS:
+        raise InputError(f"{path}: {where}.kind = {briefly(kind)}: must be one of {sorted(_KINDS)}")
     names = _KINDS[kind]
     check_keys(item, names | {"kind"}, names, where, str(path))
     try:

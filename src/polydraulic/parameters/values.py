@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from functools import cache
 from typing import Any, TypeVar, get_type_hints
 
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.conditions import broken_conditions
 from polydraulic.parameters.quantity import LeafKind, is_number, leaf_of
 
@@ -59,15 +59,15 @@ def leaves_of(cls: type, where: str = "") -> dict[str, LeafKind]:
 def _refusals(path: str, value: Any, leaf: LeafKind) -> list[str]:
     """What is wrong with a value in SI."""
     if leaf.quantity is None:
-        return [] if isinstance(value, bool) else [f"{path} = {value!r}: must be True or False"]
+        return [] if isinstance(value, bool) else [f"{path} = {briefly(value)}: must be True or False"]
     if leaf.size:
         if not _is_list(value) or len(value) != leaf.size:
-            return [f"{path} = {value!r}: must be {leaf.size} numbers"]
+            return [f"{path} = {briefly(value)}: must be {leaf.size} numbers"]
         one = LeafKind(leaf.quantity)
         return [line for i, item in enumerate(value) for line in _refusals(f"{path}[{i}]", item, one)]
     if not is_number(value):
-        return [f"{path} = {value!r}: must be a number"]
-    return [] if leaf.quantity.allows(value) else [f"{path} = {value!r}: {leaf.quantity.demand}"]
+        return [f"{path} = {briefly(value)}: must be a number"]
+    return [] if leaf.quantity.allows(value) else [f"{path} = {briefly(value)}: {leaf.quantity.demand(value)}"]
 
 
 def _is_list(value: Any) -> bool:

@@ -61,7 +61,7 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     motion = motion_of(drawing, np.array([drawing.initial]))
     reached = tip_places(drawing)
     figure = Figure(figsize=(14.0, 7.6), dpi=100)
-    side, top = figure.add_axes((0.045, 0.09, 0.62, 0.83)), figure.add_axes((0.735, 0.39, 0.255, 0.53))
+    side, top = figure.add_axes((0.055, 0.09, 0.62, 0.83)), figure.add_axes((0.735, 0.39, 0.255, 0.53))
     low, high = view_limits(drawing, [motion], "side")
     margin = 0.02 * (high - low).max()
     fill_place(side, np.minimum(low, reached.min(axis=0) - margin), np.maximum(high, reached.max(axis=0) + margin))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, as_shown, shown_unit, with_unit
+from polydraulic.display import DEFAULT, as_drawn, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.flow.record import EFFECTOR
@@ -134,9 +134,9 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
     _draw_effector(below, runs, units)
     below.set_xlabel("time [s]")
     title = next(iter(runs.values())).info.get("scenario", "")
-    handles = [_handle(label, *line_style(number)) for number, label in enumerate(runs)]
+    handles = [_handle(as_drawn(label), *line_style(number)) for number, label in enumerate(runs)]
     figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)
-    figure.suptitle(str(title), x=0.01, ha="left", fontweight="bold")
+    figure.suptitle(as_drawn(str(title)), x=0.01, ha="left", fontweight="bold")
     return figure
 
 
@@ -165,7 +165,7 @@ def _draw_effector(axis: "Axes", runs: Mapping[str, Table], units: str) -> None:
             color, width = line_style(number)
             distance = as_shown(effector_distance(reference, table), "m", units)
             axis.plot(table["time"], distance, color=color, linewidth=width)
-        axis.set_ylabel(with_unit(f"tip from\n{next(iter(runs))}", shown_unit("m", units)))
+        axis.set_ylabel(with_unit(f"tip from\n{as_drawn(next(iter(runs)))}", shown_unit("m", units)))
         axis.set_ylim(bottom=0.0)
     else:
         for name, style in zip(EFFECTOR, ("-", "--", ":"), strict=True):

@@ -26,8 +26,8 @@ from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
-from polydraulic.simulation.loop import FASTEST, run
 from polydraulic.simulation.layout.runs import simulate_layout
+from polydraulic.simulation.loop import FASTEST, run
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from polydraulic.simulation.steps import n_steps, recorded_steps
 from polydraulic.tables import Table
@@ -37,7 +37,7 @@ METHODS: dict[str, float | None] = {"semi-implicit": None, "rk4": None, "rosenbr
 
 
 def simulate(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     scenario: Scenario | str | Path,
     *,
@@ -47,12 +47,13 @@ def simulate(
     raster: float | None = None,
     method: str = "semi-implicit",
     rtol: float | None = None,
+    energy: bool = False,
 ) -> Table:
     """Simulate a scenario.
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : Machine or LayoutMachine, or name or path of a parameter set
         The scenario's own pilots and initial state replace the machine's.
     flow : str or flow model
         Name of a flow model, or a model from one of the builders in `polydraulic.flow`.
@@ -73,6 +74,8 @@ def simulate(
         slow.
     rtol : float, optional
         Relative tolerance of the last two; 1e-4 and 1e-9 if not given.
+    energy : bool
+        Whether to add the energy account, see `simulation.layout.energy`; of machines that are described by links.
 
     Returns
     -------
@@ -99,7 +102,11 @@ def simulate(
         raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
     every = recorded_steps(dt, every, raster)
     if isinstance(machine, LayoutMachine):
-        return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method)
+        return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, energy=energy)
+    if energy:
+        raise InputError(
+            "the energy account is of machines that are described by links, functions and circuits; try 'cat215b_bucket'"
+        )
     scenario = as_scenario(scenario)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)
     if method != "semi-implicit" and FLOW_KINDS[flow_name(arranged.model)].has_state:
@@ -232,7 +239,12 @@ def trajectory(
 
 
 def check_links(scenario: Scenario, model: Any) -> None:
-    """Refuse a scenario that moves links which the flow model does not serve, or none at all."""
+    """Refuse a scenario that moves links which the flow model does not serve, or none at all, or that loads the tip."""
+    if scenario.loads.force or scenario.loads.payload is not None:
+        raise InputError(
+            f"scenario {scenario.name!r} has a force or a payload at the tip: give a machine that is described by links, for "
+            "example 'cat215b_bucket'"
+        )
     free = [link for link in LINKS if link not in scenario.locked]
     if not free:
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(LINKS)}; nothing is left to move")
@@ -251,7 +263,7 @@ def _fastest(row: np.ndarray) -> str:
 
 
 def reference(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     flow: str | FlowModel,
     scenario: Scenario | str | Path,
     *,

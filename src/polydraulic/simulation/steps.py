@@ -5,6 +5,8 @@ from math import isfinite
 from polydraulic.errors import InputError
 from polydraulic.parameters.scenario import Scenario
 
+MOST_STEPS = 1_000_000_000  # in a run
+
 
 def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:
     """Whole steps in a run.
@@ -12,14 +14,19 @@ def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) 
     Raises
     ------
     InputError
-        If there is none, or `every` is no positive whole number.
+        If there is none or more than `MOST_STEPS`, or `every` is no positive whole number.
     """
     duration = scenario.duration if t_end is None else t_end
     if not (isfinite(duration) and duration >= dt):
         raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")
     if not isinstance(every, int) or every < 1:
         raise InputError(f"every = {every!r}: must be a whole number, at least 1")
-    return int(duration / dt + 1e-9)
+    steps = duration / dt + 1e-9
+    if steps > MOST_STEPS:
+        raise InputError(
+            f"duration = {duration:g} s: makes {steps:.3g} steps of {dt} s; at most {MOST_STEPS:g} are made: run a shorter time"
+        )
+    return int(steps)
 
 
 def recorded_steps(dt: float, every: int, raster: float | None) -> int:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from polydraulic import load_scenario
-from polydraulic.export.fmu.machine import direct_parameters, export_machine_fmu
-from polydraulic.export.machine import outputs
+from polydraulic.export.excavator import outputs
+from polydraulic.export.fmu.machine import export_machine_fmu
+from polydraulic.export.fmu.machine_parameters import direct_parameters
 from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
@@ -26,7 +27,7 @@ STATUS = 3 + N_OUT
 class Digger:
     """One instance."""
 
-    def __init__(self, path, folder, version=3, **start):
+    def __init__(self, path, folder, version=3, at=0.0, **start):
         description = fmpy.read_model_description(str(path))
         self.reference = {v.name: v.valueReference for v in description.modelVariables}
         fmpy.extract(str(path), unzipdir=str(folder))
@@ -34,9 +35,9 @@ class Digger:
         self.set = self.fmu.setReal if version == 2 else self.fmu.setFloat64
         self.get = self.fmu.getReal if version == 2 else self.fmu.getFloat64
         if version == 2:
-            self.fmu.setupExperiment(startTime=0.0)
+            self.fmu.setupExperiment(startTime=at)
         self.set([self.reference[name] for name in start], list(start.values()))
-        self.fmu.enterInitializationMode()
+        self.fmu.enterInitializationMode(**({} if version == 2 else {"startTime": at}))
         self.fmu.exitInitializationMode()
 
     def run(self, voltage, dt=5e-3):
@@ -109,6 +110,40 @@ def test_any_communication_step_makes_the_steps_that_are_due(exact, tmp_path):
             if step == 0.0075:
                 assert same_bits(digger.get(OUT), rows[int((k + 1) * 1.5)])
         assert same_bits(digger.get(OUT), rows[-1])
+
+
+@pytest.mark.parametrize("at", [-3e5, 0.1, 1711850398.0, 1.7e12])
+def test_steps_are_counted_from_any_start(exact, at, tmp_path):
+    voltage = voltages(300, 5)
+    rows = Digger(exact, tmp_path / "0").run(voltage)
+    points = at + np.arange(301) * 5e-3
+    summed = np.concatenate([[at], at + np.cumsum(np.full(300, 5e-3))])  # as the importer adds up, rounding each time
+    for number, ends in enumerate((points, summed, None)):
+        digger, time = Digger(exact, tmp_path / str(number + 1), at=at), at
+        for k, v in enumerate(voltage.tolist()):
+            digger.set([0, 1, 2], v)
+            time, step = (time, 5e-3) if ends is None else (float(ends[k]), float(ends[k + 1] - ends[k]))
+            digger.fmu.doStep(time, step)
+            time += step
+            assert same_bits(digger.get(OUT), rows[k + 1]), (number, k)
+
+
+def test_whole_numbers_of_steps_and_others_from_a_late_start(exact, tmp_path):
+    voltage, at = np.array([[2.0, -1.0, 3.0]]), 1.7e9
+    rows = Digger(exact, tmp_path / "a").run(np.tile(voltage, (600, 1)))
+    for number, (step, made) in enumerate(((0.015, 3.0), (0.0075, 1.5), (1.0 / 60.0, 10.0 / 3.0))):
+        digger = Digger(exact, tmp_path / str(number), at=at)
+        digger.set([0, 1, 2], voltage[0].tolist())
+        for k in range(150):
+            begin, end = at + k * step, at + (k + 1) * step
+            digger.fmu.doStep(begin, end - begin)
+            assert same_bits(digger.get(OUT), rows[int((k + 1) * made + 1e-6)]), (step, k)
+
+
+def test_times_too_large_to_count_steps_are_refused(exact, tmp_path):
+    digger = Digger(exact, tmp_path / "a", at=1e15)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        digger.fmu.doStep(1e15, 5e-3)
 
 
 def test_a_state_that_is_set_or_read_from_bytes_goes_on_with_the_same_bits(exact, tmp_path):

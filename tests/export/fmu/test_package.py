@@ -3,8 +3,11 @@
 import shutil
 
 import fmpy
+import numpy as np
 import pytest
-from fmpy import validation
+from fmpy import fmi2, validation
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.package import write_fmu
@@ -66,3 +69,100 @@ def test_a_memory_goes_on_through_steps_and_failure_is_told(version, tmp_path):
         with pytest.raises(Exception, match="fmi"):
             put([reference], [1.0])
     fmu.freeInstance()
+
+
+def started(path, folder, version, at=0.0, log=None):
+    """One instance that has begun at a time, and its function to read."""
+    description = fmpy.read_model_description(str(path))
+    fmpy.extract(str(path), unzipdir=str(folder))
+    options = {} if log is None else {"callbacks": callbacks(version, log)} if version == 2 else {"logMessage": log}
+    if version == 2:
+        fmu = FMU2Slave(
+            guid=description.guid, unzipDirectory=str(folder), instanceName="one", modelIdentifier="integrator"
+        )
+        fmu.instantiate(**options)
+        fmu.setupExperiment(startTime=at)
+        fmu.enterInitializationMode()
+    else:
+        fmu = FMU3Slave(
+            guid=description.instantiationToken,
+            unzipDirectory=str(folder),
+            instanceName="one",
+            modelIdentifier="integrator",
+        )
+        fmu.instantiate(**options)
+        fmu.enterInitializationMode(startTime=at)
+    fmu.exitInitializationMode()
+    return fmu, fmu.getReal if version == 2 else fmu.getFloat64
+
+
+def callbacks(version, log):
+    """Those of FMPy with a logger of one's own."""
+    made = fmi2.fmi2CallbackFunctions()
+    made.logger = fmi2.fmi2CallbackLoggerTYPE(log)
+    made.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+    made.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
+    return made
+
+
+@pytest.fixture(scope="module")
+def integrators(tmp_path_factory):
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+    folder = tmp_path_factory.mktemp("integrators")
+    return {
+        version: write_fmu(WHAT, {"equations.h": EQUATIONS}, folder / f"i{version}.fmu", version=version, page="").main
+        for version in (2, 3)
+    }
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("at", [0.0, 1.7e9])
+def test_steps_that_leave_a_gap_or_have_no_length_are_errors_that_are_told_and_do_nothing(
+    version, at, integrators, tmp_path
+):
+    told = []
+
+    def log(*message):
+        told.append(message[-1])
+
+    fmu, read = started(integrators[version], tmp_path / "in", version, at, log)
+    fmu.doStep(at, 0.5)
+    for point, step, why in [
+        (at, 0.5, "not where the last step ended"),
+        (at + 0.501, 0.5, "not where the last step ended"),
+        (at + 0.5, -0.5, "finite and not negative"),
+        (at + 0.5, np.inf, "finite and not negative"),
+        (at + 0.5, np.nan, "finite and not negative"),
+        (np.nan, 0.5, "finite times"),
+        (-np.inf, 0.5, "finite times"),
+    ]:
+        with pytest.raises(fmpy.fmi1.FMICallException, match="DoStep"):
+            fmu.doStep(point, step)
+        assert why in str(told.pop()), (point, step)
+        assert told == []
+        assert read([3]) == [2.0 * (0.5 + 0.5)]
+    state = fmu.getFMUstate() if version == 2 else fmu.getFMUState()
+    fmu.doStep(at + 0.5, 0.25)
+    (fmu.setFMUstate if version == 2 else fmu.setFMUState)(state)  # which takes the time back
+    fmu.doStep(at + 0.5, 0.5)
+    assert read([3]) == [2.0 * (0.5 + 1.0)]
+    assert told == []
+    fmu.freeInstance()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_first_step_begins_at_the_start_which_is_a_finite_time(version, integrators, tmp_path):
+    fmu, _ = started(integrators[version], tmp_path / "a", version, 5.0)
+    with pytest.raises(fmpy.fmi1.FMICallException, match="DoStep"):
+        fmu.doStep(0.0, 0.5)
+    with pytest.raises(fmpy.fmi1.FMICallException, match="etupExperiment|nterInitialization"):
+        started(integrators[version], tmp_path / "b", version, np.nan)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_points_that_are_rounded_differently_are_no_gap(version, integrators, tmp_path):
+    fmu, read = started(integrators[version], tmp_path / "in", version, 1.7e9)
+    for k in range(400):
+        fmu.doStep(1.7e9 + k * 0.005, 0.005)
+    assert read([3]) == pytest.approx([2.0 * (0.5 + 2.0)], rel=1e-4)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numba.core import compiler, registry, typed_passes, types
 
-from polydraulic.export.machine import machine_advance, outputs, prepared
+from polydraulic.export.excavator import machine_advance, outputs, prepared
 from polydraulic.export.translate.program import Program
 from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct
 from polydraulic.flow import FLOW_KINDS
@@ -30,7 +30,7 @@ def test_types_are_those_that_numba_infers(machine, flow):
     parts = prepared(machine, flow)
     memory = np.zeros(FLOW_KINDS[flow].n_memory(parts.model))
     program = Program()
-    program.entry("f", machine_advance, [parts, memory, np.zeros(len(outputs())), 0.0, 0.0, 0.0])
+    program.entry("f", machine_advance, [parts, memory, np.zeros(len(outputs())), np.zeros(3)])
     target = registry.cpu_target
     compared = 0
     for function in program.functions.values():

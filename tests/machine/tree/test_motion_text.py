@@ -3,6 +3,7 @@
 import ast
 import ctypes
 import inspect
+import math
 import os
 import re
 import shutil
@@ -25,10 +26,13 @@ from helpers.trees import (
     mechanics,
     mujoco_model,
     random_states,
+    random_tree,
 )
 from polydraulic import _kernel
+from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
 from polydraulic.machine import linkage
+from polydraulic.machine.state import Links
 from polydraulic.machine.tree.links import MAX_LINKS, Link
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text, moving
 
@@ -215,6 +219,64 @@ def test_c_has_the_same_bits(tree, tmp_path):
             *(ctypes.c_void_p(row[k].ctypes.data) for row in rows), address, ctypes.c_void_p(found[k].ctypes.data)
         )
     assert np.array_equal(found.view(np.int64), tree.found[:300].view(np.int64))
+
+
+def compared_with_mujoco(links, folder, n):
+    """Largest errors of accelerations and places of `links`, not compiled, relative to the largest of each state."""
+    mujoco = pytest.importorskip("mujoco")
+    columns, text = everything(links)
+    module, model = mechanics(folder, links, [links[-1].name], text, plain=True), mujoco_model(links)
+    data, states, point = mujoco.MjData(model), random_states(links, n), np.ones((n, 6))
+    found = evaluated(module, columns, np.array(module.prepare_motion(links, GRAVITY)), states, point)
+    order = [int(model.joint(name).dofadr[0]) for name in moving(links)]  # MuJoCo goes branch by branch
+    a, place = ([i for i, column in enumerate(columns) if column.startswith(start)] for start in ("a.", "place."))
+    errors = []
+    for row, q, v, torque in zip(found, *states, strict=True):
+        data.qpos[order], data.qvel[order], data.qfrc_applied[order] = q, v, torque
+        mujoco.mj_forward(model, data)
+        body = data.body(links[-1].name)
+        there = body.xpos + body.xmat.reshape(3, 3) @ point[0, :3]
+        errors.append(np.max(np.abs(row[a] - data.qacc[order])) / np.max(np.abs(data.qacc)))
+        errors.append(np.max(np.abs(row[place] - there)))
+    return max(errors)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_any_tree_moves_as_in_mujoco(seed, tmp_path):
+    assert compared_with_mujoco(random_tree(seed), tmp_path, 20) < 1e-10
+
+
+def test_the_longest_chains_move_as_in_mujoco(tmp_path):
+    """In one plane, where digits are lost most, the error stays that of the mass matrix' condition."""
+    assert compared_with_mujoco(longest(), tmp_path, 50) < 1e-10
+    plane = [link._replace(axis="y") for link in longest()]
+    assert compared_with_mujoco(plane, tmp_path, 50) < 1e-9
+
+
+def test_the_generated_motion_of_three_joints_is_that_written_by_hand(machine, tmp_path):
+    """The machine of the package as a tree."""
+    g, held = machine.geometry, linkage.Held(False, False, False)
+
+    def numbers(body):
+        x, z = body.cg * math.cos(body.cg_angle), body.cg * math.sin(body.cg_angle)
+        pitch = body.inertia_transverse
+        return body.mass, {"x": x, "z": z}, {"xx": body.inertia_longitudinal, "yy": pitch, "zz": pitch}
+
+    links = [
+        Link("swing", None, "revolute", "z", inertia={"zz": machine.swing.body.inertia}),
+        Link("boom", "swing", "revolute", "-y", {"x": g.a1, "y": g.d}, *numbers(machine.boom.body)),
+        Link("stick", "boom", "revolute", "-y", {"x": g.boom_length}, *numbers(machine.stick.body)),
+    ]
+    module, by_hand = mechanics(tmp_path, links, plain=True), linkage.prepare_linkage(machine)
+    constants = module.prepare_motion(links, g.gravity)
+    for q, v, torque in zip(*random_states(links, 200), strict=True):
+        mine = module.motion(module.turns(module.Joints(*q)), module.Joints(*v), constants)
+        theirs = linkage.motion(sincos(q[1]), sincos(q[2]), Links(*v), by_hand)
+        assert mine.mass == pytest.approx(theirs.mass, rel=1e-12, abs=1e-9)
+        assert mine.bias == pytest.approx(theirs.bias, rel=1e-12, abs=1e-8)
+        assert mine.gravity == pytest.approx(theirs.gravity, rel=1e-12, abs=1e-8)
+        found = module.solve_motion(mine.mass, module.Held(*held), module.Joints(*torque))
+        assert found == pytest.approx(linkage.solve_motion(theirs.mass, held, Links(*torque)), rel=1e-10)
 
 
 def test_constants_are_floats_of_numbers_of_any_kind():

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from polydraulic.measure.bench.sensors import Reading, Sensor
+from polydraulic.errors import InputError
+from polydraulic.measure.bench.sensors import Reading, Sensor, load_sensors
 from polydraulic.tables import Table
 
 RUN = Table({"time": np.arange(60_001) * 0.01, "p": np.full(60_001, 5e6)}, {"time": "s", "p": "Pa"})
@@ -47,3 +48,15 @@ def test_dropouts_take_their_share_in_pieces_of_their_length():
     assert np.mean(lost) == pytest.approx(0.1, rel=0.2)
     pieces = np.count_nonzero(np.diff(lost.astype(int)) == 1)
     assert 0.01 * lost.sum() / pieces == pytest.approx(0.5, rel=0.25)
+
+
+@pytest.mark.parametrize("value", ["9" * 400, "1e308", "-1e308", "[[]]", "{}", "[1e308, inf]", "nan"])
+@pytest.mark.parametrize(
+    "key", ["noise", "offset", "drift", "resolution", "range", "delay", "lag", "dropout", "unit", "raster", "name"]
+)
+def test_strange_values_anywhere_in_a_sensor_are_one_error(key, value, tmp_path):
+    entry = {"column": '"boom.p_a"', "unit": '"bar"', "raster": '"10 ms"'} | {key: value}
+    path = tmp_path / "s.toml"
+    path.write_text("[[sensor]]\n" + "\n".join(f"{name} = {text}" for name, text in entry.items()))
+    with pytest.raises(InputError, match="s.toml"):
+        load_sensors(path)

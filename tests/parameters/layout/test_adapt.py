@@ -1,6 +1,6 @@
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import InputError, load_machine, load_scenario
 from polydraulic.parameters.layout.adapt import adapted
 

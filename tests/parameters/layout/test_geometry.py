@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.geometry import knee_at, lever, plane, rocker
@@ -17,7 +17,9 @@ def length(machine, function, angle):
     positions[machine.names.index(function.name)] = angle
     frames = link_frames(machine, positions)
     link = machine.link(function.moves)
-    return float(np.linalg.norm(placed(frames, link.parent, function.pins.base) - placed(frames, link.name, function.pins.rod)))
+    return float(
+        np.linalg.norm(placed(frames, link.parent, function.pins.base) - placed(frames, link.name, function.pins.rod))
+    )
 
 
 @pytest.mark.parametrize("axis", ["x", "-x", "y", "-y", "z", "-z"])

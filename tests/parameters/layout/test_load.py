@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from helpers.small_crane import crane_text, write_crane
 
+from helpers.small_crane import crane_text, write_crane
 from polydraulic import InputError, load_machine
 from polydraulic.parameters.load import as_excavator, load_layout, machine_names
 
@@ -75,11 +75,20 @@ def test_all_that_is_wrong_is_said_at_once(tmp_path):
         load_machine(path)
     found = str(error.value).split("\n  ")
     assert found[0] == f"{path}: what is wrong:"
-    assert [line.split(" ")[0] for line in found[1:]] == ["title", "links.boom.axis", "functions.slew.motor.displacement"]
+    assert [line.split(" ")[0] for line in found[1:]] == [
+        "title",
+        "links.boom.axis",
+        "functions.slew.motor.displacement",
+    ]
 
 
 def test_a_name_written_twice_but_for_capitals_is_refused(tmp_path):
-    text = crane_text().replace("[links.arm]", "[links.BOOM]").replace('moves = "arm"', 'moves = "BOOM"').replace('link = "arm"', 'link = "BOOM"')
+    text = (
+        crane_text()
+        .replace("[links.arm]", "[links.BOOM]")
+        .replace('moves = "arm"', 'moves = "BOOM"')
+        .replace('link = "arm"', 'link = "BOOM"')
+    )
     path = tmp_path / "twice.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="stands there twice but for upper and lower case"):
@@ -97,7 +106,10 @@ def test_more_links_than_there_may_be_are_refused(tmp_path):
 
 
 def test_code_for_the_older_form_refuses_other_layouts_by_name(crane):
-    with pytest.raises(InputError, match="'Small crane' has the functions slew, lift, extend; this works for the layout of 'cat215b' alone"):
+    with pytest.raises(
+        InputError,
+        match="'Small crane' has the functions slew, lift, extend; this works for the layout of 'cat215b' alone",
+    ):
         as_excavator(crane)
     with pytest.raises(InputError, match="has the older form"):
         load_layout("cat215b")

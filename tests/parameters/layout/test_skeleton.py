@@ -2,10 +2,11 @@ import pytest
 
 from polydraulic import InputError, load_machine
 from polydraulic.parameters.layout.skeleton import skeleton
+from polydraulic.parameters.load import load_layout, machine_text
 
 
 def test_a_skeleton_is_a_machine_with_a_comment_for_each_kind_of_number(tmp_path):
-    text = skeleton("cat215b_bucket")
+    text = skeleton(machine_text("cat215b_bucket"), "cat215b_bucket")
     path = tmp_path / "mine.toml"
     path.write_text(text, encoding="utf-8")
     assert load_machine(path) == load_machine("cat215b_bucket")
@@ -15,4 +16,4 @@ def test_a_skeleton_is_a_machine_with_a_comment_for_each_kind_of_number(tmp_path
 
 def test_the_older_form_is_no_pattern():
     with pytest.raises(InputError, match="older form"):
-        skeleton("cat215b")
+        load_layout("cat215b")

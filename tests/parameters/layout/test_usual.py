@@ -1,6 +1,6 @@
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.parameters.layout.usual import unusual
 from polydraulic.parameters.load import load_layout, machine_names

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from helpers.small_crane import write_crane
 
+from helpers.small_crane import write_crane
 from polydraulic import InputError, load_machine, simulate, simulate_batch
 from polydraulic.parameters.scenario import random_operator
 
@@ -27,7 +27,8 @@ def test_machines_in_lanes_have_the_bits_of_single_ones(crane, heavy):
         for name in batch.names:
             assert np.array_equal(batch[name][i], run[name]), (i, name)
     assert not np.array_equal(batch["lift.angle"][0], batch["lift.angle"][2])
-    assert batch.not_converged.sum() == 0 and batch.units["extend.position"] == "m"
+    assert batch.not_converged.sum() == 0
+    assert batch.units["extend.position"] == "m"
 
 
 def test_voltages_and_states_have_the_size_of_the_machine(crane):

@@ -7,9 +7,13 @@ from polydraulic.simulation.layout.columns import columns_of, gap_name
 def test_columns_are_named_by_functions_and_circuits_with_the_joints_units(crane):
     found = columns_of(crane)
     units = dict(found.columns)
-    assert found.n_state == 15 and len(found.columns) == len(units) == 5 * 3 + 2 * 3 + 2 * 4 + 1
-    assert units["slew.angle"] == "rad" and units["extend.position"] == "m" and units["extend.speed"] == "m/s"
-    assert "extend.angle" not in units and found.columns[found.place["extend.angle"]].name == "extend.position"
+    assert found.n_state == 15
+    assert len(found.columns) == len(units) == 5 * 3 + 2 * 3 + 2 * 4 + 1
+    assert units["slew.angle"] == "rad"
+    assert units["extend.position"] == "m"
+    assert units["extend.speed"] == "m/s"
+    assert "extend.angle" not in units
+    assert found.columns[found.place["extend.angle"]].name == "extend.position"
     assert units["main.p_between"] == "Pa"
 
 
@@ -22,4 +26,8 @@ def test_the_columns_of_three_links_are_those_of_the_older_form():
 
 def test_pressures_between_more_than_two_valves_are_numbered():
     assert gap_name("upper", 1, 2) == "upper.p_between"
-    assert [gap_name("upper", k, 4) for k in (1, 2, 3)] == ["upper.p_between_1", "upper.p_between_2", "upper.p_between_3"]
+    assert [gap_name("upper", k, 4) for k in (1, 2, 3)] == [
+        "upper.p_between_1",
+        "upper.p_between_2",
+        "upper.p_between_3",
+    ]

@@ -4,7 +4,11 @@ import pytest
 
 from polydraulic.simulation.layout.expand import WIDTH, expanded
 
-FUNCTIONS = {"FUNCTIONS": [{"F": "boom", "N": 0}, {"F": "stick", "N": 1}], "OF_boom": [{"I": "1"}, {"I": "2"}], "OF_stick": []}
+FUNCTIONS = {
+    "FUNCTIONS": [{"F": "boom", "N": 0}, {"F": "stick", "N": 1}],
+    "OF_boom": [{"I": "1"}, {"I": "2"}],
+    "OF_stick": [],
+}
 
 
 def test_arguments_statements_fields_and_conditions_are_written_out():
@@ -22,7 +26,9 @@ def total(x, row):
     for k in range(3):
         row[k] = 0.0
 '''
-    assert expanded(page, FUNCTIONS) == '''class Values(NamedTuple):
+    assert (
+        expanded(page, FUNCTIONS)
+        == '''class Values(NamedTuple):
     """One a function."""
     boom: float
     stick: float
@@ -36,11 +42,15 @@ def total(x, row):
     for k in range(3):
         row[k] = 0.0
 '''
+    )
 
 
 def test_loops_may_be_nested_and_definitions_repeated():
     page = "for F in FUNCTIONS:\n    def go_F(x):\n        return g(*[x.F_I for I in OF_F])\n"
-    assert expanded(page, FUNCTIONS) == "def go_boom(x):\n    return g(x.boom_1, x.boom_2)\n\n\ndef go_stick(x):\n    return g()\n"
+    assert (
+        expanded(page, FUNCTIONS)
+        == "def go_boom(x):\n    return g(x.boom_1, x.boom_2)\n\n\ndef go_stick(x):\n    return g()\n"
+    )
 
 
 def test_a_name_is_replaced_once_even_if_it_looks_like_a_letter():

@@ -15,7 +15,8 @@ def test_a_text_is_a_file_whose_source_can_be_seen():
     found = loaded(TEXT.format(number=42))
     assert found.answer() == 42
     assert inspect.getsource(found.answer) == "def answer():\n    return 42\n"
-    assert loaded(TEXT.format(number=42)) is found and loaded(TEXT.format(number=43)) is not found
+    assert loaded(TEXT.format(number=42)) is found
+    assert loaded(TEXT.format(number=43)) is not found
 
 
 def test_a_file_that_somebody_changed_is_written_anew(monkeypatch, tmp_path):
@@ -31,7 +32,8 @@ def test_a_file_that_somebody_changed_is_written_anew(monkeypatch, tmp_path):
 def test_without_a_place_the_text_lives_in_memory(monkeypatch, caplog, tmp_path):
     monkeypatch.setattr(module, "cache_folder", lambda: None)
     found = loaded(TEXT.format(number=46))
-    assert found.answer() == 46 and not Path(found.__file__).exists()
+    assert found.answer() == 46
+    assert not Path(found.__file__).exists()
     assert inspect.getsource(found.answer).endswith("return 46\n")
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
@@ -42,8 +44,7 @@ def test_without_a_place_the_text_lives_in_memory(monkeypatch, caplog, tmp_path)
 
 def test_two_processes_may_write_at_once(tmp_path):
     code = (
-        "from polydraulic.simulation.layout.module import loaded\n"
-        f"print(loaded({TEXT.format(number=48)!r}).answer())"
+        f"from polydraulic.simulation.layout.module import loaded\nprint(loaded({TEXT.format(number=48)!r}).answer())"
     )
     running = [subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) for _ in range(2)]
     assert [process.communicate(timeout=120)[0].strip() for process in running] == ["48", "48"]

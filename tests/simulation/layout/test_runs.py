@@ -28,11 +28,14 @@ def test_oil_is_neither_made_nor_lost(crane, run):
 def test_joints_stay_within_their_stops_and_pressures_between_floor_and_relief(crane, run):
     for f in crane.functions:
         where = run[f"{f.name}.position" if f.name == "extend" else f"{f.name}.angle"]
-        assert f.stops.low <= where.min() and where.max() <= f.stops.high
-        assert run[f"{f.name}.p_a"].min() >= crane.tank.floor and run[f"{f.name}.p_b"].max() <= f.line.relief
+        assert f.stops.low <= where.min()
+        assert where.max() <= f.stops.high
+        assert run[f"{f.name}.p_a"].min() >= crane.tank.floor
+        assert run[f"{f.name}.p_b"].max() <= f.line.relief
     assert run["extend.position"].max() == pytest.approx(1.4)
     met = [event for event in run.info["events"] if event[1:] == ["extend", "high stop met"]]
-    assert met and run["extend.position"][np.searchsorted(run["time"], met[0][0])] == pytest.approx(1.4, abs=1e-3)
+    assert met
+    assert run["extend.position"][np.searchsorted(run["time"], met[0][0])] == pytest.approx(1.4, abs=1e-3)
 
 
 def test_the_tip_is_where_the_joints_put_it(run):
@@ -42,14 +45,19 @@ def test_the_tip_is_where_the_joints_put_it(run):
 
 def test_a_summary_speaks_of_the_machines_own_functions(run):
     lines = run_summary(run)
-    assert "slew" in lines[0] and "second pump" in lines[0]
+    assert "slew" in lines[0]
+    assert "second pump" in lines[0]
     assert any(line.startswith("at the end: slew") and "extend" in line for line in lines)
 
 
 def test_locked_functions_stand_still_and_keep_their_columns_short(crane):
     run = simulate(crane, "exact", random_operator(5, 3.0, links=("lift",), functions=crane.names))
-    assert np.ptp(run["slew.angle"]) == 0.0 and np.ptp(run["extend.position"]) == 0.0 and np.ptp(run["lift.angle"]) > 0.01
-    assert "slew.p_a" not in run.names and "second.p_pump" not in run.names and "main.p_pump" in run.names
+    assert np.ptp(run["slew.angle"]) == 0.0
+    assert np.ptp(run["extend.position"]) == 0.0
+    assert np.ptp(run["lift.angle"]) > 0.01
+    assert "slew.p_a" not in run.names
+    assert "second.p_pump" not in run.names
+    assert "main.p_pump" in run.names
 
 
 def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
@@ -62,7 +70,12 @@ def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
     [
         ("polynomial", "random:1:1", {}, "flow 'polynomial' knows the layout of 'cat215b' alone"),
         ("exact", "random:1:1", {"method": "rosenbrock"}, "method 'rosenbrock' knows the layout of 'cat215b' alone"),
-        ("exact", "task", {}, "is for the machine 'cat215b', which is moved by swing, boom, stick; this one is moved by slew"),
+        (
+            "exact",
+            "task",
+            {},
+            "is for the machine 'cat215b', which is moved by swing, boom, stick; this one is moved by slew",
+        ),
         ("exact", load_scenario("random:1:1"), {}, "names 'swing', which the machine does not have"),
     ],
 )
@@ -77,7 +90,9 @@ def test_the_excavator_as_a_tree_moves_like_the_closed_form(excavator_tree):
     for name in ("task", "step", "sine", "pulse"):
         tree, arm = simulate(excavator_tree, "exact", name), simulate(older, "exact", name)
         for link in ("swing", "boom", "stick"):
-            assert np.abs(tree[f"{link}.angle"] - arm[f"{link}.angle"]).max() < 1e-8  # coordinates are rounded to 1e-9 m
+            assert (
+                np.abs(tree[f"{link}.angle"] - arm[f"{link}.angle"]).max() < 1e-8
+            )  # coordinates are rounded to 1e-9 m
         assert [event[1:] for event in tree.info["events"]] == [event[1:] for event in arm.info["events"]]
 
 
@@ -87,5 +102,8 @@ def excavator_tree():
     machine = load_layout("cat215b_bucket")
     circuits = tuple(c._replace(functions=tuple(f for f in c.functions if f != "bucket")) for c in machine.circuits)
     return machine._replace(
-        links=machine.links[:3], functions=machine.functions[:3], circuits=circuits, tip=("stick", machine.link("bucket").at)
+        links=machine.links[:3],
+        functions=machine.functions[:3],
+        circuits=circuits,
+        tip=("stick", machine.link("bucket").at),
     )

@@ -4,7 +4,6 @@ import ast
 from collections import Counter
 
 from helpers.small_crane import crane_text
-
 from polydraulic import load_machine
 from polydraulic.parameters.load import load_layout, machine_names
 from polydraulic.simulation.layout.text import fields_of, layout_of, layout_text
@@ -38,11 +37,16 @@ def test_no_name_is_defined_twice():
 
 def test_numbers_are_not_in_the_text(crane, tmp_path):
     path = tmp_path / "heavy.toml"
-    path.write_text(crane_text().replace("value = 250,", "value = 251.25,").replace('"Small crane"', '"Other title"'), encoding="utf-8")
+    path.write_text(
+        crane_text().replace("value = 250,", "value = 251.25,").replace('"Small crane"', '"Other title"'),
+        encoding="utf-8",
+    )
     heavy = load_machine(path)
-    assert heavy != crane and layout_of(heavy) == layout_of(crane)
+    assert heavy != crane
+    assert layout_of(heavy) == layout_of(crane)
     assert layout_text(heavy) is layout_text(crane)
-    assert "251.25" not in layout_text(heavy) and "title" not in layout_text(heavy)
+    assert "251.25" not in layout_text(heavy)
+    assert "title" not in layout_text(heavy)
 
 
 def test_what_is_declared_is_part_of_the_layout(crane):

@@ -291,54 +291,58 @@ def _self_test(whole: Bundle, real: Real) -> str:
         return ",\n    ".join(_row(row, real) for row in rows)
 
     return f"""#ifdef {macro}_SELF_TEST
-/* Numbers that the package computed. main returns 0, or the number of the first vector that fails. */
-static const {t} test_x[{len(X)}][{n}] = {{
+/* Numbers that the package computed. main returns 0, or the number of the first vector that fails. Names begin with own, for
+   the functions above may have any other name. */
+static const {t} own_test_x[{len(X)}][{n}] = {{
     {table(X)}
 }};
-static const {t} test_y[{len(X)}][{m}] = {{
+static const {t} own_test_y[{len(X)}][{m}] = {{
     {table(y)}
 }};
-static const {t} test_slopes[{len(X)}][{n * m}] = {{
+static const {t} own_test_slopes[{len(X)}][{n * m}] = {{
     {table(slopes)}
 }};
-static const int test_status[{len(X)}] = {{{", ".join(str(int(flag)) for flag in outside)}}};
-static const {t} near_y[{m}] = {_row(near_y, real)};
-static const {t} near_slopes[{n * m}] = {_row(near_slopes, real)};
+static const int own_test_status[{len(X)}] = {{{", ".join(str(int(flag)) for flag in outside)}}};
+static const {t} own_near_y[{m}] = {_row(near_y, real)};
+static const {t} own_near_slopes[{n * m}] = {_row(near_slopes, real)};
 
-static int differs({t} a, {t} b, {t} near)
+static int own_differs({t} a, {t} b, {t} near)
 {{
     return ((a - b <= near) && (b - a <= near)) ? 0 : 1;
 }}
 
 int main(void)
 {{
-    {t} x[{n}];
-    {t} y[{m}];
-    {t} z[{m}];
-    {t} slopes[{n * m}];
-    volatile {t} zero = {literal(0.0, real)};
-    int v;
-    int k;
-    for (v = 0; v < {len(X)}; ++v) {{
-        int bad = ({name}(test_x[v], y) == test_status[v]) ? 0 : 1;
-        bad |= ({name}_slopes(test_x[v], z, slopes) == test_status[v]) ? 0 : 1;
-        bad |= ((({name}_outside(test_x[v], x) > {literal(0.0, real)}) ? 1 : 0) == test_status[v]) ? 0 : 1;
-        for (k = 0; k < {m}; ++k) {{
-            bad |= differs(y[k], test_y[v][k], near_y[k]) | differs(z[k], y[k], {literal(0.0, real)});
+    {t} own_x[{n}];
+    {t} own_y[{m}];
+    {t} own_z[{m}];
+    {t} own_slopes[{n * m}];
+    volatile {t} own_zero = {literal(0.0, real)};
+    int own_v;
+    int own_k;
+    for (own_v = 0; own_v < {len(X)}; ++own_v) {{
+        const {t} *own_at = own_test_x[own_v];
+        const int own_status = own_test_status[own_v];
+        int own_bad = ({name}(own_at, own_y) == own_status) ? 0 : 1;
+        own_bad |= ({name}_slopes(own_at, own_z, own_slopes) == own_status) ? 0 : 1;
+        own_bad |= ((({name}_outside(own_at, own_x) > {literal(0.0, real)}) ? 1 : 0) == own_status) ? 0 : 1;
+        for (own_k = 0; own_k < {m}; ++own_k) {{
+            own_bad |= own_differs(own_y[own_k], own_test_y[own_v][own_k], own_near_y[own_k]);
+            own_bad |= own_differs(own_z[own_k], own_y[own_k], {literal(0.0, real)});
         }}
-        for (k = 0; k < {n * m}; ++k) {{
-            bad |= differs(slopes[k], test_slopes[v][k], near_slopes[k]);
+        for (own_k = 0; own_k < {n * m}; ++own_k) {{
+            own_bad |= own_differs(own_slopes[own_k], own_test_slopes[own_v][own_k], own_near_slopes[own_k]);
         }}
-        if (bad != 0) {{
-            return v + 1;
+        if (own_bad != 0) {{
+            return own_v + 1;
         }}
     }}
-    for (k = 0; k < {n}; ++k) {{
-        x[k] = test_x[0][k];
+    for (own_k = 0; own_k < {n}; ++own_k) {{
+        own_x[own_k] = own_test_x[0][own_k];
     }}
-    x[{n - 1}] = zero / zero;
-    v = {name}(x, y);
-    return ((v == {macro}_NOT_A_NUMBER) && (y[0] != y[0])) ? 0 : {len(X) + 1};
+    own_x[{n - 1}] = own_zero / own_zero;
+    own_v = {name}(own_x, own_y);
+    return ((own_v == {macro}_NOT_A_NUMBER) && (own_y[0] != own_y[0])) ? 0 : {len(X) + 1};
 }}
 #endif
 """

@@ -101,7 +101,8 @@ def describe_networks(whole: Bundle) -> FmuDescription:
 
 def _equations(whole: Bundle) -> str:
     name, n, m = whole.name, len(whole.inputs), len(whole.models)
-    return f"""/* {m} output(s) and the domain of {n} input(s); there is no memory. */
+    return f"""/* {m} output(s) and the domain of {n} input(s); there is no memory. Names begin with fmu where
+   the function of the models is called, which may have any other name. */
 #include "{name}.h"
 
 static void fmu_start(const double *v, double *memory)
@@ -110,12 +111,12 @@ static void fmu_start(const double *v, double *memory)
     (void)memory;
 }}
 
-static void fmu_outputs(double *v, const double *memory)
+static void fmu_outputs(double *fmu_v, const double *fmu_memory)
 {{
-    double slopes[{n}];
-    (void)memory;
-    (void){name}(v, v + {n});
-    v[{n + m}] = {name}_outside(v, slopes);
+    double fmu_slopes[{n}];
+    (void)fmu_memory;
+    (void){name}(fmu_v, fmu_v + {n});
+    fmu_v[{n + m}] = {name}_outside(fmu_v, fmu_slopes);
 }}
 
 static int fmu_advance(double *v, double *memory, double from, double to)
@@ -144,11 +145,9 @@ def _reference(whole: Bundle, what: FmuDescription) -> tuple[str, str]:
     phase = np.outer(time, 1.0 + 0.37 * np.arange(len(low))) * 2.0 * np.pi
     X = 0.5 * (low + high) + 0.55 * (high - low) * np.sin(phase)
     names = [variable.name for variable in what.variables]
-    n = len(whole.inputs)
+    n, clock = len(whole.inputs), free_name("time", names)
     Y = np.column_stack([whole.predict(X), whole.outside(X)])
-    return _csv(["time", *names[:n]], np.column_stack([time, X])), _csv(
-        ["time", *names[n:]], np.column_stack([time, Y])
-    )
+    return _csv([clock, *names[:n]], np.column_stack([time, X])), _csv([clock, *names[n:]], np.column_stack([time, Y]))
 
 
 def _csv(names: Sequence[str], rows: np.ndarray) -> str:

@@ -147,6 +147,7 @@ def _config(what: FmuDescription, token: str) -> str:
 #define FMU_N_INPUTS {seen["input"]}
 #define FMU_N_OUTPUTS {seen["output"]}
 #define FMU_N_MEMORY {what.memory}
+#define FMU_INTERNAL_STEP {literal(what.step or 0.0)} /* s; 0: there is none */
 #define FMU_MODEL_EXCHANGE {int(what.model_exchange)}
 #define FMU_DERIVATIVES {int(what.derivatives)}
 #define FMU_KINDS {row([kinds[variable.kind] for variable in what.variables])}

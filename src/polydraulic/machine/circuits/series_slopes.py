@@ -13,7 +13,7 @@ from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.valve import Orifices
 
 
-class Linear(NamedTuple):
+class LinearValve(NamedTuple):
     """Conductances of a valve's two orifices at its flows, m3/s/Pa, and what its spool adds to these flows, m2/s."""
 
     inlet: float
@@ -23,9 +23,9 @@ class Linear(NamedTuple):
 
 
 @kernel
-def linear(k: Orifices, by_spool: Orifices, q_in: float, passed: float) -> Linear:
+def linear(k: Orifices, by_spool: Orifices, q_in: float, passed: float) -> LinearValve:
     """A valve at its flows; `by_spool` are the slopes of its conductances."""
-    return Linear(
+    return LinearValve(
         _conductance(k.inlet, q_in),
         _conductance(k.bypass, passed),
         _source(k.inlet, by_spool.inlet, q_in),
@@ -46,18 +46,18 @@ def in_row(a: float, b: float) -> float:
 
 
 @kernel
-def divider(bypass: float, beyond: float) -> float:
-    """Change of pressure behind a bypass as a share of that before it, with a conductance beyond."""
-    return bypass / (bypass + beyond + 1e-300)
+def divider(a: float, b: float) -> float:
+    """Share of the first of two conductances."""
+    return a / (a + b + 1e-300)
 
 
 @kernel
-def own_slope(inlet: float, rest: float) -> float:
-    """Slope of an inlet's flow over a source in it, with all else at its node as one conductance."""
-    return rest / (inlet + rest + 1e-300)
+def fall(source: float, conductance: float) -> float:
+    """Fall of the pressure of a node that a source takes from, with all conductances at it."""
+    return source / (conductance + 1e-300)
 
 
 @kernel
-def before_source(source: float, bypass: float, before: float, beyond: float) -> float:
-    """Fall of the pressure before a bypass over a source across it, with conductances before and beyond."""
+def fall_before(source: float, bypass: float, before: float, beyond: float) -> float:
+    """Fall of the pressure before a bypass with a source along it; `before` and `beyond` swapped, the rise behind it."""
     return source * beyond / (before * beyond + bypass * beyond + bypass * before + 1e-300)

@@ -11,39 +11,37 @@ chain, too, and no link is looked at twice.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from polydraulic.machine.tree.frames import (
-    GROUND,
-    NOTHING,
-    Frame,
-    Matrix,
-    Vector,
-    added,
-    applied,
-    cross,
-    dot,
-    from_parent,
-    named,
-    times,
-    to_parent,
-    unit,
-)
+from polydraulic.machine.tree.frames import LinkFrame, from_parent, parent_frame, to_parent
 from polydraulic.machine.tree.links import VECTOR
 from polydraulic.machine.tree.mass import (
     NO_MASS,
     NO_MATRIX,
     Mass,
     angular_momentum,
-    matrix,
     moment_of_field,
-    moved,
+    moved_mass,
     moved_polar,
     named_mass,
     own_mass,
+    rotated_mass,
     together,
-    turned_mass,
 )
 from polydraulic.machine.tree.shapes import Shape
-from polydraulic.machine.tree.terms import ZERO, Term, Terms
+from polydraulic.machine.tree.terms import ZERO, Recorder, Term
+from polydraulic.machine.tree.vectors import (
+    NOTHING,
+    Matrix,
+    Vector,
+    added,
+    applied,
+    cross,
+    dot,
+    matrix,
+    named,
+    plane,
+    scaled,
+    unit,
+)
 
 
 def entry_name(i: int, j: int, n: int) -> str:
@@ -51,7 +49,7 @@ def entry_name(i: int, j: int, n: int) -> str:
     return f"m{i + 1}{j + 1}" if n < 10 else f"m{i + 1}_{j + 1}"
 
 
-class Equations(NamedTuple):
+class TreeEquations(NamedTuple):
     """All that moves the joints, by numbers of joints that are not fixed."""
 
     mass: dict[tuple[int, int], Term]  # upper triangle
@@ -80,14 +78,14 @@ _STILL = _Field(NOTHING, NOTHING, NO_MATRIX, NOTHING)
 _NO_PUSH = _Push(NOTHING, NOTHING)
 
 
-def equations_of(shapes: Sequence[Shape], frames: dict[str, Frame], terms: Terms) -> Equations:
+def equations_of(shapes: Sequence[Shape], frames: dict[str, LinkFrame], terms: Recorder) -> TreeEquations:
     """Record the equations of motion; rates are read as fields of `rate`.
 
     Parameters
     ----------
     shapes : sequence of Shape
-    frames : dict from name to Frame
-    terms : Terms
+    frames : dict from name to LinkFrame
+    terms : Recorder
     """
     composites, ground = _composites(shapes, frames, terms)
     gravity = terms.leaf("gravity", "gravity", fixed=True)
@@ -110,7 +108,7 @@ def equations_of(shapes: Sequence[Shape], frames: dict[str, Frame], terms: Terms
                 mass[row, column] = _along(joints[row], frames[name], push)
     bias = _bias(shapes, frames, composites, terms)
     terms.section = "energy"
-    return Equations(
+    return TreeEquations(
         {(i, j): term.named(entry_name(i, j, len(joints))) for (i, j), term in sorted(mass.items()) if not term.zero},
         bias,
         weight,
@@ -118,41 +116,42 @@ def equations_of(shapes: Sequence[Shape], frames: dict[str, Frame], terms: Terms
     )
 
 
-def _composites(shapes: Sequence[Shape], frames: dict[str, Frame], terms: Terms) -> tuple[dict[str, Mass], Mass]:
+def _composites(shapes: Sequence[Shape], frames: dict[str, LinkFrame], terms: Recorder) -> tuple[dict[str, Mass], Mass]:
     """What hangs on each joint, and all of it about the ground's origin."""
-    inside, outside = {s.name: NO_MASS for s in shapes}, {s.name: NO_MASS for s in shapes}
+    # what children bring arrives in the base that they share with a link, or in the link's own axes
+    in_base, in_axes = {s.name: NO_MASS for s in shapes}, {s.name: NO_MASS for s in shapes}
     ground, found = NO_MASS, {}
     for shape in reversed(shapes):
         terms.section = f"mass that hangs on {shape.name}"
         frame = frames[shape.name]
-        own = together(own_mass(shape, terms), inside[shape.name])
-        whole = named_mass(together(turned_mass(own, frame, shape.name), outside[shape.name]), shape.name)
+        own = together(own_mass(shape, terms), in_axes[shape.name])
+        whole = named_mass(together(rotated_mass(own, frame, shape.name), in_base[shape.name]), shape.name)
         found[shape.name] = whole
-        parent = GROUND if shape.parent is None else frames[shape.parent]
-        far = moved(whole, frame.offset, f"{shape.name}_far")
+        parent = parent_frame(shape, frames)
+        far = moved_mass(whole, frame.offset, f"{shape.name}_far")
         if parent.rotation is not None and parent.base == frame.base:
             far = far._replace(polar=moved_polar(whole, frame, parent.rotation.axis, shape.name))
-        whole = far
         if shape.parent is None:
-            ground = together(ground, whole)
-            continue
-        place = outside if frame.base == parent.base else inside
-        place[shape.parent] = together(place[shape.parent], whole)
+            ground = together(ground, far)
+        elif frame.base == parent.base:
+            in_base[shape.parent] = together(in_base[shape.parent], far)
+        else:
+            in_axes[shape.parent] = together(in_axes[shape.parent], far)
     return found, ground
 
 
-def _verticals(shapes: Sequence[Shape], frames: dict[str, Frame]) -> dict[str, Vector]:
+def _verticals(shapes: Sequence[Shape], frames: dict[str, LinkFrame]) -> dict[str, Vector]:
     """Direction upwards in the base of each link."""
     found: dict[str | None, Vector] = {None: unit(2)}
     for shape in shapes:
-        parent = GROUND if shape.parent is None else frames[shape.parent]
+        parent = parent_frame(shape, frames)
         found[shape.name] = from_parent(found[shape.parent], frames[shape.name], parent)
     return {shape.name: found[shape.name] for shape in shapes}
 
 
-def _unit_momentum(shape: Shape, frame: Frame, whole: Mass) -> _Push:
+def _unit_momentum(shape: Shape, frame: LinkFrame, whole: Mass) -> _Push:
     if shape.joint == "prismatic":
-        return _Push(times(whole.mass, frame.axis), cross(whole.first, frame.axis))
+        return _Push(scaled(whole.mass, frame.axis), cross(whole.first, frame.axis))
     assert frame.rotation is not None
     return _Push(cross(frame.axis, whole.first), angular_momentum(whole, frame.axis, frame.rotation.axis))
 
@@ -161,23 +160,25 @@ def _diagonal(shape: Shape, whole: Mass) -> Term:
     return whole.mass if shape.joint == "prismatic" else whole.polar
 
 
-def _along(shape: Shape, frame: Frame, push: _Push) -> Term:
+def _along(shape: Shape, frame: LinkFrame, push: _Push) -> Term:
     return dot(frame.axis, push.force if shape.joint == "prismatic" else push.moment)
 
 
-def _down(push: _Push, frame: Frame, parent: Frame) -> _Push:
+def _down(push: _Push, frame: LinkFrame, parent: LinkFrame) -> _Push:
     """About the parent's joint, in its base."""
     moment = added(push.moment, cross(frame.offset, push.force))
     return _Push(to_parent(push.force, frame, parent), to_parent(moment, frame, parent))
 
 
-def _bias(shapes: Sequence[Shape], frames: dict[str, Frame], composites: dict[str, Mass], terms: Terms) -> list[Term]:
+def _bias(
+    shapes: Sequence[Shape], frames: dict[str, LinkFrame], composites: dict[str, Mass], terms: Recorder
+) -> list[Term]:
     """Torques that velocities alone need."""
     fields: dict[str | None, _Field] = {None: _STILL}
     here, own = {}, {}
     for shape in shapes:
         terms.section = f"what the motion of {shape.name} adds"
-        parent = GROUND if shape.parent is None else frames[shape.parent]
+        parent = parent_frame(shape, frames)
         frame = frames[shape.name]
         here[shape.name] = _entered(fields[shape.parent], frame, parent, shape.name)
         fields[shape.name], own[shape.name] = _with_own(shape, frame, here[shape.name], composites[shape.name], terms)
@@ -201,7 +202,7 @@ def _joined(a: _Push, b: _Push) -> _Push:
     return _Push(added(a.force, b.force), added(a.moment, b.moment))
 
 
-def _entered(field: _Field, frame: Frame, parent: Frame, name: str) -> _Field:
+def _entered(field: _Field, frame: LinkFrame, parent: LinkFrame, name: str) -> _Field:
     """The parent's field in a link's base, with the acceleration at the link's joint."""
     gradient, rate, angular, at_joint = field.gradient, field.rate, field.angular, field.at_joint
     if frame.base != parent.base:
@@ -216,24 +217,24 @@ def _gradient(rate: Vector, angular: Vector) -> Matrix:
     square = [part * part for part in rate]
     rows = [[rate[i] * rate[j] for j in range(3)] for i in range(3)]
     for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
+        i, j = plane(k)
         rows[k][k] = -(square[i] + square[j])
         rows[i][j] = rows[i][j] - angular[k]
         rows[j][i] = rows[j][i] + angular[k]
     return matrix(rows)
 
 
-def _with_own(shape: Shape, frame: Frame, here: _Field, whole: Mass, terms: Terms) -> tuple[_Field, _Push]:
+def _with_own(shape: Shape, frame: LinkFrame, here: _Field, whole: Mass, terms: Recorder) -> tuple[_Field, _Push]:
     """Field of what hangs on a link, and what the link's own motion adds to it, as force and moment."""
     if shape.joint == "fixed":
         return here, _NO_PUSH
-    own = times(terms.leaf(f"rate.{shape.name}", f"{shape.name}_rate"), frame.axis)
+    own = scaled(terms.leaf(f"rate.{shape.name}", f"{shape.name}_rate"), frame.axis)
     if shape.joint == "prismatic":
-        coriolis = times(2.0, cross(here.rate, own))
+        coriolis = scaled(2.0, cross(here.rate, own))
         field = here._replace(at_joint=added(here.at_joint, coriolis))
-        return field, _Push(times(whole.mass, coriolis), cross(whole.first, coriolis))
+        return field, _Push(scaled(whole.mass, coriolis), cross(whole.first, coriolis))
     # of the gradients with and without the own rate u, the difference: u (2 rate + u)' - u . (2 rate + u)
-    both = added(times(2.0, here.rate), own)
+    both = added(scaled(2.0, here.rate), own)
     rows = [[own[i] * both[j] for j in range(3)] for i in range(3)]
     along = dot(own, both).named(f"{shape.name}_spin")
     for k in range(3):
@@ -251,6 +252,6 @@ def _with_own(shape: Shape, frame: Frame, here: _Field, whole: Mass, terms: Term
 def _of_field(field: _Field, whole: Mass) -> tuple[_Push, _Push]:
     """What it takes to accelerate a mass as its joint is, and by the gradient."""
     return (
-        _Push(times(whole.mass, field.at_joint), cross(whole.first, field.at_joint)),
+        _Push(scaled(whole.mass, field.at_joint), cross(whole.first, field.at_joint)),
         _Push(applied(field.gradient, whole.first), moment_of_field(field.gradient, whole)),
     )

@@ -15,7 +15,7 @@ _SINGULAR = 1e-12  # of the mass matrix, scaled to a diagonal of ones: below, di
 _POSES = 3
 
 
-def check_links(links: Sequence[Link]) -> None:
+def check_tree(links: Sequence[Link]) -> None:
     """Check that links are a tree, parents before children, with numbers that a rigid body can have.
 
     Parameters
@@ -138,18 +138,18 @@ def _check_inertia(link: Link, axes: Iterable[str]) -> None:
 def _check_resistance(links: Sequence[Link]) -> None:
     """The mass matrix must not be singular: not in all of a few positions without symmetry."""
     joints = [link for link in links if link.joint != "fixed"]
-    culprit = None
+    culprit = 0
     for pose in range(1, _POSES + 1):
         mass = _mass_matrix(links, [math.sqrt(2.0 + i) * pose % 3.0 for i in range(len(joints))])
-        size = np.sqrt(np.diag(mass))
-        if np.min(size) == 0.0:
-            culprit = int(np.argmin(size))
+        own = np.diag(mass)
+        if np.any(own == 0.0):
+            culprit = int(np.argmin(own))
             continue
+        size = np.sqrt(own)
         values, vectors = np.linalg.eigh(mass / np.outer(size, size))
         if values[0] > _SINGULAR:
             return
         culprit = int(np.argmax(np.abs(vectors[:, 0])))
-    assert culprit is not None
     link = joints[culprit]
     wanted = "mass" if link.joint == "prismatic" else f"mass off its axis, or inertia {(link.axis or '')[-1] * 2}"
     raise InputError(
@@ -176,14 +176,20 @@ def _mass_matrix(links: Sequence[Link], q: Sequence[float]) -> np.ndarray:
                 linear[:, column] = turn @ along
             column += 1
         known[link.name] = (turn, linear, angular)
-        centre = _carried(linear, angular, turn @ _vector(link.cg))
-        total += (link.mass or 0.0) * centre.T @ centre + angular.T @ turn @ _tensor(link) @ turn.T @ angular
+        centre = _without_rounding(_carried(linear, angular, turn @ _vector(link.cg)))
+        spin = _without_rounding(turn.T @ angular)
+        total += (link.mass or 0.0) * centre.T @ centre + spin.T @ _tensor(link) @ spin
     return total
 
 
 def _carried(linear: np.ndarray, angular: np.ndarray, arm: np.ndarray) -> np.ndarray:
     """Velocities at the end of an arm."""
     return linear + np.cross(angular, arm, axisa=0, axisc=0)
+
+
+def _without_rounding(velocities: np.ndarray) -> np.ndarray:
+    """What lies on an axis does not move with it."""
+    return np.where(np.abs(velocities) < _SINGULAR * np.max(np.abs(velocities)), 0.0, velocities)
 
 
 def _vector(given: Mapping[str, float]) -> np.ndarray:

@@ -4,25 +4,24 @@ Second moments (the integral of x y over the mass) stand for inertia: they turn 
 the axis about which a link turns, `polar`, is kept apart, since turning leaves it alone.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
-from polydraulic.machine.tree.frames import (
+from polydraulic.machine.tree.frames import LinkFrame, parameter
+from polydraulic.machine.tree.links import TENSOR, VECTOR
+from polydraulic.machine.tree.shapes import Shape
+from polydraulic.machine.tree.terms import ZERO, Recorder, Term
+from polydraulic.machine.tree.vectors import (
     NOTHING,
-    Frame,
     Matrix,
     Vector,
     added,
     components,
+    matrix,
     named,
-    parameter,
     plane,
-    times,
-    turned,
+    rotated,
+    scaled,
 )
-from polydraulic.machine.tree.links import TENSOR, VECTOR
-from polydraulic.machine.tree.shapes import Shape
-from polydraulic.machine.tree.terms import ZERO, Term, Terms
 
 NO_MATRIX: Matrix = (NOTHING, NOTHING, NOTHING)
 
@@ -39,21 +38,15 @@ class Mass(NamedTuple):
 NO_MASS = Mass(ZERO, NOTHING, NO_MATRIX, ZERO)
 
 
-def matrix(rows: Sequence[Sequence[Term]]) -> Matrix:
-    """Three rows of three."""
-    (a, b, c) = ((row[0], row[1], row[2]) for row in rows)
-    return a, b, c
-
-
-def own_mass(shape: Shape, terms: Terms) -> Mass:
+def own_mass(shape: Shape, terms: Recorder) -> Mass:
     """Mass of a link about its joint, in its own axes; all of it is fixed."""
     mass = parameter(terms, shape.name, "mass") if shape.mass else ZERO
-    centre = components(VECTOR, {c: parameter(terms, shape.name, "cg", c) for c in shape.cg})
+    centre = components({c: parameter(terms, shape.name, "cg", c) for c in shape.cg})
     given = {c: parameter(terms, shape.name, "inertia", c) for c in shape.inertia}
     xx, yy, zz = (given.get(c, ZERO) * 0.5 for c in ("xx", "yy", "zz"))
     xy, xz, yz = (-given.get(c, ZERO) for c in TENSOR[3:])
     about_centre = matrix([[yy + zz - xx, xy, xz], [xy, xx + zz - yy, yz], [xz, yz, xx + yy - zz]])
-    return named_mass(moved(Mass(mass, NOTHING, about_centre, ZERO), centre), f"{shape.name}_own")
+    return named_mass(moved_mass(Mass(mass, NOTHING, about_centre, ZERO), centre), f"{shape.name}_own")
 
 
 def together(*masses: Mass) -> Mass:
@@ -66,7 +59,7 @@ def together(*masses: Mass) -> Mass:
     )
 
 
-def moved(m: Mass, offset: Vector, name: str = "") -> Mass:
+def moved_mass(m: Mass, offset: Vector, name: str = "") -> Mass:
     """About a point from which the present one is at `offset`; `polar` is left behind.
 
     Parameters
@@ -76,7 +69,7 @@ def moved(m: Mass, offset: Vector, name: str = "") -> Mass:
     name : str, optional
         For the first moments about that point.
     """
-    step = times(m.mass, offset)
+    step = scaled(m.mass, offset)
     first = added(m.first, step)
     if name:
         first = named(first, f"{name}_m")
@@ -84,7 +77,7 @@ def moved(m: Mass, offset: Vector, name: str = "") -> Mass:
     return Mass(m.mass, first, matrix(second), ZERO)
 
 
-def moved_polar(m: Mass, frame: Frame, axis: int, name: str) -> Term:
+def moved_polar(m: Mass, frame: LinkFrame, axis: int, name: str) -> Term:
     """`polar` about the parent's joint: the distance of two joints in the plane of turning is fixed, whatever the angles."""
     i, j = plane(axis)
     square = frame.span[i] * frame.span[i] + frame.span[j] * frame.span[j]
@@ -100,7 +93,7 @@ def _moved_second(m: Mass, offset: Vector, step: Vector, first: Vector, i: int, 
     return m.second[i][j] + (offset[i] * m.first[j] + first[i] * offset[j])
 
 
-def turned_mass(m: Mass, frame: Frame, name: str) -> Mass:
+def rotated_mass(m: Mass, frame: LinkFrame, name: str) -> Mass:
     """From a link's own axes into its base, with `polar` about the axis of the turn."""
     if frame.rotation is None:
         return m
@@ -117,7 +110,7 @@ def turned_mass(m: Mass, frame: Frame, name: str) -> Mass:
         (axis, axis): m.second[axis][axis],
     }
     second = [[found[p, q] if (p, q) in found else found[q, p] for q in range(3)] for p in range(3)]
-    return Mass(m.mass, turned(m.first, frame.rotation), matrix(second), a + b)
+    return Mass(m.mass, rotated(m.first, frame.rotation), matrix(second), a + b)
 
 
 def named_mass(m: Mass, name: str) -> Mass:

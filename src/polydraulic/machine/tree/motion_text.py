@@ -1,22 +1,28 @@
 """The text of the mechanics of a tree: named tuples and kernels, by the names of its links.
 
-The text depends on the layout alone, byte for byte; numbers stand in `Constants`, which `prepare_motion` of the text fills. The file
-that takes it has `MOTION_IMPORTS` at its top, and defines `Joints` and `Held`: one float, or one bool, for each link that is not
-fixed.
+The text depends on the layout alone, byte for byte. The file that takes it has `MOTION_IMPORTS` at its top and defines `Joints` and
+`Held`: one float, or one bool, for each link that is not fixed, in kinematic order. The text defines
+
+- `Constants`, products of parameters, and `prepare_motion(links, gravity)`, plain Python, which fills them;
+- `Turns` and `turns(q)`: sines and cosines of angles, ways of prismatic joints;
+- `Mass`, `Motion` and `motion(turn, rate, constants)`: mass matrix, torques of motion and of gravity, which acts along -z of the ground;
+- `times(mass, v)`, `solve_motion(mass, held, right)`, `kinetic(mass, rate)` and `potential(turn, constants)`;
+- `place_LINK(turn, x, y, z, constants)` and `push_LINK(turn, x, y, z, fx, fy, fz, constants)` of the links asked for, where the point is
+  given in the link's frame, its place and the force in the ground's.
 """
 
 from collections.abc import Sequence
 
 from polydraulic.errors import InputError
-from polydraulic.machine.tree.equations import Equations, equations_of
-from polydraulic.machine.tree.frames import frames_of
-from polydraulic.machine.tree.link_checks import check_links
+from polydraulic.machine.tree.equations import TreeEquations, equations_of
+from polydraulic.machine.tree.frames import link_frames
+from polydraulic.machine.tree.link_checks import check_tree
 from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.points import chain_of, place_of, point_leaves, torques_of
 from polydraulic.machine.tree.shapes import Shape, shape_of
 from polydraulic.machine.tree.solve_text import mass_text, solve_text, times_text
 from polydraulic.machine.tree.statements import Constants, body, call, returned
-from polydraulic.machine.tree.terms import ZERO, Term, Terms
+from polydraulic.machine.tree.terms import ZERO, Recorder, Term
 
 MOTION_IMPORTS = (
     "from typing import NamedTuple",
@@ -46,14 +52,14 @@ def motion_text(links: Sequence[Link], *, points: Sequence[str] = ()) -> str:
     InputError
         If the links are no tree, or a number of theirs is impossible.
     """
-    check_links(links)
+    check_tree(links)
     shapes, names = [shape_of(link) for link in links], moving(links)
     for name in points:
         if name not in [link.name for link in links]:
             known = ", ".join(link.name for link in links)
             raise InputError(f"points of {name!r} are asked for, which is no link; links are {known}")
-    terms, constants = Terms(), Constants()
-    frames = frames_of(shapes, terms)
+    terms, constants = Recorder(), Constants()
+    frames = link_frames(shapes, terms)
     equations = equations_of(shapes, frames, terms)
     kernels = [_motion_text(names, equations, constants), _potential_text(equations, constants)]
     for name in points:
@@ -137,7 +143,7 @@ def turns(q):
 {returned(call("Turns", reads))}'''
 
 
-def _motion_text(names: Sequence[str], equations: Equations, constants: Constants) -> str:
+def _motion_text(names: Sequence[str], equations: TreeEquations, constants: Constants) -> str:
     n, entries = len(names), list(equations.mass.values())
 
     def result(texts: list[str]) -> str:
@@ -154,7 +160,7 @@ def motion(turn, rate, constants):
 {body([*entries, *equations.bias, *equations.gravity], result, constants)}'''
 
 
-def _potential_text(equations: Equations, constants: Constants) -> str:
+def _potential_text(equations: TreeEquations, constants: Constants) -> str:
     return f'''@kernel
 def potential(turn, constants):
     """Potential energy in J, from the height of the ground's origin."""

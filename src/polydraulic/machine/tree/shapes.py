@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.machine.tree.link_checks import check_links
+from polydraulic.machine.tree.link_checks import check_tree
 from polydraulic.machine.tree.links import TENSOR, VECTOR, Link
 
 
@@ -43,7 +43,7 @@ def links_of_shape(links: Sequence[Link], shapes: Sequence[Shape]) -> dict[str, 
     InputError
         If a link differs from its shape in more than numbers, or a number is impossible.
     """
-    check_links(links)
+    check_tree(links)
     for link, shape in zip(links, shapes, strict=False):
         if shape_of(link) != shape:
             raise InputError(

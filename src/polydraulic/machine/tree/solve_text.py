@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.statements import body, call, returned
-from polydraulic.machine.tree.terms import ZERO, Term, Terms
+from polydraulic.machine.tree.terms import ZERO, Recorder, Term
 
 _BLOCK = 3
 Entries = dict[tuple[int, int], Term]
@@ -38,7 +38,7 @@ def mass_text(names: Sequence[str], places: Sequence[tuple[int, int]]) -> str:
 
 def times_text(names: Sequence[str], places: Sequence[tuple[int, int]]) -> str:
     """Kernels `times` and `kinetic`."""
-    terms = Terms()
+    terms = Recorder()
     entries = _mirrored({(i, j): terms.leaf(f"mass.{entry_name(i, j, len(names))}", f"m{i}_{j}") for i, j in places})
     v = [terms.leaf(f"v.{name}", f"v_{name}") for name in names]
     rows = [
@@ -69,7 +69,7 @@ def _long_sum(text: str) -> str:
 
 def solve_text(names: Sequence[str], places: Sequence[tuple[int, int]]) -> str:
     """Kernel `solve_motion`."""
-    n, terms = len(names), Terms()
+    n, terms = len(names), Recorder()
     lines = [
         "@kernel",
         "def solve_motion(mass, held, right):",
@@ -93,13 +93,12 @@ def _mirrored(entries: Entries) -> Entries:
     return entries | {(j, i): term for (i, j), term in entries.items()}
 
 
-def _solution(m: Entries, right: list[Term], names: Sequence[str], terms: Terms) -> list[Term]:
+def _solution(m: Entries, right: list[Term], names: Sequence[str], terms: Recorder) -> list[Term]:
     """Joints are eliminated by blocks from the last one on, and found from the first one on."""
     found: list[Term] = [ZERO] * len(right)
     parts = []
     for block in _blocks(len(right)):
         cofactors, scale = _inverse(m, block, names, terms)
-
         alone = _divided([right[k] for k in block], cofactors, scale, [f"{names[j]}_alone" for j in block])
         levers: dict[int, list[Term]] = {}
         for i in range(block[0]):
@@ -135,7 +134,7 @@ def _dot(a: Sequence[Term], b: Sequence[Term]) -> Term:
     return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
 
 
-def _inverse(m: Entries, block: range, names: Sequence[str], terms: Terms) -> tuple[list[list[Term]], Term]:
+def _inverse(m: Entries, block: range, names: Sequence[str], terms: Recorder) -> tuple[list[list[Term]], Term]:
     """Cofactors of a block, and one over its determinant."""
     n = len(block)
     rows = [[m.get((i, j), ZERO) for j in block] for i in block]

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Sequence
 
-from polydraulic.machine.tree.terms import Node, Term
+from polydraulic.machine.tree.terms import Term, TermNode
 
 WIDTH = 120
 _LONG = 80  # characters of an expression that is better assigned than put into another one
@@ -15,17 +15,17 @@ class Constants:
 
     Attributes
     ----------
-    nodes : list of Node
+    nodes : list of TermNode
         All of them have a name, which is that of the field.
     """
 
     def __init__(self) -> None:
-        self.nodes: list[Node] = []
+        self.nodes: list[TermNode] = []
 
-    def field(self, node: Node, owner: str) -> str:
+    def field(self, node: TermNode, owner: str) -> str:
         """Text that reads a fixed term; `owner` is the name of what it is a part of."""
         if node not in self.nodes:
-            node.name = node.name or node.home.free_name(_own_name(node, f"{owner}_fixed"))
+            node.name = node.name or node.home.free_name(_own_name(node, f"{owner or 'result'}_fixed"))
             self.nodes.append(node)
         return f"constants.{node.name}"
 
@@ -96,14 +96,16 @@ class _Writer:
 
     Attributes
     ----------
-    assigned : dict from Node to list of str
+    assigned : dict from TermNode to list of str
         The right side of each assignment, parts of a sum apart, each with its sign but the first.
     """
 
     def __init__(self, roots: Sequence[Term], constants: Constants | None) -> None:
         self._constants = constants
-        self.assigned: dict[Node, list[str]] = {}
+        self.assigned: dict[TermNode, list[str]] = {}
         uses, owners = self._uses([root.node for root in roots if root.node is not None])
+        # sums that are written as parts of another one, however long they are
+        within = {part for node in uses if node.kind == "sum" for part, factor in node.parts if abs(factor) == 1.0}
         self._owners = owners
         for node in sorted(uses, key=lambda node: node.order):
             if self._is_constant(node):
@@ -114,13 +116,14 @@ class _Writer:
                     self.assigned[node] = [node.parts[0]]
                 continue
             summands = self._summands(node)
-            if node.name or uses[node] > 1 or len(" ".join(summands)) > _LONG:
+            long = node not in within and len(" ".join(summands)) > _LONG
+            if node.name or uses[node] > 1 or long:
                 node.name = node.name or node.home.free_name(_own_name(node, f"{owners[node] or 'result'}_part"))
                 self.assigned[node] = summands
 
-    def _uses(self, roots: list[Node]) -> tuple[dict[Node, int], dict[Node, str]]:
+    def _uses(self, roots: list[TermNode]) -> tuple[dict[TermNode, int], dict[TermNode, str]]:
         """How often each node is used, and the name of what it is a part of."""
-        uses: dict[Node, int] = {}
+        uses: dict[TermNode, int] = {}
         for root in roots:
             uses[root] = uses.get(root, 0) + 1
         seen, waiting = set(), list(roots)
@@ -132,21 +135,21 @@ class _Writer:
             for part in _below(node):
                 uses[part] = uses.get(part, 0) + 1
                 waiting.append(part)
-        owners: dict[Node, str] = {}
+        owners: dict[TermNode, str] = {}
         for node in sorted(seen, key=lambda node: -node.order):
             owners.setdefault(node, "")
             for part in _below(node):
                 owners[part] = node.name or owners[node]
         return uses, owners
 
-    def _is_constant(self, node: Node) -> bool:
+    def _is_constant(self, node: TermNode) -> bool:
         return node.fixed and self._constants is not None
 
     def root(self, term: Term) -> str:
         """Text of what is returned."""
         return repr(term.factor) if term.node is None else self._scaled(term.node, term.factor)
 
-    def _summands(self, node: Node) -> list[str]:
+    def _summands(self, node: TermNode) -> list[str]:
         if node.kind != "sum":
             return [self._whole(node)]
         # what is known first is added first, so that the processor waits for the last part alone
@@ -158,7 +161,7 @@ class _Writer:
             for i, (sign, text) in enumerate(signed)
         ]
 
-    def _signed(self, node: Node, sign: float) -> list[tuple[tuple[int, int], float, str]]:
+    def _signed(self, node: TermNode, sign: float) -> list[tuple[tuple[int, int], float, str]]:
         """Parts of a sum: when they are known, signs and texts; sums that stand in its place are taken apart."""
         found = []
         for part, factor in node.parts:
@@ -169,10 +172,10 @@ class _Writer:
                 found.append(((part.depth, part.order), sign if factor > 0.0 else -sign, text))
         return found
 
-    def _stands_here(self, node: Node) -> bool:
+    def _stands_here(self, node: TermNode) -> bool:
         return node not in self.assigned and not self._is_constant(node)
 
-    def _whole(self, node: Node) -> str:
+    def _whole(self, node: TermNode) -> str:
         """Text of what a node is made of."""
         if node.kind == "sum":
             return " ".join(self._summands(node))
@@ -182,27 +185,27 @@ class _Writer:
             return f"1.0 / {self._factor(node.parts[0], divisor=True)}"
         return str(node.parts[0])
 
-    def _text(self, node: Node) -> str:
+    def _text(self, node: TermNode) -> str:
         """Text of a node where it is used."""
         if node.fixed and self._constants is not None:
             return self._constants.field(node, self._owners.get(node, ""))
         return node.name if node in self.assigned else self._whole(node)
 
-    def _factor(self, node: Node, *, divisor: bool = False) -> str:
+    def _factor(self, node: TermNode, *, divisor: bool = False) -> str:
         loose = node.kind in ("sum", "reciprocal") or (divisor and node.kind == "product")
         return f"({self._text(node)})" if loose and self._stands_here(node) else self._text(node)
 
-    def _scaled(self, node: Node, factor: float) -> str:
+    def _scaled(self, node: TermNode, factor: float) -> str:
         if factor == 1.0:
             return self._text(node)
         return f"-{self._factor(node)}" if factor == -1.0 else f"{factor!r} * {self._factor(node)}"
 
 
-def _below(node: Node) -> Iterable[Node]:
+def _below(node: TermNode) -> Iterable[TermNode]:
     return [part for part, _ in node.parts] if node.kind == "sum" else [] if node.kind == "leaf" else node.parts
 
 
-def _own_name(node: Node, otherwise: str) -> str:
+def _own_name(node: TermNode, otherwise: str) -> str:
     """A name for what has none, made of the names of its parts where all have one."""
     if node.kind == "sum" and len(node.parts) == 1 and node.parts[0][0].name:
         ((part, factor),) = node.parts

@@ -11,12 +11,12 @@ from typing import Any
 
 
 @dataclass(eq=False)
-class Node:
+class TermNode:
     """Something that is computed once.
 
     Attributes
     ----------
-    home : Terms
+    home : Recorder
     order : int
         Nodes are numbered as they are made, so that parts come before wholes.
     kind : "leaf", "sum", "product" or "reciprocal"
@@ -32,7 +32,7 @@ class Node:
         For the text; may be empty.
     """
 
-    home: "Terms"
+    home: "Recorder"
     order: int
     kind: str
     parts: tuple[Any, ...]
@@ -47,7 +47,7 @@ class Term:
     """`factor` times `node`, or the number `factor` where there is no node."""
 
     factor: float
-    node: Node | None
+    node: TermNode | None
 
     @property
     def zero(self) -> bool:
@@ -96,7 +96,7 @@ def _term(value: Term | float) -> Term:
 
 
 @dataclass
-class Terms:
+class Recorder:
     """All nodes of one text, and the names that they have.
 
     Attributes
@@ -106,7 +106,7 @@ class Terms:
     """
 
     section: str = ""
-    _known: dict[tuple[Any, ...], Node] = field(default_factory=dict)
+    _known: dict[tuple[Any, ...], TermNode] = field(default_factory=dict)
     _names: set[str] = field(default_factory=set)
 
     def leaf(self, text: str, name: str, *, fixed: bool = False) -> Term:
@@ -128,15 +128,15 @@ class Terms:
         self._names.add(found)
         return found
 
-    def node(self, kind: str, parts: tuple[Any, ...], fixed: bool) -> Node:
+    def node(self, kind: str, parts: tuple[Any, ...], fixed: bool) -> TermNode:
         """The node of this content."""
         key = (kind, parts)
         if key not in self._known:
             depth = 0 if fixed or kind == "leaf" else 1 + max(part.depth for part in parts)
-            self._known[key] = Node(self, len(self._known), kind, parts, fixed, self.section, depth)
+            self._known[key] = TermNode(self, len(self._known), kind, parts, fixed, self.section, depth)
         return self._known[key]
 
-    def sum_node(self, parts: dict[Node, float], *, fixed: bool) -> Term:
+    def sum_node(self, parts: dict[TermNode, float], *, fixed: bool) -> Term:
         """The sum of these parts, in the order of their making.
 
         A sum and its negative are one node, with the signs of the one that was made first, unless all of these are negative.
@@ -150,7 +150,7 @@ class Terms:
             if not fixed:
                 for known in sorted(node.depth for node in parts):
                     depth = 1 + max(depth, known)
-            self._known[key] = Node(self, len(self._known), "sum", shown, fixed, self.section, depth)
+            self._known[key] = TermNode(self, len(self._known), "sum", shown, fixed, self.section, depth)
         node = self._known[key]
         return Term(1.0 if node.parts[0][1] == ordered[0][1] else -1.0, node)
 
@@ -176,7 +176,7 @@ def _added(a: Term, b: Term) -> Term:
     return _sum(_single(a) | _single(b))
 
 
-def _settled(parts: dict[Node, float]) -> dict[Node, float]:
+def _settled(parts: dict[TermNode, float]) -> dict[TermNode, float]:
     """The same with sums taken apart that hold the like of another part."""
     for whole, factor in parts.items():
         inner = _parts(Term(factor, whole)) if whole.kind == "sum" and factor != 0.0 else {}
@@ -200,12 +200,12 @@ def _with_fixed(total: Term, fixed: Term) -> Term | None:
     return None
 
 
-def _single(term: Term) -> dict[Node, float]:
+def _single(term: Term) -> dict[TermNode, float]:
     assert term.node is not None
     return {term.node: term.factor}
 
 
-def _parts(term: Term) -> dict[Node, float]:
+def _parts(term: Term) -> dict[TermNode, float]:
     """A sum as its parts."""
     assert term.node is not None
     if term.node.kind != "sum":
@@ -213,18 +213,18 @@ def _parts(term: Term) -> dict[Node, float]:
     return {node: factor * term.factor for node, factor in term.node.parts}
 
 
-def _all_parts(term: Term) -> dict[Node, float]:
+def _all_parts(term: Term) -> dict[TermNode, float]:
     """A sum as its parts, those as theirs, and so on down to what has a name."""
     if term.node is not None and (term.node.name or term.node.kind != "sum"):
         return _single(term)
-    found: dict[Node, float] = {}
+    found: dict[TermNode, float] = {}
     for node, factor in _parts(term).items():
         for part, times in _all_parts(Term(factor, node)).items():
             found[part] = found.get(part, 0.0) + times
     return found
 
 
-def _sum(parts: dict[Node, float]) -> Term:
+def _sum(parts: dict[TermNode, float]) -> Term:
     parts = {node: factor for node, factor in parts.items() if factor != 0.0}
     if not parts:
         return ZERO
@@ -246,7 +246,7 @@ def _sum(parts: dict[Node, float]) -> Term:
     return home.sum_node({node: factor / size for node, factor in parts.items()}, fixed=all_fixed) * size
 
 
-def _folded(node: Node, factor: float) -> tuple[Node, float]:
+def _folded(node: TermNode, factor: float) -> tuple[TermNode, float]:
     """The same with a factor of 1 or -1 where the node has a fixed part that takes the rest."""
     size, sign = abs(factor), 1.0 if factor > 0.0 else -1.0
     if size == 1.0:
@@ -280,12 +280,12 @@ def _multiplied(a: Term, b: Term) -> Term:
     return Term(factor, home.node("product", tuple(sorted((a.node, b.node), key=lambda node: node.order)), fixed=False))
 
 
-def _fixed_first(fixed: Node, moving: Node) -> tuple[tuple[Node, Node], float]:
+def _fixed_first(fixed: TermNode, moving: TermNode) -> tuple[tuple[TermNode, TermNode], float]:
     """One fixed factor of two, and what it is multiplied by."""
     product = _multiplied(Term(1.0, fixed), Term(1.0, moving.parts[0]))
     assert product.node is not None
     return (product.node, moving.parts[1]), product.factor
 
 
-def _factors(node: Node) -> Iterable[Node]:
+def _factors(node: TermNode) -> Iterable[TermNode]:
     return node.parts if node.kind == "product" else (node,)

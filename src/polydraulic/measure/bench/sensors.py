@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 from importlib.resources import files
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from polydraulic.errors import InputError
-from polydraulic.measure.channels import duration, low_and_high, text
+from polydraulic.errors import InputError, briefly
+from polydraulic.measure.channels import FARTHEST, duration, low_and_high, text
 from polydraulic.measure.log_units import conversion, says_pressure
-from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.entries import read_toml
+from polydraulic.parameters.keys import check_keys
 from polydraulic.tables import Table
 
 _FILE = {"seed", "pause", "sensor"}
@@ -123,7 +123,7 @@ def _bench(data: Any) -> Bench:
         raise InputError(f"name {twice!r}: each sensor needs its own, other than 'time'")
     seed = data.get("seed", 0)
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"seed = {seed!r}: must be a whole number, at least 0")
+        raise InputError(f"seed = {briefly(seed)}: must be a whole number, at least 0")
     return Bench(sensors, seed, duration(data.get("pause", "5 s"), "pause"))
 
 
@@ -140,8 +140,8 @@ def _sensor(item: Any, where: str) -> Sensor:
 
     def number(key: str, least: float = 0.0, most: float = inf) -> float:
         value = item.get(key, 0.0)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-            raise InputError(f"{key} of {where} = {value!r}: must be a finite number in the sensor's unit")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= FARTHEST:
+            raise InputError(f"{key} of {where} = {briefly(value)}: must be a finite number in the sensor's unit")
         if not least <= value <= most:
             raise InputError(f"{key} of {where} = {value!r}: must lie in [{least:g}, {most:g}]")
         return float(value)

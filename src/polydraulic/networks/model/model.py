@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.names import checked_name, checked_text
 from polydraulic.networks.model.lags import Dynamics
 from polydraulic.networks.model.nodes import KIND_NAMES, SIGMOID, terms
 from polydraulic.networks.model.partition import (
@@ -28,10 +29,20 @@ from polydraulic.networks.model.table import Network, NetworkTable, pack
 
 @dataclass(frozen=True)
 class Variable:
-    """Name and unit of an input or output."""
+    """Name and unit of an input or output.
+
+    Raises
+    ------
+    InputError
+        If the name is blank, or name or unit hold what files and other programs do not take, such as control characters.
+    """
 
     name: str
     unit: str = ""
+
+    def __post_init__(self) -> None:
+        checked_name(self.name, "variable")
+        checked_text(self.unit, f"unit of {self.name!r},")
 
     def __str__(self) -> str:
         return f"{self.name} [{self.unit}]" if self.unit else self.name

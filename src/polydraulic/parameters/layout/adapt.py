@@ -3,10 +3,10 @@
 from typing import Any
 
 from polydraulic.errors import InputError
+from polydraulic.parameters.entries import build
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.layout.conditions import broken_conditions
 from polydraulic.parameters.layout.schema import Function, LayoutMachine, SlideInitial
-from polydraulic.parameters.entries import build
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Initial
 

@@ -1,5 +1,6 @@
 """Conditions between several numbers of a machine of any layout."""
 
+import itertools
 from math import pi
 
 from polydraulic import display
@@ -19,7 +20,9 @@ def broken_conditions(machine: LayoutMachine) -> list[str]:
     for circuit in machine.circuits:
         pump, where = circuit.pump, f"circuits.{circuit.name}.pump"
         if pump.relief <= machine.tank.return_pressure:
-            broken.append(f"{where}.relief = {_bar(pump.relief)}: must be above tank.return_pressure = {_bar(machine.tank.return_pressure)}")
+            broken.append(
+                f"{where}.relief = {_bar(pump.relief)}: must be above tank.return_pressure = {_bar(machine.tank.return_pressure)}"
+            )
     if not any(link.mass > 0.0 for link in machine.links):
         broken.append("links: all masses are 0; give at least the last link of each arm a mass")
     return broken
@@ -37,7 +40,9 @@ def _inertia(link: Link) -> list[str]:
         return [f"{where}.inertia.{bad[0]} = {i[bad[0]]:g} kg m2: must not be negative"]
     slack = 1e-9 * (xx + yy + zz)
     if any(a > b + c + slack for a, b, c in ((xx, yy, zz), (yy, zz, xx), (zz, xx, yy))) and len(i) >= 3:
-        return [f"{where}.inertia: xx, yy, zz = {xx:g}, {yy:g}, {zz:g} kg m2: no body has one above the sum of the others"]
+        return [
+            f"{where}.inertia: xx, yy, zz = {xx:g}, {yy:g}, {zz:g} kg m2: no body has one above the sum of the others"
+        ]
     minors = (xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz)
     if (xy or xz or yz) and min(minors) < -slack * slack:
         return [f"{where}.inertia: the products xy, xz, yz are too large for xx, yy, zz"]
@@ -52,14 +57,22 @@ def _function(f: Function, link: Link, machine: LayoutMachine) -> list[str]:
             broken.append(f"{where}.{what}: must be {allowed}")
 
     knots, unit = f.valve.knots, "m" if link.joint == "prismatic" else "rad"
-    require(knots[0] == 0.0 and all(a < b for a, b in zip(knots, knots[1:], strict=False)), f"valve.knots = {knots} m", "rising from 0")
+    require(
+        knots[0] == 0.0 and all(a < b for a, b in itertools.pairwise(knots)),
+        f"valve.knots = {knots} m",
+        "rising from 0",
+    )
     for key in ("inlet", "outlet_positive", "outlet_negative"):
         require(getattr(f.valve, key)[0] == 0.0, f"valve.{key}[0]", "0 at the centred spool")
     require(f.friction.static >= f.friction.coulomb, f"friction.static = {f.friction.static:g}", "at least coulomb")
     low, high = (display.amount(value, unit) for value in f.stops)
     require(f.stops.low < f.stops.high, f"stops.low = {low}", f"below stops.high = {high}")
     start, where_at = display.amount(f.initial.angle, unit), "position" if unit == "m" else "angle"
-    require(f.stops.low <= f.initial.angle <= f.stops.high, f"initial.{where_at} = {start}", f"within the stops, {low} to {high}")
+    require(
+        f.stops.low <= f.initial.angle <= f.stops.high,
+        f"initial.{where_at} = {start}",
+        f"within the stops, {low} to {high}",
+    )
     floor, relief = machine.tank.floor, f.line.relief
     require(relief > machine.tank.return_pressure, f"line.relief = {_bar(relief)}", "above tank.return_pressure")
     for key in ("p_a", "p_b"):
@@ -84,8 +97,12 @@ def _levers(f: Function, link: Link) -> list[str]:
         angle = f.stops.low + (f.stops.high - f.stops.low) * k / (_ANGLES - 1)
         arm, shown = lever(f, link, angle), display.amount(angle, "rad")
         if arm is None:
-            return [f"{where}: rocker and coupler do not reach each other at {shown}; check base, hinge, knee, pin and stops"]
+            return [
+                f"{where}: rocker and coupler do not reach each other at {shown}; check base, hinge, knee, pin and stops"
+            ]
         if abs(arm) < 1e-3:
-            return [f"{where}: the lever arm is {display.amount(arm, 'm')} at {shown}, so that the cylinder cannot move the link; check pins and stops"]
+            return [
+                f"{where}: the lever arm is {display.amount(arm, 'm')} at {shown}, so that the cylinder cannot move the link; check pins and stops"
+            ]
         signs.add(arm > 0.0)
     return [] if len(signs) == 1 else [f"{where}: the linkage turns over between the stops; check pins and stops"]

@@ -6,7 +6,12 @@ from polydraulic.display import amount
 from polydraulic.parameters.layout.geometry import lever
 from polydraulic.parameters.layout.schema import Function, LayoutMachine
 
-_ACTUATORS = {"motor": "a motor", "cylinder": "cylinders", "four_bar": "a cylinder through a four-bar linkage", "ram": "a ram"}
+_ACTUATORS = {
+    "motor": "a motor",
+    "cylinder": "cylinders",
+    "four_bar": "a cylinder through a four-bar linkage",
+    "ram": "a ram",
+}
 _TURN = 2.0 * pi
 
 

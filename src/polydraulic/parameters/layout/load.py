@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from polydraulic.errors import InputError
+from polydraulic.parameters.entries import read_quantity
 from polydraulic.parameters.layout.conditions import broken_conditions
 from polydraulic.parameters.layout.names import name_trouble
 from polydraulic.parameters.layout.reader import Reader
@@ -38,7 +39,6 @@ from polydraulic.parameters.layout.schema import (
     SlideStops,
     Valve,
 )
-from polydraulic.parameters.entries import read_quantity
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 
@@ -77,9 +77,11 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     top = reader.table(data, _SECTIONS, _SECTIONS, "")
     reader.require(isinstance(top.get("title", ""), str), f"title = {top.get('title')!r}: must be a string")
     gravity = reader.tried(
-        lambda: read_quantity(top["gravity"], Quantity("m/s2", low=0.0, high=30.0), "gravity", path)
-        if "gravity" in top
-        else 0.0,
+        lambda: (
+            read_quantity(top["gravity"], Quantity("m/s2", low=0.0, high=30.0), "gravity", path)
+            if "gravity" in top
+            else 0.0
+        ),
         0.0,
     )
     tank = reader.part(Tank, top, "tank", "")
@@ -160,7 +162,9 @@ def _functions(reader: Reader, top: Mapping[str, Any], links: tuple[Link, ...]) 
         count = moved.count(link.name)
         if moved and count != 1 and None not in found:
             what = "is moved by no function" if not count else f"is moved by {count} functions"
-            reader.require(False, f"links.{link.name}: {what}; each link needs one, [functions.NAME] with moves = {link.name!r}")
+            reader.require(
+                False, f"links.{link.name}: {what}; each link needs one, [functions.NAME] with moves = {link.name!r}"
+            )
     return tuple(sorted((f for f in found if f is not None), key=lambda f: order[f.moves]))
 
 
@@ -210,7 +214,9 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> Valve | None:
     enough = FEWEST_KNOTS <= len(knots) <= MOST_KNOTS
     reader.require(enough, f"{where}.knots: {len(knots)} numbers; must be {FEWEST_KNOTS} to {MOST_KNOTS}")
     for key, curve in zip(_CURVES, curves, strict=True):
-        reader.require(len(curve) == len(knots), f"{where}.{key}: {len(curve)} numbers for {len(knots)} knots; must be as many")
+        reader.require(
+            len(curve) == len(knots), f"{where}.{key}: {len(curve)} numbers for {len(knots)} knots; must be as many"
+        )
     return Valve(knots, *curves) if len(reader.wrong) == before else None
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.entries import read_quantity, read_switch
+from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.quantity import Quantity, leaf_of
 
 Tree = TypeVar("Tree", bound=tuple)
@@ -86,7 +86,7 @@ class Reader:
         hints = get_type_hints(cls, include_extras=True)
         before = len(self.wrong)
         found = self.table(data[key], hints, hints, here)
-        values = {}
+        values: dict[str, Any] = {}
         for name, hint in hints.items():
             leaf = leaf_of(hint)
             if name in found and leaf is not None:

@@ -205,5 +205,3 @@ class LayoutMachine(NamedTuple):
     def names(self) -> tuple[str, ...]:
         """Names of the functions, in their order."""
         return tuple(f.name for f in self.functions)
-
-

@@ -2,8 +2,6 @@
 
 import re
 
-from polydraulic.parameters.load import load_layout, machine_text
-
 _HEAD = """\
 # A machine of your own, begun from {like}. Every number is {{ value, unit, source }}; any unit of the field is understood.
 #
@@ -48,23 +46,19 @@ _HINTS = {
 }
 
 
-def skeleton(like: str) -> str:
+def skeleton(text: str, like: str) -> str:
     """Text of a machine file to begin with.
 
     Parameters
     ----------
+    text : str
+        File of the machine to begin from.
     like : str
-        Machine to begin from, by name or file.
-
-    Raises
-    ------
-    InputError
-        If there is no such machine, or it is of the older form.
+        What that machine is called.
     """
-    load_layout(like)
     said: set[str] = set()
     lines = []
-    for line in machine_text(like).split("\n"):
+    for line in text.split("\n"):
         key = re.match(r"([\w.]+) = \{", line)
         if key and key[1] in _HINTS and key[1] not in said:
             said.add(key[1])

@@ -59,7 +59,11 @@ def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
         yield f"{where}.line.compliance_a", f.line.compliance_a, COMPLIANCE
         yield f"{where}.line.compliance_b", f.line.compliance_b, COMPLIANCE
         if isinstance(f.drive, SwingMotor):
-            yield f"{where}.motor: displacement times gear ratio", f.drive.displacement * f.drive.gear_ratio, DISPLACEMENT
+            yield (
+                f"{where}.motor: displacement times gear ratio",
+                f.drive.displacement * f.drive.gear_ratio,
+                DISPLACEMENT,
+            )
         else:
             yield f"{where}.cylinder.bore", f.drive.bore, BORE
         for points in (f.pins._asdict() if f.pins is not None else {}).items():

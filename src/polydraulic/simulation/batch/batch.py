@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from polydraulic.flow.record import (
     SPOOL,
 )
 from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import LINKS, Geometry, Machine
+from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
 from polydraulic.simulation.batch.family import Able, Family

@@ -13,13 +13,15 @@ from polydraulic.flow.record import to_vector
 from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import initial_state
 from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import function_names, load_machine
+from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.family import Family, family_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.runs import check_flow, pilot_voltages
+from polydraulic.simulation.layout.runs import check_flow, step_inputs
 from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.runs import check_links, step_voltages
 from polydraulic.simulation.steps import n_steps
@@ -79,8 +81,8 @@ def arrange_cases(
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
     named = cache(load_machine)  # machines of one name are one kind
-    items = [machines] if isinstance(machines, AnyMachine | str | Path) else machines
-    given = [item if isinstance(item, AnyMachine) else named(item) for item in items]
+    items = [machines] if isinstance(machines, Machine | LayoutMachine | str | Path) else machines
+    given: list[AnyMachine] = [item if isinstance(item, Machine | LayoutMachine) else named(item) for item in items]
     functions = _functions(given)
     scenarios = _scenarios(inputs, functions)
     voltage = None if scenarios else _voltages(inputs, functions)
@@ -108,7 +110,12 @@ def arrange_cases(
     if starts is None:
         starts = np.array([k.start for k in kinds])[kind]
     free = tuple(name for place, name in enumerate(functions) if not all(k.plant.locked[place] for k in kinds))
-    family = family_of(kinds[0].machine, kinds[0].model)
+    forced = {bool(scenario.loads.force) for _, scenario in pairs if scenario}
+    if len(forced) > 1:
+        raise InputError(
+            "some of the scenarios have a force at the tip and some have none; give all of them one, of 0 N if need be"
+        )
+    family = family_of(kinds[0].machine, kinds[0].model, force=forced == {True})
     flow = "exact" if isinstance(kinds[0].machine, LayoutMachine) else flow_name(kinds[0].model)
     return Cases(family, flow, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free)
 
@@ -117,7 +124,9 @@ def _functions(machines: Sequence[AnyMachine]) -> tuple[str, ...]:
     """Functions of machines, which must share a layout: they run side by side."""
     layouts = {layout_of(m) if isinstance(m, LayoutMachine) else () for m in machines}
     if len(layouts) > 1:
-        raise InputError(f"the machines have {len(layouts)} layouts; a batch holds machines of one layout, which differ in numbers alone")
+        raise InputError(
+            f"the machines have {len(layouts)} layouts; a batch holds machines of one layout, which differ in numbers alone"
+        )
     return function_names(machines[0]) if machines else ()
 
 
@@ -139,8 +148,15 @@ def _kind(machine: AnyMachine, scenario: Scenario | None, flow: str | FlowModel,
 
 def _layout_kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
     check_flow(flow)
+    loads = scenario.loads if scenario else Loads()
+    if loads.payload is not None and loads.payload.time != (0.0,):
+        raise InputError(
+            f"scenario {scenario.name if scenario else ''!r}: a payload that changes is for `simulate`; in a batch each machine keeps one from "
+            "time 0 on"
+        )
     machine = adapted(machine, scenario) if scenario else machine
-    ready = prepare_layout(machine, dt, scenario.locked if scenario else ())
+    machine = machine if loads.payload is None else with_payload(machine, loads.payload.mass[0])
+    ready = prepare_layout(machine, dt, scenario.locked if scenario else (), force=bool(loads.force))
     return Kind(machine, ready.plant, ready.valves, ready.start)
 
 
@@ -164,7 +180,9 @@ def _voltages(inputs: Any, functions: Sequence[str]) -> np.ndarray:
     if not np.isfinite(voltage).all():
         machine, step, link = np.argwhere(~np.isfinite(voltage))[0]
         value = voltage[machine, step, link]
-        raise InputError(f"the {functions[link]} voltage in step {step} of machine {machine} is {value}; it must be finite")
+        raise InputError(
+            f"the {functions[link]} voltage in step {step} of machine {machine} is {value}; it must be finite"
+        )
     return voltage
 
 
@@ -190,14 +208,24 @@ def _scenario_voltages(
     voltages: list[np.ndarray] = []
     which: list[int] = []
     for kind, scenario in zip(kinds, scenarios, strict=True):
-        layout = isinstance(kind.machine, LayoutMachine)
-        parts = kind.machine.functions if layout else [getattr(kind.machine, link) for link in LINKS]  # type: ignore[union-attr]
-        key = (id(scenario), *(part.pilot.dead_time for part in parts))
+        key = (id(scenario), *_dead_times(kind.machine))
         if key not in numbers:
             numbers[key] = len(voltages)
-            voltages.append((pilot_voltages if layout else step_voltages)(kind.machine, scenario, t))  # type: ignore[operator]
+            voltages.append(_inputs(kind.machine, scenario, t))
         which.append(numbers[key])
     return np.array(voltages), np.array(which)
+
+
+def _dead_times(machine: AnyMachine) -> list[float]:
+    if isinstance(machine, LayoutMachine):
+        return [f.pilot.dead_time for f in machine.functions]
+    return [getattr(machine, link).pilot.dead_time for link in LINKS]
+
+
+def _inputs(machine: AnyMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
+    return (
+        step_inputs(machine, scenario, t) if isinstance(machine, LayoutMachine) else step_voltages(machine, scenario, t)
+    )
 
 
 def _array_steps(n_step: int, dt: float, t_end: float | None, every: int) -> int:

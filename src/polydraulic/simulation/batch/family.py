@@ -53,13 +53,13 @@ class Family(NamedTuple):
     tips: Callable[[Sequence[Any], np.ndarray, np.ndarray], np.ndarray]
 
 
-def family_of(machine: Machine | LayoutMachine, model: Any) -> Family:
-    """Family of a machine and its flow model."""
-    return _of_layout(machine) if isinstance(machine, LayoutMachine) else _of_excavator(flow_name(model))
+def family_of(machine: Machine | LayoutMachine, model: Any, *, force: bool = False) -> Family:
+    """Family of a machine and its flow model, with a force at the tip or without."""
+    return _of_layout(machine, force) if isinstance(machine, LayoutMachine) else _of_excavator(flow_name(model))
 
 
-def _of_layout(machine: LayoutMachine) -> Family:
-    module, of = layout_module(machine), columns_of(machine)
+def _of_layout(machine: LayoutMachine, force: bool) -> Family:
+    module, of = layout_module(machine, force=force), columns_of(machine)
     n = len(machine.names)
 
     def columns(free: Sequence[str]) -> Able:
@@ -75,7 +75,10 @@ def _of_layout(machine: LayoutMachine) -> Family:
                 continue
             for quantity, _ in (*STATE, *FLOWS):
                 add(f"{f}.{quantity}")
-            found[f"{f}.p_in"], found[f"{f}.p_out"] = (len(of.columns) + place, "Pa"), (len(of.columns) + n + place, "Pa")
+            found[f"{f}.p_in"], found[f"{f}.p_out"] = (
+                (len(of.columns) + place, "Pa"),
+                (len(of.columns) + n + place, "Pa"),
+            )
         for c in machine.circuits:
             if set(c.functions) & set(free):
                 for quantity, _ in CIRCUIT:
@@ -108,7 +111,7 @@ def _layout_tips(machines: Sequence[LayoutMachine], which: np.ndarray, positions
 
 def _excavator_tips(machines: Sequence[Machine], which: np.ndarray, positions: np.ndarray) -> np.ndarray:
     geometry = np.array([machine.geometry for machine in machines])[which].T
-    return end_effector(positions, Geometry(*geometry.reshape(len(geometry), -1, *[1] * (positions.ndim - 2))))  # type: ignore[arg-type]
+    return end_effector(positions, Geometry(*geometry.reshape(len(geometry), -1, *[1] * (positions.ndim - 2))))
 
 
 def _of_excavator(flow: str) -> Family:
@@ -135,7 +138,11 @@ def _of_excavator(flow: str) -> Family:
         None,
         run_block if kind.lanes else None,
         columns,
-        {row for name, row in PLACE.items() if name.split(".")[0] in ("boom", "series") and row >= PLACE["boom.q_pump"]},
+        {
+            row
+            for name, row in PLACE.items()
+            if name.split(".")[0] in ("boom", "series") and row >= PLACE["boom.q_pump"]
+        },
         tuple(f"{link}.angle" for link in LINKS),
         _excavator_tips,
     )

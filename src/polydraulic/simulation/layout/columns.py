@@ -37,8 +37,16 @@ class Columns(NamedTuple):
 def columns_of(machine: LayoutMachine) -> Columns:
     """Columns that a machine's runs record: state and flows by function, then pumps and pressures between valves by circuit."""
     gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
-    named = [(f"{f}.{quantity}", function_column(machine, f, quantity, unit)) for quantity, unit in (*STATE, *FLOWS) for f in machine.names]
-    named += [(f"{c.name}.{quantity}", Column(f"{c.name}.{quantity}", unit)) for c in machine.circuits for quantity, unit in CIRCUIT]
+    named = [
+        (f"{f}.{quantity}", function_column(machine, f, quantity, unit))
+        for quantity, unit in (*STATE, *FLOWS)
+        for f in machine.names
+    ]
+    named += [
+        (f"{c.name}.{quantity}", Column(f"{c.name}.{quantity}", unit))
+        for c in machine.circuits
+        for quantity, unit in CIRCUIT
+    ]
     named += [(gap_name(*gap), Column(gap_name(*gap), "Pa")) for gap in gaps]
     return Columns(
         tuple(column for _, column in named),

@@ -11,7 +11,9 @@ from polydraulic.simulation.events import MAX_EVENTS
 Column = Callable[[str], np.ndarray]
 
 
-def layout_events(machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, column: Column) -> dict[str, object]:
+def layout_events(
+    machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, column: Column
+) -> dict[str, object]:
     """Entries for a trajectory's `info`: ``events`` and ``events_dropped``; what begins and ends between two rows is not seen.
 
     Parameters

@@ -59,7 +59,7 @@ class _Writer(ast.NodeTransformer):
 
     def _rows(self, target: ast.expr, source: ast.expr) -> list["_Writer"] | None:
         """A writer for each row of a list, None if this is an ordinary loop."""
-        if not isinstance(source, ast.Name) or not source.id.isupper() and not source.id.split("_")[0].isupper():
+        if not isinstance(source, ast.Name) or (not source.id.isupper() and not source.id.split("_")[0].isupper()):
             return None
         name = self._name(source.id)
         wanted = [node.id for node in ast.walk(target) if isinstance(node, ast.Name)]
@@ -111,7 +111,11 @@ class _Writer(ast.NodeTransformer):
         if isinstance(node.func, ast.Name) and node.func.id in ("any", "all") and len(node.args) == 1:
             written = self._written(node.args[0])
             if written is not None:
-                return written[0] if len(written) == 1 else ast.BoolOp(ast.Or() if node.func.id == "any" else ast.And(), written)
+                return (
+                    written[0]
+                    if len(written) == 1
+                    else ast.BoolOp(ast.Or() if node.func.id == "any" else ast.And(), written)
+                )
         self.generic_visit(node)
         return node
 
@@ -125,7 +129,11 @@ class _Writer(ast.NodeTransformer):
 
 
 def _copy(node: Any) -> Any:
-    return ast.parse(ast.unparse(node)).body[0] if isinstance(node, ast.stmt) else ast.parse(ast.unparse(node), mode="eval").body
+    return (
+        ast.parse(ast.unparse(node)).body[0]
+        if isinstance(node, ast.stmt)
+        else ast.parse(ast.unparse(node), mode="eval").body
+    )
 
 
 def _text(node: ast.stmt) -> str:

@@ -26,6 +26,8 @@ class LaneRows(NamedTuple):
         Rows for the passes of a circuit, by its name.
     status : dict
         Row for the status of a circuit's flows, by its name.
+    force : list of int
+        Rows of the force at the tip, if there is one.
     steps, unsettled, met : int
         Steps made; steps whose flows are not to be trusted; whether a stop was met.
     n_row : int
@@ -35,13 +37,14 @@ class LaneRows(NamedTuple):
     mass: list[int]
     passed: dict[str, list[int]]
     status: dict[str, int]
+    force: list[int]
     steps: int
     unsettled: int
     met: int
     n_row: int
 
 
-def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int]) -> LaneRows:
+def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], force: bool = False) -> LaneRows:
     """Give every value a row.
 
     Parameters
@@ -51,6 +54,8 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int]) 
         Entries of the mass matrix that are not zero by structure.
     n_passed : mapping
         Numbers that a pass of a circuit hands on, by the number of its valves, where there are passes.
+    force : bool
+        Whether there is a force at the tip.
     """
     columns = columns_of(machine)
     groups = {q: [columns.place[f"{f}.{q}"] for f in machine.names] for q, _ in (*STATE, *FLOWS)}
@@ -65,8 +70,9 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int]) 
     mass = rows(n_mass)
     passed = {c.name: rows(n_passed[len(c.functions)]) for c in machine.circuits if len(c.functions) in n_passed}
     status = {c.name: rows(1)[0] for c in machine.circuits}
+    pushes = rows(3) if force else []
     steps, unsettled, met = rows(3)
-    return LaneRows(groups, mass, passed, status, steps, unsettled, met, end)
+    return LaneRows(groups, mass, passed, status, pushes, steps, unsettled, met, end)
 
 
 def lane_lists(
@@ -86,28 +92,43 @@ def lane_lists(
     place, names = columns_of(machine).place, machine.names
     lists: dict[str, Rows] = {
         "GROUPS": [{"G": group} for group in rows.groups],
+        "FORCE_ROWS": [{"P": len(names) + k, "R": row * LANES} for k, row in enumerate(rows.force)],
         "MASS_ROWS": [{"M": field, "P": row * LANES} for field, row in zip(masses, rows.mass, strict=True)],
         "FUNCTION_ROWS": [
             {"F": f, "B": inlet * LANES, "P": bypass * LANES}
             for f, inlet, bypass in zip(names, rows.groups["inlet"], rows.groups["bypass"], strict=True)
         ],
         "CIRCUIT_ROWS": [
-            {"C": c.name, "N": str(len(c.functions)), "P": place[f"{c.name}.p_pump"] * LANES, "STATUS": rows.status[c.name] * LANES}
+            {
+                "C": c.name,
+                "N": str(len(c.functions)),
+                "P": place[f"{c.name}.p_pump"] * LANES,
+                "STATUS": rows.status[c.name] * LANES,
+            }
             for c in machine.circuits
         ],
-        "SHORT_CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed],
+        "SHORT_CIRCUITS": [
+            {"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed
+        ],
         "LONG_CIRCUITS": [
-            {"C": c.name, "N": str(len(c.functions)), "T": f"Passed{len(c.functions)}"} for c in machine.circuits if len(c.functions) in passed
+            {"C": c.name, "N": str(len(c.functions)), "T": f"Passed{len(c.functions)}"}
+            for c in machine.circuits
+            if len(c.functions) in passed
         ],
     }
     lists |= {
-        f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)] for group, of in rows.groups.items()
+        f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)]
+        for group, of in rows.groups.items()
     }
     for c in machine.circuits:
         n = len(c.functions)
-        lists[f"INLET_ROWS_OF_{c.name}"] = [{"I": str(k), "R": place[f"{f}.q_in"] * LANES} for k, f in enumerate(c.functions, 1)]
+        lists[f"INLET_ROWS_OF_{c.name}"] = [
+            {"I": str(k), "R": place[f"{f}.q_in"] * LANES} for k, f in enumerate(c.functions, 1)
+        ]
         lists[f"WORD_ROWS_OF_{c.name}"] = [{"W": word, "R": place[f"{c.name}.{word}"] * LANES} for word, _ in CIRCUIT]
-        lists[f"GAP_ROWS_OF_{c.name}"] = [{"I": str(k), "R": place[gap_name(c.name, k, n)] * LANES} for k in range(1, n)]
+        lists[f"GAP_ROWS_OF_{c.name}"] = [
+            {"I": str(k), "R": place[gap_name(c.name, k, n)] * LANES} for k in range(1, n)
+        ]
         if n in passed:
             lists[f"PASSED_ROWS_OF_{c.name}"] = [
                 {"X": field, "R": row * LANES} for field, row in zip(passed[n], rows.passed[c.name], strict=True)

@@ -21,9 +21,9 @@ from polydraulic.simulation.layout.text import layout_text
 _log = logging.getLogger("polydraulic")
 
 
-def layout_module(machine: LayoutMachine) -> ModuleType:
-    """Module of the kernels of a machine's layout; machines that differ in numbers alone share it."""
-    return loaded(layout_text(machine))
+def layout_module(machine: LayoutMachine, *, force: bool = False) -> ModuleType:
+    """Module of the kernels of a machine's layout, with a force at the tip or without; see `layout_text`."""
+    return loaded(layout_text(machine, force=force))
 
 
 @cache

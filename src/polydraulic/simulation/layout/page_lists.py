@@ -9,8 +9,8 @@ from polydraulic.simulation.layout.expand import Rows
 _CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
 
 
-def page_lists(machine: LayoutMachine) -> dict[str, Rows]:
-    """Lists of the pages of a single machine; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
+def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]:
+    """Lists of the pages of a single machine, with a force at the tip or without; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
     place = columns_of(machine).place
     circuit_of = {f: (c.name, k) for c in machine.circuits for k, f in enumerate(c.functions, 1)}
     gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
@@ -29,6 +29,11 @@ def page_lists(machine: LayoutMachine) -> dict[str, Rows]:
         "CIRCUIT_PLACES": [{"C": c.name, "W": q, "P": place[f"{c.name}.{q}"]} for c in machine.circuits for q, _ in CIRCUIT],
         "GAP_PLACES": [{"C": c, "I": str(k), "P": place[gap_name(c, k, n)]} for c, k, n in gaps],
     }  # fmt: skip
+    n = len(machine.names)
+    lists["TIP"], lists["PUSHED"] = [{"T": tip}], [{"T": tip}] if force else []
+    lists["UNPUSHED"] = [] if force else [{"E": ""}]
+    lists["FORCE_PLACES"] = [{"P": n + k} for k in range(3)] if force else []
+    lists["NO_FORCE"] = [] if force else [{"P": k} for k in range(3)]
     for c in machine.circuits:
         lists[f"FUNCTIONS_OF_{c.name}"] = [{"F": f} for f in c.functions]
     for quantity, _ in STATE:

@@ -13,7 +13,7 @@ from polydraulic.machine.drives import prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
 from polydraulic.machine.pump import Pump
-from polydraulic.parameters.layout.schema import Circuit, Function, LayoutMachine
+from polydraulic.parameters.layout.schema import COORDINATES, Circuit, Function, LayoutMachine
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of
 
@@ -27,7 +27,7 @@ class Prepared(NamedTuple):
     start: np.ndarray  # (5 n_function,) state
 
 
-def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = ()) -> Prepared:
+def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False) -> Prepared:
     """Precompute all of a machine that does not change during a run.
 
     Parameters
@@ -36,6 +36,8 @@ def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = 
     dt : float, s
     locked : collection of str
         Functions whose joints are held.
+    force : bool
+        Whether a force at the tip is among the inputs.
 
     Raises
     ------
@@ -47,13 +49,14 @@ def prepare_layout(machine: LayoutMachine, dt: float, locked: Collection[str] = 
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
         raise InputError(f"locked: {unknown[0]!r} is no function of the machine; there are {list(machine.names)}")
-    module = layout_module(machine)
+    module = layout_module(machine, force=force)
     parts = {f.name: _part(module, f, machine, dt) for f in machine.functions}
     plant = module.Plant(
         dt=dt,
         **parts,
         motion=module.prepare_motion(tree_of(machine), machine.gravity),
         locked=module.Held(*(name in locked for name in machine.names)),
+        tip=module.Point(*(machine.tip[1].get(c, 0.0) for c in COORDINATES)),
     )
     return Prepared(module, prepare_valves(machine, module), plant, start_vector(machine))
 

@@ -1,7 +1,9 @@
 """`simulate` for a machine of any layout."""
 
+from collections.abc import Sequence
+from math import ceil
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,15 +11,25 @@ from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
+from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.loop import FASTEST
 from polydraulic.simulation.steps import n_steps
 from polydraulic.tables import Table
 
+
+class Segment(NamedTuple):
+    """Part of a run with one payload."""
+
+    machine: LayoutMachine
+    first: int  # step
+    end: int  # one past its last step
 
 
 def simulate_layout(
@@ -29,6 +41,7 @@ def simulate_layout(
     t_end: float | None,
     every: int,
     method: str,
+    energy: bool = False,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
 
@@ -41,53 +54,98 @@ def simulate_layout(
     """
     check_flow(flow)
     if method != "semi-implicit":
-        raise InputError(f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'")
+        raise InputError(
+            f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'"
+        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
-    ready = prepare_layout(machine, dt, scenario.locked)
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
-    n_step = n_steps(scenario, dt, t_end, every)
-    columns, counts = columns_of(machine), np.zeros(2, dtype=np.int64)
-    rows = np.empty((n_step // every + 1, len(columns.columns)))
-    voltage = pilot_voltages(machine, scenario, np.arange(n_step) * dt)
-    done = ready.module.run(ready.valves, ready.plant, ready.start, voltage, every, rows, counts)
-    if done < n_step:
-        rates = {name: rows[0, columns.place[f"{name}.rate"]] for name in machine.names}
-        fastest = next(name for name, rate in rates.items() if not abs(rate) < FASTEST)
-        raise SimulationError(
-            f"{scenario.name} with flow 'exact': diverged, the rate of {fastest} grew without bound at t = {done * dt:g} s; "
-            "try a smaller dt or check the parameter set"
-        )
-    time = np.arange(len(rows)) * every * dt
+    n_step, columns = n_steps(scenario, dt, t_end, every), columns_of(machine)
+    inputs = step_inputs(machine, scenario, np.arange(n_step) * dt)
+    rows, counts = np.empty((n_step + 1, len(columns.columns))), np.zeros(2, dtype=np.int64)
+    account = []
+    for part in segments(machine, scenario.loads.payload, dt, n_step):
+        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force))
+        own = np.empty((part.end - part.first + 1, len(columns.columns)))
+        start = rows[part.first, : columns.n_state].copy() if part.first else ready.start
+        done = ready.module.run(ready.valves, ready.plant, start, inputs[part.first : part.end], 1, own, counts)
+        if done < part.end - part.first:
+            raise _diverged(scenario, machine, own[0], columns, (part.first + done) * dt)
+        rows[part.first + 1 : part.end + 1] = own[1:]
+        if not part.first:
+            rows[0] = own[0]
+        if energy:
+            of = rows[part.first + bool(part.first) : part.end + 1]
+            forces = scenario.loads.forces(np.arange(part.end + 1 - len(of), part.end + 1) * dt)
+            account.append([*energy_columns(part.machine, ready.module, ready.plant, of, columns, forces)])
+    time, kept = np.arange(0, n_step + 1, every) * dt, rows[::every]
     info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt, "steps": n_step}
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
-    info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
-    return _table(machine, scenario, time, rows, columns, info)
+    info |= layout_events(machine, scenario.locked, time, lambda name: kept[:, columns.place[name]])
+    more = [
+        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts])[::every])
+        for parts in zip(*account, strict=True)
+    ]
+    return _table(machine, scenario, time, kept, columns, info, more)
+
+
+def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step: int) -> list[Segment]:
+    """Parts of a run between changes of the payload, which happen at the next whole step."""
+    if payload is None:
+        return [Segment(machine, 0, n_step)]
+    begins = [0, *(min(ceil(t / dt - 1e-9), n_step) for t in payload.time)]
+    masses = [0.0, *payload.mass]
+    ends = [*begins[1:], n_step]
+    return [Segment(with_payload(machine, m), a, b) for m, a, b in zip(masses, begins, ends, strict=True) if b > a]
+
+
+def _diverged(
+    scenario: Scenario, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float
+) -> SimulationError:
+    rates = {name: row[columns.place[f"{name}.rate"]] for name in machine.names}
+    fastest = next(name for name, rate in rates.items() if not abs(rate) < FASTEST)
+    return SimulationError(
+        f"{scenario.name} with flow 'exact': diverged, the rate of {fastest} grew without bound at t = {t:g} s; "
+        "try a smaller dt or check the parameter set"
+    )
 
 
 def check_flow(flow: Any) -> None:
     """Refuse flow models that know one layout only."""
     if flow != "exact":
         name = flow if isinstance(flow, str) else type(flow).__name__
-        raise InputError(f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'")
+        raise InputError(
+            f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'"
+        )
 
 
-def pilot_voltages(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
-    """Voltages at the pilots, (n_time, n_function): the joystick's after each pilot's dead time; 0 V before that and where locked."""
-    voltages = []
+def step_inputs(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
+    """Inputs of steps that begin at the times `t`: a voltage a function, then the force at the tip if the scenario has one.
+
+    Voltages are the joystick's after each pilot's dead time, 0 V before that and where locked; shape (n_time, n_input).
+    """
+    columns = []
     for place, f in enumerate(machine.functions):
         delayed = t - f.pilot.dead_time
         alive = delayed >= 0.0 if f.name not in scenario.locked else np.zeros(len(t), dtype=bool)
-        voltages.append(np.where(alive, scenario.voltages(delayed, machine.names)[:, place], 0.0))
-    return np.ascontiguousarray(np.column_stack(voltages))
+        columns.append(np.where(alive, scenario.voltages(delayed, machine.names)[:, place], 0.0))
+    if scenario.loads.force:
+        columns += [*scenario.loads.forces(t).T]
+    return np.ascontiguousarray(np.column_stack(columns))
 
 
 def _table(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, rows: np.ndarray, columns: Columns, info: dict[str, object]
+    machine: LayoutMachine,
+    scenario: Scenario,
+    time: np.ndarray,
+    rows: np.ndarray,
+    columns: Columns,
+    info: dict[str, object],
+    more: Sequence[EnergyColumn],
 ) -> Table:
-    """Name the columns of recorded rows, and add what follows from them."""
+    """Name the columns of recorded rows, and add what follows from them, and `more`."""
     found: dict[str, np.ndarray] = {"time": time}
     units = {"time": "s"}
 
@@ -119,4 +177,6 @@ def _table(
     positions = np.column_stack([rows[:, columns.place[f"{f}.angle"]] for f in machine.names])
     for name, values in zip(EFFECTOR, placed(link_frames(machine, positions), *machine.tip).T, strict=True):
         add(name, "m", values)
+    for column in more:
+        add(*column)
     return Table(found, units, info)

@@ -12,12 +12,13 @@ from polydraulic.flow.lanes import LANES
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.expand import Rows, expanded
 from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
 from polydraulic.simulation.layout.page_lists import page_lists
-from polydraulic.simulation.layout.tree import tree_of
+from polydraulic.simulation.layout.tree import function_of, tree_of
 
-_PAGES = ("values", "flow", "joints", "step", "loop", "lanes")
+_PAGES = ("values", "flow", "joints", "step", "loop", "energy", "lanes")
 _IMPORTS = (
     "from typing import NamedTuple",
     "import numpy as np",
@@ -40,11 +41,18 @@ UNSETTLED = 2  # status of a circuit whose flows could not be certified
 DIVERGED = 4  # status of a step after which a rate is no longer reasonable
 
 
-def layout_text(machine: LayoutMachine) -> str:
-    """Source of the kernels of a machine's layout; machines that differ in numbers alone have the same."""
-    key = layout_of(machine)
+def layout_text(machine: LayoutMachine, *, force: bool = False) -> str:
+    """Source of the kernels of a machine's layout; machines that differ in numbers alone have the same.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    force : bool
+        Whether a force at the tip is among the inputs; without one it costs nothing.
+    """
+    key = layout_of(machine), force
     if key not in _written:
-        _written[key] = _text(machine)
+        _written[key] = _text(machine, force)
     return _written[key]
 
 
@@ -55,27 +63,32 @@ def layout_of(machine: LayoutMachine) -> Hashable:
         for link in machine.links
     )
     functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots)) for f in machine.functions)
-    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits)
+    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits), machine.tip[0]
 
 
 _written: dict[Hashable, str] = {}
 
 
-def _text(machine: LayoutMachine) -> str:
-    pages = {name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8") for name in (*_PAGES, "valve")}
-    motion = motion_text(tree_of(machine))
+def _text(machine: LayoutMachine, force: bool) -> str:
+    pages = {
+        name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8")
+        for name in (*_PAGES, "valve")
+    }
+    tip = function_of(machine, machine.tip[0])
+    motion = motion_text(tree_of(machine), points=[tip])
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
     imports = _joined([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
-    rows = lane_rows(machine, len(masses), {n: len(fields) for n, fields in passed.items()})
-    lists = page_lists(machine) | lane_lists(machine, rows, masses, passed)
+    rows = lane_rows(machine, len(masses), {n: len(fields) for n, fields in passed.items()}, force)
+    lists = page_lists(machine, tip, force) | lane_lists(machine, rows, masses, passed)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
     parts = [
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
         "\n".join(imports),
+        f"N_FUNCTION, N_RECORD = {len(machine.names)}, {len(columns_of(machine).columns)}",
         f"UNSETTLED, DIVERGED = {UNSETTLED}, {DIVERGED}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
         expanded(first, lists),
@@ -110,4 +123,6 @@ def _joined(imports: Sequence[str]) -> list[str]:
 def fields_of(text: str, name: str) -> list[str]:
     """Fields of a named tuple that a text defines, in their order."""
     found = next(node for node in ast.parse(text).body if isinstance(node, ast.ClassDef) and node.name == name)
-    return [node.target.id for node in found.body if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)]
+    return [
+        node.target.id for node in found.body if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    ]

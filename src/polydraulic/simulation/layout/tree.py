@@ -4,6 +4,11 @@ from polydraulic.machine.tree.links import Link
 from polydraulic.parameters.layout.schema import GROUND, LayoutMachine
 
 
+def function_of(machine: LayoutMachine, link: str) -> str:
+    """Name of the function that moves a link: what the text calls the link."""
+    return next(f.name for f in machine.functions if f.moves == link)
+
+
 def tree_of(machine: LayoutMachine) -> list[Link]:
     """Links in kinematic order, each under the name of its function, so that joints are called what the operator moves."""
     function_of = {f.moves: f.name for f in machine.functions}

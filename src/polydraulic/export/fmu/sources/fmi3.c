@@ -12,42 +12,43 @@ typedef struct {
     fmu_state state;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
-    fmi3Boolean logging;
     fmi3Boolean steps; /* whether this is an instance for co-simulation */
-} instance;
+} fmu_instance;
 
-static fmi3Status failed(const instance *c, const char *message)
+/* Errors are told even if the importer has not asked for logs: nothing fails without a word. */
+static fmi3Status fmu_failed(const fmu_instance *c, const char *message)
 {
-    if (c->logging && c->log) {
+    if (c->log) {
         c->log(c->environment, fmi3Error, "logStatusError", message);
     }
     return fmi3Error;
 }
 
-static fmi3Status done(const instance *c, const char *message)
+static fmi3Status fmu_done(const fmu_instance *c, const char *message)
 {
-    return message ? failed(c, message) : fmi3OK;
+    return message ? fmu_failed(c, message) : fmi3OK;
 }
 
-static fmi3Status none(const instance *c, size_t n, const char *message)
+static fmi3Status fmu_none(const fmu_instance *c, size_t n, const char *message)
 {
-    return n == 0 ? fmi3OK : failed(c, message);
+    return n == 0 ? fmi3OK : fmu_failed(c, message);
 }
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String categories[])
 {
+    (void)c;
+    (void)on; /* there is nothing to log but errors, which are always told */
     (void)n;
     (void)categories;
-    ((instance *)c)->logging = on;
     return fmi3OK;
 }
 
-static instance *instantiate(fmi3String token, fmi3Boolean logging, fmi3InstanceEnvironment environment,
-    fmi3LogMessageCallback log, fmi3Boolean steps)
+static fmu_instance *fmu_instantiate(
+    fmi3String token, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3Boolean steps)
 {
-    instance *c;
+    fmu_instance *c;
     if (!token || strcmp(token, FMU_TOKEN) != 0 || (!steps && !FMU_MODEL_EXCHANGE)) {
         if (log) {
             log(environment, fmi3Error, "logStatusError", "wrong instantiation token or type of FMU");
@@ -58,7 +59,6 @@ static instance *instantiate(fmi3String token, fmi3Boolean logging, fmi3Instance
     if (c) {
         c->environment = environment;
         c->log = log;
-        c->logging = logging;
         c->steps = steps;
         fmu_reset(&c->state);
     }
@@ -71,7 +71,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
     (void)name;
     (void)resources;
     (void)visible;
-    return instantiate(token, logging, environment, log, fmi3False);
+    (void)logging;
+    return fmu_instantiate(token, environment, log, fmi3False);
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -81,12 +82,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     (void)name;
     (void)resources;
     (void)visible;
+    (void)logging;
     (void)events;
     (void)early;
     (void)required;
     (void)n_required;
     (void)update;
-    return instantiate(token, logging, environment, log, fmi3True);
+    return fmu_instantiate(token, environment, log, fmi3True);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
@@ -109,11 +111,11 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
 
 void fmi3FreeInstance(fmi3Instance c) { free(c); }
 
-static fmi3Status enter(fmi3Instance instance_, int from, int to)
+static fmi3Status fmu_enter(fmi3Instance instance, int from, int to)
 {
-    instance *c = instance_;
+    fmu_instance *c = instance;
     if (c->state.mode != from) {
-        return failed(c, "this function may not be called now");
+        return fmu_failed(c, "this function may not be called now");
     }
     c->state.mode = to;
     return fmi3OK;
@@ -126,33 +128,33 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean with_toleranc
     (void)tolerance;
     (void)with_stop;
     (void)stop;
-    ((instance *)c)->state.time = start;
-    return enter(c, FMU_INSTANTIATED, FMU_INITIALIZATION);
+    const fmi3Status status = fmu_enter(c, FMU_INSTANTIATED, FMU_INITIALIZATION);
+    return status == fmi3OK ? fmu_done(c, fmu_set_time(&((fmu_instance *)c)->state, start)) : status;
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return enter(c, FMU_INITIALIZATION, FMU_RUNNING); }
-fmi3Status fmi3EnterEventMode(fmi3Instance c) { return enter(c, FMU_RUNNING, FMU_RUNNING); }
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return enter(c, FMU_RUNNING, FMU_RUNNING); }
-fmi3Status fmi3EnterStepMode(fmi3Instance c) { return enter(c, FMU_RUNNING, FMU_RUNNING); }
-fmi3Status fmi3Terminate(fmi3Instance c) { return enter(c, FMU_RUNNING, FMU_TERMINATED); }
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return failed(c, "there are no structural parameters"); }
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return failed(c, "there are no structural parameters"); }
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return fmu_enter(c, FMU_INITIALIZATION, FMU_RUNNING); }
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmu_enter(c, FMU_RUNNING, FMU_RUNNING); }
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return fmu_enter(c, FMU_RUNNING, FMU_RUNNING); }
+fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmu_enter(c, FMU_RUNNING, FMU_RUNNING); }
+fmi3Status fmi3Terminate(fmi3Instance c) { return fmu_enter(c, FMU_RUNNING, FMU_TERMINATED); }
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return fmu_failed(c, "there are no structural parameters"); }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return fmu_failed(c, "there are no structural parameters"); }
 
 fmi3Status fmi3Reset(fmi3Instance c)
 {
-    fmu_reset(&((instance *)c)->state);
+    fmu_reset(&((fmu_instance *)c)->state);
     return fmi3OK;
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference refs[], size_t n, fmi3Float64 values[], size_t m)
 {
-    return done(c, n == m ? fmu_get(&((instance *)c)->state, refs, n, values) : "all variables are scalars");
+    return fmu_done(c, n == m ? fmu_get(&((fmu_instance *)c)->state, refs, n, values) : "all variables are scalars");
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference refs[], size_t n, const fmi3Float64 values[],
     size_t m)
 {
-    return done(c, n == m ? fmu_set(&((instance *)c)->state, refs, n, values) : "all variables are scalars");
+    return fmu_done(c, n == m ? fmu_set(&((fmu_instance *)c)->state, refs, n, values) : "all variables are scalars");
 }
 
 #define OTHER_TYPE(TYPE) \
@@ -160,14 +162,14 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference refs[], size_
     { \
         (void)refs; \
         (void)values; \
-        return none(c, n + m, "all variables are of type Float64"); \
+        return fmu_none(c, n + m, "all variables are of type Float64"); \
     } \
     fmi3Status fmi3Set##TYPE( \
         fmi3Instance c, const fmi3ValueReference refs[], size_t n, const fmi3##TYPE values[], size_t m) \
     { \
         (void)refs; \
         (void)values; \
-        return none(c, n + m, "all variables are of type Float64"); \
+        return fmu_none(c, n + m, "all variables are of type Float64"); \
     }
 
 OTHER_TYPE(Float32)
@@ -188,7 +190,7 @@ fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference refs[], size_t
     (void)refs;
     (void)sizes;
     (void)values;
-    return none(c, n + m, "all variables are of type Float64");
+    return fmu_none(c, n + m, "all variables are of type Float64");
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference refs[], size_t n, const size_t sizes[],
@@ -197,28 +199,28 @@ fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference refs[], size_t
     (void)refs;
     (void)sizes;
     (void)values;
-    return none(c, n + m, "all variables are of type Float64");
+    return fmu_none(c, n + m, "all variables are of type Float64");
 }
 
 fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference refs[], size_t n, fmi3Clock values[])
 {
     (void)refs;
     (void)values;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference refs[], size_t n, const fmi3Clock values[])
 {
     (void)refs;
     (void)values;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference ref, size_t *n)
 {
     (void)ref;
     *n = 0;
-    return failed(c, "dependencies stand in the model description");
+    return fmu_failed(c, "dependencies stand in the model description");
 }
 
 fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference dependent, size_t elements[],
@@ -230,27 +232,27 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
     (void)independent_elements;
     (void)kinds;
     (void)n;
-    return failed(c, "dependencies stand in the model description");
+    return fmu_failed(c, "dependencies stand in the model description");
 }
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance_, fmi3FMUState *state)
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
 {
-    instance *c = instance_;
+    fmu_instance *c = instance;
     if (!*state) {
         *state = malloc(sizeof c->state);
     }
     if (!*state) {
-        return failed(c, "no memory for a state");
+        return fmu_failed(c, "no memory for a state");
     }
     memcpy(*state, &c->state, sizeof c->state);
     return fmi3OK;
 }
 
-fmi3Status fmi3SetFMUState(fmi3Instance instance_, fmi3FMUState state)
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state)
 {
-    instance *c = instance_;
+    fmu_instance *c = instance;
     if (!state) {
-        return failed(c, "there is no state to set");
+        return fmu_failed(c, "there is no state to set");
     }
     memcpy(&c->state, state, sizeof c->state);
     return fmi3OK;
@@ -277,7 +279,7 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t
 fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
     if (!state || size < sizeof(fmu_state)) {
-        return failed(c, "there is no state, or no room for it");
+        return fmu_failed(c, "there is no state, or no room for it");
     }
     memcpy(bytes, state, sizeof(fmu_state));
     return fmi3OK;
@@ -286,26 +288,26 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte by
 fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
 {
     if (size != sizeof(fmu_state)) {
-        return failed(c, "these are not the bytes of a state");
+        return fmu_failed(c, "these are not the bytes of a state");
     }
     if (!*state) {
         *state = malloc(sizeof(fmu_state));
     }
     if (!*state) {
-        return failed(c, "no memory for a state");
+        return fmu_failed(c, "no memory for a state");
     }
     memcpy(*state, bytes, sizeof(fmu_state));
     return fmi3OK;
 }
 
-static fmi3Status derivative(instance *c, const fmi3ValueReference unknowns[], size_t n_unknown,
+static fmi3Status fmu_seeded(fmu_instance *c, const fmi3ValueReference unknowns[], size_t n_unknown,
     const fmi3ValueReference knowns[], size_t n_known, const fmi3Float64 seed[], fmi3Float64 sensitivity[], int sizes,
     int adjoint)
 {
     if (!FMU_DERIVATIVES || !sizes) {
-        return failed(c, FMU_DERIVATIVES ? "all variables are scalars" : "this FMU gives no derivatives");
+        return fmu_failed(c, FMU_DERIVATIVES ? "all variables are scalars" : "this FMU gives no derivatives");
     }
-    return done(c, fmu_derivative(&c->state, unknowns, n_unknown, knowns, n_known, seed, sensitivity, adjoint));
+    return fmu_done(c, fmu_derivative(&c->state, unknowns, n_unknown, knowns, n_known, seed, sensitivity, adjoint));
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t n_unknown,
@@ -313,7 +315,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
     fmi3Float64 sensitivity[], size_t n_sensitivity)
 {
     const int sizes = n_seed == n_known && n_sensitivity == n_unknown;
-    return derivative(c, unknowns, n_unknown, knowns, n_known, seed, sensitivity, sizes, 0);
+    return fmu_seeded(c, unknowns, n_unknown, knowns, n_known, seed, sensitivity, sizes, 0);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t n_unknown,
@@ -321,7 +323,7 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
     fmi3Float64 sensitivity[], size_t n_sensitivity)
 {
     const int sizes = n_seed == n_unknown && n_sensitivity == n_known;
-    return derivative(c, unknowns, n_unknown, knowns, n_known, seed, sensitivity, sizes, 1);
+    return fmu_seeded(c, unknowns, n_unknown, knowns, n_known, seed, sensitivity, sizes, 1);
 }
 
 /* Clocks: there are none. */
@@ -331,7 +333,7 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference refs[
     (void)refs;
     (void)intervals;
     (void)qualifiers;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3GetIntervalFraction(fmi3Instance c, const fmi3ValueReference refs[], size_t n, fmi3UInt64 counters[],
@@ -341,14 +343,14 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance c, const fmi3ValueReference refs
     (void)counters;
     (void)resolutions;
     (void)qualifiers;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3GetShiftDecimal(fmi3Instance c, const fmi3ValueReference refs[], size_t n, fmi3Float64 shifts[])
 {
     (void)refs;
     (void)shifts;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3GetShiftFraction(fmi3Instance c, const fmi3ValueReference refs[], size_t n, fmi3UInt64 counters[],
@@ -357,7 +359,7 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance c, const fmi3ValueReference refs[],
     (void)refs;
     (void)counters;
     (void)resolutions;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3SetIntervalDecimal(fmi3Instance c, const fmi3ValueReference refs[], size_t n,
@@ -365,7 +367,7 @@ fmi3Status fmi3SetIntervalDecimal(fmi3Instance c, const fmi3ValueReference refs[
 {
     (void)refs;
     (void)intervals;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference refs[], size_t n,
@@ -374,14 +376,14 @@ fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference refs
     (void)refs;
     (void)counters;
     (void)resolutions;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3SetShiftDecimal(fmi3Instance c, const fmi3ValueReference refs[], size_t n, const fmi3Float64 shifts[])
 {
     (void)refs;
     (void)shifts;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference refs[], size_t n, const fmi3UInt64 counters[],
@@ -390,14 +392,14 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference refs[],
     (void)refs;
     (void)counters;
     (void)resolutions;
-    return none(c, n, "there are no clocks");
+    return fmu_none(c, n, "there are no clocks");
 }
 
 fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time)
 {
     (void)clock;
     (void)time;
-    return failed(c, "there are no clocks");
+    return fmu_failed(c, "there are no clocks");
 }
 
 /* Events: there are none. */
@@ -430,40 +432,40 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_return, fm
     return fmi3OK;
 }
 
-fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
 {
-    ((instance *)c)->state.time = time;
-    return fmi3OK;
+    fmu_instance *c = instance;
+    return fmu_done(c, c->steps ? "steps move the time" : fmu_set_time(&c->state, time));
 }
 
 fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 x[], size_t n)
 {
     (void)x;
-    return none(c, n, "there are no continuous states");
+    return fmu_none(c, n, "there are no continuous states");
 }
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
     (void)x;
-    return none(c, n, "there are no continuous states");
+    return fmu_none(c, n, "there are no continuous states");
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
     (void)x;
-    return none(c, n, "there are no continuous states");
+    return fmu_none(c, n, "there are no continuous states");
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
     (void)x;
-    return none(c, n, "there are no continuous states");
+    return fmu_none(c, n, "there are no continuous states");
 }
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 z[], size_t n)
 {
     (void)z;
-    return none(c, n, "there are no event indicators");
+    return fmu_none(c, n, "there are no event indicators");
 }
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n)
@@ -487,22 +489,22 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference ref
     (void)refs;
     (void)orders;
     (void)values;
-    return none(c, n + m, "outputs come without derivatives by time");
+    return fmu_none(c, n + m, "outputs come without derivatives by time");
 }
 
-fmi3Status fmi3DoStep(fmi3Instance instance_, fmi3Float64 from, fmi3Float64 step, fmi3Boolean no_return,
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 step, fmi3Boolean no_return,
     fmi3Boolean *event, fmi3Boolean *end, fmi3Boolean *early, fmi3Float64 *last)
 {
-    instance *c = instance_;
+    fmu_instance *c = instance;
     fmi3Status status;
     (void)no_return;
     *event = fmi3False;
     *end = fmi3False;
     *early = fmi3False;
     if (!c->steps || c->state.mode != FMU_RUNNING) {
-        return failed(c, "a step needs an initialized FMU for co-simulation");
+        return fmu_failed(c, "a step needs an initialized FMU for co-simulation");
     }
-    status = done(c, fmu_step(&c->state, from, step));
+    status = fmu_done(c, fmu_step(&c->state, from, step));
     *last = c->state.time;
     return status;
 }

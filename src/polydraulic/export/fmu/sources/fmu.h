@@ -12,6 +12,7 @@
 #ifndef FMU_H
 #define FMU_H
 
+#include <float.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -104,16 +105,48 @@ static const char *fmu_set(fmu_state *s, const unsigned int refs[], size_t n, co
     return NULL;
 }
 
+static int fmu_is_finite(double value)
+{
+    return value >= -DBL_MAX && value <= DBL_MAX;
+}
+
+/* Less than this two times may differ by rounding alone, four times that of the larger one. */
+static double fmu_rounding(double a, double b)
+{
+    const double first = (a < 0.0) ? -a : a, second = (b < 0.0) ? -b : b;
+    return 4.0 * DBL_EPSILON * ((first > second) ? first : second);
+}
+
+static const char *fmu_set_time(fmu_state *s, double time)
+{
+    if (!fmu_is_finite(time)) {
+        return "the time must be a finite number";
+    }
+    s->time = time;
+    return NULL;
+}
+
+/* From where the last step ended, or from the start: a gap would be time that the equations never see. */
 static const char *fmu_step(fmu_state *s, double from, double step)
 {
-    if (!(step >= 0.0)) {
-        return "the communication step must not be negative";
+    const double to = from + step, gap = (from < s->time) ? s->time - from : from - s->time;
+    if (!(step >= 0.0 && step <= DBL_MAX)) {
+        return "the communication step must be finite and not negative: nothing was done";
     }
-    if (!fmu_advance(s->values, s->memory, from, from + step)) {
+    if (!fmu_is_finite(from) || !fmu_is_finite(to)) {
+        return "a communication step must begin and end at finite times: nothing was done";
+    }
+    if (gap > fmu_rounding(from, s->time) + 1e-9 * step) {
+        return "the communication point is not where the last step ended, or the start time: nothing was done";
+    }
+    if (FMU_INTERNAL_STEP > 0.0 && fmu_rounding(from, to) > 0.5 * FMU_INTERNAL_STEP) {
+        return "times of this size are too coarse to count internal steps: nothing was done; start nearer to 0";
+    }
+    if (!fmu_advance(s->values, s->memory, from, to)) {
         s->mode = FMU_FAILED;
         return "the equations cannot go on";
     }
-    s->time = from + step;
+    s->time = to;
     s->fresh = 0;
     return NULL;
 }

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polydraulic.parameters.schema import Machine
-from polydraulic.plotting.shapes import GROUND, Shapes, linkage_shapes, placed, pose, seen_from_above
+from polydraulic.plotting.drawing import OF_RUN, OPEN, View, motion_of, places, seen, silhouette
+from polydraulic.plotting.drawing import Drawing as Linkage
+from polydraulic.plotting.shapes import excavator_drawing
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure
@@ -39,9 +41,22 @@ def task_picture(lab: Lab) -> Figure:
 
     def draw() -> "Drawing":
         figure, axes = canvas(1, 2, width=9.6, height=3.7)
-        shapes = linkage_shapes(machine)
-        _side(axes[0, 0], shapes, poses)
-        _above(axes[0, 1], shapes, poses)
+        linkage = excavator_drawing(machine)
+        axes[0, 0].axhline(linkage.ground, color="#b8ad9a", linewidth=1.0)
+        _poses(axes[0, 0], linkage, poses, "side", np.array([0.2, 0.0]))
+        _poses(axes[0, 1], linkage, poses, "top", np.array([0.2, 0.15]))
+        for axis, title, across, up in (
+            (
+                axes[0, 0],
+                "(a) in the plane of the boom",
+                "distance from the swing axis [m]",
+                "height above the boom joint [m]",
+            ),
+            (axes[0, 1], "(b) from above", "X [m]", "Y [m]"),
+        ):
+            axis.set_title(title, fontsize="medium")
+            axis.set_xlabel(across)
+            axis.set_ylabel(up)
         for axis, (across, up) in zip(axes[0], (("outward", "height"), ("X", "Y")), strict=True):
             for kind in _KINDS:
                 name = name_of(kind)
@@ -68,39 +83,21 @@ def _in_plane(machine: Machine, run: Table) -> tuple[np.ndarray, np.ndarray]:
     return outward, g.boom_length * np.sin(boom) + g.stick_length * np.sin(both)
 
 
-def _side(axis: "Axes", shapes: Shapes, poses: dict[float, np.ndarray]) -> None:
-    axis.axhline(GROUND, color="#b8ad9a", linewidth=1.0)
-    for outline in (shapes.track, shapes.upper, shapes.cab):
-        _polygon(axis, outline, **_REST)
-    tips = {}
-    for number, (time, (_, boom, stick)) in enumerate(poses.items()):
-        at, opaque = pose(shapes, boom, stick), _opacity(number, len(poses))
-        for outline, origin, angle in ((shapes.boom, at.foot, boom), (shapes.stick, at.joint, boom + stick)):
-            _polygon(axis, placed(outline, origin, angle), alpha=opaque, **_LINK)
-        tips[time] = at.tip
-    _label(axis, tips, np.array([0.2, 0.0]))
-    axis.set_xlim(-3.0, 1.3 + max(tip[0] for tip in tips.values()))
-    axis.set_title("(a) in the plane of the boom", fontsize="medium")
-    axis.set_xlabel("distance from the swing axis [m]")
-    axis.set_ylabel("height above the boom joint [m]")
-
-
-def _above(axis: "Axes", shapes: Shapes, poses: dict[float, np.ndarray]) -> None:
-    for track in shapes.tracks_top:
-        _polygon(axis, track, **_REST)
-    tips = {}
-    for number, (time, (swing, boom, stick)) in enumerate(poses.items()):
-        joint = shapes.a1 + shapes.boom_length * np.cos(boom)
-        tip, opaque = joint + shapes.stick_length * np.cos(boom + stick), _opacity(number, len(poses))
-        for near, far, half_width in ((shapes.a1, joint, 0.2), (joint, tip, 0.14)):
-            outline = placed(seen_from_above(shapes, far, near, half_width), np.zeros(2), swing)
-            _polygon(axis, outline, alpha=opaque, **_LINK)
-        tips[time] = placed([(tip, shapes.d)], np.zeros(2), swing)[0]
-    _label(axis, tips, np.array([0.2, 0.15]))
-    axis.set_xlim(-2.3, 2.0 + max(tip[0] for tip in tips.values()))
-    axis.set_title("(b) from above", fontsize="medium")
-    axis.set_xlabel("X [m]")
-    axis.set_ylabel("Y [m]")
+def _poses(axis: "Axes", linkage: Linkage, poses: dict[float, np.ndarray], view: View, shift: np.ndarray) -> None:
+    """The machine at rest once, boom and stick in every pose, times beside the tips."""
+    motion = motion_of(linkage, np.array([*poses.values()]))
+    for body in linkage.bodies:
+        if view not in body.views or body.fill == OPEN:
+            continue
+        corners = seen(motion, view, places(motion, body.spots))
+        if body.fill != OF_RUN:
+            _polygon(axis, silhouette(corners[0], body.radii), **_REST)
+            continue
+        for number, outline in enumerate(corners):
+            _polygon(axis, silhouette(outline, body.radii), alpha=_opacity(number, len(poses)), **_LINK)
+    tips = dict(zip(poses, seen(motion, view, places(motion, [linkage.tip]))[:, 0], strict=True))
+    _label(axis, tips, shift)
+    axis.set_xlim(-3.0, 1.5 + max(tip[0] for tip in tips.values()))
 
 
 def _label(axis: "Axes", tips: dict[float, np.ndarray], shift: np.ndarray) -> None:

@@ -1,0 +1,204 @@
+"""Cost of n valves in series next to today's two: single circuits, and lanes of 64 with the passes outside of the lane loop.
+
+``python benchmarks/series.py`` prints and asserts nothing. States are random spools of the machine's valves and random port pressures;
+every result is summed. What the certificate refuses is repaired inside of the times; how many that are stands behind them.
+"""
+
+import importlib.util
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic import load_machine
+from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.pump import prepare_pump
+from polydraulic.machine.valve import orifices, prepare_valve
+from polydraulic.thesis.timing import PAIRED, paired_times
+from show import show
+
+BLOCKS, LANES, ROWS = 100, 64, 40  # numbers of lanes side by side in a flat array, rows of a block
+
+HAND = """
+
+@kernel
+def of_all(s):
+    c = s.circuit
+    return s.q_first + s.q_second + s.p_between + c.q_pump + c.q_bypass + c.q_relief + c.p_pump
+
+
+@driver
+def single(rows, pump):
+    total = 0.0
+    for block in range(BLOCKS):
+        part = rows[block * ROWS * LANES:]
+        for lane in range(LANES):
+            total += of_all(series_circuit(VALVES, pump))
+    return total
+
+
+@driver
+def lanes(rows, pump):
+    total = 0.0
+    for block in range(BLOCKS):
+        part = rows[block * ROWS * LANES:]
+        for lane in range(LANES):
+            part[RESULT * LANES + lane] = of_all(series_at(pump.flow, VALVES, pump))
+        for lane in range(LANES):
+            total += part[RESULT * LANES + lane]
+    return total
+"""
+
+GENERATED = """
+
+@kernel
+def of_all(s):
+    c = s.circuit
+    return FLOWS + c.q_pump + c.q_bypass + c.q_relief + c.p_pump
+
+
+@kernel
+def put(part, lane, x):
+PUT
+
+
+@driver
+def single(rows, pump):
+    total = 0.0
+    for block in range(BLOCKS):
+        part = rows[block * ROWS * LANES:]
+        for lane in range(LANES):
+            total += of_all(series_N(VALVES, pump))
+    return total
+
+
+@driver
+def repaired(rows, pump):
+    count = 0
+    for block in range(BLOCKS):
+        part = rows[block * ROWS * LANES:]
+        for lane in range(LANES):
+            count += series_N(VALVES, pump).status
+    return count
+
+
+@kernel
+def lanes_alone(part, pump):
+    for lane in range(LANES):
+        put(part, lane, series_N_begin(VALVES, pump))
+    for _ in range(PASSES):
+        for lane in range(LANES):
+            put(part, lane, series_N_pass(PassedN(GET), VALVES, pump))
+    for lane in range(LANES):
+        s = series_N_end(PassedN(GET), VALVES, pump)
+        part[STATUS * LANES + lane] = s.status
+        part[RESULT * LANES + lane] = of_all(s)
+
+
+@driver
+def unrepaired(rows, pump):
+    for block in range(BLOCKS):
+        lanes_alone(rows[block * ROWS * LANES:], pump)
+
+
+@driver
+def lanes(rows, pump):
+    total = 0.0
+    for block in range(BLOCKS):
+        part = rows[block * ROWS * LANES:]
+        lanes_alone(part, pump)
+        for lane in range(LANES):
+            if part[STATUS * LANES + lane] != 0.0:
+                part[RESULT * LANES + lane] = of_all(series_N_repair(VALVES, pump))
+            total += part[RESULT * LANES + lane]
+    return total
+"""
+
+
+def circuit(name, n, text, folder):
+    """Loops over n valves; a block's rows are conductances and port pressures, what passes leave, status and result."""
+    valves = [f"Orifices(part[{2 * j} * LANES + lane], part[{2 * j + 1} * LANES + lane], 0.0)" for j in range(n)]
+    valves += [f"part[{2 * n + j} * LANES + lane]" for j in range(n)]
+    fields = ["q_pump", "y", "dy", *(f"{letter}_{j}" for letter in ("w", "dw") for j in range(1, n))]
+    flows = [*(f"s.q_in_{j}" for j in range(1, n + 1)), *(f"s.p_between_{j}" for j in range(1, n))]
+    places = {field: f"part[{3 * n + i} * LANES + lane]" for i, field in enumerate(fields)}
+    words = {
+        "VALVES": ", ".join(valves),
+        "FLOWS": " + ".join(flows),
+        "PUT": "\n".join(f"    {place} = x.{field}" for field, place in places.items()),
+        "GET": ", ".join(places.values()),
+        "BLOCKS": str(BLOCKS),
+        "ROWS": str(ROWS),
+        "STATUS": str(ROWS - 2),
+        "RESULT": str(ROWS - 1),
+        "LANES": str(LANES),
+    }
+    for word, meant in words.items():
+        text = re.sub(rf"\b{word}\b", meant, text)
+    text = re.sub(r"(?<=series_)N\b|(?<=series_)N(?=_)|(?<=Passed)N\b", str(n), text)
+    imports = [
+        *SERIES_IMPORTS,
+        "from polydraulic._kernel import driver",
+        "from polydraulic.machine.pump import series_at, series_circuit",
+        "from polydraulic.machine.valve import Orifices",
+    ]
+    path = Path(folder) / f"benchmark_{name}.py"
+    path.write_text("\n".join(imports) + "\n\n\n" + series_text(n) + text)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def random_states(machine, n, rng):
+    """Blocks of lanes with random valves and port pressures."""
+    links, knots = (machine.swing, machine.stick, machine.boom), machine.spool.knots
+    rows = np.zeros((BLOCKS, ROWS, LANES))
+    for j in range(n):
+        table = prepare_valve(links[j % 3].valve, machine.spool)
+        spools = rng.uniform(0.0, knots[-1], (BLOCKS, LANES))
+        found = np.array([[orifices(x, table)[:2] for x in block] for block in spools])
+        rows[:, 2 * j], rows[:, 2 * j + 1] = found[:, :, 0], found[:, :, 1]
+    rows[:, 2 * n : 3 * n] = rng.uniform(0.0, machine.pumps.relief, (BLOCKS, n, LANES))
+    return rows.ravel()
+
+
+def packed(function):
+    """Divisions and roots of a compiled loop that take several lanes at once, and those that take one."""
+    text = function.inspect_asm(function.signatures[0])
+    single = len(re.findall(r"\tv?(?:div|sqrt)sd\t", text))
+    wide = len(re.findall(r"\tv(?:div|sqrt)pd\t[^\n]*%[yz]mm", text))
+    return f"{wide} packed, {single} single divisions and roots without repair"
+
+
+def main():
+    machine, rng, per = load_machine("cat215b"), np.random.default_rng(0), BLOCKS * LANES
+    by_hand, numbers = "2 valves, by hand", (2, 3, 4, 6)
+    names = {n: f"{n} valves" for n in numbers}
+    with tempfile.TemporaryDirectory() as folder:
+        hand = circuit("hand", 2, HAND, folder)
+        made = {n: circuit(f"series_{n}", n, GENERATED, folder) for n in numbers}
+        states = {n: random_states(machine, n, rng) for n in numbers}
+        for limited in (False, True):
+            pumps = machine.pumps._replace(torque_limit_enabled=limited)
+            pump = prepare_pump(machine._replace(pumps=pumps), pumps.series_flow)
+            calls = {by_hand: lambda pump=pump: hand.single(states[2], pump)}
+            calls |= {names[n]: lambda n=n, pump=pump: made[n].single(states[n], pump) for n in numbers}
+            notes = {names[n]: f"{made[n].repaired(states[n], pump)} of {per} repaired" for n in numbers}
+            title = f"single circuits{', torque limit' if limited else ''}: {PAIRED}"
+            show(title, paired_times(calls), "ns", per=per, notes=notes)
+        pump = prepare_pump(machine, machine.pumps.series_flow)
+        calls = {by_hand: lambda: hand.lanes(states[2], pump)}
+        calls |= {names[n]: lambda n=n: made[n].lanes(states[n], pump) for n in numbers}
+        for n in numbers:
+            made[n].unrepaired(states[n], pump)
+        times = paired_times(calls)
+        notes = {names[n]: packed(made[n].unrepaired) for n in numbers}
+        show(f"lanes of {LANES}: {PAIRED}", times, "ns", per=per, notes=notes)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+"""Numbers of a machine that a step reads as they are, so that an importer may change them."""
+
+from collections.abc import Collection, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.export.excavator import prepared
+from polydraulic.export.layout import layout_parts
+from polydraulic.flow.dispatch import build_flow
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.values import leaves_of
+
+
+class MachineParameter(NamedTuple):
+    """A number of a machine that a step reads as it is.
+
+    Attributes
+    ----------
+    name : str
+        Its path in the machine, such as ``boom.line.relief``.
+    value : float
+    quantity : Quantity
+    places : list of tuple of str
+        Its paths in `Prepared`.
+    """
+
+    name: str
+    value: float
+    quantity: Quantity
+    places: list[tuple[str, ...]]
+
+
+def direct_parameters(
+    machine: Machine | LayoutMachine, flow: str, *, dt: float = 5e-3, locked: Collection[str] = ()
+) -> list[MachineParameter]:
+    """Parameters that a step reads as they are; the others enter precomputed numbers, and stay as exported.
+
+    Found by trying: a parameter is direct if all numbers that change with it are equal to it before and after, and the
+    flow model takes other values of it.
+
+    Parameters
+    ----------
+    machine : Machine or LayoutMachine
+    flow : str
+    dt : float, s
+    locked : collection of str
+    """
+    if isinstance(machine, LayoutMachine):
+        return _of_layout(machine, dt, locked)
+    quantities = {
+        tuple(path.split(".")): leaf.quantity
+        for path, leaf in leaves_of(Machine).items()
+        if leaf.quantity is not None and not leaf.size
+    }
+    base = prepared(machine, flow, dt=dt, locked=locked)
+    before, found = dict(_leaves(base)), []
+
+    def after(changed: Machine, rebuild: bool) -> dict[tuple[str, ...], Any]:
+        """Numbers of a changed machine; none if the flow model refuses it, being made for the values as they are."""
+        try:
+            model = build_flow(flow, changed) if rebuild else base.model
+        except InputError:
+            return {}
+        return dict(_leaves(prepared(changed, model, dt=dt, locked=locked)))
+
+    def differing(numbers: dict[tuple[str, ...], Any]) -> list[tuple[str, ...]]:
+        return [place for place, number in numbers.items() if not np.array_equal(before[place], number)]
+
+    in_model = set()  # parts of the machine that the flow model reads; it is slow to build
+    for part in Machine._fields:
+        changed = machine
+        for path in quantities:
+            changed = _replaced(changed, path, _other(_at(machine, path))) if path[0] == part else changed
+        numbers = after(changed, True)
+        if not numbers or any(place[0] == "model" for place in differing(numbers)):
+            in_model.add(part)
+    for path, quantity in quantities.items():
+        if path[-1].startswith("torque_limit"):  # without a limit they do nothing, with one they enter `log_least` too
+            continue
+        value = _at(machine, path)
+        numbers = after(_replaced(machine, path, _other(value)), path[0] in in_model)
+        places = differing(numbers)
+        if places and all(before[place] == value and numbers[place] == _other(value) for place in places):
+            found.append(MachineParameter(".".join(path), value, quantity, places))
+    return found
+
+
+def _of_layout(machine: LayoutMachine, dt: float, locked: Collection[str]) -> list[MachineParameter]:
+    """The same of a machine of any layout, whose flow model follows from it at once."""
+    before = dict(_leaves(_numbers(machine, dt, locked)))
+    found = []
+    for path, quantity in _quantities(machine):
+        if path[-1].startswith("torque_limit"):
+            continue
+        value = _at(machine, path)
+        after = dict(_leaves(_numbers(_replaced(machine, path, _other(value)), dt, locked)))
+        places = [place for place, number in after.items() if before[place] != number]
+        if places and all(before[place] == value and after[place] == _other(value) for place in places):
+            found.append(MachineParameter(".".join(path), value, quantity, places))
+    return found
+
+
+def _numbers(machine: LayoutMachine, dt: float, locked: Collection[str]) -> Any:
+    return layout_parts(machine, "exact", dt=dt, locked=locked).numbers
+
+
+def _quantities(machine: LayoutMachine) -> Iterator[tuple[tuple[str, ...], Quantity]]:
+    """Paths and quantities of the single numbers of a machine's parts."""
+    parts: list[tuple[tuple[str, ...], Any]] = [(("tank",), machine.tank)]
+    for f in machine.functions:
+        of = {"pilot": f.pilot, "line": f.line, "friction": f.friction, "stops": f.stops, "initial": f.initial}
+        parts += [(("functions", f.name, key), part) for key, part in of.items()]
+    parts += [(("circuits", c.name, "pump"), c.pump) for c in machine.circuits]
+    for where, part in parts:
+        for path, leaf in leaves_of(part.__class__).items():
+            if leaf.quantity is not None and not leaf.size:
+                yield (*where, path), leaf.quantity
+
+
+def _other(value: float) -> float:
+    return value * 1.001 if value else 1e-3
+
+
+def _at(tree: Any, path: tuple[str, ...]) -> float:
+    for name in path:
+        tree = _part(tree, name)
+    return float(tree)
+
+
+def _part(tree: Any, name: str) -> Any:
+    """A field of a named tuple, or the member of that name of a plain one."""
+    return getattr(tree, name) if hasattr(tree, "_fields") else next(part for part in tree if part.name == name)
+
+
+def _replaced(tree: Any, path: tuple[str, ...], value: float) -> Any:
+    new = value if len(path) == 1 else _replaced(_part(tree, path[0]), path[1:], value)
+    if hasattr(tree, "_fields"):
+        return tree._replace(**{path[0]: new})
+    return tuple(new if part.name == path[0] else part for part in tree)
+
+
+def _leaves(tree: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    if isinstance(tree, tuple):
+        for name, part in zip(tree._fields, tree, strict=True):  # type: ignore[attr-defined]
+            yield from _leaves(part, (*path, name))
+    else:
+        yield path, tree

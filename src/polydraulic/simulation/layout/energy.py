@@ -1,0 +1,72 @@
+"""The energy account of a run, as columns: from the pumps through valves, lines and joints to motion, height and heat.
+
+Pump power = relief + throttling + what enters the actuators' lines, per circuit; of each function what oil does at the joint and what friction
+takes. The change of kinetic and potential energy is what oil does less friction, and what end stops take at once; it closes to
+the order of the step.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.columns import Columns
+
+
+class EnergyColumn(NamedTuple):
+    """Name, unit and values of a column."""
+
+    name: str
+    unit: str
+    values: np.ndarray
+
+
+def energy_columns(
+    machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, columns: Columns, forces: np.ndarray
+) -> Iterator[EnergyColumn]:
+    """Columns of the account.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    module, plant
+        As prepared for the run.
+    rows : (n_row, n_column) array
+        Recorded.
+    columns : Columns
+        What stands where in them.
+    forces : (n_row, 3) array, N
+        At the tip.
+
+    Yields
+    ------
+    EnergyColumn
+        ``CIRCUIT.pump_power``, ``.relief_power``, ``.throttling_power`` (over inlets and bypasses), ``FUNCTION.outlet_power`` (over the
+        outlet), ``.joint_power`` (of oil at the joint), ``.friction_power``, ``tip.push_power`` (of the force), all in W; ``energy.kinetic``, ``energy.potential`` in J.
+    """
+
+    def of(key: str) -> np.ndarray:
+        return rows[:, columns.place[key]]
+
+    p_return = machine.tank.return_pressure
+    for c in machine.circuits:
+        pump, relief = (of(f"{c.name}.p_pump") * of(f"{c.name}.{q}") for q in ("q_pump", "q_relief"))
+        passed_on = sum(of(f"{f}.q_in") * _fed(of, f) for f in c.functions) + of(f"{c.name}.q_bypass") * p_return
+        yield EnergyColumn(f"{c.name}.pump_power", "W", pump)
+        yield EnergyColumn(f"{c.name}.relief_power", "W", relief)
+        yield EnergyColumn(f"{c.name}.throttling_power", "W", pump - relief - passed_on)
+    found = np.empty((len(rows), 2 * len(machine.names) + 3))
+    module.account(plant, np.ascontiguousarray(rows), forces, found)
+    for place, f in enumerate(machine.names):
+        drained = np.where(of(f"{f}.spool") >= 0.0, of(f"{f}.p_b"), of(f"{f}.p_a"))
+        yield EnergyColumn(f"{f}.outlet_power", "W", of(f"{f}.q_out") * (drained - p_return))
+        yield EnergyColumn(f"{f}.joint_power", "W", found[:, 2 * place])
+        yield EnergyColumn(f"{f}.friction_power", "W", found[:, 2 * place + 1])
+    yield EnergyColumn("tip.push_power", "W", found[:, -1])
+    yield EnergyColumn("energy.kinetic", "J", found[:, -3])
+    yield EnergyColumn("energy.potential", "J", found[:, -2])
+
+
+def _fed(of: Any, function: str) -> np.ndarray:
+    return np.where(of(f"{function}.spool") >= 0.0, of(f"{function}.p_a"), of(f"{function}.p_b"))
