@@ -104,11 +104,9 @@ def load_scenario(source: str | Path, functions: Sequence[str] | None = None) ->
             raise InputError(f"{path}: {key} = {briefly(data[key])}: must be a string")
     own = _functions_of(_machine_of(data, path))
     functions = functions or own
-    if (
-        isinstance(data["voltage"], dict)
-        and set(data["voltage"]) <= set(own)
-        and not set(data["voltage"]) <= set(functions)
-    ):
+    moved = set(data["voltage"]) if isinstance(data["voltage"], dict) else set()
+    says = "machine" in data or path.parent == _SCENARIOS
+    if says and moved <= set(own) and not moved <= set(functions):
         raise InputError(
             f"{path}: is for the machine {_machine_of(data, path)!r}, which is moved by {', '.join(own)}; "
             f"this one is moved by {', '.join(functions)}"
