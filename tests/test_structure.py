@@ -129,7 +129,8 @@ def defined(kind):
     found = defaultdict(list)
     for name in MODULES:
         for node in ast.parse((SRC / name).read_text(encoding="utf-8")).body:
-            if isinstance(node, kind) and not node.name.startswith("_"):
+            overload = any(ast.unparse(d) == "overload" for d in getattr(node, "decorator_list", ()))
+            if isinstance(node, kind) and not node.name.startswith("_") and not overload:
                 found[node.name].append(name)
     return found
 

@@ -3,6 +3,7 @@ from .flow.dispatch import build_flow
 from .networks.growth.regressor import AbductiveRegressor
 from .networks.model.model_file import load_models, save_models
 from .networks.regions.region_regressor import RegionRegressor
+from .parameters.layout.schema import LayoutMachine
 from .parameters.load import load_machine
 from .parameters.scenario import Scenario, load_scenario, random_operator
 from .parameters.schema import Machine
@@ -20,6 +21,7 @@ __all__ = [
     "Batch",
     "Difference",
     "InputError",
+    "LayoutMachine",
     "Machine",
     "Progress",
     "RegionRegressor",

@@ -73,7 +73,7 @@ def test_a_scenario_for_another_machine_says_so():
     with pytest.raises(
         InputError, match="is for the machine 'wheel_loader', which is moved by lift, tilt; this one is moved by swing"
     ):
-        load_scenario("wheel_loader_cycle", ("swing", "boom", "stick"))
+        load_scenario("wheel_loader_cycle", functions=("swing", "boom", "stick"))
 
 
 @pytest.mark.parametrize(

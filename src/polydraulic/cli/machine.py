@@ -105,7 +105,7 @@ def simulate(
     if plot is not None:
         picture_ending(plot)
     plant = load_machine(machine or scenario_machine(scenario))
-    what = load_scenario(scenario, function_names(plant))
+    what = load_scenario(scenario, functions=function_names(plant))
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
@@ -187,7 +187,7 @@ def animate(
 
     animation_ending(out)
     plant = load_machine(machine or scenario_machine(scenario))
-    what = load_scenario(scenario, function_names(plant))
+    what = load_scenario(scenario, functions=function_names(plant))
     flows = list(dict.fromkeys(flow or ["exact"]))
     runs = {}
     with progress_bar("animate") as progress:

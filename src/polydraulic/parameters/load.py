@@ -1,7 +1,7 @@
 """Parameter sets: by name or path, of whatever layout."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.conditions import broken_conditions
@@ -22,6 +22,14 @@ class Entry(NamedTuple):
     source: str
 
 
+@overload
+def load_machine(source: Literal["cat215b"]) -> Machine: ...
+@overload
+def load_machine(
+    source: Literal["cat215b_bucket", "excavator_22t", "loader_crane", "wheel_loader"],
+) -> LayoutMachine: ...
+@overload
+def load_machine(source: str | Path) -> Machine | LayoutMachine: ...
 def load_machine(source: str | Path) -> Machine | LayoutMachine:
     """Load a parameter set.
 

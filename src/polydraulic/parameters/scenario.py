@@ -75,7 +75,7 @@ class Scenario:
         return np.column_stack([self.voltage.get(name, Constant())(t) for name in functions])
 
 
-def load_scenario(source: str | Path, functions: Sequence[str] | None = None) -> Scenario:
+def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None) -> Scenario:
     """Load a scenario.
 
     Parameters
@@ -133,7 +133,7 @@ def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINK
         As `load_scenario`, or if a scenario that is given moves, locks or changes what the machine does not have.
     """
     if not isinstance(scenario, Scenario):
-        return load_scenario(scenario, functions)
+        return load_scenario(scenario, functions=functions)
     unknown = [name for name in (*scenario.voltage, *scenario.locked, *scenario.changes) if name not in functions]
     if unknown:
         raise InputError(

@@ -26,7 +26,7 @@ def crane(tmp_path):
 def scenario(folder, crane, text=SCENARIO):
     path = folder / "lift.toml"
     path.write_text(text, encoding="utf-8")
-    return load_scenario(path, crane.names)
+    return load_scenario(path, functions=crane.names)
 
 
 def test_pilots_and_initial_states_of_functions_are_changed(tmp_path, crane):

@@ -24,6 +24,7 @@ from polydraulic.flow.record import (
     P_B,
     SPOOL,
 )
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
@@ -97,7 +98,7 @@ class Batch:
 
 
 def simulate_batch(
-    machines: Machine | str | Path | Sequence[Machine | str | Path],
+    machines: Machine | LayoutMachine | str | Path | Sequence[Machine | LayoutMachine | str | Path],
     flow: str | FlowModel,
     inputs: Scenario | str | Path | Sequence[Scenario | str | Path] | np.ndarray,
     *,
@@ -117,17 +118,18 @@ def simulate_batch(
 
     Parameters
     ----------
-    machines : Machine, or name or path of a parameter set, or sequence of these
+    machines : Machine or LayoutMachine, or name or path of a parameter set, or sequence of these
+        All of one layout.
     flow : str or flow model
         A name builds the model of each machine; a model serves all of them.
     inputs : Scenario, or name or path of one, or sequence of these, or array
-        An array of shape (n_step, 3) or (n_machine, n_step, 3) holds the voltages at the pilots, after any dead time, each
+        An array of shape (n_step, n_function) or (n_machine, n_step, n_function) holds the voltages at the pilots, after any dead time, each
         constant over a step. Machines, inputs and initial states may each be one for all, or one for each.
     dt : float, s
     t_end : float, s, optional
         Instead of the duration of the scenarios, which otherwise must be equal, or of the whole array.
-    x0 : (15,) or (n_machine, 15) array, optional
-        States at the start, in the order of `State`; by default those of scenarios and machines.
+    x0 : (5 n_function,) or (n_machine, 5 n_function) array, optional
+        States at the start: spools, pressures at A and B, positions and rates of all functions; by default those of scenarios and machines.
     keep : collection of str
         Of ``"rows"`` (recorded every `every` steps) and ``"range"`` (lowest and highest value over all steps). Final
         values are always kept.
