@@ -116,18 +116,18 @@ def record(
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
-    from polydraulic.parameters.load import as_excavator
+    from polydraulic.parameters.load import function_names, load_machine
     from polydraulic.parameters.scenario import load_scenario
 
     if example:
         if scenario or sensors is not None:
             raise InputError("--example writes sensors; scenarios and --sensors go with a recording")
         if out is None:
-            print(example_sensors(), end="")
+            print(example_sensors(machine=machine), end="")
         else:
             if out.suffix.lower() != ".toml":
                 raise InputError(f"{out}: sensors are a .toml file")
-            write_text(out, example_sensors())
+            write_text(out, example_sensors(machine=machine))
             print(f"{out}: sensors to begin with; change them as you like")
         return
     if not scenario or sensors is None or out is None:
@@ -135,8 +135,8 @@ def record(
             "a recording needs a scenario, --sensors SENSORS.toml and --out LOG; --example writes sensors to begin with"
         )
     log_ending(out)
-    bench, plant = load_sensors(sensors), as_excavator(machine)
-    what = [load_scenario(name) for name in scenario]
+    bench, plant = load_sensors(sensors), load_machine(machine)
+    what = [load_scenario(name, functions=function_names(plant)) for name in scenario]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))
         n = write_log(plant, what, bench, out, dt=dt, progress=progress)

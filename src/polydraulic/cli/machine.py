@@ -63,6 +63,12 @@ def simulate(
             autocompletion=lambda: ["semi-implicit", "rk4", "rosenbrock", "reference"],
         ),
     ] = "semi-implicit",
+    energy: Annotated[
+        bool,
+        typer.Option(
+            "--energy", help="Add the energy account as columns: powers of pumps, losses, joints, friction; energies."
+        ),
+    ] = False,
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
 ) -> None:
@@ -91,6 +97,7 @@ def simulate(
     from polydraulic.parameters.scenario import load_scenario, scenario_machine
     from polydraulic.parameters.schema import Machine
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
+    from polydraulic.simulation.layout.runs import check_flow
     from polydraulic.simulation.runs import simulate as run
     from polydraulic.simulation.summary import run_summary
     from polydraulic.simulation.trajectory import compare
@@ -106,6 +113,8 @@ def simulate(
         picture_ending(plot)
     plant = load_machine(machine or scenario_machine(scenario))
     what = load_scenario(scenario, functions=function_names(plant))
+    if not isinstance(plant, Machine):
+        check_flow(flow)
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
@@ -125,10 +134,11 @@ def simulate(
                 t_end=min(dt if raster is None else raster, what.duration),
                 raster=raster,
                 method=method,
+                energy=energy,
             )
             progress(name, 2 * number + 2, pieces)
             begun = time.perf_counter()
-            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method)
+            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method, energy=energy)
             seconds = time.perf_counter() - begun
         if out is not None:
             progress(f"write {out}", pieces - 2, pieces)

@@ -9,7 +9,8 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.measure.bench.sensors import Bench, Reading
 from polydraulic.measure.log_units import need
-from polydraulic.parameters.load import as_excavator
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine, function_names
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
@@ -21,7 +22,7 @@ Samples = dict[str, tuple[np.ndarray, np.ndarray]]  # by sensor: times, values
 
 
 def record(
-    machine: Machine | str | Path,
+    machine: Machine | LayoutMachine | str | Path,
     scenarios: Sequence[Scenario | str | Path],
     bench: Bench,
     out: str | Path,
@@ -33,7 +34,7 @@ def record(
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : Machine or LayoutMachine, or name or path of a parameter set
     scenarios : sequence of Scenario, or names or paths of some
         One after the other, with a pause in which nothing is recorded.
     bench : Bench
@@ -59,7 +60,8 @@ def record(
     ending = log_ending(out)
     if not scenarios:
         raise InputError("there is no scenario to record; give at least one")
-    machine, runs = as_excavator(machine), [as_scenario(scenario) for scenario in scenarios]
+    machine = as_machine(machine)
+    runs = [as_scenario(scenario, function_names(machine)) for scenario in scenarios]
     rngs = [np.random.default_rng([bench.seed, n]) for n in range(len(bench.sensors))]
     readings = [Reading(sensor, rng) for sensor, rng in zip(bench.sensors, rngs, strict=True)]
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {sensor.name: [] for sensor in bench.sensors}

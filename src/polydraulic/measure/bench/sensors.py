@@ -13,6 +13,9 @@ from polydraulic.measure.channels import FARTHEST, duration, low_and_high, text
 from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.keys import check_keys
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine, function_names
+from polydraulic.parameters.schema import Machine
 from polydraulic.tables import Table
 
 _FILE = {"seed", "pause", "sensor"}
@@ -81,9 +84,32 @@ class Bench:
     pause: float = 5.0
 
 
-def example_sensors() -> str:
-    """Text of a file of sensors to begin with: all that machines are learnt from and run against, with every key explained."""
-    return (files("polydraulic.measure.bench") / "example_sensors.toml").read_text(encoding="utf-8")
+def example_sensors(*, machine: Machine | LayoutMachine | str | Path = "cat215b") -> str:
+    """Text of a file of sensors to begin with: all that machines are learnt from and run against, with every key explained.
+
+    Parameters
+    ----------
+    machine : Machine or LayoutMachine, or name or path of one
+        Whose functions are measured.
+    """
+    text = (files("polydraulic.measure.bench") / "example_sensors.toml").read_text(encoding="utf-8")
+    head, first, rest = text.partition("[[sensor]]")
+    pattern, found = (first + rest).rstrip(), as_machine(machine)
+    slides = (
+        {f.name for f in found.functions if found.link(f.moves).joint == "prismatic"}
+        if isinstance(found, LayoutMachine)
+        else set()
+    )
+    blocks = []
+    for name in function_names(found):
+        block = pattern.replace("FUNCTION", name)
+        if name in slides:
+            block = block.replace(
+                f'"{name}.angle"\nunit = "deg"\nraster = "20 ms"\nnoise = 0.03',
+                f'"{name}.position"\nunit = "mm"\nraster = "20 ms"\nnoise = 1.0',
+            )
+        blocks.append(block)
+    return head + "\n\n".join(blocks) + "\n"
 
 
 def load_sensors(path: str | Path) -> Bench:
