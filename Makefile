@@ -36,6 +36,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py flows
 	$(BIN)/python benchmarks/keep.py exports
 	$(BIN)/python benchmarks/keep.py series
+	$(BIN)/python benchmarks/keep.py layouts
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
 
