@@ -11,7 +11,7 @@ import pytest
 
 from helpers.mechanical_energy import joint_columns, joint_power, mechanical_energy
 from polydraulic import load_machine, random_operator, simulate, simulate_batch
-from polydraulic.export import export_machine
+from polydraulic.export import export_machine, export_machine_fmu
 from polydraulic.export.machine import machine_parts
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.layout.usual import unusual
@@ -155,6 +155,26 @@ def test_exported_c_has_the_bits_of_a_run(plant, tmp_path):
         assert library.shipped_step(memory, (ctypes.c_double * len(volts))(*volts)) == 0
         found = dict(zip(names, memory, strict=False))
         assert all(found[name] == run[name][k + 1] for name in compared), k
+
+
+@pytest.mark.slow
+def test_an_fmu_runs_as_the_machine_does(plant, tmp_path):
+    fmpy = pytest.importorskip("fmpy")
+    operator = random_operator(1, SECONDS, functions=plant.names)
+    run, path = simulate(plant, "exact", operator), tmp_path / "shipped.fmu"
+    export_machine_fmu(plant, "exact", path, version=3, name="shipped")
+    t = run["time"][:-1]
+    columns = {"time": t} | {
+        f"{f}.voltage": v for f, v in zip(plant.names, operator.voltages(t, plant.names).T, strict=True)
+    }
+    signals = np.array(list(zip(*columns.values(), strict=True)), dtype=[(name, np.float64) for name in columns])
+    outputs = [name for name in run.names if name.endswith((".angle", ".position", ".p_a", ".p_pump"))]
+    found = fmpy.simulate_fmu(
+        str(path), input=signals, output=outputs, output_interval=5e-3, step_size=5e-3, stop_time=SECONDS / 2
+    )
+    assert len(found) == 201
+    for name in outputs:
+        assert np.allclose(found[name], run[name][:201], rtol=1e-9, atol=1e-9), name
 
 
 PLAIN = """
