@@ -1,5 +1,6 @@
 """Every machine that comes with the package and is described by links, functions and circuits: one body of tests for all of them."""
 
+import ctypes
 import os
 import subprocess
 import sys
@@ -10,11 +11,14 @@ import pytest
 
 from helpers.mechanical_energy import joint_columns, joint_power, mechanical_energy
 from polydraulic import load_machine, random_operator, simulate, simulate_batch
+from polydraulic.export import export_machine, export_machine_fmu
+from polydraulic.export.machine import machine_parts
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.layout.usual import unusual
 from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import Scenario, scenario_names
 from polydraulic.parameters.signals import Constant
+from polydraulic.simulation.layout.runs import step_inputs
 
 LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
 QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
@@ -122,6 +126,55 @@ def test_energy_is_what_oil_has_worked_less_friction_to_the_order_of_the_integra
     assert scale > 1e3
     assert gaps[0] < 0.02 * scale
     assert 0.4 * gaps[0] < gaps[1] < 0.6 * gaps[0]
+
+
+def test_the_account_of_energy_is_that_of_the_columns(plant):
+    run = simulate(plant, "exact", f"random:1:{SECONDS}", energy=True)
+    stored, own = run["energy.kinetic"] + run["energy.potential"], mechanical_energy(plant, run)
+    assert np.allclose(stored - stored[0], own - own[0], rtol=0.0, atol=1e-9 * (np.abs(own).max() + np.ptp(own)))
+    power = sum(run[f"{f}.joint_power"] - run[f"{f}.friction_power"] for f in plant.names)
+    assert np.allclose(power, joint_power(plant, run), rtol=0.0, atol=1e-9 * np.abs(power).max())
+
+
+@pytest.mark.slow
+def test_exported_c_has_the_bits_of_a_run(plant, tmp_path):
+    operator = random_operator(1, SECONDS, functions=plant.names)
+    run = simulate(plant, "exact", operator)
+    export_machine(plant, "exact", tmp_path, name="shipped")
+    sources = [str(tmp_path / f"shipped{part}.c") for part in ("", "_kernels", "_parameters")]
+    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared"]
+    subprocess.run(["gcc", *flags, *sources, "-o", tmp_path / "shipped.so", "-lm"], check=True)
+    library, parts = ctypes.CDLL(str(tmp_path / "shipped.so")), machine_parts(plant, "exact")
+    memory = (ctypes.c_double * parts.size)()
+    assert library.shipped_init(memory) == 0
+    names = [name for name, _ in parts.outputs]
+    compared = [name for name in run.names if name in names and not name.startswith("effector")]
+    assert len(compared) >= 7 * len(plant.names)
+    inputs = step_inputs(plant, operator, np.arange(len(run["time"]) - 1) * 5e-3)
+    for k, volts in enumerate(inputs):
+        assert library.shipped_step(memory, (ctypes.c_double * len(volts))(*volts)) == 0
+        found = dict(zip(names, memory, strict=False))
+        assert all(found[name] == run[name][k + 1] for name in compared), k
+
+
+@pytest.mark.slow
+def test_an_fmu_runs_as_the_machine_does(plant, tmp_path):
+    fmpy = pytest.importorskip("fmpy")
+    operator = random_operator(1, SECONDS, functions=plant.names)
+    run, path = simulate(plant, "exact", operator), tmp_path / "shipped.fmu"
+    export_machine_fmu(plant, "exact", path, version=3, name="shipped")
+    t = run["time"][:-1]
+    columns = {"time": t} | {
+        f"{f}.voltage": v for f, v in zip(plant.names, operator.voltages(t, plant.names).T, strict=True)
+    }
+    signals = np.array(list(zip(*columns.values(), strict=True)), dtype=[(name, np.float64) for name in columns])
+    outputs = [name for name in run.names if name.endswith((".angle", ".position", ".p_a", ".p_pump"))]
+    found = fmpy.simulate_fmu(
+        str(path), input=signals, output=outputs, output_interval=5e-3, step_size=5e-3, stop_time=SECONDS / 2
+    )
+    assert len(found) == 201
+    for name in outputs:
+        assert np.allclose(found[name], run[name][:201], rtol=1e-9, atol=1e-9), name
 
 
 PLAIN = """
