@@ -149,7 +149,9 @@ def machine_c(
     """
     machine = as_machine(machine)
     if c_name(name) != name:
-        raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken")
+        raise InputError(
+            f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken"
+        )
     parts = prepared(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
     kind = flow_name(parts.model)
     memory, row = np.zeros(FLOW_KINDS[kind].n_memory(parts.model)), np.zeros(len(outputs()))
