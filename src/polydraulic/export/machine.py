@@ -77,10 +77,13 @@ def machine_c(
     Raises
     ------
     InputError
-        If the flow model does not serve a function that is free, or its tables are too large for a C file; if `name` is no C identifier; with file and line where a kernel does not translate.
+        If the flow model does not serve a function that is free, or its tables are too large for a C file; if `name` is no C
+        identifier; with file and line where a kernel does not translate.
     """
     if c_name(name) != name:
-        raise InputError(f"name = {name!r}: must be a C identifier that is free, for example {c_name(name)!r}")
+        raise InputError(
+            f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken"
+        )
     return c_files(
         machine_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers), name, dt, locked
     )
