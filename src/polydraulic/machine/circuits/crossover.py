@@ -10,7 +10,7 @@ neighbouring numbers leave more, flows are shared between their answers.
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, UNPROVED
+from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, UNPROVED, delivers
 from polydraulic.machine.pump import Circuit, Pump, Single, delivered, series_circuit, single_circuit
 from polydraulic.machine.valve import Orifices, orifice_flow
 
@@ -90,23 +90,31 @@ def _circuit_between(a: Circuit, b: Circuit, share: float) -> Circuit:
 
 
 @kernel
-def _shared(a: _Tried, b: _Tried, flow: float) -> Crossed:
+def _status(off: float, giving: Circuit, taking: Circuit, gives: Pump, takes: Pump) -> int:
+    """Flows are proved if little is left over, and both pumps deliver theirs."""
+    certain = off <= CERTAIN * (gives.flow + takes.flow)
+    return PROVED if certain and delivers(giving, gives) and delivers(taking, takes) else UNPROVED
+
+
+@kernel
+def _shared(a: _Tried, b: _Tried, gives: Pump, takes: Pump) -> Crossed:
     """Flows between those of two neighbouring pressures, so that nothing is left over."""
     share = min(max(a.surplus / (a.surplus - b.surplus), 0.0), 1.0) if a.surplus > b.surplus else 0.0
     spread = abs(b.q_cross - a.q_cross) + abs(b.q_giving - a.q_giving)
     spread = spread + abs(b.first.q_in - a.first.q_in) + abs(b.q_second - a.q_second)
     taking_a = Circuit(a.first.circuit.q_pump, a.q_tank, a.first.circuit.q_relief, a.first.circuit.p_pump, 0.0)
     taking_b = Circuit(b.first.circuit.q_pump, b.q_tank, b.first.circuit.q_relief, b.first.circuit.p_pump, 0.0)
-    least = min(abs(a.surplus), abs(b.surplus))
+    off = min(spread, abs(a.surplus), abs(b.surplus))
+    giving, taking = _circuit_between(a.giving, b.giving, share), _circuit_between(taking_a, taking_b, share)
     return Crossed(
         _between(a.q_giving, b.q_giving, share),
         _between(a.q_cross, b.q_cross, share),
         _between(a.first.q_in, b.first.q_in, share),
         _between(a.q_second, b.q_second, share),
         _between(a.p, b.p, share),
-        _circuit_between(a.giving, b.giving, share),
-        _circuit_between(taking_a, taking_b, share),
-        PROVED if min(spread, least) <= CERTAIN * flow else UNPROVED,
+        giving,
+        taking,
+        _status(off, giving, taking, gives, takes),
     )
 
 
@@ -141,7 +149,8 @@ def crossover(
     arrives = t.q_second + t.circuit.q_bypass > 0.0
     before = max(t.p_between, lowest) if arrives else lowest
     if cross <= 0.0 or g.circuit.p_pump <= before:
-        return Crossed(g.q_in, 0.0, t.q_first, t.q_second, t.p_between, g.circuit, t.circuit, PROVED)
+        status = _status(0.0, g.circuit, t.circuit, gives, takes)
+        return Crossed(g.q_in, 0.0, t.q_first, t.q_second, t.p_between, g.circuit, t.circuit, status)
     low = before
     high = g.circuit.p_pump if g.circuit.p_pump < gives.relief else 2.0 * gives.relief
     a = _tried(low, cross, giving, first, second, p_giving, p_first, p_second, gives, takes)
@@ -160,4 +169,4 @@ def crossover(
         else:
             high, off_high, off_low, b = place, m.surplus, 0.5 * off_low, m
     b = a if abs(a.surplus) <= _REST * flow else b
-    return _shared(a, b, flow)
+    return _shared(a, b, gives, takes)
