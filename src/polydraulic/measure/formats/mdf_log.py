@@ -14,7 +14,8 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock, Signal
-from polydraulic.measure.formats.mdf_conversion import physical
+from polydraulic.measure.formats.mdf_conversion import Physical, physical
+from polydraulic.measure.formats.mdf_formula import Formula, take_formulas
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
 from polydraulic.measure.log_units import conversion, need
@@ -28,8 +29,8 @@ _BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the sta
 
 def open_mdf(path: Path) -> Log:
     """Open an MDF log; see `polydraulic.measure.formats.logs.open_log`."""
-    file, close = mdf_file(path)
-    version = int(str(file.version)[0])
+    file, formulas, close = mdf_file(path)
+    version = mdf_version(file)
     found: list[Signal] = []
     place: list[int] = []  # index in the group of each signal
     names: list[GroupName] = []
@@ -41,6 +42,8 @@ def open_mdf(path: Path) -> Log:
             master = file.masters_db.get(number)
             names.append(_group_name(group, number))
             reason = _no_rows(group, names[-1], master, version)
+            if not reason and master is not None and (number, master) in formulas:
+                reason = f"the time of group {names[-1].label!r} cannot be read: {formulas[number, master].reason}"
             if reason:
                 reasons[reason] = None
             else:
@@ -48,8 +51,9 @@ def open_mdf(path: Path) -> Log:
             for index, channel in enumerate(group.channels):
                 if index == master:
                     continue
-                if reason:
-                    left_out.setdefault(channel.name, reason)
+                formula = formulas.get((number, index))
+                if reason or (formula is not None and formula.of is None):
+                    left_out.setdefault(channel.name, reason or formula.reason)
                 else:
                     found.append(Signal(channel.name, _unit(channel), number))
                     place.append(index)
@@ -80,8 +84,8 @@ def open_mdf(path: Path) -> Log:
                 with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
                     read_now: list[Any] = [next(part) for part in parts]
                     found_now = [
-                        physical(raw, c.conversion, version=version, unit=_unit(c), bits=getattr(c, "bit_count", None))
-                        for (raw, _), c in zip(read_now, channels, strict=True)
+                        _physical(raw, c, formulas.get((group, index)), version)
+                        for (raw, _), c, index in zip(read_now, channels, indices, strict=True)
                     ]
             except Exception as error:
                 raise InputError(f"{path}: damaged after row {begun} of group {group} ({error})") from error
@@ -100,8 +104,21 @@ def open_mdf(path: Path) -> Log:
     return Log(path, signals, True, read, twice, close, mdf_began(file), also=also, left_out=left_out)
 
 
-def mdf_file(path: Path) -> tuple[Any, Any]:
-    """Open a file with asammdf, in fragments: the file, and a function that closes it."""
+def _physical(raw: np.ndarray, channel: Any, formula: Formula | None, version: int) -> Physical:
+    bits = getattr(channel, "bit_count", None)
+    found = physical(raw, channel.conversion, version=version, unit=_unit(channel), bits=bits)
+    if formula is None or formula.of is None or found.values is None:
+        return found
+    return Physical(formula.of(found.values), found.said)
+
+
+def mdf_version(file: Any) -> int:
+    """First number of the version of the format."""
+    return int(str(file.version)[0])
+
+
+def mdf_file(path: Path) -> tuple[Any, dict[tuple[int, int], Formula], Any]:
+    """Open a file with asammdf, in fragments: the file, formulas taken out of its channels, and a function that closes it."""
     library = need("asammdf")
     raw = path.open("rb")  # a path would be mapped into memory as a whole
 
@@ -115,14 +132,15 @@ def mdf_file(path: Path) -> tuple[Any, Any]:
         raw.close()
         raise InputError(f"{path}: cannot be read as an MDF log (it does not begin like one)")
     try:
-        file = library.MDF(raw)
+        file = library.MDF(raw, process_bus_logging=False)  # which would read values, before formulas are taken out
         file.configure(read_fragment_size=_FRAGMENT)
         _ = file.groups, file.masters_db
+        formulas = take_formulas(file, mdf_version(file))
     except Exception as error:  # asammdf raises errors of many kinds on damaged files
         raw.close()
         _let_go(error)
         raise InputError(f"{path}: cannot be read as an MDF log ({error})") from error
-    return file, close
+    return file, formulas, close
 
 
 def _let_go(error: Exception) -> None:

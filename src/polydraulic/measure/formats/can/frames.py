@@ -54,7 +54,7 @@ def bus_frames_of(path: Path) -> Iterator[BusFrames]:
 
 
 def _of_mdf(path: Path) -> Iterator[BusFrames]:
-    file, close = mdf_file(path)
+    file, formulas, close = mdf_file(path)
     try:
         began = mdf_began(file)
         for number, group in enumerate(file.groups):
@@ -62,6 +62,8 @@ def _of_mdf(path: Path) -> Iterator[BusFrames]:
             master = file.masters_db.get(number)
             if master is None or not {"ID", "DataBytes"} <= set(members) or not group.channel_group.cycles_nr:
                 continue
+            if (number, master) in formulas:
+                raise InputError(f"{path}: the time of the frames cannot be read: {formulas[number, master].reason}")
             names = [n for n in ("ID", "DataBytes", "IDE", "DataLength", "DLC", "BusChannel") if n in members]
             indices = [master, *(members[n] for n in names)]
             parts = [
