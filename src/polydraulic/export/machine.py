@@ -18,7 +18,7 @@ from polydraulic.errors import InputError
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
-from polydraulic.files import write_text
+from polydraulic.files import write_texts
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
 from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_vector
 from polydraulic.machine.linkage import tip
@@ -222,8 +222,7 @@ def export_machine(
     """
     texts = machine_c(machine, flow, name=name, dt=dt, locked=locked)
     files = {Path(folder) / file: text for file, text in texts.items()}
-    for path, text in files.items():
-        write_text(path, text)
+    write_texts(files)
     return Exported(tuple(files))
 
 

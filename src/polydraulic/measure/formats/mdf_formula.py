@@ -109,7 +109,7 @@ def arithmetic(text: str) -> Callable[[np.ndarray], np.ndarray] | None:
 def _value(node: ast.expr, raw: np.ndarray) -> Any:
     if isinstance(node, ast.Name) and node.id in _NAMES:
         return raw
-    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
         return float(node.value)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
         value = _value(node.operand, raw)

@@ -52,8 +52,9 @@ def open_mdf(path: Path) -> Log:
                 if index == master:
                     continue
                 formula = formulas.get((number, index))
-                if reason or (formula is not None and formula.of is None):
-                    left_out.setdefault(channel.name, reason or formula.reason)
+                why = reason or ("" if formula is None or formula.of is not None else formula.reason)
+                if why:
+                    left_out.setdefault(channel.name, why)
                 else:
                     found.append(Signal(channel.name, _unit(channel), number))
                     place.append(index)
