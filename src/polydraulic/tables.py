@@ -287,15 +287,26 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
             import pyarrow.parquet as pq
 
             raw = pq.read_table(path)
-    except (pa.ArrowInvalid, pa.ArrowKeyError, OSError) as error:
-        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({str(error).splitlines()[0]})") from error
+        heads = [entry.name for entry in raw.schema]
+        given, info = [_unit_of(entry) for entry in raw.schema], _info_of(raw.schema)
+    except (
+        pa.ArrowException,
+        OSError,
+        ValueError,
+        RecursionError,
+    ) as error:  # the latter from damaged names, units and info
+        why = (str(error).splitlines() or ["damaged"])[0]
+        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why})") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    heads = [_HEADER.match(entry.name) if ending == ".csv" else None for entry in raw.schema]
-    names = [head["name"] if head else entry.name for head, entry in zip(heads, raw.schema, strict=True)]
+    if ending == ".csv":
+        split = [_HEADER.match(head) for head in heads]
+        given = [(found["unit"] or "") if found else "" for found in split]
+        names = [found["name"] if found else head for found, head in zip(split, heads, strict=True)]
+    else:
+        names = heads
     _refuse_twice(names, f"{path}: ")
-    found = [(head["unit"] or "") if head else _unit_of(entry) for head, entry in zip(heads, raw.schema, strict=True)]
-    units = dict(zip(names, found, strict=True))
+    units = dict(zip(names, given, strict=True))
     wanted = (
         [*columns, *(name for name in optional if name in units and name not in columns)]
         if columns is not None
@@ -307,7 +318,7 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
     data = {
         name: finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, f"{path}: ") for name in wanted
     }
-    return Table(data, {name: units[name] for name in wanted}, _info_of(raw.schema))
+    return Table(data, {name: units[name] for name in wanted}, info)
 
 
 def table_ending(path: str | Path) -> str:
@@ -363,7 +374,10 @@ def _unit_of(entry: "pa.Field") -> str:
 
 def _info_of(schema: "pa.Schema") -> dict[str, object]:
     stored = (schema.metadata or {}).get(_INFO_KEY)
-    return json.loads(stored) if stored else {}
+    found = json.loads(stored) if stored else {}
+    if not isinstance(found, dict):
+        raise ValueError(f"what it says of itself is no object: {str(found)[:40]}")
+    return found
 
 
 def _head(name: str, unit: str) -> str:

@@ -6,7 +6,7 @@ import pytest
 
 from polydraulic import load_machine, parameters
 from polydraulic.errors import InputError
-from polydraulic.parameters.load import machine_entries
+from polydraulic.parameters.load import machine_entries, read_toml
 
 TEXT = (Path(parameters.__file__).parent / "sets" / "cat215b.toml").read_text()
 
@@ -145,3 +145,27 @@ def test_unknown_names_list_the_choices(tmp_path):
 
 def test_the_shipped_set_names_no_key_twice():
     assert set(tomllib.loads(TEXT)) == set(load_machine("cat215b")._fields)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a = 1" + "0" * 400, "a is a whole number of more than 64 bits"),
+        ("[b]\nc = [1, {d = 9223372036854775808}]", r"b.c\[1\].d is a whole number of more than 64 bits"),
+        ("a = 1" + "0" * 5000, "not a TOML file"),
+        ("a = " + "[" * 20000, "not a TOML file"),
+    ],
+    ids=["400 digits", "65 bits", "5000 digits", "nested"],
+)
+def test_numbers_and_nesting_that_no_toml_has_are_refused(tmp_path, text, said):
+    path = tmp_path / "a.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=f"a.toml: {said}"):
+        read_toml(path)
+    path.write_text("a = 9223372036854775807\nb = -9223372036854775808")
+    assert read_toml(path) == {"a": 2**63 - 1, "b": -(2**63)}
+
+
+def test_a_folder_in_the_place_of_a_file_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read .Is a directory"):
+        read_toml(tmp_path)

@@ -91,11 +91,28 @@ def find(source: str | Path, folder: Path, what: str, more: str = "") -> Path:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Parse a TOML file."""
+    """Parse a TOML file; whole numbers have 64 bits at most, as the format has it."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        found = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # of texts that are no TOML, numbers of thousands of digits, lists in lists
         raise InputError(f"{path}: not a TOML file ({error})") from error
+    waiting: list[tuple[str, Any]] = [("", found)]
+    while waiting:
+        where, item = waiting.pop()
+        if isinstance(item, dict):
+            waiting += [(f"{where}.{key}" if where else key, inner) for key, inner in item.items()]
+        elif isinstance(item, list):
+            waiting += [(f"{where}[{place}]", inner) for place, inner in enumerate(item)]
+        elif isinstance(item, int) and not -(2**63) <= item < 2**63:
+            raise InputError(
+                f"{path}: {where} is a whole number of more than 64 bits; write it with a decimal point or an exponent"
+            )
+    return found
 
 
 def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | None = None) -> Tree:

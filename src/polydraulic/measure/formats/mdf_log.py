@@ -23,6 +23,7 @@ from polydraulic.measure.log_units import conversion, need
 _HEAD = 64 + 104  # bytes of the two blocks that every file begins with
 _FRAGMENT = 4 << 20  # bytes of a block
 _MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
+_BEYOND = "lies beyond the end of its rows: the file is damaged"
 _CAN = re.compile(r"CAN_(Data|Remote|Error|Overload)Frame(\.|$)")
 _BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
 
@@ -44,6 +45,8 @@ def open_mdf(path: Path) -> Log:
             reason = _no_rows(group, names[-1], master, version)
             if not reason and master is not None and (number, master) in formulas:
                 reason = f"the time of group {names[-1].label!r} cannot be read: {formulas[number, master].reason}"
+            if not reason and not within_rows(group.channels[master], group, version):
+                reason = f"the time of group {names[-1].label!r} {_BEYOND}"
             if reason:
                 reasons[reason] = None
             else:
@@ -53,6 +56,7 @@ def open_mdf(path: Path) -> Log:
                     continue
                 formula = formulas.get((number, index))
                 why = reason or ("" if formula is None or formula.of is not None else formula.reason)
+                why = why or ("" if within_rows(channel, group, version) else _BEYOND)
                 if why:
                     left_out.setdefault(channel.name, why)
                 else:
@@ -194,6 +198,16 @@ def _no_rows(group: Any, name: GroupName, master: int | None, version: int) -> s
             f"group {name.label!r} is over {channel.name!r}" + (f" [{unit}]" if unit else "") + f", {what} and no time"
         )
     return "" if group.channel_group.cycles_nr else f"group {name.label!r} has no rows"
+
+
+def within_rows(channel: Any, group: Any, version: int) -> bool:
+    """Whether the bits of a channel are in the rows of its group; asammdf reads what lies behind them in memory."""
+    rows = group.channel_group
+    if version < 4:
+        begin, size = channel.start_offset + 8 * getattr(channel, "additional_byte_offset", 0), rows.samples_byte_nr
+    else:
+        begin, size = 8 * channel.byte_offset + channel.bit_offset, rows.samples_byte_nr + rows.invalidation_bytes_nr
+    return bool(0 <= begin <= begin + channel.bit_count <= 8 * size)
 
 
 def _seconds(channel: Any) -> float:
