@@ -21,7 +21,8 @@ import numpy as np
 
 from helpers.mutations import damaged, misspelt, reshaped
 
-SECONDS = 10  # of one processor, for one input
+TOGETHER = 16  # inputs that share a child process; if it dies, each of the rest gets its own
+SECONDS = 10  # of one processor, for one child
 MEMORY = 1 << 30  # bytes beyond what is loaded already
 RESULT, REFUSED, SLOW, DIED = "result", "InputError", "too slow", "died"
 MAP = """raster = "10 ms"
@@ -220,10 +221,10 @@ def hostile(reader, number, content):
 
 
 def _child(task, told):
-    """Run a task in a child process with limits; what came of it, and the last lines of a traceback."""
+    """Run a task in a child process with limits, which writes what came of it to a file; the signal that ended it, or 0."""
+    told.unlink(missing_ok=True)
     child = os.fork()
     if child == 0:
-        code = 3
         try:
             quiet = os.open(os.devnull, os.O_WRONLY)
             os.dup2(quiet, 1)
@@ -231,45 +232,58 @@ def _child(task, told):
             used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, used + MEMORY))
             resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-            signal.alarm(4 * SECONDS)  # for whatever waits
-            code = task()
-        except BaseException:
-            told.write_text(traceback.format_exc()[-3000:], errors="backslashreplace")
+            signal.alarm(6 * SECONDS)  # for whatever waits
+            warnings.simplefilter("ignore")
+            with told.open("w") as out:
+                task(out)
         finally:
-            os._exit(code)
+            os._exit(0)
     status = os.waitpid(child, 0)[1]
-    said = told.read_text() if told.exists() else ""
-    told.unlink(missing_ok=True)
-    if os.WIFSIGNALED(status):
-        late = os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGALRM, signal.SIGKILL)
-        return (SLOW if late else DIED), signal.Signals(os.WTERMSIG(status)).name
-    return {0: RESULT, 1: REFUSED}.get(os.WEXITSTATUS(status), said.strip().splitlines()[-1] if said else DIED), said
+    return os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+
+
+def _outcome(read, path):
+    """What comes of reading a file, and what was said."""
+    from polydraulic import InputError
+
+    try:
+        read(path)
+    except InputError as error:
+        return REFUSED, str(error)
+    except BaseException:
+        said = traceback.format_exc()[-3000:]
+        return said.strip().splitlines()[-1], said
+    return RESULT, ""
 
 
 def run(reader, first, last, folder):
-    """Outcomes of inputs: (number, outcome, traceback) of each; the valid file comes first, as number -1."""
-    from polydraulic import InputError
-
-    kind, place = READERS[reader], folder / reader.replace(" ", "-")
+    """Outcomes of inputs: (number, outcome, what was said) of each; the valid file comes first, as number -1."""
+    kind, place, told = READERS[reader], folder / reader.replace(" ", "-"), folder / "told.txt"
     place.mkdir()
-    sound, told = place / f"sound.{kind.ending}", folder / "told.txt"
-    made = _child(lambda: (kind.make(sound), 0)[1], told)  # libraries start threads, which do not survive a fork
-    assert made[0] == RESULT, made
+    sound, path = place / f"sound.{kind.ending}", place / f"log.{kind.ending}"
+    _child(lambda out: kind.make(sound), told)  # libraries start threads, which do not survive a fork
     content = sound.read_bytes()
-    for number in (-1, *range(first, last)):
-        path = place / f"log.{kind.ending}"
-        path.write_bytes(hostile(reader, number, content))
 
-        def read(path=path):
-            warnings.simplefilter("ignore")
-            try:
-                kind.read(path)
-            except InputError as error:
-                told.write_text(str(error), errors="backslashreplace")
-                return 1
-            return 0
+    def several(numbers):
+        def task(out):
+            for number in numbers:
+                path.write_bytes(hostile(reader, number, content))
+                print(json.dumps((number, *_outcome(kind.read, path))), file=out, flush=True)
 
-        yield number, *_child(read, told)
+        ended = _child(task, told)
+        found = [json.loads(line) for line in told.read_text().splitlines() if line.endswith("]")]
+        if len(numbers) == 1 and not found:
+            late = ended in (signal.SIGXCPU, signal.SIGALRM, signal.SIGKILL)
+            return [(*numbers, SLOW if late else DIED, signal.Signals(ended).name if ended else "")]
+        return found
+
+    numbers = [-1, *range(first, last)]
+    for begin in range(0, len(numbers), TOGETHER):
+        part = numbers[begin : begin + TOGETHER]
+        found = several(part)
+        yield from found
+        for number in part[len(found) :]:  # one of them ended the process: which one?
+            yield from several([number])
 
 
 def main():
