@@ -6,7 +6,7 @@ import pytest
 from polydraulic.errors import InputError
 from polydraulic.measure import open_log
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.mdf_log import within_rows
+from polydraulic.measure.formats.mdf_log import rows_fit, within_rows
 
 
 def test_invalid_samples_of_an_mdf_are_missing(tmp_path):
@@ -250,3 +250,12 @@ def test_a_file_cut_anywhere_is_refused_or_read(tmp_path, version, ending):
 def test_channels_of_damaged_files_that_are_outside_of_their_rows_are_told(version, channel, inside):
     rows = SimpleNamespace(channel_group=SimpleNamespace(samples_byte_nr=8, invalidation_bytes_nr=1))
     assert within_rows(SimpleNamespace(**channel), rows, version) == inside
+
+
+def test_more_rows_than_the_file_can_hold_are_told():
+    rows = SimpleNamespace(channel_group=SimpleNamespace(samples_byte_nr=8, cycles_nr=100))
+    assert rows_fit(rows, 800, 3)
+    assert not rows_fit(rows, 799, 3)
+    assert rows_fit(rows, 10, 4)  # may be compressed
+    rows.channel_group.cycles_nr = 1 << 40
+    assert not rows_fit(rows, 1_000_000, 4)

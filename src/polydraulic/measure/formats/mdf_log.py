@@ -16,6 +16,7 @@ from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock, Signal
 from polydraulic.measure.formats.mdf_conversion import Physical, physical
 from polydraulic.measure.formats.mdf_formula import Formula, take_formulas
+from polydraulic.measure.formats.mdf_links import circular
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
 from polydraulic.measure.log_units import conversion, need
@@ -24,6 +25,8 @@ _HEAD = 64 + 104  # bytes of the two blocks that every file begins with
 _FRAGMENT = 4 << 20  # bytes of a block
 _MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
 _BEYOND = "lies beyond the end of its rows: the file is damaged"
+_TOO_MANY = "says that it has more rows than the file can hold: the file is damaged"
+_PACKED = 1100  # bytes that one byte of a compressed block can stand for, at most
 _CAN = re.compile(r"CAN_(Data|Remote|Error|Overload)Frame(\.|$)")
 _BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
 
@@ -45,6 +48,8 @@ def open_mdf(path: Path) -> Log:
             reason = _no_rows(group, names[-1], master, version)
             if not reason and master is not None and (number, master) in formulas:
                 reason = f"the time of group {names[-1].label!r} cannot be read: {formulas[number, master].reason}"
+            if not reason and not rows_fit(group, path.stat().st_size, version):
+                reason = f"group {names[-1].label!r} {_TOO_MANY}"
             if not reason and not within_rows(group.channels[master], group, version):
                 reason = f"the time of group {names[-1].label!r} {_BEYOND}"
             if reason:
@@ -132,10 +137,13 @@ def mdf_file(path: Path) -> tuple[Any, dict[tuple[int, int], Formula], Any]:
         raw.close()
 
     head = raw.read(_HEAD)
-    raw.seek(0)
     if not (len(head) == _HEAD and head[:8] in (b"MDF     ", b"UnFinMF ") and head[64:68].strip(b"#")[:2] == b"HD"):
         raw.close()
         raise InputError(f"{path}: cannot be read as an MDF log (it does not begin like one)")
+    if int.from_bytes(head[28:30], "little") >= 400 and circular(raw):
+        raw.close()
+        raise InputError(f"{path}: cannot be read as an MDF log (its lists of blocks have no end: the file is damaged)")
+    raw.seek(0)
     try:
         file = library.MDF(raw, process_bus_logging=False)  # which would read values, before formulas are taken out
         file.configure(read_fragment_size=_FRAGMENT)
@@ -208,6 +216,12 @@ def within_rows(channel: Any, group: Any, version: int) -> bool:
     else:
         begin, size = 8 * channel.byte_offset + channel.bit_offset, rows.samples_byte_nr + rows.invalidation_bytes_nr
     return bool(0 <= begin <= begin + channel.bit_count <= 8 * size)
+
+
+def rows_fit(group: Any, size: int, version: int) -> bool:
+    """Whether a file of this many bytes can hold the rows that a group is said to have."""
+    rows = group.channel_group
+    return bool(rows.cycles_nr * rows.samples_byte_nr <= size * (_PACKED if version >= 4 else 1))
 
 
 def _seconds(channel: Any) -> float:

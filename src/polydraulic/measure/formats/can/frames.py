@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.formats.mdf_log import bus_frames, mdf_began, mdf_file, mdf_version, within_rows
+from polydraulic.measure.formats.mdf_log import bus_frames, mdf_began, mdf_file, mdf_version, rows_fit, within_rows
 from polydraulic.measure.log_units import need
 
 LONGEST = 64  # bytes of a frame (CAN FD)
@@ -63,6 +63,8 @@ def _of_mdf(path: Path) -> Iterator[BusFrames]:
             if master is None or not {"ID", "DataBytes"} <= set(members) or not group.channel_group.cycles_nr:
                 continue
             version = mdf_version(file)
+            if not rows_fit(group, path.stat().st_size, version):
+                raise InputError(f"{path}: there are more rows than the file can hold: the file is damaged")
             if not all(within_rows(group.channels[n], group, version) for n in (master, *members.values())):
                 raise InputError(f"{path}: the parts of frames lie beyond the end of their rows: the file is damaged")
             if (number, master) in formulas:
