@@ -299,14 +299,10 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
         raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why})") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    if ending == ".csv":
-        split = [_HEADER.match(head) for head in heads]
-        given = [(found["unit"] or "") if found else "" for found in split]
-        names = [found["name"] if found else head for found, head in zip(split, heads, strict=True)]
-    else:
-        names = heads
+    split = [_HEADER.match(head) if ending == ".csv" else None for head in heads]
+    names = [found["name"] if found else head for found, head in zip(split, heads, strict=True)]
     _refuse_twice(names, f"{path}: ")
-    units = dict(zip(names, given, strict=True))
+    units = {n: (f["unit"] or "") if f else unit for n, f, unit in zip(names, split, given, strict=True)}
     wanted = (
         [*columns, *(name for name in optional if name in units and name not in columns)]
         if columns is not None
