@@ -86,6 +86,12 @@ class Scratch:
         If there is no place for temporary files.
     """
 
+    def __enter__(self) -> "Scratch":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
     def __init__(self) -> None:
         with _saying("cannot write temporary files", "the environment variable TMPDIR names another folder"):
             while True:

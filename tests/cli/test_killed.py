@@ -154,7 +154,7 @@ def test_a_full_disk_is_one_error_and_no_file(name, inputs, tmp_path):
     run = start(tmp_path, COMMANDS[name], limit=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (300, 300)))
     _, errors = run.communicate()
     assert run.returncode == 2
-    assert errors.splitlines()[-1].startswith("error: cannot write out")
+    assert errors.splitlines()[-1].startswith("error: cannot write ")
     assert "File too large" in errors
     assert "Traceback" not in errors
     assert all(len(content) <= 300 for content in written(tmp_path).values())

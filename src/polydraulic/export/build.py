@@ -6,10 +6,9 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from polydraulic.errors import InputError
+from polydraulic.files import Scratch
 
 COMPILERS = ("cc", "gcc", "clang")
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC")  # no fused multiply-adds: the bits of the package
@@ -90,15 +89,17 @@ def compile_library(
     InputError
         If the sources do not compile.
     """
-    with TemporaryDirectory() as folder:
-        for name, content in text.items():
-            (Path(folder) / name).write_text(content, encoding="utf-8")
+    with Scratch() as scratch:
+        folder = scratch.folder
+        with scratch.writing():
+            for name, content in text.items():
+                (folder / name).write_text(content, encoding="utf-8")
         done = subprocess.run(
             [*command, *FLAGS, *flags, *sources, "-o", "library"], cwd=folder, capture_output=True, text=True
         )
         if done.returncode:
             raise InputError(f"{' '.join(command)} cannot compile {', '.join(sources)}: {done.stderr.strip()[:2000]}")
-        return (Path(folder) / "library").read_bytes()
+        return (folder / "library").read_bytes()
 
 
 def platform_tuple() -> str:

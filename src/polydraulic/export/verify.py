@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.formula import to_python
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.export.onnx import to_onnx
+from polydraulic.files import Scratch
 from polydraulic.networks.model.model import Model
 from polydraulic.progress import Progress, quiet
 
@@ -107,8 +107,8 @@ def verify_models(
     found: list[Agreement] = []
     not_tried = {"sympy, latex": "formulas to read; they follow the networks inside the domain only"}
     double, single = (_expected(whole, n, seed, dtype) for dtype in (np.float64, np.float32))
-    with TemporaryDirectory() as folder:
-        targets = list(_targets(whole, Path(folder)))
+    with Scratch() as scratch:
+        targets = list(_targets(whole, scratch.folder))
         for done, (target, exact, run) in enumerate(targets):
             progress(target, done, len(targets))
             X, expected = double if exact else single
