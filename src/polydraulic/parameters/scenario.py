@@ -151,7 +151,7 @@ def scenario_names() -> list[str]:
 
 def _signal(item: Any, where: str, path: Path) -> Signal:
     kind = item.get("kind") if isinstance(item, dict) else None
-    if kind not in _KINDS:
+    if not isinstance(kind, str) or kind not in _KINDS:
         raise InputError(f"{path}: {where}.kind = {kind!r}: must be one of {sorted(_KINDS)}")
     names = _KINDS[kind]
     check_keys(item, names | {"kind"}, names, where, str(path))
