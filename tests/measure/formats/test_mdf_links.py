@@ -22,6 +22,12 @@ def test_lists_that_end_and_lists_that_do_not():
     assert not circular(io.BytesIO(b"MDF"))
 
 
+def test_links_beyond_the_end_of_a_real_file_are_not_followed(tmp_path):
+    (tmp_path / "a.mf4").write_bytes(blocks(((1 << 64) - 1, 1 << 62)).getvalue())
+    with (tmp_path / "a.mf4").open("rb") as raw:
+        assert not circular(raw)
+
+
 def test_files_of_asammdf_end(tmp_path):
     from asammdf import MDF, Signal
 

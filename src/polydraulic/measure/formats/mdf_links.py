@@ -1,6 +1,7 @@
 """The blocks of an MDF 4 file, followed once before asammdf follows them: of a damaged file it may never come to an end."""
 
 import struct
+from io import SEEK_END
 from typing import BinaryIO
 
 _FIRST = 64 + 24  # place of the link to the first group of data
@@ -16,16 +17,17 @@ def circular(file: BinaryIO) -> bool:
     file : binary file
         Of MDF 4; read from wherever it is.
     """
+    size = file.seek(0, SEEK_END)
     file.seek(_FIRST)
     waiting, seen = list(_numbers(file.read(8))), set()
     while waiting:
         at = waiting.pop()
-        if at == 0:
+        if not 0 < at < size:  # the end of a list, or damage of another kind
             continue
         if at in seen:
             return True
         seen.add(at)
-        file.seek(min(at, 1 << 62))
+        file.seek(at)
         head = file.read(24)
         own = _OWN.get(head[:4])
         if own is None or len(head) < 24:
