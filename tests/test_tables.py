@@ -265,3 +265,23 @@ def test_names_of_columns_travel_or_are_refused_before_anything_is_written(endin
             with pytest.raises(InputError, match="would not be read so from CSV"):
                 write_table(Table.from_dict({name: [1.0]}, {name: unit}), tmp_path / "other.csv")
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("name", "metadata"),
+    [("x", {b"polydraulic": b"[1]"}), ("x", {b"polydraulic": b"{"}), ("x", {b"polydraulic": b"\xff"}), ("x", {b"polydraulic": b"[" * 100_000})],
+)  # fmt: skip
+def test_damaged_information_of_a_table_is_one_error(tmp_path, name, metadata):
+    pq.write_table(pa.table({name: [1.0]}).replace_schema_metadata(metadata), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match="a.parquet: cannot be read as a parquet table"):
+        read_table(tmp_path / "a.parquet")
+
+
+def test_names_and_units_that_are_no_text_are_one_error(tmp_path):
+    (tmp_path / "a.csv").write_bytes(b"x\xff,y\n1,2\n")
+    with pytest.raises(InputError, match="a.csv: cannot be read as a csv table"):
+        read_table(tmp_path / "a.csv")
+    fields = [pa.field("x", pa.float64(), metadata={b"unit": b"\xff"})]
+    pq.write_table(pa.table([[1.0]], schema=pa.schema(fields)), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match="a.parquet: cannot be read as a parquet table"):
+        read_table(tmp_path / "a.parquet")

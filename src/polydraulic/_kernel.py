@@ -14,10 +14,13 @@ import os
 import shutil
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+
+from polydraulic._kernel_cache import keep_compiled, warn_uncached
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -27,7 +30,17 @@ _KEEP_DAYS = 30
 
 
 # What kernels are made of: the layers up to `simulation` (parameters are types to them, constants may come from units).
-_COMPILED = ("_kernel", "elementary", "units", "parameters", "networks", "machine", "flow", "simulation")
+_COMPILED = (
+    "_kernel",
+    "_kernel_cache",
+    "elementary",
+    "units",
+    "parameters",
+    "networks",
+    "machine",
+    "flow",
+    "simulation",
+)
 
 
 def source_digest() -> str:
@@ -43,22 +56,33 @@ def source_digest() -> str:
 
 
 def _cache_folder() -> str | None:
-    """The folder for this state of the sources, or None where nothing can be written."""
+    """The folder for this state of the sources, or None where there can be none."""
     try:
         chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        base = Path(chosen) / "polydraulic"
-        folder = base / source_digest()
-        folder.mkdir(parents=True, exist_ok=True)
-        folder.touch()
-        for other in base.iterdir():
-            if time.time() - other.stat().st_mtime > _KEEP_DAYS * 86400:
-                shutil.rmtree(other, ignore_errors=True)
-    except (OSError, RuntimeError):  # RuntimeError: there is no home
+        folder = Path(chosen) / "polydraulic" / source_digest()
+    except RuntimeError as error:
+        warn_uncached("a folder of this user", error)  # who has no home
         return None
-    return str(folder) if os.access(folder, os.W_OK) else None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        warn_uncached(folder, error.strerror)
+        return None
+    _forget_others(folder)
+    return str(folder)
 
 
-_FOLDER = _cache_folder()
+def _forget_others(folder: Path) -> None:
+    """Remove what other states of the sources left and nobody has used for long; other processes may do the same."""
+    with suppress(OSError):
+        folder.touch()
+        for other in folder.parent.iterdir():
+            with suppress(OSError):
+                if time.time() - other.stat().st_mtime > _KEEP_DAYS * 86400:
+                    shutil.rmtree(other, ignore_errors=True)
+
+
+_FOLDER = None if numba.config.DISABLE_JIT else _cache_folder()
 
 
 def cache_folder() -> str | None:
@@ -67,13 +91,16 @@ def cache_folder() -> str | None:
 
 
 def _compiled(function: F, options: dict[str, Any]) -> F:
-    # numba reads the folder when a function is decorated; other packages must not see ours.
-    theirs = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _FOLDER or theirs
-    try:
-        return numba.njit(cache=_FOLDER is not None, **options)(function)
-    finally:
-        numba.config.CACHE_DIR = theirs
+    compiled: F = numba.njit(**options)(function)
+    if _FOLDER is not None:
+        # numba reads the folder when a cache is made; other packages must not see ours
+        theirs = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = _FOLDER
+        try:
+            keep_compiled(compiled, function)
+        finally:
+            numba.config.CACHE_DIR = theirs
+    return compiled
 
 
 def kernel(function: F) -> F:

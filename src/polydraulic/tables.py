@@ -292,14 +292,24 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
             import pyarrow.parquet as pq
 
             raw = pq.read_table(path)
-    except (pa.ArrowInvalid, pa.ArrowKeyError, OSError) as error:
-        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({str(error).splitlines()[0]})") from error
+        heads = [entry.name for entry in raw.schema]
+        given, info = [_unit_of(entry) for entry in raw.schema], _info_of(raw.schema)
+    except (
+        pa.ArrowException,
+        OSError,
+        ValueError,
+        RecursionError,
+    ) as error:  # the latter from damaged names, units and info
+        why = (str(error).splitlines() or ["damaged"])[0]
+        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why})") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    found = [_name_and_unit(entry.name) if ending == ".csv" else (entry.name, _unit_of(entry)) for entry in raw.schema]
-    names = [name for name, _ in found]
+    split = [
+        _name_and_unit(head) if ending == ".csv" else (head, unit) for head, unit in zip(heads, given, strict=True)
+    ]
+    names = [name for name, _ in split]
     _refuse_twice(names, f"{path}: ")
-    units = dict(found)
+    units = dict(split)
     wanted = (
         [*columns, *(name for name in optional if name in units and name not in columns)]
         if columns is not None
@@ -311,7 +321,7 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
     data = {
         name: finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, f"{path}: ") for name in wanted
     }
-    return Table(data, {name: units[name] for name in wanted}, _info_of(raw.schema))
+    return Table(data, {name: units[name] for name in wanted}, info)
 
 
 def table_ending(path: str | Path) -> str:
@@ -366,11 +376,11 @@ def _unit_of(entry: "pa.Field") -> str:
 
 
 def _info_of(schema: "pa.Schema") -> dict[str, object]:
-    try:
-        found = json.loads((schema.metadata or {}).get(_INFO_KEY, b"{}"))
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"the metadata of the table are damaged ({error})") from error
-    return found if isinstance(found, dict) else {}
+    stored = (schema.metadata or {}).get(_INFO_KEY)
+    found = json.loads(stored) if stored else {}
+    if not isinstance(found, dict):
+        raise ValueError(f"what it says of itself is no object: {str(found)[:40]}")
+    return found
 
 
 def _head(name: str, unit: str) -> str:

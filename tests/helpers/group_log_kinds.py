@@ -148,6 +148,8 @@ KINDS = {
         "the first of two of one name, as `p`": (mdf([("p", PRESSURE, None)], [("p", PRESSURE, None)]), "p", ("duplicate",)),
         "a group without rows beside others": (mdf([("p", PRESSURE, None)], [("q", PRESSURE[:0], None)]), "p", ("not read",)),
         "a group over an angle, a distance or an index": (mdf([("p", PRESSURE, None)], master=("crank", 2)), "p", REFUSED),
+        "a formula of `+`, `-`, `*`, `/` and brackets": (mdf([("p", RAW, {"formula": "X1*0.1"})]), "p", READ),
+        "other formulas beside channels without": (mdf([("p", PRESSURE, None), ("q", RAW, {"formula": "sqrt(X1)"})]), "p", ("not read",)),
         "a raw bus log without databases": (can("mf4"), "p_head", REFUSED),
         "cut off": (cut(PLAIN, 0.5), "p", REFUSED),
     },

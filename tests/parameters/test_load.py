@@ -202,3 +202,8 @@ def test_values_in_messages_are_cut():
     assert briefly([1, 2]) == "[1, 2]"
     assert briefly("x" * 100) == "'" + "x" * 59 + "..."
     assert briefly(10**5000) == "int of more digits or levels than can be shown"
+
+
+def test_a_folder_in_the_place_of_a_file_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read .Is a directory"):
+        read_toml(tmp_path)

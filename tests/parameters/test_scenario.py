@@ -121,6 +121,7 @@ voltage_column = "v"
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ('"sine"', "{}", "voltage.boom.kind = {}: must be one of"),
         ("sine", "square", r"voltage.boom.kind = 'square': must be one of \['constant'"),
         ("amplitude", "amplitud", "unknown key 'amplitud' in voltage.boom"),
         ("voltage.boom", "voltage.bucket", "unknown key 'bucket' in voltage"),

@@ -71,3 +71,15 @@ def test_a_failure_leaves_nothing(machine, tmp_path):
     with pytest.raises(ValueError):
         lab.computed.data("n", lambda: float("nan"))
     assert lab.computed.folder.exists() is False or not list(lab.computed.folder.iterdir())
+
+
+@pytest.mark.parametrize("damage", [b"", b"[2.0]\n", b"\xff\xfe"], ids=["empty", "another number", "no text"])
+def test_a_result_that_was_damaged_is_made_again(machine, tmp_path, count, damage):
+    first = open_lab(machine, tmp_path)
+    first.computed.data("n", count([1.0]))
+    (first.computed.folder / "n.data.json").write_bytes(damage)
+    assert not open_lab(machine, tmp_path).computed.has_data("n")
+    assert open_lab(machine, tmp_path).computed.data("n", count([1.0])) == [1.0]
+    assert len(count.calls) == 2
+    assert open_lab(machine, tmp_path).computed.data("n", count([1.0])) == [1.0]
+    assert len(count.calls) == 2

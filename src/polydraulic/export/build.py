@@ -7,9 +7,9 @@ import sys
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from polydraulic.errors import InputError
+from polydraulic.files import Scratch
 
 COMPILERS = ("cc", "gcc", "clang")
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")  # no fused multiply-adds: the bits of the package
@@ -112,14 +112,16 @@ def compile_program(command: Sequence[str], text: Mapping[str, str], sources: Se
 
 
 def _compiled(command: Sequence[str], text: Mapping[str, str], arguments: Sequence[str]) -> bytes:
-    with TemporaryDirectory() as folder:
-        for name, content in text.items():
-            (Path(folder) / name).write_text(content, encoding="utf-8")
+    with Scratch() as scratch:
+        folder = scratch.folder
+        with scratch.writing():
+            for name, content in text.items():
+                (folder / name).write_text(content, encoding="utf-8")
         done = subprocess.run([*command, *FLAGS, *arguments, "-o", "made"], cwd=folder, capture_output=True, text=True)
         if done.returncode:
             sources = [argument for argument in arguments if argument.endswith(".c")]
             raise InputError(f"{' '.join(command)} cannot compile {', '.join(sources)}: {done.stderr.strip()[:2000]}")
-        return (Path(folder) / "made").read_bytes()
+        return (folder / "made").read_bytes()
 
 
 def platform_tuple() -> str:

@@ -17,7 +17,7 @@ from polydraulic.export.layout import layout_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
-from polydraulic.files import write_text
+from polydraulic.files import write_texts
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -155,8 +155,7 @@ def export_machine(
     """
     texts = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force)
     files = {Path(folder) / file: text for file, text in texts.items()}
-    for path, text in files.items():
-        write_text(path, text)
+    write_texts(files)
     return Exported(tuple(files))
 
 

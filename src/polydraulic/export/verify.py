@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,8 +95,8 @@ def verify_models(
     found: list[Agreement] = []
     not_tried = {"sympy, latex": "formulas to read; they follow the networks inside the domain only"}
     double, single = (_expected(whole, n, seed, dtype) for dtype in (np.float64, np.float32))
-    with TemporaryDirectory() as folder:
-        targets = list(_targets(whole, Path(folder)))
+    with Scratch() as scratch:
+        targets = list(_targets(whole, scratch.folder))
         for done, (target, exact, run) in enumerate(targets):
             progress(target, done, len(targets))
             X, expected = double if exact else single

@@ -12,7 +12,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_drawn, as_shown, dated, moment, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
-from polydraulic.files import write_text
+from polydraulic.files import write_texts
 from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
 from polydraulic.identification.judging import OutputFit, unit_after
 from polydraulic.identification.machine_card import machine_facts
@@ -101,8 +101,8 @@ def write_card(
 {seen}
 {_said_of_units(fit.models, units)}
 {"".join(sections)}"""
-    write_text(path.with_suffix(".card.json"), json.dumps(card, indent=1, allow_nan=False) + "\n")
-    write_text(path, document(f"Model card: {source}", body))
+    numbers = json.dumps(card, indent=1, allow_nan=False) + "\n"
+    write_texts({path.with_suffix(".card.json"): numbers, path: document(f"Model card: {source}", body)})
     return card
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from polydraulic.display import DEFAULT, moment, readable
-from polydraulic.files import write_text
+from polydraulic.files import write_texts
 from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
@@ -59,11 +59,8 @@ def write_quality(imported: Imported, path: str | Path, *, units: str = DEFAULT)
     """
     told = what_it_tells(imported)
     path = Path(path)
-    write_text(
-        path.with_suffix(".json"),
-        json.dumps(quality_data(imported, told, units=units), indent=1, allow_nan=False) + "\n",
-    )
-    write_text(path, _page(imported, told, units))
+    numbers = json.dumps(quality_data(imported, told, units=units), indent=1, allow_nan=False) + "\n"
+    write_texts({path.with_suffix(".json"): numbers, path: _page(imported, told, units)})
     return told
 
 

@@ -51,7 +51,9 @@ def read_toml(path: Path) -> dict[str, Any]:
         data = tomllib.loads(text)
     except RecursionError as error:
         raise InputError(f"{path}: not a file of ours: tables or lists are nested too deep") from error
-    except (OSError, ValueError) as error:  # also whole numbers of thousands of digits
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except ValueError as error:  # also whole numbers of thousands of digits
         raise InputError(f"{path}: not a TOML file ({error})") from error
     _check_sizes(data, path)
     return data

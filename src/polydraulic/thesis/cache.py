@@ -53,7 +53,7 @@ class Cache:
 
     def has_data(self, name: str) -> bool:
         """Whether `data` of this name need not be made."""
-        return name in self.memory or (self.folder is not None and self._path(name, _DATA).is_file())
+        return name in self.memory or (self.folder is not None and _sound(self._path(name, _DATA)))
 
     def _keep(
         self,
@@ -65,18 +65,35 @@ class Cache:
     ) -> Any:
         if name not in self.memory:
             path = None if self.folder is None else self._path(name, ending)
-            if path is not None and path.is_file():
+            if path is not None and _sound(path):
                 self.memory[name] = read(path)
             else:
                 value = make()
                 if path is not None:
                     write(value, path)
+                    write_text(_witness(path), _content(path))
                 self.memory[name] = value
         return self.memory[name]
 
     def _path(self, name: str, ending: str) -> Path:
         assert self.folder is not None
         return self.folder / (name.replace(" ", "-") + ending)
+
+
+def _witness(path: Path) -> Path:
+    return path.with_name(path.name + ".sha256")
+
+
+def _content(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _sound(path: Path) -> bool:
+    """Whether a file is as it was written: one that is damaged is made again."""
+    try:
+        return _witness(path).read_text(encoding="utf-8") == _content(path)
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,12 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
 from polydraulic.measure import open_log
 from polydraulic.measure.findings import Findings
+from polydraulic.measure.formats.mdf_log import rows_fit, within_rows
 
 
 def test_invalid_samples_of_an_mdf_are_missing(tmp_path):
@@ -230,3 +233,29 @@ def test_a_file_cut_anywhere_is_refused_or_read(tmp_path, version, ending):
         else:
             assert np.array_equal(found, x[: len(found)])
     assert refused >= 10
+
+
+@pytest.mark.parametrize(
+    ("version", "channel", "inside"),
+    [
+        (3, {"start_offset": 0, "bit_count": 64}, True),
+        (3, {"start_offset": 8, "bit_count": 64}, False),
+        (3, {"start_offset": 0, "additional_byte_offset": 8, "bit_count": 1}, False),
+        (4, {"byte_offset": 0, "bit_offset": 0, "bit_count": 64}, True),
+        (4, {"byte_offset": 8, "bit_offset": 0, "bit_count": 8}, True),  # among the bits that say what is invalid
+        (4, {"byte_offset": 8, "bit_offset": 1, "bit_count": 8}, False),
+        (4, {"byte_offset": 1 << 31, "bit_offset": 0, "bit_count": 0}, False),
+    ],
+)
+def test_channels_of_damaged_files_that_are_outside_of_their_rows_are_told(version, channel, inside):
+    rows = SimpleNamespace(channel_group=SimpleNamespace(samples_byte_nr=8, invalidation_bytes_nr=1))
+    assert within_rows(SimpleNamespace(**channel), rows, version) == inside
+
+
+def test_more_rows_than_the_file_can_hold_are_told():
+    rows = SimpleNamespace(channel_group=SimpleNamespace(samples_byte_nr=8, cycles_nr=100))
+    assert rows_fit(rows, 800, 3)
+    assert not rows_fit(rows, 799, 3)
+    assert rows_fit(rows, 10, 4)  # may be compressed
+    rows.channel_group.cycles_nr = 1 << 40
+    assert not rows_fit(rows, 1_000_000, 4)

@@ -14,7 +14,7 @@ from polydraulic.export.c.network import choice, helpers, slopes_function, value
 from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
-from polydraulic.files import write_text
+from polydraulic.files import write_texts
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import SIGMOID
@@ -49,8 +49,7 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
     """
     whole = bundle(models, name=name)
     files = tuple(Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c"))
-    for path, text in zip(files, to_c(whole, real=real), strict=True):
-        write_text(path, text)
+    write_texts(dict(zip(files, to_c(whole, real=real), strict=True)))
     return Exported(files, (*whole.name_notes(), *dynamic_notes(models)))
 
 

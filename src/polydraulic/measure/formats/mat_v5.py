@@ -1,6 +1,5 @@
 """MAT files up to v7: SciPy reads one variable at a time, its columns wait in files."""
 
-import tempfile
 import warnings
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.files import Scratch
 from polydraulic.measure.formats.mat_arrays import (
     CELL,
     COMPLEX,
@@ -39,8 +39,8 @@ def arrays_of_v5(path: Path) -> Arrays:
     except Exception as error:  # SciPy raises errors of many kinds on damaged files
         raise InputError(f"{path}: cannot be read as a MAT log ({error})") from error
     # one variable in memory at a time: each signal goes to a file of its own, from which blocks are read
-    folder = tempfile.TemporaryDirectory(prefix="polydraulic-")
-    kept = _Kept(Path(folder.name))
+    scratch = Scratch()
+    kept = _Kept(scratch)
     for name, shape, kind, object_kind in listed:
         if kind == "char" or not name or name.startswith("__"):  # texts, and MATLAB's own bookkeeping
             continue
@@ -54,21 +54,24 @@ def arrays_of_v5(path: Path) -> Arrays:
                     warnings.simplefilter("ignore")
                     read = io.loadmat(path, variable_names=[name], simplify_cells=True)
                 kept.keep(name, read.get(name))
+            except InputError:
+                scratch.close()
+                raise
             except Exception as error:
-                folder.cleanup()
+                scratch.close()
                 raise InputError(f"{path}: variable {name!r} cannot be read ({error})") from error
 
     def read_part(name: str, begun: int, end: int) -> np.ndarray:
         return np.fromfile(kept.files[name], count=end - begun, offset=8 * begun)
 
-    return Arrays(kept.lengths, kept.left_out, read_part, folder.cleanup)
+    return Arrays(kept.lengths, kept.left_out, read_part, scratch.close)
 
 
 class _Kept:
     """Columns in files of a folder."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, scratch: Scratch) -> None:
+        self.scratch = scratch
         self.files: dict[str, Path] = {}
         self.lengths: dict[str, int] = {}
         self.left_out: dict[str, str] = {}
@@ -109,6 +112,7 @@ class _Kept:
                 return
             columns = np.moveaxis(item, axis, 0).reshape((item.shape[axis], -1), order="F")
             for number, label in enumerate(labels(name, columns.shape[1])):
-                self.files[label] = self.folder / str(len(self.files))
-                columns[:, number].astype(np.float64).tofile(self.files[label])
+                self.files[label] = self.scratch.folder / str(len(self.files))
+                with self.scratch.writing():
+                    columns[:, number].astype(np.float64).tofile(self.files[label])
                 self.lengths[label] = len(columns)

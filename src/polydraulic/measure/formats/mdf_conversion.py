@@ -1,6 +1,6 @@
 """From the raw values of an MDF channel to physical ones.
 
-Formulas, tables of numbers and rational functions are asammdf's. Tables of texts are read here, entry by entry: asammdf gives them
+Scalings, tables of numbers and rational functions are asammdf's, formulas are `mdf_formula`'s. Tables of texts are read here, entry by entry: asammdf gives them
 as numbers or as texts, by what a block happens to hold, and takes their bounds as whole numbers.
 """
 

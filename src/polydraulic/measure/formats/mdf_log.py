@@ -14,7 +14,9 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock, Signal
-from polydraulic.measure.formats.mdf_conversion import physical
+from polydraulic.measure.formats.mdf_conversion import Physical, physical
+from polydraulic.measure.formats.mdf_formula import Formula, take_formulas
+from polydraulic.measure.formats.mdf_links import circular
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
 from polydraulic.measure.log_units import conversion, need
@@ -22,14 +24,17 @@ from polydraulic.measure.log_units import conversion, need
 _HEAD = 64 + 104  # bytes of the two blocks that every file begins with
 _FRAGMENT = 4 << 20  # bytes of a block
 _MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # kinds of master that are no time
+_BEYOND = "lies beyond the end of its rows: the file is damaged"
+_TOO_MANY = "says that it has more rows than the file can hold: the file is damaged"
+_PACKED = 1100  # bytes that one byte of a compressed block can stand for, at most
 _CAN = re.compile(r"CAN_(Data|Remote|Error|Overload)Frame(\.|$)")
 _BUS = re.compile(r"(CAN|LIN|FLX|ETH|MOST|KLINE|USB)_\w+")  # names that the standard of bus logging gives
 
 
 def open_mdf(path: Path) -> Log:
     """Open an MDF log; see `polydraulic.measure.formats.logs.open_log`."""
-    file, close = mdf_file(path)
-    version = int(str(file.version)[0])
+    file, formulas, close = mdf_file(path)
+    version = mdf_version(file)
     found: list[Signal] = []
     place: list[int] = []  # index in the group of each signal
     names: list[GroupName] = []
@@ -41,6 +46,12 @@ def open_mdf(path: Path) -> Log:
             master = file.masters_db.get(number)
             names.append(_group_name(group, number))
             reason = _no_rows(group, names[-1], master, version)
+            if not reason and master is not None and (number, master) in formulas:
+                reason = f"the time of group {names[-1].label!r} cannot be read: {formulas[number, master].reason}"
+            if not reason and not rows_fit(group, path.stat().st_size, version):
+                reason = f"group {names[-1].label!r} {_TOO_MANY}"
+            if not reason and not within_rows(group.channels[master], group, version):
+                reason = f"the time of group {names[-1].label!r} {_BEYOND}"
             if reason:
                 reasons[reason] = None
             else:
@@ -48,8 +59,11 @@ def open_mdf(path: Path) -> Log:
             for index, channel in enumerate(group.channels):
                 if index == master:
                     continue
-                if reason:
-                    left_out.setdefault(channel.name, reason)
+                formula = formulas.get((number, index))
+                why = reason or ("" if formula is None or formula.of is not None else formula.reason)
+                why = why or ("" if within_rows(channel, group, version) else _BEYOND)
+                if why:
+                    left_out.setdefault(channel.name, why)
                 else:
                     found.append(Signal(channel.name, _unit(channel), number))
                     place.append(index)
@@ -80,8 +94,8 @@ def open_mdf(path: Path) -> Log:
                 with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
                     read_now: list[Any] = [next(part) for part in parts]
                     found_now = [
-                        physical(raw, c.conversion, version=version, unit=_unit(c), bits=getattr(c, "bit_count", None))
-                        for (raw, _), c in zip(read_now, channels, strict=True)
+                        _physical(raw, c, formulas.get((group, index)), version)
+                        for (raw, _), c, index in zip(read_now, channels, indices, strict=True)
                     ]
             except Exception as error:
                 raise InputError(f"{path}: damaged after row {begun} of group {group} ({error})") from error
@@ -100,8 +114,21 @@ def open_mdf(path: Path) -> Log:
     return Log(path, signals, True, read, twice, close, mdf_began(file), also=also, left_out=left_out)
 
 
-def mdf_file(path: Path) -> tuple[Any, Any]:
-    """Open a file with asammdf, in fragments: the file, and a function that closes it."""
+def _physical(raw: np.ndarray, channel: Any, formula: Formula | None, version: int) -> Physical:
+    bits = getattr(channel, "bit_count", None)
+    found = physical(raw, channel.conversion, version=version, unit=_unit(channel), bits=bits)
+    if formula is None or formula.of is None or found.values is None:
+        return found
+    return Physical(formula.of(found.values), found.said)
+
+
+def mdf_version(file: Any) -> int:
+    """First number of the version of the format."""
+    return int(str(file.version)[0])
+
+
+def mdf_file(path: Path) -> tuple[Any, dict[tuple[int, int], Formula], Any]:
+    """Open a file with asammdf, in fragments: the file, formulas taken out of its channels, and a function that closes it."""
     library = need("asammdf")
     raw = path.open("rb")  # a path would be mapped into memory as a whole
 
@@ -110,19 +137,23 @@ def mdf_file(path: Path) -> tuple[Any, Any]:
         raw.close()
 
     head = raw.read(_HEAD)
-    raw.seek(0)
     if not (len(head) == _HEAD and head[:8] in (b"MDF     ", b"UnFinMF ") and head[64:68].strip(b"#")[:2] == b"HD"):
         raw.close()
         raise InputError(f"{path}: cannot be read as an MDF log (it does not begin like one)")
+    if int.from_bytes(head[28:30], "little") >= 400 and circular(raw):
+        raw.close()
+        raise InputError(f"{path}: cannot be read as an MDF log (its lists of blocks have no end: the file is damaged)")
+    raw.seek(0)
     try:
-        file = library.MDF(raw)
+        file = library.MDF(raw, process_bus_logging=False)  # which would read values, before formulas are taken out
         file.configure(read_fragment_size=_FRAGMENT)
         _ = file.groups, file.masters_db
+        formulas = take_formulas(file, mdf_version(file))
     except Exception as error:  # asammdf raises errors of many kinds on damaged files
         raw.close()
         _let_go(error)
         raise InputError(f"{path}: cannot be read as an MDF log ({error})") from error
-    return file, close
+    return file, formulas, close
 
 
 def _let_go(error: Exception) -> None:
@@ -175,6 +206,22 @@ def _no_rows(group: Any, name: GroupName, master: int | None, version: int) -> s
             f"group {name.label!r} is over {channel.name!r}" + (f" [{unit}]" if unit else "") + f", {what} and no time"
         )
     return "" if group.channel_group.cycles_nr else f"group {name.label!r} has no rows"
+
+
+def within_rows(channel: Any, group: Any, version: int) -> bool:
+    """Whether the bits of a channel are in the rows of its group; asammdf reads what lies behind them in memory."""
+    rows = group.channel_group
+    if version < 4:
+        begin, size = channel.start_offset + 8 * getattr(channel, "additional_byte_offset", 0), rows.samples_byte_nr
+    else:
+        begin, size = 8 * channel.byte_offset + channel.bit_offset, rows.samples_byte_nr + rows.invalidation_bytes_nr
+    return bool(0 <= begin <= begin + channel.bit_count <= 8 * size)
+
+
+def rows_fit(group: Any, size: int, version: int) -> bool:
+    """Whether a file of this many bytes can hold the rows that a group is said to have."""
+    rows = group.channel_group
+    return bool(rows.cycles_nr * rows.samples_byte_nr <= size * (_PACKED if version >= 4 else 1))
 
 
 def _seconds(channel: Any) -> float:

@@ -5,11 +5,13 @@ or machines, are shared out among threads. Nothing is kept but what was asked fo
 """
 
 import os
+from collections import deque
 from collections.abc import Callable, Collection, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Event, Thread
 from typing import NamedTuple
 
 import numpy as np
@@ -290,13 +292,33 @@ def _processors() -> int:
 
 
 def _share_out(work: Sequence[Callable[[], int]], threads: int, n: int, progress: Progress) -> None:
-    """Do all work, each piece in some thread; a piece returns how many machines are done."""
-    with ThreadPoolExecutor(threads) as pool:
-        try:
-            done = 0
-            for piece in as_completed([pool.submit(task) for task in work]):
-                done += piece.result()
-                progress("simulate", done, n)
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+    """Do all work, each piece in some thread; a piece returns how many machines are done.
+
+    An error, or an interrupt of the program, ends the wait at once: compiled code cannot be stopped, so that pieces which have begun go
+    on in threads for which nobody waits.
+    """
+    waiting, results, ended = deque(work), SimpleQueue[int | BaseException](), Event()
+
+    def serve() -> None:
+        while not ended.is_set():
+            try:
+                task = waiting.popleft()
+            except IndexError:
+                return
+            try:
+                results.put(task())
+            except BaseException as error:
+                results.put(error)
+
+    for _ in range(min(threads, len(work))):
+        Thread(target=serve, daemon=True).start()
+    try:
+        done = 0
+        for _ in work:
+            found = results.get()
+            if isinstance(found, BaseException):
+                raise found
+            done += found
+            progress("simulate", done, n)
+    finally:
+        ended.set()

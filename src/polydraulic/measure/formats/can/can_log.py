@@ -4,7 +4,6 @@ The log is read once: frames that a database knows go to a file for each message
 some frames of its message only (a multiplexed one) is in a group of these frames.
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.files import Scratch
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.can.bits import unsigned
 from polydraulic.measure.formats.can.database import CanSignal, Message, Messages, Selection, parameter_group
@@ -46,9 +46,9 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
         A file that cannot be read, databases that contradict each other, or no frame that they know.
     """
     messages = Messages(databases)
-    folder = tempfile.TemporaryDirectory(prefix="polydraulic-")
+    scratch = Scratch()
     try:
-        spool = _Spool(messages, Path(folder.name))
+        spool = _Spool(messages, scratch)
         for block in bus_frames_of(path):
             spool.add(block)
         spool.flush()
@@ -58,7 +58,7 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
                 f"{path}: no frame that {', '.join(p.name for p in databases)} knows; identifiers of the log: {seen}"
             )
     except BaseException:
-        folder.cleanup()
+        scratch.close()
         raise
     groups: list[tuple[_Key, tuple[Selection, ...]]] = []
     found: list[Signal] = []
@@ -104,14 +104,14 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
             text = {name: np.zeros(0, dtype=np.int64) for name in wanted}
             yield LogBlock(rows, records["time"].copy(), block, text, done / total)
 
-    return Log(path, signals, True, read, twice, folder.cleanup, spool.began, also=also, left_out=left_out)
+    return Log(path, signals, True, read, twice, scratch.close, spool.began, also=also, left_out=left_out)
 
 
 class _Spool:
     """BusFrames in one file for each message, sender and bus."""
 
-    def __init__(self, messages: Messages, folder: Path) -> None:
-        self.messages, self.folder = messages, folder
+    def __init__(self, messages: Messages, scratch: Scratch) -> None:
+        self.messages, self.scratch = messages, scratch
         self.known: dict[_Key, Message] = {}
         self.unknown: set[str] = set()
         self.unknown_groups: set[str] = set()
@@ -165,7 +165,7 @@ class _Spool:
         message = self.known.get(key) or self.messages.find(key.frame, key.extended)
         if message is not None and key not in self.known:
             self.known[key], self.count[key] = message, 0
-            self._files[key], self._parts[key] = self.folder / str(len(self._files)), []
+            self._files[key], self._parts[key] = self.scratch.folder / str(len(self._files)), []
         return message
 
     def _keep(self, key: _Key, records: np.ndarray) -> None:
@@ -177,7 +177,7 @@ class _Spool:
         """Write what waits."""
         for key, parts in self._parts.items():
             if parts:
-                with self._files[key].open("ab") as file:
+                with self.scratch.writing(), self._files[key].open("ab") as file:
                     file.writelines(parts)
                 parts.clear()
         self._waiting = 0

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.formats.mdf_log import bus_frames, mdf_began, mdf_file
+from polydraulic.measure.formats.mdf_log import bus_frames, mdf_began, mdf_file, mdf_version, rows_fit, within_rows
 from polydraulic.measure.log_units import need
 
 LONGEST = 64  # bytes of a frame (CAN FD)
@@ -54,7 +54,7 @@ def bus_frames_of(path: Path) -> Iterator[BusFrames]:
 
 
 def _of_mdf(path: Path) -> Iterator[BusFrames]:
-    file, close = mdf_file(path)
+    file, formulas, close = mdf_file(path)
     try:
         began = mdf_began(file)
         for number, group in enumerate(file.groups):
@@ -62,6 +62,13 @@ def _of_mdf(path: Path) -> Iterator[BusFrames]:
             master = file.masters_db.get(number)
             if master is None or not {"ID", "DataBytes"} <= set(members) or not group.channel_group.cycles_nr:
                 continue
+            version = mdf_version(file)
+            if not rows_fit(group, path.stat().st_size, version):
+                raise InputError(f"{path}: there are more rows than the file can hold: the file is damaged")
+            if not all(within_rows(group.channels[n], group, version) for n in (master, *members.values())):
+                raise InputError(f"{path}: the parts of frames lie beyond the end of their rows: the file is damaged")
+            if (number, master) in formulas:
+                raise InputError(f"{path}: the time of the frames cannot be read: {formulas[number, master].reason}")
             names = [n for n in ("ID", "DataBytes", "IDE", "DataLength", "DLC", "BusChannel") if n in members]
             indices = [master, *(members[n] for n in names)]
             parts = [

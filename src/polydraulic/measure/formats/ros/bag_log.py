@@ -4,7 +4,6 @@ A bag is read once: the numbers of each topic go to a file, from which blocks ar
 where it has one; otherwise the time of its receipt.
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.files import Scratch
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock, Signal
 from polydraulic.measure.formats.ros.bag import Bag, full_name, opened_bag, unfinished
@@ -79,19 +79,19 @@ def open_bag(path: Path) -> Log:
     InputError
         A file that cannot be read, or no topic whose messages hold numbers.
     """
-    folder = tempfile.TemporaryDirectory(prefix="polydraulic-")
+    scratch = Scratch()
     try:
-        with opened_bag(path) as bag:
-            topics, left_out = _topics(bag, Path(folder.name))
+        with scratch.writing(), opened_bag(path) as bag:
+            topics, left_out = _topics(bag, scratch.folder)
             zero = _read(bag, topics)
             for key, topic in topics.items():
                 if topic.seen < bag.said[key]:
                     left_out[f"{topic.label}: {bag.said[key] - topic.seen} of {bag.said[key]} messages"] = (
                         "not to be found in the bag"
                     )
-        return _log(path, topics, left_out | unfinished(path), zero, folder)
+        return _log(path, topics, left_out | unfinished(path), zero, scratch)
     except BaseException:
-        folder.cleanup()
+        scratch.close()
         raise
 
 
@@ -140,7 +140,7 @@ def _log(
     topics: dict[tuple[str, str], _Topic],
     left_out: dict[str, str],
     zero: int,
-    folder: tempfile.TemporaryDirectory[str],
+    scratch: Scratch,
 ) -> Log:
     signals: list[Signal] = []
     groups: list[tuple[_Topic, list[int], set[str]]] = []
@@ -190,7 +190,7 @@ def _log(
         signals,
         True,
         read,
-        close=folder.cleanup,
+        close=scratch.close,
         began=zero * 1e-9 if dated else 0.0,
         also=known,
         left_out=left_out,

@@ -1,0 +1,123 @@
+"""Compiled functions kept on disk: a file each, whole or absent, and never a reason to fail.
+
+numba's own cache takes its folder for sound: a full disk or a damaged file ends the program, and of two processes that compile one
+function for different types at once, one may later load the code of the other. Here a file holds one signature, begins with a
+digest, and says what it is of; whatever is wrong with it, the function is compiled again and the file replaced.
+"""
+
+import hashlib
+import os
+import pickle
+import re
+import secrets
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import caching
+from numba.core.serialize import dumps
+
+_DIGEST = hashlib.sha256().digest_size
+_warned = False
+
+
+def warn_uncached(folder: object, reason: object) -> None:
+    """Say once, in one line, that functions are compiled in every run."""
+    global _warned
+    if not _warned:
+        _warned = True
+        message = (
+            f"compiled functions cannot be kept in {folder} ({reason}), so that every run compiles them anew; "
+            "the environment variable NUMBA_CACHE_DIR names another folder"
+        )
+        warnings.warn_explicit(message, RuntimeWarning, __name__, 1)  # a place without a source, which would be shown
+
+
+def keep_compiled(dispatcher: Any, function: Callable[..., Any]) -> None:
+    """Let a compiled function keep its machine code in `numba.config.CACHE_DIR`."""
+    dispatcher._cache = KernelCache(function)
+
+
+class _Locator(caching.UserProvidedCacheLocator):
+    """The folder that is set, and no other: its files may be read even where none can be added."""
+
+    def ensure_cache_path(self) -> None:
+        pass
+
+
+class _Implementation(caching.CompileResultCacheImpl):
+    _locator_classes = (_Locator,)
+
+
+class _Files:
+    """The files of one function.
+
+    Parameters
+    ----------
+    begin : str
+        Path of all of them, up to the part that tells signatures apart.
+    state : tuple
+        What must be the same for a file to be read: version of numba, digest of the source.
+    """
+
+    def __init__(self, begin: str, state: tuple[object, ...]) -> None:
+        self._begin, self._state = begin, state
+
+    def _path(self, key: object) -> Path:
+        named = re.sub(r" at 0x[0-9a-f]+", "", repr((key, self._state)))
+        return Path(f"{self._begin}.{hashlib.sha256(named.encode()).hexdigest()[:16]}.nbc")
+
+    def load(self, key: object) -> Any:
+        """What was saved under a key; None where there is nothing, or it is damaged."""
+        try:
+            content = self._path(key).read_bytes()
+        except OSError:
+            return None
+        digest, body = content[:_DIGEST], content[_DIGEST:]
+        if hashlib.sha256(body).digest() != digest:
+            return None
+        state, found, data = pickle.loads(body)
+        return data if (state, found) == (self._state, key) else None
+
+    def save(self, key: object, data: object) -> None:
+        """Write a file, or raise an OSError and leave the old one."""
+        body, path = dumps((self._state, key, data)), self._path(key)
+        temporary = path.with_suffix(f".{secrets.token_hex(4)}.tmp")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            temporary.write_bytes(hashlib.sha256(body).digest() + body)
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def flush(self) -> None:
+        """Nothing: files of another state are never read."""
+
+
+class KernelCache(caching.FunctionCache):
+    """numba's cache of one function, with files that are checked."""
+
+    _impl_class = _Implementation
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        locator = self._impl.locator
+        begin = os.path.join(self._cache_path, self._impl.filename_base)
+        self._cache_file = _Files(begin, (numba.__version__, locator.get_source_stamp()))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load a compiled function, or None: whatever cannot be used is compiled again."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save a compiled function, or warn."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            self.disable()
+            warn_uncached(self._cache_path, error.strerror)
