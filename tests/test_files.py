@@ -159,10 +159,12 @@ def test_a_folder_for_temporary_files_that_is_full_is_named():
 WRITERS = {
     "files.py": {"write_texts"},
     "tables.py": {"table_writer"},  # rows of a writer that is open
-    "export/build.py": {"compile_library"},
-    "export/verify.py": {"_c"},
+    "export/build.py": {"_compiled", "compile_program"},
+    "export/fresh.py": {"_interpreted", "run_c"},
+    "export/fresh_script.py": {"main"},
     "measure/formats/mat_v5.py": {"_array"},
     "measure/formats/can/can_log.py": {"flush"},
+    "measure/formats/ros/topic_rows.py": {"flush"},
     "measure/bench/recording.py": {"_write_csv", "_write_parquet", "_write_mdf"},
 }
 SAVING = {"tofile", "savefig", "write_table", "save", "savez", "to_csv", "to_parquet"}

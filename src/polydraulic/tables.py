@@ -294,21 +294,13 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
             raw = pq.read_table(path)
         heads = [entry.name for entry in raw.schema]
         given, info = [_unit_of(entry) for entry in raw.schema], _info_of(raw.schema)
-    except (
-        pa.ArrowException,
-        OSError,
-        ValueError,
-        RecursionError,
-    ) as error:  # the latter from damaged names, units and info
+    except (pa.ArrowException, OSError, ValueError, RecursionError) as error:  # the latter from damaged units and info
         why = (str(error).splitlines() or ["damaged"])[0]
         raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why})") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
-    split = [
-        _name_and_unit(head) if ending == ".csv" else (head, unit) for head, unit in zip(heads, given, strict=True)
-    ]
-    names = [name for name, _ in split]
-    _refuse_twice(names, f"{path}: ")
+    split = list(map(_name_and_unit, heads)) if ending == ".csv" else list(zip(heads, given, strict=True))
+    _refuse_twice([name for name, _ in split], f"{path}: ")
     units = dict(split)
     wanted = (
         [*columns, *(name for name in optional if name in units and name not in columns)]
@@ -372,7 +364,7 @@ def _schema(units: Mapping[str, str], info: Mapping[str, object]) -> "pa.Schema"
 
 
 def _unit_of(entry: "pa.Field") -> str:
-    return str((entry.metadata or {}).get(b"unit", b"").decode(errors="replace"))
+    return str((entry.metadata or {}).get(b"unit", b"").decode())
 
 
 def _info_of(schema: "pa.Schema") -> dict[str, object]:

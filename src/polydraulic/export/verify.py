@@ -10,6 +10,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export.fresh import Answers, FailedError, NotHereError, run_c, run_fmu, run_onnx, run_python
 from polydraulic.export.model_bundle import Bundle, bundle
+from polydraulic.files import Scratch
 from polydraulic.networks.model.model import Model
 from polydraulic.progress import Progress, quiet
 
