@@ -302,11 +302,9 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
     split = list(map(_name_and_unit, heads)) if ending == ".csv" else list(zip(heads, given, strict=True))
     _refuse_twice([name for name, _ in split], f"{path}: ")
     units = dict(split)
-    wanted = (
-        [*columns, *(name for name in optional if name in units and name not in columns)]
-        if columns is not None
-        else names
-    )
+    names = list(units)
+    also = [name for name in optional if name in units and name not in (columns or ())]
+    wanted = names if columns is None else [*columns, *also]
     missing = [name for name in wanted if name not in units]
     if missing:
         raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}")
