@@ -10,7 +10,7 @@ __all__ = ["app", "main"]
 
 
 def main() -> None:
-    """Run the command line; what a user can mend is one line and exit code 2."""
+    """Run the command line; what a user can fix is one line and exit code 2."""
     try:
         app()
     except (InputError, SimulationError) as error:
