@@ -87,7 +87,7 @@ class Table:
                 data[str(name)] = _numbers(pa.array(values), str(name), "")
             except (pa.ArrowException, TypeError) as error:
                 raise InputError(
-                    f"column {str(name)!r} is no sequence of numbers ({str(error).splitlines()[0]})"
+                    f"column {str(name)!r} is not a sequence of numbers ({str(error).splitlines()[0]})"
                 ) from error
         lengths = {name: len(values) for name, values in data.items()}
         if len(set(lengths.values())) > 1:
@@ -148,7 +148,7 @@ class Table:
         try:
             import pandas as pd
         except ImportError as error:
-            raise InputError("pandas is not installed; get it by: pip install 'polydraulic[pandas]'") from error
+            raise InputError("pandas is not installed; install it with: pip install 'polydraulic[pandas]'") from error
         frame = pd.DataFrame(self.columns, copy=True)
         frame.attrs.update(units={name: self.unit(name) for name in self}, info=dict(self.info))
         return frame
@@ -244,7 +244,9 @@ def table_writer(
     for name, unit in units.items():
         checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
         if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
-            raise InputError(f"column {name!r} [{unit}] would not be read so from CSV: rename it, or write .parquet")
+            raise InputError(
+                f"column {name!r} [{unit}] would be read back differently from CSV: rename it, or write .parquet"
+            )
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:

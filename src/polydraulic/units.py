@@ -241,8 +241,8 @@ def _unmarked(plain: str, kind: str, library: Library | None) -> _Reading:
         return _Reading(_factor(heavy), as_force)
     if as_force in ("Pa", "N m"):
         force = re.sub(r"\b(kg|lb|t)s?(?![a-z])", r"\1f", plain.lower() if plain.isupper() else plain)
-        raise _DoubtfulError(f"is of a mass, not of a force: write {force!r} for a {_KIND_OF[as_force].name}")
-    raise UnknownError("nothing that the log of a machine has is measured in it")
+        raise _DoubtfulError(f"is a unit of mass, not of force: write {force!r} for a {_KIND_OF[as_force].name}")
+    raise UnknownError("nothing in a machine's log is measured in it")
 
 
 def _symbol(name: str, alone: bool, library: Library | None) -> Symbol:
@@ -262,7 +262,7 @@ def _symbol(name: str, alone: bool, library: Library | None) -> Symbol:
         return _SYMBOLS[_FOLDED[name.lower()]]
     found = library(name) if library is not None and re.fullmatch(r"[A-Za-z_]{3,24}", name) else None
     if found is None:
-        raise UnknownError("" if alone else f"{name!r} is no unit that is known")
+        raise UnknownError("" if alone else f"{name!r} is not a known unit")
     return found
 
 

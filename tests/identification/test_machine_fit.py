@@ -137,7 +137,7 @@ def test_a_model_file_reads_another_log_by_itself(learnt, tmp_path):
     with pytest.raises(InputError, match=r"column 'swing.q_in' is in 'l/min'"):
         as_judged(models[0], Table(later.columns, {**later.units, "swing.q_in": "l/min"}))
     still = changed(later, boom_spool=np.zeros(len(later)))
-    with pytest.raises(InputError, match=r"no row of 2001 says anything of 'boom.q_in': its valve never opens"):
+    with pytest.raises(InputError, match=r"no row of 2001 says anything about 'boom.q_in': its valve never opens"):
         as_judged(models[0], still)
 
 

@@ -252,7 +252,7 @@ def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], most: int) 
 <ul>{"".join(f"<li>{escape(item)}</li>" for item in told)}</ul>
 {html_table(f"Errors: {runs}; one step ahead in the same rows", ["model", *heads], rows)}
 {_picture(plot_separately(model, found.held))}
-<p>Free runs through the blocks held out, by a model that has not seen them: each begins from measured rows and then reads its own answers.
+<p>Free runs through the blocks held out, by a model that has not seen them: each starts from measured rows and then reads its own predictions.
 Shaded: the intervals.</p>
 {_picture(_errors(model, found.held.measured, found.held.free))}
 {_domain(model, facts)}

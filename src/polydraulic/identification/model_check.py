@@ -82,7 +82,7 @@ def check_models(
         Or the model file.
     data : Table, str, Path or sequence of them, optional
         Or its file: new measurements; of several tables, or a pattern such as ``day*.parquet``, no run goes over the end of one. Models are judged next to what was stated when they were fitted; dynamic ones run on their own
-        through it, begun anew as often as then; those of a machine read an imported log.
+        through it, restarted as often as then; those of a machine read an imported log.
     limits : (low, high), optional
         Is it proved that no output leaves this range, in the output's unit? The proved ranges of outputs and slopes if not given.
     box : mapping from input name to (low, high), optional

@@ -214,7 +214,7 @@ def run_models(
 
 def _rows_in(every: float, raster: float | None) -> int:
     if raster is None:
-        raise InputError(f"every = {every:g} s: neither model nor log say how far apart rows are; leave it out")
+        raise InputError(f"every = {every:g} s: neither model nor log says how far apart rows are; leave it out")
     if not raster <= every < inf:
         raise InputError(f"every = {every:g} s: must be finite and no less than the raster of {raster:g} s")
     return round(every / raster)

@@ -122,7 +122,7 @@ def run_validity(models: Sequence[Model], table: Table, units: str = DEFAULT) ->
         if long.longest > run.longest:
             rms = errors_of(long.measured, long.free).rms
             judged.statements.append(
-                f"run through without beginning anew, up to {long.longest} rows: {amount(rms, unit, units)}"
+                f"run through without a restart, up to {long.longest} rows: {amount(rms, unit, units)}"
             )
         found.append(judged)
     return found

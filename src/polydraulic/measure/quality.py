@@ -111,7 +111,7 @@ def _pressures(imported: Imported) -> str:
     if taken is None:
         return ""
     whose = "the standard atmosphere" if imported.channels.atmosphere is None else "as the map says"
-    return f"The table has gauge pressures: {taken / 1e5:.6g} bar were taken from absolute ones ({whose}). "
+    return f"The table has gauge pressures: {taken / 1e5:.6g} bar were subtracted from absolute ones ({whose}). "
 
 
 def _statistics(check: ChannelCheck) -> dict[str, Any]:

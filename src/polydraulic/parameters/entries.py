@@ -50,7 +50,7 @@ def read_toml(path: Path) -> dict[str, Any]:
             raise RecursionError
         data = tomllib.loads(text)
     except RecursionError as error:
-        raise InputError(f"{path}: not a file of ours: tables or lists are nested too deep") from error
+        raise InputError(f"{path}: not a machine or scenario file: tables or lists are nested too deep") from error
     except (OSError, ValueError) as error:  # also whole numbers of thousands of digits
         raise InputError(f"{path}: not a TOML file ({error})") from error
     _check_sizes(data, path)

@@ -61,7 +61,7 @@ class Deadband(NamedTuple):
     def statement(self, unit: Conversion | None = None) -> str:
         """In words, in a unit of the log if given."""
         if not self.found:
-            return f"{self.output} over {self.input}: no deadband that can be told from none"
+            return f"{self.output} over {self.input}: no significant deadband"
         edges = [self.low, *self.low_interval, self.high, *self.high_interval]
         low, a, b, high, c, d = edges if unit is None else [unit.from_si(edge) for edge in edges]
         return (
