@@ -17,7 +17,7 @@ def checked_text(text: str, what: str) -> str:
     Raises
     ------
     InputError
-        If it is no text, or holds a control character, half of a character, or what is none.
+        If it is not a string, or holds a control character, a lone surrogate, or a noncharacter.
     """
     if not isinstance(text, str):
         raise InputError(f"{what} {text!r}: must be a string")

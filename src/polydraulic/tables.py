@@ -109,7 +109,7 @@ class Table:
         Raises
         ------
         InputError
-            A column that holds anything else than numbers, or a name that stands twice.
+            A column that holds anything else than numbers, or a name that appears twice.
         """
         _refuse_twice(table.column_names, "")
         columns = {name: _numbers(table.column(name), name, "") for name in table.column_names}
@@ -138,13 +138,13 @@ class Table:
         return cls.from_dict(columns, units, frame.attrs.get("info"))
 
     def to_arrow(self) -> "pa.Table":
-        """Return an Arrow table; units stand in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
+        """Return an Arrow table; units are in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
         import pyarrow as pa
 
         return pa.table(list(self.columns.values()), schema=_schema({n: self.unit(n) for n in self}, self.info))
 
     def to_pandas(self) -> "pd.DataFrame":
-        """Return a data frame; units stand in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
+        """Return a data frame; units are in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
         try:
             import pandas as pd
         except ImportError as error:

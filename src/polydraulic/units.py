@@ -112,7 +112,7 @@ def read_unit(
     kind : str
         SI unit of what is known to be measured; ``"Pa"`` makes ``kg/cm2`` the technical atmosphere. Not checked otherwise.
     atmosphere : float, Pa
-        Taken from absolute pressures.
+        Subtracted from absolute pressures.
     library : function (name) -> Symbol or None, optional
         Asked for single names of three letters or more that the table does not have.
 
@@ -125,7 +125,7 @@ def read_unit(
     Raises
     ------
     InputError
-        A text that is no unit, can be read in several ways, or measures what no machine's log has; the nearest units are named.
+        A text that is not a unit, can be read in several ways, or measures what no machine's log has; the nearest units are named.
 
     Examples
     --------

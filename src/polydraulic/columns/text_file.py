@@ -23,11 +23,11 @@ class NumberBlock(NamedTuple):
     rows : (n_row,) array of int
         Lines of data counted from 1.
     time : (n_row,) array or None
-        In s where the column holds times as texts, otherwise its numbers.
+        In s where the column holds times as text, otherwise its numbers.
     values : dict from name to (n_row,) array
         NaN where there is no value.
     text : dict from name to array of int
-        Places in the block that hold something that is no number.
+        Places in the block that hold something that is not a number.
     done : float
         Share of the file that has been read.
     """

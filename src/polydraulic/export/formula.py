@@ -47,7 +47,7 @@ _PYTHON_SIGMOID = """
 
 
 def to_text(model: Model) -> str:
-    """Equations of `model` in words, by region, one line a node.
+    """Equations of `model` in words, by region, one line per node.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ def put(rows: np.ndarray, row: int, lane: int, value: float) -> None:
 
 @kernel
 def get_links(rows: np.ndarray, row: int, lane: int) -> Links:
-    """Three rows as one value a link."""
+    """Three rows as one value per link."""
     return Links(rows[row * LANES + lane], rows[(row + 1) * LANES + lane], rows[(row + 2) * LANES + lane])
 
 

@@ -130,7 +130,7 @@ def replay(
     ----------
     log : Table, str, Path or sequence of them
         Or its file: ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
-        Of several tables, or a pattern such as ``day*.parquet``, no window goes over the end of one.
+        Of several tables, or a pattern such as ``day*.parquet``, no window crosses the end of one.
     machine : Machine, str or Path
         Or a parameter set by its name or file.
     flow : str or flow model
@@ -318,7 +318,7 @@ def _begins(time: np.ndarray, rows: np.ndarray, seconds: float, parts: Sequence[
 
 
 def _part_with(parts: Sequence[int], row: int) -> slice:
-    """Rows of the part, of parts with so many rows, that a row is in."""
+    """Rows of the part, of parts with this many rows, that a row is in."""
     ends = np.cumsum([0, *parts]).tolist()
     part = int(np.searchsorted(ends, row, side="right")) - 1
     return slice(ends[part], ends[part + 1])

@@ -60,9 +60,9 @@ def write_card(
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
     source : str, optional
-        Where the data came from, as it shall stand in the card; the name of their file if not given.
+        Where the data came from, as the card is to name it; the name of their file if not given.
     max_boxes : int
-        Sub-boxes a region that the proofs may take.
+        Sub-boxes per region that the proofs may take.
     shown : int
         Regions of a model, whose networks are drawn and written out.
     units : str

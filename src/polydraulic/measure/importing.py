@@ -109,7 +109,7 @@ def import_log(
     Raises
     ------
     InputError
-        A file that is no log, a channel that it does not have, a place that cannot be written.
+        A file that is not a log, a channel that it does not have, a place that cannot be written.
     """
     table_ending(out)
     findings = Findings()

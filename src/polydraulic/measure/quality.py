@@ -100,7 +100,7 @@ def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dic
 
 
 def _atmosphere(imported: Imported) -> float | None:
-    """What was taken from absolute pressures, Pa; None if there are none."""
+    """What was subtracted from absolute pressures, Pa; None if there are none."""
     given = imported.channels.atmosphere
     absolute = any(check.conversion.absolute for check in imported.checks)
     return None if not absolute else ATMOSPHERE if given is None else given

@@ -75,7 +75,7 @@ def suggest_channels(
     Raises
     ------
     InputError
-        A file that is no log.
+        A file that is not a log.
     """
     paths = expand(path)
     with open_log(paths[0], dbc=dbc) as log:

@@ -74,7 +74,7 @@ class Recording:
         Raises
         ------
         InputError
-            A column that is not there or comes twice, a unit of another kind, a cell that is no number.
+            A column that is not there or comes twice, a unit of another kind, a cell that is not a number.
         """
         for name in (time, *others):
             if name not in self.names:

@@ -80,7 +80,7 @@ def open_campaign(
     Raises
     ------
     InputError
-        A file that is no log, or that has not the channels of the first one.
+        A file that is not a log, or that has not the channels of the first one.
     """
     if len(paths) == 1:
         return open_log(paths[0], dates=dates, dbc=dbc)
@@ -238,7 +238,7 @@ def _stretch(log: Log, name: str, low: float, high: float) -> tuple[np.ndarray, 
 
 
 def _in_order(parts: list[_Part], time: str | None, findings: Findings) -> list[_Part]:
-    """Files by their times; those that begin anew one behind the other, as they were named."""
+    """Files by their times; those that restart one behind the other, as they were named."""
     if not parts[0].log.own_clock and time is None:
         findings.add("files begin anew", "", "the logs have no time; " + _names(parts))
         return parts

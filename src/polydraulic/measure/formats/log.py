@@ -54,7 +54,7 @@ class LogBlock(NamedTuple):
     values : dict from name to (n_row,) array
         NaN where there is no value.
     text : dict from name to array of int
-        Places in the block that hold something that is no number.
+        Places in the block that hold something that is not a number.
     done : float
         Share of the group that has been read.
     """

@@ -129,7 +129,7 @@ def pack_models(models: Sequence[Model]) -> tuple[list[Regions], NetworkTable]:
 
 
 def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
-    """Equations of a network, one line a node, in normalized variables.
+    """Equations of a network, one line per node, in normalized variables.
 
     Parameters
     ----------

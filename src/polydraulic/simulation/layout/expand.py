@@ -6,7 +6,7 @@ A page is Python in which single capital letters stand for what a layout has. Th
 - ``*[... for F in FUNCTIONS]`` among arguments;
 - ``any([... for F in FUNCTIONS])`` and ``all([...])``: conditions joined by ``or`` and ``and``.
 
-Inside of them a letter that is a name, or a part of one between underscores, is replaced: with F = boom, ``x.F`` is ``x.boom`` and
+Inside them a letter that is a name, or a part of one between underscores, is replaced: with F = boom, ``x.F`` is ``x.boom`` and
 ``k_F`` is ``k_boom``. A letter whose value is a number is that number. Names of lists are replaced as well, so that loops may be nested:
 ``FUNCTIONS_OF_C``.
 """

@@ -38,7 +38,7 @@ class _Topic:
         return self.fields.stamped and self.unstamped < self.rows.n_row
 
     def add(self, message: Any, receipt: int, zero: int) -> None:
-        """Add a message, received so many ns since 1970; times are kept from `zero` on."""
+        """Add a message, received this many ns since 1970; times are kept from `zero` on."""
         layout, values = self.fields.row(message)
         if not self.rows.knows(layout) and not self.rows.add_layout(layout, self.fields.columns(layout)):
             self.rows.too_many += 1
