@@ -194,7 +194,7 @@ def test_numbers_that_cannot_be_are_named(machine, columns, message):
 @pytest.mark.parametrize("n", [1, 100, 600])
 def test_a_short_log_is_refused(machine, n):
     short = Table({name: values[200 : 200 + n] for name, values in machine_log().columns.items()}, {})
-    with pytest.raises(InputError, match=r"rows say something of it, .* record longer|nothing can be learnt of it"):
+    with pytest.raises(InputError, match=r"rows are of use to it, .* record longer|nothing can be learnt of it"):
         fit_machine(short, machine)
 
 

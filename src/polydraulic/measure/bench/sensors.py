@@ -1,4 +1,4 @@
-"""Sensors of a virtual test bench: what they read of a run, how well and how often. A TOML file."""
+"""Sensors of a virtual test bench: what they read of a run, how accurately and how often. A TOML file."""
 
 from dataclasses import dataclass
 from importlib.resources import files
