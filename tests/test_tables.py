@@ -264,6 +264,6 @@ def test_names_of_columns_travel_or_are_refused_before_anything_is_written(endin
             write_table(Table.from_dict({name: [1.0]}), tmp_path / f"other{ending}")
     if ending == ".csv":
         for name, unit in (("p [bar]", ""), (" p", ""), ("p", "a]b")):
-            with pytest.raises(InputError, match="would be read back differently from CSV"):
+            with pytest.raises(InputError, match="would be misread from CSV"):
                 write_table(Table.from_dict({name: [1.0]}, {name: unit}), tmp_path / "other.csv")
     assert list(tmp_path.iterdir()) == [path]

@@ -244,9 +244,7 @@ def table_writer(
     for name, unit in units.items():
         checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
         if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
-            raise InputError(
-                f"column {name!r} [{unit}] would be read back differently from CSV: rename it, or write .parquet"
-            )
+            raise InputError(f"column {name!r} [{unit}] would be misread from CSV: rename it, or write .parquet")
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
