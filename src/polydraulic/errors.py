@@ -14,7 +14,7 @@ class InputError(ValueError):
 
 
 class SimulationError(RuntimeError):
-    """A simulation cannot go on: a state left the range in which the model means anything."""
+    """A simulation cannot go on: a state left the range in which the model is meaningful."""
 
 
 def briefly(value: Any) -> str:

@@ -158,7 +158,7 @@ class TextFile:
         return {name: TextColumn(reading, lambda n=name: whole(n)) for name, reading in readings.items()}  # type: ignore[misc]
 
     def _readings(self, places: dict[str, int]) -> dict[str, Notation]:
-        """One reading a column; the whole file is looked at only where marks in it leave a doubt."""
+        """One reading per column; the whole file is looked at only where marks in it leave a doubt."""
         comma = self._comma and (self.dialect.delimiter != "," or self._quote)
         if not comma:
             if self.dialect.delimiter in (",", BLANKS) or not self._point:

@@ -1,4 +1,4 @@
-"""Models that are exported together: one list of inputs, one output a model, one name."""
+"""Models that are exported together: one list of inputs, one output per model, one name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -92,7 +92,7 @@ def is_file(to: str, out: str | Path) -> bool:
 
 
 def _python(whole: Bundle) -> str:
-    """A function an output, without dependencies."""
+    """A function per output, without dependencies."""
     functions = zip(whole.models, whole.identifiers()[1], strict=True)
     return "\n\n".join(to_python(model, name) for model, name in functions)
 

@@ -1,4 +1,4 @@
-"""Many machines side by side: values as rows of 64 lanes, one machine a lane, for loops that become vector instructions.
+"""Many machines side by side: values as rows of 64 lanes, one machine per lane, for loops that become vector instructions.
 
 A block of machines is one flat array, row after row; the first rows are those of a recorded step, scratch follows. Row numbers
 and `LANES` are constants, so that the compiler sees which places differ. Parameters are one named tuple for the

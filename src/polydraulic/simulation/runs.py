@@ -258,7 +258,7 @@ def check_links(scenario: Scenario, model: Any) -> None:
 
 
 def _fastest(row: np.ndarray) -> str:
-    """Name of the link whose rate in a recorded row is beyond reason."""
+    """Name of the link whose rate in a recorded row has diverged."""
     return next(link for link, rate in zip(LINKS, row[RATE : RATE + 3], strict=True) if not abs(rate) < FASTEST)
 
 
@@ -271,7 +271,7 @@ def reference(
     rtol: float = 1e-9,
     t_end: float | None = None,
 ) -> Table:
-    """`simulate` with ``method="reference"``: the tight solution.
+    """`simulate` with ``method="reference"``: the solution to a tight tolerance.
 
     Parameters
     ----------

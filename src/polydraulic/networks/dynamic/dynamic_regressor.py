@@ -298,7 +298,7 @@ class DynamicRegressor(BaseEstimator):
         return models
 
     def _polynomials(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> Iterator[tuple[int, list[Model]]]:
-        """Numbers of terms, and models of so many."""
+        """Numbers of terms, and models of this many."""
         frame, targets = self._frame(choice, signals, spans)
         for terms in grow_terms(frame, targets, choice.horizon or 1):
             yield len(terms.coef), self._models(frame, terms, targets)
@@ -360,7 +360,7 @@ def _but(spans: list[Span], block: list[Span], warm_up: int) -> list[Span]:
 
 
 def _check_sizes(signals: np.ndarray, names: Sequence[str]) -> None:
-    """Refuse signals whose squares are no numbers, or lose their digits."""
+    """Refuse signals whose squares overflow, or lose their digits."""
     for name, values in zip(names, signals.T, strict=True):
         low, high = (float(end(values)) if values.size else 0.0 for end in (np.min, np.max))
         if max(-low, high) > _LARGEST or 0.0 < high - low < _THINNEST:

@@ -111,7 +111,7 @@ class Model:
         return [boxes[k] for k in range(len(self.networks))]
 
     def region_names(self) -> list[str]:
-        """Regions in words, one a network."""
+        """Regions in words, one per network."""
         return [box_name(box, [variable.name for variable in self.inputs]) for box in self.region_boxes()]
 
     def domain(self) -> np.ndarray:

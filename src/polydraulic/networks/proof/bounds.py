@@ -50,7 +50,7 @@ class Bounds(NamedTuple):
 
 
 class ModelBounds(NamedTuple):
-    """Proved range of a model; `regions` has one entry a network, None where the box does not meet its region."""
+    """Proved range of a model; `regions` has one entry per network, None where the box does not meet its region."""
 
     low: float
     high: float

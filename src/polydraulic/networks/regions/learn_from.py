@@ -234,7 +234,7 @@ def _fitted(
     y: np.ndarray,
     seed: int,
 ) -> _Region:
-    """Fit, then hunt for the largest error: on a grid with its faces, and around the worst points of what was seen."""
+    """Fit, then search for the largest error: on a grid with its faces, and around the worst points of what was seen."""
     n_input, random = len(cell), np.random.default_rng(seed)
     model = estimator.fit(X, y).to_model()
     side = max(3, round(_GRID ** (1.0 / n_input)))

@@ -142,7 +142,7 @@ def _text(node: ast.stmt) -> str:
 
 
 def _broken(line: str) -> list[str]:
-    """A line that is too long as several: one argument of its outermost call a line, each broken again if need be."""
+    """A line that is too long as several: one argument of its outermost call per line, each broken again if need be."""
     indent = line[: len(line) - len(line.lstrip())]
     start = re.match(r"\s*(?:return |[\w, .]+ = )?[\w.]+\(", line)
     end = re.search(r"\),?$", line)
