@@ -1,4 +1,4 @@
-"""A hundred booms of other masses side by side: what spread of pressure is to be expected?"""
+"""A hundred booms of different mass side by side: what spread of pressure is to be expected?"""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ batch = simulate_batch(loaded, "exact", "single_08", t_end=2.0, keep=["range"], 
 highest = batch.highest[:, batch.place("boom.p_a")]
 print(f"highest head pressures: {highest.min() / 1e5:.0f} to {highest.max() / 1e5:.0f} bar")
 
-# a batch is no approximation: each machine ends where `simulate` alone would end, to the last bit
+# a batch is not an approximation: each machine ends where `simulate` alone would end, to the last bit
 alone = simulate(loaded[7], "exact", "single_08", t_end=2.0)
 assert batch.final[7, batch.place("boom.angle")] == alone["boom.angle"][-1]
 assert np.corrcoef(masses, highest)[0, 1] > 0.9  # the heavier, the more pressure

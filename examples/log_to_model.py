@@ -10,7 +10,7 @@ sensor = '[[sensor]]\ncolumn = "{}"\nunit = "{}"\nraster = "20 ms"\nnoise = {}\n
 Path("sensors.toml").write_text("\n".join(sensor.format(*each) for each in SENSORS))
 record("cat215b", [random_operator(1, 120.0)], load_sensors("sensors.toml"), "log.csv")
 
-Path("map.toml").write_text(suggest_channels("log.csv"))  # a first map: of a real log, go through it
+Path("map.toml").write_text(suggest_channels("log.csv"))  # a first map: for a real log, go through it
 imported = import_log("log.csv", load_channels("map.toml"), "table.parquet")
 for finding in imported.findings:
     print(finding.level, finding)

@@ -1,4 +1,4 @@
-"""A machine from a log of its work: record an operator, learn pump and valves, run the machine on them against another day."""
+"""A machine from a log of its work: record an operator, learn pump and valves, run the machine on them against another day's log."""
 
 from pathlib import Path
 

@@ -165,9 +165,9 @@ def test_numbers_of_any_kind_become_columns():
     [
         ({"a": ["x", "y"]}, {}, "column 'a' holds 'x'; every value must be a number"),
         ({"a": [True, False]}, {}, "column 'a' holds 'True'"),
-        ({"a": np.zeros((2, 2))}, {}, "column 'a' is no sequence of numbers"),
-        ({"a": 3.0}, {}, "column 'a' is no sequence of numbers"),
-        ({"a": [1.0, "x"]}, {}, "column 'a' is no sequence of numbers"),
+        ({"a": np.zeros((2, 2))}, {}, "column 'a' is not a sequence of numbers"),
+        ({"a": 3.0}, {}, "column 'a' is not a sequence of numbers"),
+        ({"a": [1.0, "x"]}, {}, "column 'a' is not a sequence of numbers"),
         ({"a": [2**53 + 1]}, {}, "column 'a' holds whole numbers beyond 2.53"),
         ({"a": [1.0], "b": [1.0, 2.0]}, {}, "the columns have {'a': 1, 'b': 2} rows; they must be equally long"),
         ({"a": [1.0]}, {"b": "s"}, "a unit is given for the column 'b'; the table has .'a'."),
@@ -212,7 +212,9 @@ def test_a_table_shows_names_units_and_both_ends():
 
 def test_pandas_is_asked_for_by_name_where_it_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(InputError, match=r"pandas is not installed; get it by: pip install 'polydraulic\[pandas\]'"):
+    with pytest.raises(
+        InputError, match=r"pandas is not installed; install it with: pip install 'polydraulic\[pandas\]'"
+    ):
         TABLE.to_pandas()
 
 
@@ -262,7 +264,7 @@ def test_names_of_columns_travel_or_are_refused_before_anything_is_written(endin
             write_table(Table.from_dict({name: [1.0]}), tmp_path / f"other{ending}")
     if ending == ".csv":
         for name, unit in (("p [bar]", ""), (" p", ""), ("p", "a]b")):
-            with pytest.raises(InputError, match="would not be read so from CSV"):
+            with pytest.raises(InputError, match="would be misread from CSV"):
                 write_table(Table.from_dict({name: [1.0]}, {name: unit}), tmp_path / "other.csv")
     assert list(tmp_path.iterdir()) == [path]
 

@@ -1,7 +1,7 @@
 """polydraulic: polynomial abductive networks and real-time simulation of mobile hydraulic machines.
 
-The names below are loaded when first used, so that importing the package, or asking the command line for help, costs nothing; what
-there is stands in the stub next to this file. `docs/api.md` is the whole public surface on one page.
+The names below are loaded when first used, so that importing the package, or asking the command line for help, costs nothing; the
+list of names is the stub next to this file. `docs/api.md` is the whole public surface on one page.
 """
 
 import logging

@@ -104,7 +104,7 @@ def as_shown(value: Value, unit: str, units: str = DEFAULT) -> Value:
 
 
 def readable(value: float, digits: int = 4) -> str:
-    """A number of so many digits, without a power of ten where it can be written out."""
+    """A number of this many digits, without a power of ten where it can be written out."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if "e+" in text and abs(value) < _LONG else text
 

@@ -1,4 +1,4 @@
-"""Errors that a user can mend.
+"""Errors that a user can fix.
 
 Every message names the thing, the value, what is allowed, and what to do. The command line shows these messages
 without a traceback; any other exception is a defect of the package.
@@ -14,7 +14,7 @@ class InputError(ValueError):
 
 
 class SimulationError(RuntimeError):
-    """A simulation cannot go on: a state left the range in which the model means anything."""
+    """A simulation cannot go on: a state left the range in which the model is meaningful."""
 
 
 def briefly(value: Any) -> str:

@@ -17,13 +17,13 @@ def checked_text(text: str, what: str) -> str:
     Raises
     ------
     InputError
-        If it is no text, or holds a control character, half of a character, or what is none.
+        If it is not a string, or holds a control character, a lone surrogate, or a noncharacter.
     """
     if not isinstance(text, str):
-        raise InputError(f"{what} {text!r}: must be a text")
+        raise InputError(f"{what} {text!r}: must be a string")
     if found := _STRANGE.search(text):
         raise InputError(
-            f"{what} {text!r}: holds the sign {found[0]!r}, which files and other programs do not take: rename it"
+            f"{what} {text!r}: holds the character {found[0]!r}, which files and other programs do not take: rename it"
         )
     return text
 

@@ -6,7 +6,7 @@ from typing import Protocol
 class Progress(Protocol):
     """A function ``progress(what, done, total)`` that long work calls as its pieces begin or end.
 
-    It is told what is being done, and how many pieces of the whole work are done, of how many at most. It is called in the caller's
+    It is told what is being done, and how many pieces of the whole work are done, and of how many at most. It is called in the caller's
     thread; what it returns is ignored, and what it raises ends the work.
 
     Examples

@@ -87,7 +87,7 @@ class Table:
                 data[str(name)] = _numbers(pa.array(values), str(name), "")
             except (pa.ArrowException, TypeError) as error:
                 raise InputError(
-                    f"column {str(name)!r} is no sequence of numbers ({str(error).splitlines()[0]})"
+                    f"column {str(name)!r} is not a sequence of numbers ({str(error).splitlines()[0]})"
                 ) from error
         lengths = {name: len(values) for name, values in data.items()}
         if len(set(lengths.values())) > 1:
@@ -109,7 +109,7 @@ class Table:
         Raises
         ------
         InputError
-            A column that holds anything else than numbers, or a name that stands twice.
+            A column that holds anything else than numbers, or a name that appears twice.
         """
         _refuse_twice(table.column_names, "")
         columns = {name: _numbers(table.column(name), name, "") for name in table.column_names}
@@ -138,17 +138,17 @@ class Table:
         return cls.from_dict(columns, units, frame.attrs.get("info"))
 
     def to_arrow(self) -> "pa.Table":
-        """Return an Arrow table; units stand in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
+        """Return an Arrow table; units are in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
         import pyarrow as pa
 
         return pa.table(list(self.columns.values()), schema=_schema({n: self.unit(n) for n in self}, self.info))
 
     def to_pandas(self) -> "pd.DataFrame":
-        """Return a data frame; units stand in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
+        """Return a data frame; units are in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
         try:
             import pandas as pd
         except ImportError as error:
-            raise InputError("pandas is not installed; get it by: pip install 'polydraulic[pandas]'") from error
+            raise InputError("pandas is not installed; install it with: pip install 'polydraulic[pandas]'") from error
         frame = pd.DataFrame(self.columns, copy=True)
         frame.attrs.update(units={name: self.unit(name) for name in self}, info=dict(self.info))
         return frame
@@ -244,7 +244,7 @@ def table_writer(
     for name, unit in units.items():
         checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
         if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):
-            raise InputError(f"column {name!r} [{unit}] would not be read so from CSV: rename it, or write .parquet")
+            raise InputError(f"column {name!r} [{unit}] would be misread from CSV: rename it, or write .parquet")
     with replacing(path) as temporary:
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:

@@ -112,7 +112,7 @@ def read_unit(
     kind : str
         SI unit of what is known to be measured; ``"Pa"`` makes ``kg/cm2`` the technical atmosphere. Not checked otherwise.
     atmosphere : float, Pa
-        Taken from absolute pressures.
+        Subtracted from absolute pressures.
     library : function (name) -> Symbol or None, optional
         Asked for single names of three letters or more that the table does not have.
 
@@ -125,7 +125,7 @@ def read_unit(
     Raises
     ------
     InputError
-        A text that is no unit, can be read in several ways, or measures what no machine's log has; the nearest units are named.
+        A text that is not a unit, can be read in several ways, or measures what no machine's log has; the nearest units are named.
 
     Examples
     --------
@@ -241,8 +241,8 @@ def _unmarked(plain: str, kind: str, library: Library | None) -> _Reading:
         return _Reading(_factor(heavy), as_force)
     if as_force in ("Pa", "N m"):
         force = re.sub(r"\b(kg|lb|t)s?(?![a-z])", r"\1f", plain.lower() if plain.isupper() else plain)
-        raise _DoubtfulError(f"is of a mass, not of a force: write {force!r} for a {_KIND_OF[as_force].name}")
-    raise UnknownError("nothing that the log of a machine has is measured in it")
+        raise _DoubtfulError(f"is a unit of mass, not of force: write {force!r} for a {_KIND_OF[as_force].name}")
+    raise UnknownError("nothing in a machine's log is measured in it")
 
 
 def _symbol(name: str, alone: bool, library: Library | None) -> Symbol:
@@ -262,7 +262,7 @@ def _symbol(name: str, alone: bool, library: Library | None) -> Symbol:
         return _SYMBOLS[_FOLDED[name.lower()]]
     found = library(name) if library is not None and re.fullmatch(r"[A-Za-z_]{3,24}", name) else None
     if found is None:
-        raise UnknownError("" if alone else f"{name!r} is no unit that is known")
+        raise UnknownError("" if alone else f"{name!r} is not a known unit")
     return found
 
 

@@ -85,7 +85,7 @@ def test_a_log_without_a_row_is_an_error_with_a_report(call, files):
     code, out, error = call("import none.csv --channels map.toml --out table.csv")
     assert code == 2
     assert "error: implausible 'p_head' (600 rows)" in out
-    assert "no row of a table came of it; table.quality.html says why" in error
+    assert "gives no row of a table; table.quality.html says why" in error
     assert not (files / "table.csv").exists()
     assert (files / "table.quality.html").is_file()
 
@@ -174,7 +174,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
     assert len(re.findall(r"^\S+ \[\S+\]: (?:holds|does not hold)", out, re.MULTILINE)) == 6
     code, out, _ = call("replay later.parquet --model machine.json --seconds 6 --plot replay.svg")
     assert code == 0
-    assert "3 windows of 6 s, each begun from the measured state" in out
+    assert "3 windows of 6 s, each started from the measured state" in out
     assert (machine_files / "replay.svg").is_file()
     assert "18 windows of 6 s" in call("replay later.parquet table.parquet --model machine.json --seconds 6")[1]
 

@@ -103,7 +103,7 @@ def test_input_flow_is_near_exact(model, machine):
 def test_unknown_models_list_the_choices(machine):
     with pytest.raises(InputError, match=r"unknown flow model 'magic'; choose one of \['exact', 'iterative'"):
         build_flow("magic", machine)
-    with pytest.raises(InputError, match="int is no flow model"):
+    with pytest.raises(InputError, match="int is not a flow model"):
         flow_name(3)
     with pytest.raises(InputError, match="flow 'pressure' needs models"):
         build_flow("pressure", machine)

@@ -174,9 +174,9 @@ KINDS = {
         "ASC": (can("asc"), "p_head", READ),
         "signed, big-endian, off the grid of bytes": (can("blf"), "p_head", READ),
         "multiplexed, also by a multiplexed signal": (can("blf"), "a", READ),
-        "messages of J1939 that take several frames (BAM, RTS and CTS)": (several_frames(), "first", READ),
+        "J1939 messages that take several frames (BAM, RTS and CTS)": (several_frames(), "first", READ),
         "such messages, some of whose frames are lost": (several_frames((9, 14)), "first", ("not read",)),
-        "codes of J1939: error, not available, reserved, parameter specific": (can("blf"), "speed", ("status",)),
+        "J1939 codes: error, not available, reserved, parameter specific": (can("blf"), "speed", ("status",)),
         "values with texts beside a scaling or a unit": (
             lambda folder: write_bus(folder / "log.blf", [(t, 256, False, bytes([0, 0, 0, 0, 0, 254 if k == 9 else k, 0, 0]))
                                                           for k, t in enumerate(TIME)]), "temp", ("status",)),
@@ -194,10 +194,10 @@ KINDS = {
         "numbers without a header, at the times of receipt": (bag(), "/spool/data", READ),
         "headers whose times are not those of receipt": (bag(late=2.0), "/pump/fluid_pressure", ("stamps",)),
         "headers without times": (bag(stamps=lambda t: None), "/pump/fluid_pressure", ("unstamped",)),
-        "topics of texts, pictures, lists of messages beside others": (
+        "topics of strings, images, lists of messages beside others": (
             bag(more=[("std_msgs/msg/String", "on"), ("tf2_msgs/msg/TFMessage", [])]), "/pump/fluid_pressure", ("not read",)),
         "what a recorder had not put into its database": (journal, "/pump/fluid_pressure", ("not read",)),
-        "topics of texts alone": (nothing_but_texts, "/state/data", REFUSED),
+        "topics of strings alone": (nothing_but_texts, "/state/data", REFUSED),
         "a folder without `metadata.yaml`": (bag(without="metadata.yaml"), "/pump/fluid_pressure", REFUSED),
         "cut off": (cut(bag(place="log.mcap"), 0.5), "/pump/fluid_pressure", REFUSED),
     },

@@ -204,7 +204,7 @@ def test_a_model_holds_on_more_of_the_same_and_not_on_something_else(fits, tmp_p
     assert "on rows held out when it was fitted: as good as it was" in y.statements[0]
     assert f"of up to {fits[0].held.longest} rows" in y.statements[0]  # begun anew as when it was fitted
     assert any("when it was fitted" in text and text.startswith("one step ahead") for text in y.statements)
-    assert "run through without beginning anew, up to" in y.statements[-1]
+    assert "run through without a restart, up to" in y.statements[-1]
     worn, _ = run_validity(models, memory_log(seed=1, gain=0.2))
     assert not worn.holds
     assert "it errs more than it did" in worn.statements[0]

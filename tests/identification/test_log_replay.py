@@ -72,7 +72,7 @@ def test_why_it_is_not_known(machine):
 
 def test_how_far_it_drifts_is_said(found):
     head, names, *rows = str(found).splitlines()
-    assert head == "4 windows of 5 s, each begun from the measured state; largest distance in a window:"
+    assert head == "4 windows of 5 s, each started from the measured state; largest distance in a window:"
     assert names.split() == ["joint", "median", "largest", "moved"]
     assert [row.split()[0] for row in rows] == ["swing", "boom", "stick", "tip"]
     assert rows[1].split()[1:3] == [f"{np.degrees(found.drifts[1].median):.2f}", "deg"]

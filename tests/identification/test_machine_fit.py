@@ -137,7 +137,7 @@ def test_a_model_file_reads_another_log_by_itself(learnt, tmp_path):
     with pytest.raises(InputError, match=r"column 'swing.q_in' is in 'l/min'"):
         as_judged(models[0], Table(later.columns, {**later.units, "swing.q_in": "l/min"}))
     still = changed(later, boom_spool=np.zeros(len(later)))
-    with pytest.raises(InputError, match=r"no row of 2001 says anything of 'boom.q_in': its valve never opens"):
+    with pytest.raises(InputError, match=r"no row of 2001 says anything about 'boom.q_in': its valve never opens"):
         as_judged(models[0], still)
 
 
@@ -194,7 +194,7 @@ def test_numbers_that_cannot_be_are_named(machine, columns, message):
 @pytest.mark.parametrize("n", [1, 100, 600])
 def test_a_short_log_is_refused(machine, n):
     short = Table({name: values[200 : 200 + n] for name, values in machine_log().columns.items()}, {})
-    with pytest.raises(InputError, match=r"rows say something of it, .* record longer|nothing can be learnt of it"):
+    with pytest.raises(InputError, match=r"rows are of use to it, .* record longer|nothing can be learnt of it"):
         fit_machine(short, machine)
 
 

@@ -76,7 +76,7 @@ def test_a_map_is_read():
         (('unit = "mm/s"', 'kind = "speed"'), "channel 'speed' has no unit, but its kind says speed: give its unit"),
         (('unit = "mm/s"', 'unit = ""\nkind = "speed"'), "unit of channel 'speed' = '' measures number, but its kind says speed"),
         (('unit = "bar"\n', ""), "channel 'p_head' has no unit, but its name 'boom.p_a' says pressure: give its unit, or unit = \"\" for"),
-        (('unit = "mm/s"', 'unit = "kg/cm2"'), "unit of channel 'speed': unit 'kg/cm2' is of a mass, not of a force: write 'kgf/cm2' for a pressure"),
+        (('unit = "mm/s"', 'unit = "kg/cm2"'), "unit of channel 'speed': unit 'kg/cm2' is a unit of mass, not of force: write 'kgf/cm2' for a pressure"),
         (('unit = "mm/s"', 'unit = "g"'), "unit of channel 'speed': unit 'g' can be read in several ways; write gn or g0"),
         (('pressure = "boom.p_a"', 'pressure = "lever"'), "pressure of flow 'q' = 'lever' is in V; it must be in Pa"),
     ],

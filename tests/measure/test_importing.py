@@ -178,7 +178,7 @@ def test_gauge_and_absolute_pressures_of_logs(tmp_path, unit):
         found = imported(tmp_path, columns, stated + free, units={**UNITS, "p_head": unit})
         named = [f for f in found.findings if f.channel == "p_head"]
         assert [f.kind for f in named] == (["atmosphere"] if absolute and not stated else [])
-        assert all("1.01325 bar were taken from" in str(f) for f in named)
+        assert all("1.01325 bar were subtracted from" in str(f) for f in named)
         gauge = found.excerpt["boom.p_a"]
         assert gauge == pytest.approx(log["p_head"][:-1] * 1e5 - (atmosphere if absolute else 0.0), rel=1e-9)
         back = found.channels.conversion(found.channels.used[1])
@@ -187,8 +187,8 @@ def test_gauge_and_absolute_pressures_of_logs(tmp_path, unit):
 
 @pytest.mark.parametrize(("unit", "stated", "taken", "why"), [
     ("bar", "", None, ""),
-    ("bar(a)", "", 101325.0, "1.01325 bar were taken from absolute ones (the standard atmosphere)"),
-    ("bar(a)", 'atmosphere = "0.95 bar"\n', 95000.0, "0.95 bar were taken from absolute ones (as the map says)"),
+    ("bar(a)", "", 101325.0, "1.01325 bar were subtracted from absolute ones (the standard atmosphere)"),
+    ("bar(a)", 'atmosphere = "0.95 bar"\n', 95000.0, "0.95 bar were subtracted from absolute ones (as the map says)"),
 ])  # fmt: skip
 def test_the_report_names_the_atmosphere(tmp_path, unit, stated, taken, why):
     found = imported(
@@ -198,7 +198,7 @@ def test_the_report_names_the_atmosphere(tmp_path, unit, stated, taken, why):
     assert json.loads((tmp_path / "quality.json").read_text())["atmosphere_Pa"] == taken
     page = (tmp_path / "quality.html").read_text()
     assert why in page
-    assert ("were taken from absolute ones" in page) == (taken is not None)
+    assert ("were subtracted from absolute ones" in page) == (taken is not None)
 
 
 def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):

@@ -202,14 +202,14 @@ def test_columns_that_are_no_link_are_named(tmp_path):
     (tmp_path / "r.csv").write_text(RECORDED)
     assert load_scenario(tmp_path / "r.csv").title == "Recording of 2 s; not used: engine"
     (tmp_path / "r.csv").write_text("time,boom,stik\n0,0.1,0\n1,0.2,0\n")
-    with pytest.raises(InputError, match=r"no column 'swing'; .* of which \['stik'\] are no link; leave these out"):
+    with pytest.raises(InputError, match=r"no column 'swing'; .* of which \['stik'\] are not links; leave these out"):
         load_scenario(tmp_path / "r.csv")
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("2.5,0,", "2.5,on,", "r.csv: column 'swing' holds no number in row 2"),
+        ("2.5,0,", "2.5,on,", "r.csv: column 'swing' has no number in row 2"),
         ("2.5,0,0.2,-0.5,1800", "2.5,0", "r.csv: missing line: row 2"),
         ("2.5,", "1.5,", "r.csv: signal times must rise; time 1 is 1.5 after 2.0"),
         ("2.5,", "2.0,", "r.csv: signal times must rise; time 1 is 2.0 after 2.0"),
@@ -218,7 +218,7 @@ def test_columns_that_are_no_link_are_named(tmp_path):
         ("stick [V]", "arm [V]", "r.csv: no column 'stick'; the table has"),
         ("time [s]", "t [s]", "r.csv: no column 'time'"),
         ("-0.5", "", "r.csv: column 'stick' holds nan in row 2"),
-        ("2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: a recording needs two rows at least"),
+        ("2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: a recording needs at least two rows"),
         ("2.0,0,0.1,0,1800\n2.5,0,0.2,-0.5,1800\n4.0,0.3,0.2,0,1790\n", "", "r.csv: the log has no rows"),
     ],
 )

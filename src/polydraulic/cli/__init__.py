@@ -16,7 +16,7 @@ _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # files that are written else
 
 
 def main() -> None:
-    """Run the command line; what a user, or whoever keeps the computer, can mend is one line and exit code 2."""
+    """Run the command line; what a user, or whoever keeps the computer, can fix is one line and exit code 2."""
     warnings.formatwarning = _one_line
     with interruptible():
         message = ""

@@ -8,7 +8,7 @@ from polydraulic.terminal import loading
 
 app = typer.Typer(
     help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.\n\n"
-    "First steps: `polydraulic simulate task --plot task.svg` moves the machine that comes with the package, "
+    "First steps: `polydraulic simulate task --plot task.svg` moves an excavator that comes with the package, "
     "`polydraulic fit --help` learns from a table, `polydraulic import --help` reads a measured log. "
     "Each command's `--help` shows an example and what comes next.",
     no_args_is_help=True,

@@ -24,19 +24,17 @@ def run(
     plot: Annotated[Path | None, typer.Option(help="Picture to write, .svg, .png or .pdf.")] = None,
     every: Annotated[
         float | None,
-        typer.Option(
-            help="Begin anew from measured outputs after so many seconds; never within a segment if not given."
-        ),
+        typer.Option(help="Restart from measured outputs after so many seconds; never within a segment if not given."),
     ] = None,
     units: UnitsOption = METRIC,
 ) -> None:
-    """Run a dynamic model on a log: from measured inputs and its own answers, next to what was measured.
+    """Run a dynamic model on a log: from measured inputs and its own predictions, next to what was measured.
 
-    Of the outputs it reads as many rows as its longest lag at the start of each segment; then it goes on by itself.
+    At the start of each segment it reads as many rows of the outputs as its longest lag; then it goes on by itself.
 
     Example: `polydraulic run pressure.json log.parquet --plot run.svg`
 
-    - As a predictor of the next second: `polydraulic run pressure.json log.parquet --every 1 --out second.parquet`
+    - As a predictor one second ahead: `polydraulic run pressure.json log.parquet --every 1 --out second.parquet`
 
     What comes next: `polydraulic check pressure.json --data log.parquet` says whether the model still holds;
     `polydraulic export` writes it as C code or FMU.

@@ -26,7 +26,7 @@ def import_(
     report: Annotated[
         Path | None, typer.Option(help="Quality report, .html; beside the table if not given. Its data as .json.")
     ] = None,
-    dbc: Annotated[list[Path] | None, typer.Option(help="CAN database of a bus log, .dbc; may be given again.")] = None,
+    dbc: Annotated[list[Path] | None, typer.Option(help="CAN database of a bus log, .dbc; repeat for more.")] = None,
     strict: Annotated[
         bool,
         typer.Option("--strict", help="Exit with 1 if the log has errors, such as values beyond a range of the map."),
@@ -43,7 +43,7 @@ def import_(
 
     - A campaign: `polydraulic import "day1_*.csv" --channels map.toml --out table.parquet --strict`
 
-    What comes next: look at the quality report in a browser and mend the map; then `polydraulic fit` learns from the table,
+    What comes next: look at the quality report in a browser and correct the map; then `polydraulic fit` learns from the table,
     `polydraulic fit-machine` the pump and valves of a whole machine.
     """
     from polydraulic.files import write_text
@@ -78,7 +78,7 @@ def import_(
     for found in told.deadbands:
         print(found.statement(imported.shown(units).get(found.input)))
     if imported.n_row == 0:
-        raise InputError(f"{imported.source}: no row of a table came of it; {page} says why")
+        raise InputError(f"{imported.source}: gives no row of a table; {page} says why")
     print(
         f"{out}: {imported.n_row} rows in {imported.n_segment} segment(s); {page}: {len(imported.findings)} finding(s)"
     )
@@ -94,7 +94,9 @@ def record(
         list[str] | None,
         typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS."),
     ] = None,
-    sensors: Annotated[Path | None, typer.Option(help="Sensors, TOML: what they read, how well and how often.")] = None,
+    sensors: Annotated[
+        Path | None, typer.Option(help="Sensors, TOML: what they read, how accurately and how often.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Log to write, .csv, .mf4 or .parquet; with --example the sensors, .toml.")
     ] = None,
@@ -104,7 +106,7 @@ def record(
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
     machine: MachineOption = "cat215b",
 ) -> None:
-    """Simulate, and write what sensors would have recorded: noise, digits, delay, dropouts, drift, rasters.
+    """Simulate, and write what sensors would have recorded: noise, resolution, delay, dropouts, drift, rasters.
 
     Example: `polydraulic record random:1:600 random:2:600 --sensors sensors.toml --out log.mf4`
 
@@ -156,15 +158,17 @@ def fit_machine(
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: coverage, errors, intervals, proofs, equations.")
     ] = None,
-    regions: Annotated[int, typer.Option(help="Regions at most that the network of an inlet may find.", min=1)] = 16,
-    rows: Annotated[int, typer.Option(help="Rows at most that a network learns from.", min=1)] = 30_000,
-    blocks: Annotated[int, typer.Option(help="Blocks of time at least, of which every fifth is held out.", min=5)] = 20,
-    boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
+    regions: Annotated[int, typer.Option(help="Most regions that the network of an inlet may find.", min=1)] = 16,
+    rows: Annotated[int, typer.Option(help="Most rows that a network learns from.", min=1)] = 30_000,
+    blocks: Annotated[int, typer.Option(help="Fewest blocks of time, of which every fifth is held out.", min=5)] = 20,
+    boxes: Annotated[
+        int, typer.Option(help="With --card: sub-boxes per region that its proofs may take.", min=1)
+    ] = 200,
     units: UnitsOption = METRIC,
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
-    Of the parameter set only pump flows, relief setting, return pressure and the borders of spool travel are used.
+    Of the parameter set only pump flows, relief setting, return pressure and the limits of spool travel are used.
 
     Every fifth block of time is held out to state the errors; the models are then learnt from all rows. With the columns
     LINK.voltage and LINK.angle, the machine is also run against the blocks held out, as `replay` does.
@@ -212,14 +216,14 @@ def replay(
 ) -> None:
     """Run a machine against a log of the real one, and say how far joints and tip drift.
 
-    The joysticks of the log drive the machine over windows, each begun anew from the measured state; of the rest of a window
-    nothing is seen. It judges flow model and parameter set (masses, friction, lines) together, and needs no exact model.
+    The joysticks of the log drive the machine over windows, each restarted from the measured state; nothing else of a window
+    is read. It judges flow model and parameter set (masses, friction, lines) together, and needs no exact model.
 
     Example: `polydraulic replay later.parquet --model machine.json --plot replay.svg`
 
-    - What the sensors alone make of it, on a log of `record`: `polydraulic replay later.parquet --flow exact`
+    - The error that the sensors alone cause, on a log of `record`: `polydraulic replay later.parquet --flow exact`
 
-    What comes next: where joints drift apart, mend masses and friction of the parameter set, or learn from a longer log.
+    What comes next: where joints drift apart, correct masses and friction in the parameter set, or learn from a longer log.
     """
     from polydraulic.identification.log_replay import plot_replay
     from polydraulic.identification.log_replay import replay as run

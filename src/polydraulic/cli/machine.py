@@ -26,7 +26,7 @@ def _flow_names() -> list[str]:
 FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
 OwnMachineOption = Annotated[
     str | None,
-    typer.Option(help="Machine by name, or a TOML file; if not given, that which the scenario is for, else cat215b."),
+    typer.Option(help="Machine by name, or a TOML file; if not given, the one that the scenario is for, else cat215b."),
 ]
 ScenarioArgument = Annotated[
     str,
@@ -72,13 +72,13 @@ def simulate(
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
 ) -> None:
-    """Simulate a scenario, say what happened, and how far it is from the run with the exact flow.
+    """Simulate a scenario, say what happened, and how far the run is from that with the exact flow.
 
     Prints the largest pressures, events, where the machine ended, warnings, and how long it took to compute.
 
     Example: `polydraulic simulate task --out task.parquet --plot task.svg`
 
-    - The iteration that the closed form replaces: `polydraulic simulate step --flow iterative`
+    - With the iteration that the closed form replaces: `polydraulic simulate step --flow iterative`
 
     - Networks of your own: `polydraulic simulate single_08 --flow polynomial --model q_in.json --plot run.svg`
 
@@ -168,13 +168,12 @@ def animate(
     out: Annotated[Path, typer.Option(help="Animation to write: .html plays in any browser, .gif anywhere.")],
     flow: Annotated[
         list[str] | None,
-        typer.Option(
-            help=f"{FLOWS} Repeat to lay runs on top of each other; exact if not given.", autocompletion=_flow_names
-        ),
+        typer.Option(help=f"{FLOWS} Repeat to overlay runs; exact if not given.", autocompletion=_flow_names),
     ] = None,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
     rate: Annotated[
-        float | None, typer.Option(help="Frames in a second; 20 for .html, which draws between them, 12.5 for .gif.")
+        float | None,
+        typer.Option(help="Frames per second; 20 for .html, which interpolates between them, 12.5 for .gif."),
     ] = None,
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
@@ -295,22 +294,22 @@ def export_machine(
     out: Annotated[Path, typer.Option(help="Folder to write C to, or an .fmu file.")],
     to: Annotated[str, typer.Option(help="c, fmi2 or fmi3.")] = "fmi3",
     flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
-    name: Annotated[str, typer.Option(help="What it is called, a C identifier.")] = "machine",
+    name: Annotated[str, typer.Option(help="Name of the export, a C identifier.")] = "machine",
     dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
     cross: Annotated[
-        bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, by the package ziglang.")
+        bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, using the package ziglang.")
     ] = False,
     force: Annotated[
         bool,
         typer.Option(
-            "--force", help="With three more inputs, a force at the tip; of machines that are described by links."
+            "--force", help="Three more inputs, a force at the tip; for machines that are described by links."
         ),
     ] = False,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Write the whole machine, joysticks to end-effector, as C99 or as an FMU for co-simulation; no Python in it.
 
-    The kernels themselves are translated: its results have the bits of `simulate`.
+    The kernels themselves are translated: its results are those of `simulate`, bit for bit.
 
     Example: `polydraulic export-machine --to fmi3 --flow polynomial --out excavator.fmu`
 

@@ -44,7 +44,7 @@ def list_machines(
 
 @machines.command()
 def check(machine: MachineArgument) -> None:
-    """Check a machine file: everything that is wrong in it at once, then what is unusual, then what it is.
+    """Check a machine file: everything that is wrong in it at once, then what is unusual, then a summary of the machine.
 
     Exits with 2 if the file cannot be used; unusual values are warnings.
 
@@ -105,9 +105,9 @@ def show(machine: MachineArgument) -> None:
 @machines.command()
 def new(
     out: Annotated[Path, typer.Argument(help="File to write, .toml.")],
-    like: Annotated[str, typer.Option(help="Machine to begin from, by name or file.")] = "excavator_22t",
+    like: Annotated[str, typer.Option(help="Machine to start from, by name or file.")] = "excavator_22t",
 ) -> None:
-    """Write a machine file to begin with: another machine's, with a comment on how to get each kind of number.
+    """Write a machine file to start from: another machine's, with a comment on how to get each kind of number.
 
     Example: `polydraulic machine new my_crane.toml --like loader_crane`
 

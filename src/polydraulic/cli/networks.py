@@ -30,10 +30,10 @@ def fit(
         typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the unit of the table; repeat for more."),
     ] = None,
     regions: Annotated[
-        int, typer.Option(help="Without edges: find regions in the data, this many at most; 1 for a single network.")
+        int, typer.Option(help="Without edges: find regions in the data, at most this many; 1 for a single network.")
     ] = 1,
     layers: Annotated[
-        int | None, typer.Option(help="Layers at most; 4 if not given, of a dynamic model as chosen.")
+        int | None, typer.Option(help="Most layers; 4 if not given, for a dynamic model as chosen.")
     ] = None,
     cpm: Annotated[float | None, typer.Option(help="Complexity penalty multiplier; 1 if not given.")] = None,
     prior: Annotated[
@@ -42,22 +42,27 @@ def fit(
     ] = None,
     bounds: Annotated[
         str | None,
-        typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range and a tenth if not given."),
+        typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range widened by a tenth if not given."),
     ] = None,
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: data, errors, intervals, proofs, equations.")
     ] = None,
     deadbands: Annotated[
-        bool, typer.Option("--deadbands", help="Regions from the deadbands that an imported log shows, as well.")
+        bool, typer.Option("--deadbands", help="Also split regions at the deadbands that an imported log shows.")
     ] = False,
     dynamic: Annotated[
         bool,
-        typer.Option("--dynamic", help="From rows before: one model of all outputs, which can run on its own answers."),
+        typer.Option(
+            "--dynamic",
+            help="Predict from earlier rows: one model of all outputs, which can run on its own predictions.",
+        ),
     ] = False,
     longest_lag: Annotated[
         int | None, typer.Option(help="With --dynamic: how many rows ago may be read, at most; 8 if not given.", min=1)
     ] = None,
-    boxes: Annotated[int, typer.Option(help="With --card: sub-boxes a region that its proofs may take.", min=1)] = 200,
+    boxes: Annotated[
+        int, typer.Option(help="With --card: sub-boxes per region that its proofs may take.", min=1)
+    ] = 200,
     units: UnitsOption = METRIC,
 ) -> None:
     """Learn polynomial networks from a table.
@@ -66,11 +71,11 @@ def fit(
     elsewhere. The model is then fitted on all rows.
 
     With `--dynamic` the table is a log (columns `time`, `segment`, as `polydraulic import` writes it). The model predicts the next row from
-    rows before it, or runs on its own answers; lags and complexity are chosen by runs, and the errors of both are stated.
+    rows before it, or runs on its own predictions; lags and complexity are chosen by runs, and the errors of both are stated.
 
     Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
 
-    - From a log, with all that an engineer asks before trusting it: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
+    - From a log, with all that an engineer asks before trusting a model: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
     --outputs boom.q_in --regions 12 --out q_in.json --card q_in.html`; `polydraulic check q_in.json --data new.parquet` later
     says whether it still holds.
 
@@ -143,25 +148,25 @@ def check(
             help="COLUMN=LOW,HIGH: only in this part of the inputs; repeat for more. The domain if not given. Units as for --range."
         ),
     ] = None,
-    boxes: Annotated[int, typer.Option(help="Sub-boxes a region that the proof may take.", min=1)] = 20000,
+    boxes: Annotated[int, typer.Option(help="Sub-boxes per region that the proof may take.", min=1)] = 20000,
     data: Annotated[
         list[str] | None, typer.Option(help="Table that the model has not seen: does the model still hold there?")
     ] = None,
     units: UnitsOption = METRIC,
 ) -> None:
-    """Prove where the outputs of a model can go, anywhere in its domain or a box: a proof, not a sample.
+    """Prove which range the outputs of a model cannot leave, anywhere in its domain or a box: a proof, not a sample.
 
     Prints the proved range and the ranges of the slopes by region. With `--range`, says whether the model stays in it, or
     where it leaves; the exit code is 1 unless it is proved to stay.
 
     With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
-    no longer holds. Dynamic models run on their own through the new log, begun anew as often as when they were fitted.
+    no longer holds. Dynamic models run on their own through the new log, restarted as often as when they were fitted.
 
     Example: `polydraulic check q_in.json --range "0,170 l/min"`
 
     - A year later: `polydraulic check q_in.json --data this_year.parquet`, or `--data spring.parquet autumn.parquet`
 
-    What comes next: a model that does not hold any more is fitted again, with the new rows; `polydraulic export` writes one that does.
+    What comes next: a model that no longer holds is fitted again, with the new rows; `polydraulic export` writes one that does.
     """
     from polydraulic.identification.model_check import check_models
     from polydraulic.networks.model.model_file import load_models
@@ -195,11 +200,14 @@ def export(
     out: Annotated[Path, typer.Option(help="Folder to write to, or a file with the ending of the target.")],
     to: Annotated[str, typer.Option(help="c, fmi2, fmi3, onnx, python, sympy or latex.")] = "c",
     name: Annotated[
-        str | None, typer.Option(help="What it is called; the file, the one output, or the model file if not given.")
+        str | None,
+        typer.Option(
+            help="Name of the export; that of the file, of the only output or of the model file if not given."
+        ),
     ] = None,
     real: Annotated[str, typer.Option(help="Precision of c and onnx: double or float.")] = "double",
     cross: Annotated[
-        bool, typer.Option("--cross", help="FMUs also for Windows, macOS and arm64, by the package ziglang.")
+        bool, typer.Option("--cross", help="FMUs also for Windows, macOS and arm64, using the package ziglang.")
     ] = False,
 ) -> None:
     """Write a model, with all its outputs, for use without this package: C, FMU, ONNX, Python, SymPy, LaTeX.
@@ -230,7 +238,7 @@ def verify(
     points: Annotated[int, typer.Option(help="Points, inside the domain, on borders and outside.", min=6)] = 3000,
     seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
 ) -> None:
-    """Export a model to everything that can be built here, and compare with the package at thousands of points.
+    """Export a model to every target that can be built here, and compare them with the package at thousands of points.
 
     Prints the largest difference of every output in its unit, of slopes and of the domain, and what was not tried. The exit
     code is 1 if a target of double precision does not agree to rounding.

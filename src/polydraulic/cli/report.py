@@ -20,7 +20,7 @@ def report(
     """Reproduce the thesis: every table, figure and printed number with the computed one, and what is possible today.
 
     Writes index.html and a page for each chapter (readable offline), figures, their data as CSV, and results.json. What has been
-    computed stays in the folder's cache: a second run takes seconds, and one that was killed goes on.
+    computed stays in the folder's cache: a second run takes seconds, and one that was interrupted goes on.
 
     Example: `polydraulic report --chapter 4 --out report`
 

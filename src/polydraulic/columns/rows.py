@@ -1,4 +1,4 @@
-"""Rows of a text file as blocks of text cells, in bounded memory; rows of other lengths are mended or named."""
+"""Rows of a text file as blocks of text cells, in bounded memory; rows of other lengths are repaired or named."""
 
 import csv as python_csv
 from collections.abc import Iterator, Sequence

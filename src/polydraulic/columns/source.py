@@ -44,7 +44,7 @@ def scan_bytes(path: Path) -> Scan:
         return _scan(path)
     except DAMAGED as error:
         damaged = f"damaged: {error}" if path.suffix == ".gz" else str(error)
-        raise InputError(f"{path}: cannot be read ({damaged}); copy it anew, or unpack what is left of it") from error
+        raise InputError(f"{path}: cannot be read ({damaged}); copy it again, or unpack what is left of it") from error
 
 
 def _scan(path: Path) -> Scan:
@@ -58,7 +58,7 @@ def _scan(path: Path) -> Scan:
                 raise InputError(f"{path}: cannot be read as {wide} ({error.reason})") from error
             return Scan(wide, head, True, True, True)
         if b"\0" in first:
-            raise InputError(f"{path}: is no text; a CSV log is")
+            raise InputError(f"{path}: is not text; a CSV log must be")
         marks = dict.fromkeys((b",", b".", b'"'), False)
         utf8, pending, windows = codecs.getincrementaldecoder("utf-8")(), False, False
         valid, chunk = True, first

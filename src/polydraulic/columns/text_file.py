@@ -23,11 +23,11 @@ class NumberBlock(NamedTuple):
     rows : (n_row,) array of int
         Lines of data counted from 1.
     time : (n_row,) array or None
-        In s where the column holds times as texts, otherwise its numbers.
+        In s where the column holds times as text, otherwise its numbers.
     values : dict from name to (n_row,) array
         NaN where there is no value.
     text : dict from name to array of int
-        Places in the block that hold something that is no number.
+        Places in the block that hold something that is not a number.
     done : float
         Share of the file that has been read.
     """
@@ -158,7 +158,7 @@ class TextFile:
         return {name: TextColumn(reading, lambda n=name: whole(n)) for name, reading in readings.items()}  # type: ignore[misc]
 
     def _readings(self, places: dict[str, int]) -> dict[str, Notation]:
-        """One reading a column; the whole file is looked at only where marks in it leave a doubt."""
+        """One reading per column; the whole file is looked at only where marks in it leave a doubt."""
         comma = self._comma and (self.dialect.delimiter != "," or self._quote)
         if not comma:
             if self.dialect.delimiter in (",", BLANKS) or not self._point:

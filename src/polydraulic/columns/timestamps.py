@@ -1,4 +1,4 @@
-"""Times as texts: dates of every common form, times of day, durations; as seconds.
+"""Times as text: dates of every common form, times of day, durations; as seconds.
 
 Which of two numbers of 03/04/2024 is the day is never guessed: a day above 12 somewhere in the column tells, or the caller says.
 """

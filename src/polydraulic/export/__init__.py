@@ -1,8 +1,7 @@
 """Out of Python: models as C99, FMUs, ONNX, formulas, plain Python; the whole machine as C99 and FMU.
 
-Read in this order: `bundle` (models that go together), `c` with `c_network` and `c_text`, `fmu`, `onnx`, `formula`, `targets`
-(all of them by name), `verify` (the same points through all of them);
-`translate` (kernels as C), `machine` (all of it).
+Read in this order: `model_bundle` (models that go together), `c`, `fmu`, `onnx`, `formula`, `targets` (all of them by name), `verify`
+(the same points through all of them); `translate` (kernels as C), `machine` (the whole machine).
 """
 
 import lazy_loader

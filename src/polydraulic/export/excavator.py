@@ -46,7 +46,7 @@ def machine_start(machine: Prepared, memory: np.ndarray, row: np.ndarray) -> int
 
 @kernel
 def machine_advance(machine: Prepared, memory: np.ndarray, row: np.ndarray, inputs: np.ndarray) -> int:
-    """One step from the state in a row to that after it; the row stays as it is where a rate leaves all reason."""
+    """One step from the state in a row to that after it; the row stays as it is where a rate diverges."""
     x = from_vector(row)
     step = machine_step(machine.model, memory, machine.plant, x, Links(inputs[0], inputs[1], inputs[2]))
     if not reasonable(step.state.rate):

@@ -47,7 +47,7 @@ _PYTHON_SIGMOID = """
 
 
 def to_text(model: Model) -> str:
-    """Equations of `model` in words, by region, one line a node.
+    """Equations of `model` in words, by region, one line per node.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def _condition(sympy: Any, model: Model, k: int, symbols: Sequence[Any]) -> Any:
 def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
     """One polynomial in `x`; multiplied out with exact fractions, rounded once."""
     if any(node.kind == SIGMOID for node in network.nodes):
-        raise InputError("a network with sigmoid nodes is no polynomial: leave out expanded=True")
+        raise InputError("a network with sigmoid nodes is not a polynomial: leave out expanded=True")
     degrees = [1] * network.n_inputs
     needed = [{i} for i in range(network.n_inputs)]
     for node in network.nodes:

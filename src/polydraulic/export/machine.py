@@ -70,14 +70,14 @@ def machine_c(
     locked : collection of str
         Links or functions whose joints are held, and whose voltages are ignored.
     force : bool
-        Whether three more inputs are a force in N at the tip, along the ground's axes; of machines that are described by links.
+        Whether three more inputs are a force in N at the tip, along the ground's axes; for machines that are described by links.
     most_numbers : int
         That tables of the flow model may hold: 4 MB of text.
 
     Raises
     ------
     InputError
-        If the flow model does not serve a function that is free, or its tables are too large for a C file; if `name` is no C
+        If the flow model does not serve a function that is free, or its tables are too large for a C file; if `name` is not a C
         identifier; with file and line where a kernel does not translate.
     """
     if c_name(name) != name:

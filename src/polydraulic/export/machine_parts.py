@@ -16,7 +16,7 @@ class MachineParts(NamedTuple):
     functions : tuple of str
         That take a voltage.
     inputs : tuple of str
-        Names of the inputs: a voltage a function, then a force if there is one.
+        Names of the inputs: a voltage per function, then a force if there is one.
     outputs : tuple of (name, unit)
         Of a recorded row, and the tip.
     numbers : named tuple, called Prepared

@@ -1,4 +1,4 @@
-"""Models that are exported together: one list of inputs, one output a model, one name."""
+"""Models that are exported together: one list of inputs, one output per model, one name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Bundle:
     name : str
         A C identifier.
     models : tuple of Model
-        One an output.
+        One per output.
     inputs : tuple of Variable
         Every input once, in the order in which the models name them.
     places : tuple of tuple of int
@@ -34,7 +34,7 @@ class Bundle:
 
     @property
     def outputs(self) -> tuple[Variable, ...]:
-        """One a model."""
+        """One per model."""
         return tuple(model.output for model in self.models)
 
     def identifiers(self) -> tuple[list[str], list[str]]:
@@ -42,7 +42,7 @@ class Bundle:
         return unique_names([v.name for v in self.inputs]), unique_names([v.name for v in self.outputs])
 
     def renamed(self) -> dict[str, str]:
-        """Names that are no C identifiers, and what they are called in C."""
+        """Names that are not C identifiers, and what they are called in C."""
         names = [v.name for v in (*self.inputs, *self.outputs)]
         inputs, outputs = self.identifiers()
         return {name: c for name, c in zip(names, [*inputs, *outputs], strict=True) if name != c}

@@ -37,7 +37,7 @@ def export_onnx(
     Parameters
     ----------
     models : sequence of Model
-        One an output.
+        One per output.
     path : str or Path
         Ends in .onnx.
     name : str, optional

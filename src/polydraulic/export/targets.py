@@ -38,13 +38,13 @@ def export_models(
     Parameters
     ----------
     models : sequence of Model
-        One an output.
+        One per output.
     to : str
         "c", "fmi2", "fmi3", "onnx", "python", "sympy" or "latex".
     out : str or Path
         A file with the ending of the target, or a folder.
     name : str, optional
-        What it is called, made a C identifier; else the name of the file, of the one output, or "model".
+        Name of the export, made a C identifier; else the name of the file, of the one output, or "model".
     real : str
         "double" or "float": precision of C and ONNX.
     cross : bool
@@ -92,7 +92,7 @@ def is_file(to: str, out: str | Path) -> bool:
 
 
 def _python(whole: Bundle) -> str:
-    """A function an output, without dependencies."""
+    """A function per output, without dependencies."""
     functions = zip(whole.models, whole.identifiers()[1], strict=True)
     return "\n\n".join(to_python(model, name) for model, name in functions)
 

@@ -70,7 +70,7 @@ def verify_models(
     Parameters
     ----------
     models : sequence of Model
-        One an output.
+        One per output.
     n : int
         Points: two thirds inside the domain, a sixth on faces and borders of regions, a sixth around the domain.
     seed : int
@@ -81,7 +81,7 @@ def verify_models(
     Returns
     -------
     agreements : list of Agreement
-        One a target and output.
+        One per target and output.
     not_tried : dict
         Why a target could not be tried here, or fails, by its name. One that fails differs infinitely.
 

@@ -206,7 +206,7 @@ def flow_name(model: object) -> str:
     for name, kind in FLOW_KINDS.items():
         if type(model) is kind.model:
             return name
-    raise InputError(f"{type(model).__name__} is no flow model; choose one of {sorted(FLOW_KINDS)}")
+    raise InputError(f"{type(model).__name__} is not a flow model; choose one of {sorted(FLOW_KINDS)}")
 
 
 def served_links(model: FlowModel) -> tuple[str, ...]:

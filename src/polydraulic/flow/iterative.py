@@ -47,7 +47,7 @@ def iterative_flow(
     relaxation : float
         Share of a sweep's pressure change that is made, in (0, 1].
     max_sweeps : int
-        Sweeps a step at most.
+        Maximum number of sweeps per step.
 
     Raises
     ------

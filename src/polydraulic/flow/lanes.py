@@ -1,4 +1,4 @@
-"""Many machines side by side: values as rows of 64 lanes, one machine a lane, for loops that become vector instructions.
+"""Many machines side by side: values as rows of 64 lanes, one machine per lane, for loops that become vector instructions.
 
 A block of machines is one flat array, row after row; the first rows are those of a recorded step, scratch follows. Row numbers
 and `LANES` are constants, so that the compiler sees which places differ. Parameters are one named tuple for the
@@ -37,7 +37,7 @@ def put(rows: np.ndarray, row: int, lane: int, value: float) -> None:
 
 @kernel
 def get_links(rows: np.ndarray, row: int, lane: int) -> Links:
-    """Three rows as one value a link."""
+    """Three rows as one value per link."""
     return Links(rows[row * LANES + lane], rows[(row + 1) * LANES + lane], rows[(row + 2) * LANES + lane])
 
 

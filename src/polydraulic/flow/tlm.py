@@ -32,7 +32,7 @@ _LIMIT_PASSES = 5
 
 
 class TlmFlow(NamedTuple):
-    """Orifice tables, pumps, compliances in m3/Pa of the lines, low pass, make-up floor in Pa, substeps a step."""
+    """Orifice tables, pumps, compliances in m3/Pa of the lines, low pass, make-up floor in Pa, substeps per step."""
 
     valves: Valves
     boom_pump: Pump

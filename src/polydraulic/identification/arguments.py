@@ -31,7 +31,7 @@ def table_of(
     """A table or that of a file, and what it is called; only `columns` if given, and those of `optional` that it has.
 
     Several tables, or files that match a pattern such as ``day*.parquet``, become one: those with dates in the order of these, all
-    others as they are given. Times rise through all of them, a minute apart where they begin anew, and ``segment`` is counted on.
+    others as they are given. Times rise through all of them, a minute apart where they restart, and ``segment`` is counted on.
 
     Raises
     ------

@@ -95,7 +95,7 @@ class DynamicFit:
     Attributes
     ----------
     outputs : list of DynamicOutputFit
-        One an output.
+        One per output.
     table : Table
         What the models were fitted to.
     source : str
@@ -137,7 +137,7 @@ def fit_dynamic(
     ----------
     table : Table, str, Path or sequence of them
         Or its file: a log with a column ``time``, and ``segment`` where it has gaps; see `log_rows`. Of several tables, or a pattern such
-        as ``day*.parquet``, no lag and no block goes over the end of one.
+        as ``day*.parquet``, no lag and no block crosses the end of one.
     inputs, outputs : sequence of str
     estimator : AbductiveRegressor, optional
         Of every network; chosen by free runs if not given.

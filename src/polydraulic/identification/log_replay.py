@@ -1,4 +1,4 @@
-"""A machine run against a log of the real one: how far joints drift over windows begun anew from the measured state.
+"""A machine run against a log of the real one: how far joints drift over windows restarted from the measured state.
 
 The joysticks of the log drive it; nothing else of the log is seen after the start of a window. What is judged is the whole machine,
 flow model and parameter set (masses, friction, lines) together.
@@ -102,7 +102,7 @@ class Replay:
     def text(self, units: str = DEFAULT) -> str:
         """How far it drifts, in a table."""
         head = (
-            f"{len(self.windows)} windows of {self.seconds:g} s, each begun from the measured state; "
+            f"{len(self.windows)} windows of {self.seconds:g} s, each started from the measured state; "
             "largest distance in a window:"
         )
         return "\n".join([head, *text_table(DRIFT_HEADS, drift_rows(self.drifts, units))])
@@ -121,7 +121,7 @@ def replay(
     rows: np.ndarray | None = None,
     progress: Progress = quiet,
 ) -> Replay:
-    """Run a machine over windows of a log of the real one, each begun from the measured state.
+    """Run a machine over windows of a log of the real one, each started from the measured state.
 
     Angle and rate at the start come from a parabola through the rows within 0.1 s of it, spools and pressures from its row.
     Windows follow each other; gaps of up to 0.1 s are bridged by straight lines, longer ones end a piece.
@@ -130,7 +130,7 @@ def replay(
     ----------
     log : Table, str, Path or sequence of them
         Or its file: ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
-        Of several tables, or a pattern such as ``day*.parquet``, no window goes over the end of one.
+        Of several tables, or a pattern such as ``day*.parquet``, no window crosses the end of one.
     machine : Machine, str or Path
         Or a parameter set by its name or file.
     flow : str or flow model
@@ -255,14 +255,14 @@ def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.nd
     if not windows:
         return f"not run against the log: no piece of {SECONDS:g} s without a gap in the blocks held out", []
     return (
-        f"run against the log: {len(windows)} windows of {SECONDS:g} s in the blocks held out, each begun from the measured state, by "
+        f"run against the log: {len(windows)} windows of {SECONDS:g} s in the blocks held out, each started from the measured state, by "
         "networks learnt without them",
         drifts(machine, windows),
     )
 
 
 def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
-    """Measured angles of each joint, above them the runs, begun anew in each window, and how far apart they are.
+    """Measured angles of each joint, above them the runs, restarted in each window, and how far apart they are.
 
     Parameters
     ----------
@@ -280,7 +280,7 @@ def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
         for number, window in enumerate(found.windows[:_SHOWN]):
             time, label = time_axis(window.time, found.began)
             measured, run = (as_shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
-            names = ("measured", "run", "begun anew") if number == 0 else (None, None, None)
+            names = ("measured", "run", "restarted") if number == 0 else (None, None, None)
             axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
             axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])
             axis.plot(time[:1], run[:1], "o", color="#e07a1f", markersize=4.0, label=names[2])
@@ -318,7 +318,7 @@ def _begins(time: np.ndarray, rows: np.ndarray, seconds: float, parts: Sequence[
 
 
 def _part_with(parts: Sequence[int], row: int) -> slice:
-    """Rows of the part, of parts with so many rows, that a row is in."""
+    """Rows of the part, of parts with this many rows, that a row is in."""
     ends = np.cumsum([0, *parts]).tolist()
     part = int(np.searchsorted(ends, row, side="right")) - 1
     return slice(ends[part], ends[part + 1])

@@ -175,7 +175,7 @@ def kept(outputs: Sequence[OutputFit]) -> str:
     """Sentence on networks that are those learnt without the rows held out; empty if there are none."""
     names = [found.model.output.name for found in outputs if found.model.training["learnt_from"] != "all rows"]
     return (
-        f"learnt without the rows held out, since learning from all rows ended worse: {', '.join(names)}"
+        f"learnt without the rows held out, since learning from all rows gave a worse result: {', '.join(names)}"
         if names
         else ""
     )

@@ -102,6 +102,6 @@ def check_rows(log: Table, held: np.ndarray, known: Known) -> None:
             learnt, left = int(np.sum(rows & ~held)), int(np.sum(rows & held))
             if learnt < _LEARNT or left < _HELD:
                 raise InputError(
-                    f"{link}.{what}: {learnt} rows say something of it, and {left} in the blocks of time held out; it takes {_LEARNT} and "
+                    f"{link}.{what}: {learnt} rows are of use to it, and {left} in the blocks of time held out; it takes {_LEARNT} and "
                     f"{_HELD}: record longer, or move the {link} more often"
                 )

@@ -132,7 +132,7 @@ def as_judged(model: Model, table: Table) -> Table:
     log = by_port(known, table)
     rows = judging_rows(model.output.name, log, known)
     if not rows.any():
-        raise InputError(f"no row of {len(log)} says anything of {model.output.name!r}: its valve never opens")
+        raise InputError(f"no row of {len(log)} says anything about {model.output.name!r}: its valve never opens")
     return some_rows(log, rows)
 
 

@@ -60,9 +60,9 @@ def write_card(
     path : str or Path
         Of the page, ``.html``; the JSON has the same name and the ending ``.card.json``, since a model may be called ``.json``.
     source : str, optional
-        Where the data came from, as it shall stand in the card; the name of their file if not given.
+        Where the data came from, as the card is to name it; the name of their file if not given.
     max_boxes : int
-        Sub-boxes a region that the proofs may take.
+        Sub-boxes per region that the proofs may take.
     shown : int
         Regions of a model, whose networks are drawn and written out.
     units : str
@@ -252,7 +252,7 @@ def _dynamic_section(found: DynamicOutputFit, facts: dict[str, Any], most: int) 
 <ul>{"".join(f"<li>{escape(item)}</li>" for item in told)}</ul>
 {html_table(f"Errors: {runs}; one step ahead in the same rows", ["model", *heads], rows)}
 {_picture(plot_separately(model, found.held))}
-<p>Free runs through the blocks held out, by a model that has not seen them: each begins from measured rows and then reads its own answers.
+<p>Free runs through the blocks held out, by a model that has not seen them: each starts from measured rows and then reads its own predictions.
 Shaded: the intervals.</p>
 {_picture(_errors(model, found.held.measured, found.held.free))}
 {_domain(model, facts)}

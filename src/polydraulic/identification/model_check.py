@@ -35,7 +35,7 @@ class Check:
     models : list of Model
         Static ones first where they were judged by data.
     found : sequence of ModelBounds, of RangeCheck, or of Validity
-        One a model: proved bounds; whether it stays in a range; whether it holds on data.
+        One per model: proved bounds; whether it stays in a range; whether it holds on data.
     notes : list of str
         What a proof of dynamic models is about.
     units : str
@@ -81,14 +81,14 @@ def check_models(
     models : sequence of Model, str or Path
         Or the model file.
     data : Table, str, Path or sequence of them, optional
-        Or its file: new measurements; of several tables, or a pattern such as ``day*.parquet``, no run goes over the end of one. Models are judged next to what was stated when they were fitted; dynamic ones run on their own
-        through it, begun anew as often as then; those of a machine read an imported log.
+        Or its file: new measurements; of several tables, or a pattern such as ``day*.parquet``, no run crosses the end of one. Models are judged next to what was stated when they were fitted; dynamic ones run on their own
+        through it, restarted as often as then; those of a machine read an imported log.
     limits : (low, high), optional
         Is it proved that no output leaves this range, in the output's unit? The proved ranges of outputs and slopes if not given.
     box : mapping from input name to (low, high), optional
         Only in this part of the inputs, in their units; the domain of those that are not named.
     max_boxes : int
-        Sub-boxes a region that the proof may take.
+        Sub-boxes per region that the proof may take.
     units : str
         Of what is said: ``"metric"``, ``"field"`` or ``"si"``; what is in units of its own stays.
     progress : Progress, optional

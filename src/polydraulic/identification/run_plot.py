@@ -1,4 +1,4 @@
-"""Free runs drawn: measured and simulated over time, one panel an output."""
+"""Free runs drawn: measured and simulated over time, one panel per output."""
 
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ _SHOWN = 6  # runs that have a panel of their own
 
 
 def plot_runs(found: ModelRuns, *, units: str = DEFAULT) -> "Figure":
-    """All runs on one axis of time, one panel an output.
+    """All runs on one axis of time, one panel per output.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ class DynamicRun(NamedTuple):
     time : array, s
         Number of the row where the log has no times.
     measured, free, one_step : array
-        Measured; answered from the model's own answers; answered from measured values.
+        Measured; answered from the model's own predictions; answered from measured values.
     """
 
     row: np.ndarray
@@ -73,12 +73,12 @@ def run_on(
     spans : sequence of (start, stop)
         Rows that follow each other. The first ones of each, as many as the longest lag, are read only; shorter ones are left out.
     horizon : int, optional
-        Begin anew from measured outputs after so many rows.
+        Restart from measured outputs after this many rows.
 
     Returns
     -------
     list of DynamicRun
-        One an output.
+        One per output.
 
     Raises
     ------
@@ -140,7 +140,7 @@ class ModelRuns:
     ----------
     models : list of Model
     runs : list of DynamicRun
-        One a model.
+        One per model.
     log : Table
     """
 
@@ -183,7 +183,7 @@ def run_models(
     *,
     every: float | None = None,
 ) -> ModelRuns:
-    """Run dynamic models on a log: from measured inputs and their own answers, next to what was measured.
+    """Run dynamic models on a log: from measured inputs and their own predictions, next to what was measured.
 
     Of the outputs as many rows are read as the longest lag at the start of each segment; then the models go on by themselves.
 
@@ -194,7 +194,7 @@ def run_models(
     log : Table, str, Path or sequence of them
         Or its file: the models' signals, at their raster, with a column ``time``.
     every : float, s, optional
-        Begin anew from measured outputs after so much time; never within a segment if not given.
+        Restart from measured outputs after so much time; never within a segment if not given.
 
     Returns
     -------
@@ -214,7 +214,7 @@ def run_models(
 
 def _rows_in(every: float, raster: float | None) -> int:
     if raster is None:
-        raise InputError(f"every = {every:g} s: neither model nor log say how far apart rows are; leave it out")
+        raise InputError(f"every = {every:g} s: neither model nor log says how far apart rows are; leave it out")
     if not raster <= every < inf:
         raise InputError(f"every = {every:g} s: must be finite and no less than the raster of {raster:g} s")
     return round(every / raster)

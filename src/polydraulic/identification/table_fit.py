@@ -1,4 +1,4 @@
-"""Fit a table: one model an output, with its error and the coverage of its intervals on rows that were held out."""
+"""Fit a table: one model per output, with its error and the coverage of its intervals on rows that were held out."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -31,7 +31,7 @@ class TableFit:
     Attributes
     ----------
     outputs : list of OutputFit
-        One an output.
+        One per output.
     deadbands : list of Deadband
         Empty if they were not asked for.
     table : Table
@@ -77,20 +77,20 @@ def fit_table(
     Parameters
     ----------
     table : Table, str, Path or sequence of them
-        Or its file. With a column ``time`` it is a log: blocks of time are held out, since neighbours in time are no independent
-        witnesses. Of several tables, or a pattern such as ``day*.parquet``, no block goes over the end of one.
+        Or its file. With a column ``time`` it is a log: blocks of time are held out, since neighbours in time are not
+        independent. Of several tables, or a pattern such as ``day*.parquet``, no block crosses the end of one.
     inputs, outputs : sequence of str
         Columns.
     edges : mapping from input name to edges, optional
         Regions, in the column's unit.
     max_regions : int
-        Without edges, so many regions may be found.
+        Without edges, this many regions may be found.
     deadbands : bool
         Whether regions also end where an imported log (``time``, ``segment``) shows a deadband.
     estimator : AbductiveRegressor, optional
         Cloned for every fit; one whose outputs are bounded by the data if not given.
     progress : Progress, optional
-        Called as each fit begins, two an output.
+        Called as each fit begins, two per output.
 
     Returns
     -------

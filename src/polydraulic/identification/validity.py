@@ -79,7 +79,7 @@ def validity(model: Model, table: Table, units: str = DEFAULT) -> Validity:
 def run_validity(models: Sequence[Model], table: Table, units: str = DEFAULT) -> list[Validity]:
     """Judge dynamic models by a log that they have not seen: they run on their own as they did when they were fitted.
 
-    Free runs begin anew after as many rows as the ones that were stated, since errors grow with the length of a run.
+    Free runs restart after as many rows as the ones that were stated, since errors grow with the length of a run.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def run_validity(models: Sequence[Model], table: Table, units: str = DEFAULT) ->
     Returns
     -------
     list of Validity
-        One an output.
+        One per output.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def run_validity(models: Sequence[Model], table: Table, units: str = DEFAULT) ->
         if long.longest > run.longest:
             rms = errors_of(long.measured, long.free).rms
             judged.statements.append(
-                f"run through without beginning anew, up to {long.longest} rows: {amount(rms, unit, units)}"
+                f"run through without a restart, up to {long.longest} rows: {amount(rms, unit, units)}"
             )
         found.append(judged)
     return found

@@ -101,26 +101,26 @@ def _rocker(pins: FourBar, link: LinkParameters, direction: float, area_a: float
 
 @kernel
 def drive_motor(joint: object, m: Motor) -> JointLevers:
-    """JointLevers of a motor: the same anywhere."""
+    """Levers of a motor: the same anywhere."""
     return JointLevers(m.displacement, m.displacement)
 
 
 @kernel
 def drive_ram(joint: object, r: Ram) -> JointLevers:
-    """JointLevers of a cylinder along a prismatic joint: its areas."""
+    """Levers of a cylinder along a prismatic joint: its areas."""
     return JointLevers(r.area_a, r.area_b)
 
 
 @kernel
 def drive_cylinder(joint: SinCos, t: Triangle) -> JointLevers:
-    """JointLevers of a cylinder between two pins."""
+    """Levers of a cylinder between two pins."""
     arm = lever_arm(joint, t)
     return JointLevers(arm * t.area_a, arm * t.area_b)
 
 
 @kernel
 def drive_four_bar(joint: SinCos, r: Rocker) -> JointLevers:
-    """JointLevers of a bucket's cylinder: two circles give the knee, rigid rocker, coupler and link its speed."""
+    """Levers of a bucket's cylinder: two circles give the knee, rigid rocker, coupler and link its speed."""
     pin_u = r.pin_u * joint.cos - r.pin_v * joint.sin
     pin_v = r.pin_u * joint.sin + r.pin_v * joint.cos
     du, dv = pin_u - r.hinge_u, pin_v - r.hinge_v

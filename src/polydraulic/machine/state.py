@@ -9,7 +9,7 @@ from polydraulic.parameters.schema import Machine
 
 
 class Links(NamedTuple):
-    """One float a link."""
+    """One float per link."""
 
     swing: float
     boom: float

@@ -108,7 +108,7 @@ class ChannelMap:
     interval : float, s, or None
         Between rows, of a log that has no channel of the time.
     atmosphere : float, Pa, or None
-        Taken from absolute pressures; the standard atmosphere where it is None.
+        Subtracted from absolute pressures; the standard atmosphere where it is None.
     """
 
     raster: float
@@ -145,7 +145,7 @@ def load_channels(path: str | Path) -> ChannelMap:
     ----------
     path : str or Path
         A TOML file: ``raster = "10 ms"`` of the table; ``interval = "10 ms"`` between rows where no channel is the time;
-        ``atmosphere = "1.01325 bar"``, taken from absolute pressures; for each channel a ``[[channel]]`` with ``source``, ``role``, and
+        ``atmosphere = "1.01325 bar"``, subtracted from absolute pressures; for each channel a ``[[channel]]`` with ``source``, ``role``, and
         optional ``name``, ``kind`` (such as ``"pressure"``), ``unit``, ``raster``, ``between``, ``range``, ``sign``; for each flow to reconstruct a ``[[flow]]`` with
         ``name``, ``position``, ``area``, and optional ``pressure``, ``compliance``, ``window``, ``role``.
 

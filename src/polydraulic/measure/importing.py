@@ -109,7 +109,7 @@ def import_log(
     Raises
     ------
     InputError
-        A file that is no log, a channel that it does not have, a place that cannot be written.
+        A file that is not a log, a channel that it does not have, a place that cannot be written.
     """
     table_ending(out)
     findings = Findings()
@@ -277,7 +277,7 @@ def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: F
             f"{unit_kind(found.si).name}: give a unit of pressure, or what is measured as kind = {unit_kind(found.si).name!r}"
         )
     if found.absolute and channels.atmosphere is None:
-        findings.add("atmosphere", channel.source, f"{ATMOSPHERE / 1e5:g} bar were taken from {channel.unit!r}")
+        findings.add("atmosphere", channel.source, f"{ATMOSPHERE / 1e5:g} bar were subtracted from {channel.unit!r}")
 
 
 def _copies(checks: list[ChannelCheck], findings: Findings) -> None:

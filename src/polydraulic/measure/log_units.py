@@ -47,7 +47,7 @@ def conversion(unit: str, *, kind: str = "", atmosphere: float = ATMOSPHERE) -> 
     kind : str
         SI unit of what is known to be measured: ``"Pa"`` makes ``kg/cm2`` the technical atmosphere.
     atmosphere : float, Pa
-        Taken from absolute pressures: those of the package are gauge pressures.
+        Subtracted from absolute pressures: those of the package are gauge pressures.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def quantity(text: Any, kind: str, where: str, *, atmosphere: float = ATMOSPHERE
     Raises
     ------
     InputError
-        If it is no text of that form, not finite, or of another kind.
+        If it is not a text of that form, not finite, or of another kind.
     """
     match = re.match(r"^\s*([-+\d.eE]+)\s*(.*?)\s*$", text) if isinstance(text, str) else None
     try:
@@ -101,7 +101,7 @@ def quantity(text: Any, kind: str, where: str, *, atmosphere: float = ATMOSPHERE
         raise InputError(f"{where} = {text!r}: must be in {kind} or a unit of that kind, not in {match[2]!r}")
     si = found.to_si(number)
     if si != 0.0 and not 1e-30 <= abs(si) <= 1e20:
-        raise InputError(f"{where} = {text!r}: must be 0 or of a size from 1e-30 to 1e20 in SI units")
+        raise InputError(f"{where} = {text!r}: must be 0 or between 1e-30 and 1e20 in size, in SI units")
     return si
 
 

@@ -97,7 +97,7 @@ def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dic
 
 
 def _atmosphere(imported: Imported) -> float | None:
-    """What was taken from absolute pressures, Pa; None if there are none."""
+    """What was subtracted from absolute pressures, Pa; None if there are none."""
     given = imported.channels.atmosphere
     absolute = any(check.conversion.absolute for check in imported.checks)
     return None if not absolute else ATMOSPHERE if given is None else given
@@ -108,7 +108,7 @@ def _pressures(imported: Imported) -> str:
     if taken is None:
         return ""
     whose = "the standard atmosphere" if imported.channels.atmosphere is None else "as the map says"
-    return f"The table has gauge pressures: {taken / 1e5:.6g} bar were taken from absolute ones ({whose}). "
+    return f"The table has gauge pressures: {taken / 1e5:.6g} bar were subtracted from absolute ones ({whose}). "
 
 
 def _statistics(check: ChannelCheck) -> dict[str, Any]:

@@ -88,7 +88,7 @@ class Resampler:
         ------
         time : (n_row,) array, s
         segment : (n_row,) array
-        values : list of (n_row,) arrays, one a channel
+        values : list of (n_row,) arrays, one per channel
         """
         if until == -inf:
             return

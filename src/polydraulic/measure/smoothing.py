@@ -30,8 +30,8 @@ class Assumption(NamedTuple):
     def __str__(self) -> str:
         return (
             f"a cubic over {self.window:g} s: assumes that the motion is smooth over this time and the noise of neighbouring "
-            f"samples independent; passes motion up to {self.bandwidth:.3g} Hz; noise s of the signal becomes {self.noise_gain:.3g} s "
-            "a second"
+            f"samples independent; passes motion up to {self.bandwidth:.3g} Hz; noise sigma of the signal becomes {self.noise_gain:.3g} sigma "
+            "per second"
         )
 
 

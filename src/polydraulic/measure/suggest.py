@@ -75,7 +75,7 @@ def suggest_channels(
     Raises
     ------
     InputError
-        A file that is no log.
+        A file that is not a log.
     """
     paths = expand(path)
     with open_log(paths[0], dbc=dbc) as log:
@@ -100,7 +100,7 @@ def suggest_channels(
     rasters = [seen[s.name].raster for s in used if np.isfinite(seen[s.name].raster)]
     lines = [_HEAD, f"raster = {_text(_span(min(rasters, default=0.01)))}  # of the table"]
     if time is None and not log.own_clock:
-        lines.append('interval = "10 ms"  # between rows: the log does not tell, so put it right')
+        lines.append('interval = "10 ms"  # between rows: the log does not tell, so correct it')
     for signal in log.signals:
         lines += ["", "[[channel]]", f"source = {_text(signal.name)}"]
         if signal is time:

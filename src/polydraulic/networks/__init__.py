@@ -2,7 +2,7 @@
 
 Read in this order: `nodes` (the polynomials), `moments` and `synthesis` (how a network grows), `table` (how it is
 evaluated), `partition` (which network answers where), `regressor` and `regions` (the estimators), `model` and `model_file`
-(what leaves training), `bounds` (what is proved of it), `dynamic` and `free_run` (models of logs), `adaptation`, `plot`.
+(what leaves training), `proof` (what is proved of it), `dynamic` (models of logs), `adaptation`, `plot`.
 """
 
 import lazy_loader

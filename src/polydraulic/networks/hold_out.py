@@ -1,6 +1,6 @@
 """Rows that are held out: drawn at random, or every fifth row or block of time.
 
-Neighbours in time are no independent witnesses, so that of a log whole blocks are held out.
+Neighbours in time are not independent, so that of a log whole blocks are held out.
 """
 
 from collections.abc import Sequence

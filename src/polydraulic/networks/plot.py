@@ -76,7 +76,7 @@ def _shares(node: Node) -> list[float]:
 
 
 def draw_history(axis: "Axes", history: Sequence[GrowthStep], unit: str) -> None:
-    """PSE, FSE and penalty against the number of coefficients, one point a layer.
+    """PSE, FSE and penalty against the number of coefficients, one point per layer.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""HTML pages in one style: report, model cards, quality pages, documentation inside of FMUs; tables as plain text."""
+"""HTML pages in one style: report, model cards, quality pages, documentation inside FMUs; tables as plain text."""

@@ -1,4 +1,4 @@
-"""Pages, tables and lists as HTML, in one style: report, model cards, quality pages, documentation inside of FMUs.
+"""Pages, tables and lists as HTML, in one style: report, model cards, quality pages, documentation inside FMUs.
 
 All text that is passed in is escaped, except for the body of a page, which is made of what these functions return.
 """

@@ -50,7 +50,7 @@ def read_toml(path: Path) -> dict[str, Any]:
             raise RecursionError
         data = tomllib.loads(text)
     except RecursionError as error:
-        raise InputError(f"{path}: not a file of ours: tables or lists are nested too deep") from error
+        raise InputError(f"{path}: not a machine or scenario file: tables or lists are nested too deep") from error
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
     except ValueError as error:  # also whole numbers of thousands of digits

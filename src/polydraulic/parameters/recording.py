@@ -74,7 +74,7 @@ class Recording:
         Raises
         ------
         InputError
-            A column that is not there or comes twice, a unit of another kind, a cell that is no number.
+            A column that is not there or comes twice, a unit of another kind, a cell that is not a number.
         """
         for name in (time, *others):
             if name not in self.names:
@@ -94,7 +94,7 @@ class Recording:
         for block in blocks:
             for name, places in block.text.items():
                 if places.size:
-                    raise InputError(f"{self.path}: column {name!r} holds no number in row {block.rows[places[0]]}")
+                    raise InputError(f"{self.path}: column {name!r} has no number in row {block.rows[places[0]]}")
             parts.append([block.time, *(block.values[name] for name in others)])
         return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
@@ -103,7 +103,7 @@ class Recording:
         for name in (time, *others):
             values, bad = numbers(self._table.column(name))
             if bad.size:
-                raise InputError(f"{self.path}: column {name!r} holds no number in row {bad[0] + 1}")
+                raise InputError(f"{self.path}: column {name!r} has no number in row {bad[0] + 1}")
             found.append(values)
         return found
 

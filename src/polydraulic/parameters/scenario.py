@@ -276,13 +276,13 @@ def _recording(path: Path, functions: Sequence[str]) -> Scenario:
     missing = [link for link in functions if link not in links]
     if missing and (unknown or not links):  # a link misspelt would rest unseen
         raise InputError(
-            f"{path}: no column {missing[0]!r}; the table has {recording.names}, of which {unknown} are no link; leave these out, "
+            f"{path}: no column {missing[0]!r}; the table has {recording.names}, of which {unknown} are not links; leave these out, "
             'or name columns in a scenario file with kind = "table"'
         )
     signals = _recorded(recording, time, links)
     seconds = signals[0].time - signals[0].time[0]
     if len(seconds) < 2:
-        raise InputError(f"{path}: a recording needs two rows at least")
+        raise InputError(f"{path}: a recording needs at least two rows")
     moved: dict[str, Signal] = {link: Piecewise(seconds, s.voltage) for link, s in zip(links, signals, strict=True)}
     title = f"Recording of {seconds[-1]:g} s"
     title += f"; of {', '.join(links)} alone" if missing else ""

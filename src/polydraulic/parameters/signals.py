@@ -50,7 +50,7 @@ class Piecewise:
     def __post_init__(self) -> None:
         if len(self.time) != len(self.voltage) or not len(self.time):
             raise InputError(
-                f"a signal needs one voltage a time; got {len(self.time)} times, {len(self.voltage)} voltages"
+                f"a signal needs one voltage per time; got {len(self.time)} times, {len(self.voltage)} voltages"
             )
         backward = np.flatnonzero(np.diff(self.time) <= 0.0)
         if backward.size:

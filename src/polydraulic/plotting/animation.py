@@ -52,7 +52,7 @@ def write_animation(
     path : str or Path
         Ends in ``.gif`` or ``.html``.
     rate : float, 1/s, optional
-        Frames in a second of the run; `RATES` if not given.
+        Frames per second of the run; `RATES` if not given.
     units : str
         Of what is shown: ``"metric"``, ``"field"`` or ``"si"``.
     progress : Progress, optional
@@ -61,7 +61,7 @@ def write_animation(
     Raises
     ------
     InputError
-        Another ending, no run, a table that is no trajectory of this machine, a rate that is not positive, a place that cannot be written.
+        Another ending, no run, a table that is not a trajectory of this machine, a rate that is not positive, a place that cannot be written.
     """
     ending = animation_ending(path)
     drawing = machine_drawing(as_machine(machine))

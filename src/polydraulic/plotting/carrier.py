@@ -15,7 +15,7 @@ _REACH = 8.9  # m, of an excavator at the scale 1
 
 
 def scale_of(reach: float) -> float:
-    """Scale of a machine with so much reach in m."""
+    """Scale of a machine with this reach in m."""
     return reach / _REACH
 
 

@@ -29,7 +29,7 @@ class Spot(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """An outline: the polygon of its spots, or, if there are radii, the hull of balls round them.
+    """An outline: the polygon of its spots, or, if there are radii, the hull of balls around them.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def motion_of(drawing: Drawing, positions: np.ndarray) -> DrawnMotion:
 
 
 def _upright(heading: np.ndarray) -> np.ndarray:
-    """Turns about the upright axis, (n, 3, 3)."""
+    """Turns about the vertical axis, (n, 3, 3)."""
     c, s = np.cos(heading), np.sin(heading)
     nought, one = np.zeros(len(heading)), np.ones(len(heading))
     return np.stack([c, -s, nought, s, c, nought, nought, nought, one], axis=-1).reshape(-1, 3, 3)

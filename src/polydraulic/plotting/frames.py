@@ -46,14 +46,14 @@ def frames_of(runs: Mapping[str, Table], names: Sequence[str], rate: float, unit
     names : sequence of str
         Functions of the machine that made them.
     rate : float, 1/s
-        Frames in a second of the run.
+        Frames per second of the run.
     units : str
         Of the channels.
 
     Raises
     ------
     InputError
-        No run, a table that is no trajectory of this machine, a rate that is not positive or gives too many frames.
+        No run, a table that is not a trajectory of this machine, a rate that is not positive or gives too many frames.
     """
     moving = moving_links(runs)
     joints = [[joint_column(table, name, label) for name in names] for label, table in runs.items()]

@@ -80,5 +80,5 @@ def _colors(pixels: np.ndarray) -> Colors:
 
 
 def _cell(pixels: np.ndarray) -> np.ndarray:
-    """Number of the cell of a colour, five bits a channel."""
+    """Number of the cell of a colour, five bits per channel."""
     return np.asarray((pixels >> 3).astype(np.int64) @ np.array([1024, 32, 1]))

@@ -1,4 +1,4 @@
-"""A machine of any layout as it is drawn: what its file says, and bars round it.
+"""A machine of any layout as it is drawn: what its file says, and bars around it.
 
 A link is the hull of balls round its joint, the joints of its children, its pins and the tip; one that a four-bar linkage moves and that holds
 the tip is a bucket, and a first link that turns about an upright axis and outweighs its arm is the upper structure of an excavator. All sizes that

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are there for the eye."
+_NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are only illustrative."
 
 
 def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = DEFAULT) -> "Figure":

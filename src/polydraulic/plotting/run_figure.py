@@ -52,7 +52,7 @@ def moving_links(runs: Mapping[str, Table]) -> list[str]:
     Raises
     ------
     InputError
-        If there is no run, or one that is no trajectory.
+        If there is no run, or one that is not a trajectory.
     """
     if not runs:
         raise InputError("there is no run to show; give at least one, for example {'exact': simulate(...)}")
@@ -88,9 +88,9 @@ def circuit_of(table: Table, link: str) -> str:
 
 
 def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
-    """Joystick, spool, flow, pressure and angle (or position) of every moving function over time, one colour a run, and below the end-effector.
+    """Joystick, spool, flow, pressure and angle (or position) of every moving function over time, one colour per run, and below the end-effector.
 
-    The first run is the one that the others are held against: the last panel shows how far their end-effectors are from
+    The first run is the one that the others are compared with: the last panel shows how far their end-effectors are from
     its. For a single run it shows the end-effector's position.
 
     Parameters
@@ -106,7 +106,7 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
     Raises
     ------
     InputError
-        If there is no run, a table that is no trajectory, or an unknown system of units.
+        If there is no run, a table that is not a trajectory, or an unknown system of units.
     """
     from matplotlib.figure import Figure
 

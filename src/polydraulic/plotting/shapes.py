@@ -1,4 +1,4 @@
-"""The machine of the older form as it is drawn: pins and cylinders from the parameter set, and outlines round them.
+"""The machine of the older form as it is drawn: pins and cylinders from the parameter set, and outlines around them.
 
 Each link has its own frame: x along its pin line from its joint, z upward where the link is level. The ground's origin is the swing axis at the
 height of the boom foot. Pins, lengths, cylinder triangles and end stops are the machine's; outlines, ground, cab and bucket are there for

@@ -68,14 +68,14 @@ def simulate(
     raster : float, s, optional
         Instead of `every`: record at these intervals, a whole number of steps.
     method : str
-        ``"semi-implicit"``: one valve evaluation a step, bounded cost, for inputs that nobody knows in advance; voltages are held
+        ``"semi-implicit"``: one valve evaluation per step, bounded cost, for inputs not known in advance; voltages are held
         over a step. ``"rk4"``: classic Runge-Kutta. ``"rosenbrock"``: steps of its own choice to the tolerance
-        `rtol`, the fastest for inputs known in advance; needs a flow model with slopes. ``"reference"``: a tight implicit solver,
+        `rtol`, the fastest for inputs known in advance; needs a flow model with slopes. ``"reference"``: an implicit solver with tight tolerances,
         slow.
     rtol : float, optional
         Relative tolerance of the last two; 1e-4 and 1e-9 if not given.
     energy : bool
-        Whether to add the energy account, see `simulation.layout.energy`; of machines that are described by links.
+        Whether to add the energy account, see `simulation.layout.energy`; for machines that are described by links.
 
     Returns
     -------
@@ -83,13 +83,13 @@ def simulate(
         In SI. ``time``; of each link that moves ``boom.voltage``, ``boom.spool``, ``boom.p_a``, ``boom.p_b``, ``boom.angle``,
         ``boom.rate``, ``boom.q_in``, ``boom.q_out``, ``boom.p_in``, ``boom.p_out`` (of a locked one its angle alone); of
         the circuits ``boom`` and ``series`` ``boom.q_pump``, ``boom.q_bypass``, ``boom.q_relief``, ``boom.p_pump``, and
-        ``series.p_between`` swing and stick valve; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
+        between the valves of swing and stick ``series.p_between``; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
         that did not converge and those outside the flow model's domain, and lists the ``events`` (see `events`).
 
     Raises
     ------
     InputError
-        dt not positive, duration shorter than a step, a raster that is no whole number of steps, an unknown flow model, a
+        dt not positive, duration shorter than a step, a raster that is not a whole number of steps, an unknown flow model, a
         scenario that moves links which the flow model does not serve.
     SimulationError
         If the run diverges, or a solver fails; says when and where.
@@ -258,7 +258,7 @@ def check_links(scenario: Scenario, model: Any) -> None:
 
 
 def _fastest(row: np.ndarray) -> str:
-    """Name of the link whose rate in a recorded row is beyond reason."""
+    """Name of the link whose rate in a recorded row has diverged."""
     return next(link for link, rate in zip(LINKS, row[RATE : RATE + 3], strict=True) if not abs(rate) < FASTEST)
 
 
@@ -271,7 +271,7 @@ def reference(
     rtol: float = 1e-9,
     t_end: float | None = None,
 ) -> Table:
-    """`simulate` with ``method="reference"``: the tight solution.
+    """`simulate` with ``method="reference"``: the solution to a tight tolerance.
 
     Parameters
     ----------

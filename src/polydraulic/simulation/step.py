@@ -1,7 +1,7 @@
 """One time step of the machine, semi-implicit: each stage uses what the stages before it have just found.
 
 Pilots (exact) -> flows (one evaluation) -> line pressures (outlets implicit) -> accelerations -> rates -> angles. Explicit
-Euler would amplify the oil-spring modes; this order keeps them stable at 5 ms with one valve evaluation a step.
+Euler would amplify the oil-spring modes; this order keeps them stable at 5 ms with one valve evaluation per step.
 """
 
 from typing import Any, NamedTuple

@@ -199,7 +199,7 @@ def worn_pump_study(
     judges: Sequence[int] = JUDGES,
     seconds: float = MINUTE,
 ) -> Table:
-    """Both pumps lose delivery while an operator works; then they are replaced, and nobody says so.
+    """Both pumps lose delivery while an operator works; then they are replaced, and the networks are not told.
 
     Parameters
     ----------

@@ -91,7 +91,7 @@ def _climb(study: ThreeLinkStudy, models: list[Model], *, relief: bool) -> Rung:
 
 
 class Cost(NamedTuple):
-    """A flow model's time a step as a share of that of exact, and the bytes of its arrays."""
+    """A flow model's time per step as a share of that of exact, and the bytes of its arrays."""
 
     time: Ratio
     memory: int

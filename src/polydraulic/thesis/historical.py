@@ -56,7 +56,7 @@ def flows_at(model: Any, X: np.ndarray) -> np.ndarray:
 def grow_series(
     machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS, pressure_high: float = PRESSURE_HIGH
 ) -> list[Model]:
-    """Networks of the input flows of swing and stick, one a section, from `n` random points in each.
+    """Networks of the input flows of swing and stick, one per section, from `n` random points in each.
 
     The circuit is that of Eqs (8)-(13): without relief valve, with the torque limit that the machine has.
 

@@ -80,7 +80,9 @@ def test_mdf_files_whose_stated_times_overlap_are_named(tmp_path):
     saved = put_mdf(tmp_path, "saved.mf4", 1.5, 0.0, seed=3)  # a converter gave it the time when it was written
     found = import_log([saved, a], given, tmp_path / "t.parquet")
     named = {f.kind: f.detail for f in found.findings if f.channel == ""}
-    assert named["files overlap"].startswith("saved.mf4 begins before a.mf4 ends: they hold other values then")
+    assert named["files overlap"].startswith(
+        "saved.mf4 begins before a.mf4 ends: they hold other values at these times"
+    )
     assert named["files begin anew"] == "saved.mf4, a.mf4, 60 s apart"
     assert (found.n_row, found.n_segment) == (400, 2)
 

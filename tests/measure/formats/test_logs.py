@@ -127,7 +127,7 @@ def test_blocks_follow_each_other(tmp_path, ending):
         ("a.csv", b"", "the file is empty"),
         ("a.csv", b"time,a\n", "the log has no rows"),
         ("a.csv", b"# logger", "the log has no rows"),
-        ("a.csv", b"a\0b,c\n", "is no text"),
+        ("a.csv", b"a\0b,c\n", "is not text"),
         ("a.csv.gz", b"time,a\n1,2\n", "cannot be read"),
         ("a.parquet", b"PAR1 nonsense", "cannot be read as a Parquet log"),
         ("a.mf4", b"nonsense", "cannot be read as an MDF log"),

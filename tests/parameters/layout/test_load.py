@@ -41,14 +41,14 @@ def test_functions_stand_in_the_order_of_their_links(tmp_path):
     ("old", "new", "words"),
     [
         ('parent = "column"', 'parent = "colum"', "links.boom.parent = 'colum': must be one of ['ground', 'column'"),
-        ('parent = "ground"', 'parent = "arm"', "lead round in a circle"),
+        ('parent = "ground"', 'parent = "arm"', "form a loop"),
         ("[links.column]", "[links.class]", "'class' is a word of Python"),
         ("[functions.slew]", "[functions.int]", "'int' is a word of C or C++"),
         ("[functions.slew]", '[functions."a-b"]', "must be 1 to 40 ASCII letters"),
         ('moves = "arm"', 'moves = "boom"', "functions.extend.actuator = 'ram': cannot move boom, whose joint is revolute"),
         ('actuator = "ram"', 'actuator = "cylinder"', "cannot move arm, whose joint is prismatic"),
-        ('functions = ["extend"]', 'functions = ["extend", "slew"]', "functions.slew: stands in circuits 2 times"),
-        ('functions = ["extend"]', 'functions = ["stretch"]', "'stretch' is no function"),
+        ('functions = ["extend"]', 'functions = ["extend", "slew"]', "functions.slew: appears 2 times in the circuits"),
+        ('functions = ["extend"]', 'functions = ["stretch"]', "'stretch' is not a function"),
         ('axis = "-y"', 'axis = "up"', "links.boom.axis = 'up': must be one of ['x', 'y', 'z'"),
         ("mass = {value = 250", "mass = {value = -250", "links.boom.mass = -250 kg: must be finite and in [0, inf] kg"),
         ('at.z = {value = 1.5, unit = "m"', 'at.z = {value = 1.5, unit = "kg"', "links.boom.at.z has unit 'kg'"),
@@ -91,7 +91,7 @@ def test_a_name_written_twice_but_for_capitals_is_refused(tmp_path):
     )
     path = tmp_path / "twice.toml"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="stands there twice but for upper and lower case"):
+    with pytest.raises(InputError, match="appears twice, but for upper and lower case"):
         load_machine(path)
 
 

@@ -1,6 +1,6 @@
 """Models as C99: one header and one source, no allocation, no input or output, no state.
 
-Three functions: outputs; outputs with exact slopes; how far the inputs lie outside of the domain. Each says what an input
+Three functions: outputs; outputs with exact slopes; how far the inputs lie outside the domain. Each says what an input
 that is not a number does. Behind a macro the source tests itself with numbers that the package computed.
 """
 
@@ -30,7 +30,7 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
     Parameters
     ----------
     models : sequence of Model
-        One an output.
+        One per output.
     folder : str or Path
     name : str, optional
         Name of the files and of their functions, made a C identifier; the output's if there is one model, else "model".

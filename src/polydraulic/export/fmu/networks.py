@@ -1,4 +1,4 @@
-"""Models as an FMU: inputs in, outputs and how far the inputs lie outside of the domain out, with exact derivatives."""
+"""Models as an FMU: inputs in, outputs and how far the inputs lie outside the domain out, with exact derivatives."""
 
 import csv
 import io
@@ -35,7 +35,7 @@ def export_fmu(
     Parameters
     ----------
     models : sequence of Model
-        One an output.
+        One per output.
     path : str or Path
         Ends in .fmu.
     version : int

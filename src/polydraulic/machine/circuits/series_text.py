@@ -1,7 +1,7 @@
 """Text of the circuit of n valves in series on a pump: named tuples and straight-line kernels around those written by hand.
 
 Valves are counted from the pump. `series_n` solves a circuit: passes until they settle, the certificate, the march for what that refuses.
-Lanes call its parts, so that the loop over passes stands outside of the loop over lanes: `series_n_begin`, `series_n_pass` (`PASSES` times),
+Lanes call its parts, so that the loop over passes stands outside the loop over lanes: `series_n_begin`, `series_n_pass` (`PASSES` times),
 `series_n_end`; where `limits` says so `series_n_limit_begin`, `_pass` and `_end`; `series_n_repair` where the status is not `PROVED`.
 Once a circuit has settled, a pass leaves it as it is, so that lanes have the bits of single circuits.
 """

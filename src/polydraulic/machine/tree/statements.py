@@ -1,4 +1,4 @@
-"""Recorded terms as statements of Python, one a line: what has a name or is used twice is assigned, the rest stands in place."""
+"""Recorded terms as statements of Python, one per line: what has a name or is used twice is assigned, the rest stands in place."""
 
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -58,7 +58,7 @@ def call(name: str, arguments: Sequence[str]) -> str:
 
 
 def returned(text: str) -> str:
-    """A return statement; the arguments of a call stand one a line where they need the room."""
+    """A return statement; the arguments of a call stand one per line where they need the room."""
     return _INDENT + _broken(f"return {text}", _INDENT)
 
 

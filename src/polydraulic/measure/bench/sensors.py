@@ -1,4 +1,4 @@
-"""Sensors of a virtual test bench: what they read of a run, how well and how often. A TOML file."""
+"""Sensors of a virtual test bench: what they read of a run, how accurately and how often. A TOML file."""
 
 from dataclasses import dataclass
 from importlib.resources import files
@@ -120,7 +120,7 @@ def load_sensors(path: str | Path) -> Bench:
     path : str or Path
         A TOML file: optional ``seed`` and ``pause`` (``"5 s"``), and for each sensor a ``[[sensor]]`` with ``column``, ``unit``,
         ``raster``, and optional ``name``, ``noise``, ``offset``, ``drift``, ``resolution``, ``range``, ``delay``, ``lag``,
-        ``dropout``, ``dropout_length``. Times are texts with a unit, all else are numbers in the sensor's unit.
+        ``dropout``, ``dropout_length``. Times are strings with a unit, all else are numbers in the sensor's unit.
 
     Raises
     ------

@@ -76,7 +76,7 @@ def coverage(table: Table, names: Sequence[str], box: Mapping[str, tuple[float, 
     names : sequence of str
         Inputs.
     box : mapping from name to (low, high), optional
-        The operating box; for what is left out, the range in the table. Rows outside of it do not count.
+        The operating box; for what is left out, the range in the table. Rows outside it do not count.
 
     Raises
     ------

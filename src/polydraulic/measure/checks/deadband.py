@@ -3,7 +3,7 @@
 y = c + a r + b s, with r = max(u - high, 0) and s = max(low - u, 0), is fitted for every pair of edges on a grid, first over all
 inputs, then nearer and nearer to the edges, where a straight line says enough, on finer grids. Before that the input is delayed and lagged as far as explains the
 output best, since a valve follows its lever late. Edges get intervals from drawing blocks of time anew (moving blocks, not rows,
-which are no independent witnesses).
+which are not independent).
 """
 
 from collections.abc import Sequence
@@ -61,7 +61,7 @@ class Deadband(NamedTuple):
     def statement(self, unit: Conversion | None = None) -> str:
         """In words, in a unit of the log if given."""
         if not self.found:
-            return f"{self.output} over {self.input}: no deadband that can be told from none"
+            return f"{self.output} over {self.input}: no significant deadband"
         edges = [self.low, *self.low_interval, self.high, *self.high_interval]
         low, a, b, high, c, d = edges if unit is None else [unit.from_si(edge) for edge in edges]
         return (

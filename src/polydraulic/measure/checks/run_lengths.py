@@ -14,7 +14,7 @@ _KEPT = 200
 
 
 class RunOfValues(NamedTuple):
-    """So many samples of one value, in these rows; and how far the value jumped when it began."""
+    """A run of `length` samples of one value, in these rows; and how far the value jumped when it began."""
 
     length: int
     value: float

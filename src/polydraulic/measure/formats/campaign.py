@@ -49,7 +49,7 @@ def expand(paths: str | Path | Sequence[str | Path]) -> list[Path]:
         else:
             found.append(Path(path))
     if not found:
-        raise InputError("no log is given; name one file at least")
+        raise InputError("no log is given; name at least one file")
     return found
 
 
@@ -80,7 +80,7 @@ def open_campaign(
     Raises
     ------
     InputError
-        A file that is no log, or that has not the channels of the first one.
+        A file that is not a log, or that has not the channels of the first one.
     """
     if len(paths) == 1:
         return open_log(paths[0], dates=dates, dbc=dbc)
@@ -192,7 +192,7 @@ def _span(log: Log, time: str | None, factor: float) -> _Part:
             if at.size:
                 low, high = min(low, float(at.min())), max(high, float(at.max()))
     if not np.isfinite(low):
-        raise InputError(f"{log.path}: no row has a readable time; leave the file out, or mend it")
+        raise InputError(f"{log.path}: no row has a readable time; leave the file out, or repair it")
     return _Part(log, low, high, n_row)
 
 
@@ -205,7 +205,7 @@ def _by_start(parts: list[_Part], dated: list[_Part], findings: Findings) -> lis
     if all(_agree(a, b) for a, b in both):
         _note_overlap(both, findings)
         return [p._replace(shift=p.log.began - dated[0].log.began) for p in dated]
-    _note_overlap(both, findings, "they hold other values then, so that the times that they state cannot be true")
+    _note_overlap(both, findings, "they hold other values at these times, so that the times cannot be right")
     return _behind_each_other(parts, findings)
 
 
@@ -238,7 +238,7 @@ def _stretch(log: Log, name: str, low: float, high: float) -> tuple[np.ndarray, 
 
 
 def _in_order(parts: list[_Part], time: str | None, findings: Findings) -> list[_Part]:
-    """Files by their times; those that begin anew one behind the other, as they were named."""
+    """Files by their times; those that restart one behind the other, as they were named."""
     if not parts[0].log.own_clock and time is None:
         findings.add("files begin anew", "", "the logs have no time; " + _names(parts))
         return parts

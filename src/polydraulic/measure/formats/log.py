@@ -54,7 +54,7 @@ class LogBlock(NamedTuple):
     values : dict from name to (n_row,) array
         NaN where there is no value.
     text : dict from name to array of int
-        Places in the block that hold something that is no number.
+        Places in the block that hold something that is not a number.
     done : float
         Share of the group that has been read.
     """
@@ -144,4 +144,4 @@ def by_reason(left_out: dict[str, str], most: int = 5) -> str:
         f"{', '.join(map(repr, group[:most]))}{f' and {len(group) - most} more' if len(group) > most else ''} ({reason})"
         for reason, group in names.items()
     ]
-    return "; ".join(parts[:most]) + (f"; and {len(parts) - most} reasons more" if len(parts) > most else "")
+    return "; ".join(parts[:most]) + (f"; and {len(parts) - most} more reasons" if len(parts) > most else "")

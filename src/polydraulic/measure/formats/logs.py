@@ -33,7 +33,7 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
     path : str or Path
         A CSV header may carry units as ``name [unit]``, or in a line of their own below it. Bags are a folder, or a file of it.
     dates : str, optional
-        ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates as texts that can be read in two ways.
+        ``"dd/mm/yyyy"`` or ``"mm/dd/yyyy"``, for dates as text that can be read in two ways.
     dbc : sequence of str or Path, optional
         CAN databases that say what is in the frames of a bus log.
 

@@ -101,7 +101,7 @@ def open_mdf(path: Path) -> Log:
                 raise InputError(f"{path}: damaged after row {begun} of group {group} ({error})") from error
             clock = found_now[0].values
             if clock is None:
-                raise InputError(f"{path}: the time of group {names[group].label!r} is no number")
+                raise InputError(f"{path}: the time of group {names[group].label!r} is not a number")
             rows = np.arange(begun, begun + len(clock)) + 1
             begun += len(rows)
             for name, one, note, (_, invalid) in zip(wanted, found_now[1:], notes[1:], read_now[1:], strict=True):

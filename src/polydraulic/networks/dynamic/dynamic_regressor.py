@@ -36,7 +36,7 @@ _THINNEST, _LARGEST = 1e-150, 1e150  # of signals, whose squares are to be numbe
 class DynamicRegressor(BaseEstimator):
     """Network of lagged inputs and outputs, for logs.
 
-    It predicts one row ahead from what was measured (`predict`), or runs on its own answers (`simulate`). Whatever is left open
+    It predicts one row ahead from what was measured (`predict`), or runs on its own predictions (`simulate`). Whatever is left open
     is chosen by the free-run error on blocks of the training rows that were held out.
 
     Parameters
@@ -50,7 +50,7 @@ class DynamicRegressor(BaseEstimator):
         Whether a given estimator learns the change of an output, to which its last value is added, or the output. For polynomials
         it is the same: the last value is a term of theirs.
     horizon : "auto", int or None
-        Polynomials fit runs of so many rows, given estimators are refined to do so; None is one step ahead.
+        Polynomials fit runs of this many rows, given estimators are refined to do so; None is one step ahead.
     max_terms : int, default=20
         Of each output's polynomial, while it is being chosen.
     longest_lag : int, default=8
@@ -65,7 +65,7 @@ class DynamicRegressor(BaseEstimator):
     Attributes
     ----------
     models_ : list of Model
-        One an output; inputs are named ``u[t-1]``.
+        One per output; inputs are named ``u[t-1]``.
     choice_ : Choice
         What was chosen.
     tried_ : list of Choice
@@ -76,7 +76,7 @@ class DynamicRegressor(BaseEstimator):
     Notes
     -----
     A run cannot grow without bound: lagged values are moved into the range seen in training, outputs stay in the range of
-    the targets and a tenth of it at both ends, and so do their changes from row to row.
+    the targets widened by a tenth at both ends, and so do their changes from row to row.
 
     Examples
     --------
@@ -156,7 +156,7 @@ class DynamicRegressor(BaseEstimator):
         segments : (n_row,) array-like, optional
             Labels; each segment is a run of its own.
         horizon : int, optional
-            Begin anew from measured outputs after so many rows.
+            Restart from measured outputs after this many rows.
 
         Returns
         -------
@@ -181,7 +181,7 @@ class DynamicRegressor(BaseEstimator):
     def to_models(
         self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
     ) -> list[Model]:
-        """Return one model an output, with names and units of the signals (not of their lags)."""
+        """Return one model per output, with names and units of the signals (not of their lags)."""
         check_is_fitted(self)
         signals = [*variables(self, inputs), *(self._outputs() if outputs is None else outputs)]
         if len(signals) != self.n_features_in_ + self.n_outputs_:
@@ -298,7 +298,7 @@ class DynamicRegressor(BaseEstimator):
         return models
 
     def _polynomials(self, choice: Choice, signals: np.ndarray, spans: list[Span]) -> Iterator[tuple[int, list[Model]]]:
-        """Numbers of terms, and models of so many."""
+        """Numbers of terms, and models of this many."""
         frame, targets = self._frame(choice, signals, spans)
         for terms in grow_terms(frame, targets, choice.horizon or 1):
             yield len(terms.coef), self._models(frame, terms, targets)
@@ -360,7 +360,7 @@ def _but(spans: list[Span], block: list[Span], warm_up: int) -> list[Span]:
 
 
 def _check_sizes(signals: np.ndarray, names: Sequence[str]) -> None:
-    """Refuse signals whose squares are no numbers, or lose their digits."""
+    """Refuse signals whose squares overflow, or lose their digits."""
     for name, values in zip(names, signals.T, strict=True):
         low, high = (float(end(values)) if values.size else 0.0 for end in (np.min, np.max))
         if max(-low, high) > _LARGEST or 0.0 < high - low < _THINNEST:

@@ -139,7 +139,7 @@ def free_run(
     segments : (n_row,) array-like, optional
         Labels; a new one begins a new run.
     horizon : int, optional
-        Begin anew from measured outputs after so many rows: 1 predicts one step ahead. All outputs are read then.
+        Restart from measured outputs after this many rows: 1 predicts one step ahead. All outputs are read then.
 
     Returns
     -------

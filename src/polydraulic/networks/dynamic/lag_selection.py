@@ -70,7 +70,7 @@ class Options(NamedTuple):
         return 1 + 6 * len(self.ladder) + len(self.increments) + len(self.horizons)
 
     def at(self, n_in: int, n_out: int) -> Choice:
-        """Return the first choice with so many lags from the ladder."""
+        """Return the first choice with this many lags from the ladder."""
         lags = [
             self.ladder[:n] if own is None else own
             for n, own in zip((n_in, n_out), (self.input_lags, self.output_lags), strict=True)

@@ -170,7 +170,7 @@ def run_terms(
 
 
 def _batches(windows: Sequence[Span], n_row: int) -> Iterator[list[Span]]:
-    """Windows in groups of at most so many rows, or of one window."""
+    """Windows in groups of at most this many rows, or of one window."""
     group: list[Span] = []
     count = 0
     for a, b in windows:

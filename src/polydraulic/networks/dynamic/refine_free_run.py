@@ -26,7 +26,7 @@ def refine_over_steps(
     Parameters
     ----------
     models : sequence of Model
-        Dynamic, one an output.
+        Dynamic, one per output.
     names : sequence of str
         Of the columns of `signals`.
     signals : (n_row, n_signal) array
@@ -34,7 +34,7 @@ def refine_over_steps(
     spans : sequence of (start, stop)
         Rows to answer.
     horizon : int
-        Windows of so many rows begin from measured outputs. At most 20000 rows are used, in windows spread evenly.
+        Windows of this many rows begin from measured outputs. At most 20000 rows are used, in windows spread evenly.
     """
     from scipy.optimize import least_squares
 

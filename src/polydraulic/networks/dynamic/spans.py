@@ -67,5 +67,5 @@ def rows_of(spans: Sequence[Span]) -> np.ndarray:
 
 
 def lagged(signals: np.ndarray, reads: Sequence[tuple[int, int]], rows: np.ndarray) -> np.ndarray:
-    """Regressors at some rows: columns of `signals` so many steps ago, from pairs (column, steps); (n_row, n_lag)."""
+    """Regressors at some rows: columns of `signals` this many steps ago, from pairs (column, steps); (n_row, n_lag)."""
     return np.column_stack([signals[rows - steps, column] for column, steps in reads])

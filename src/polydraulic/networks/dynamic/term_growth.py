@@ -1,4 +1,4 @@
-"""Growth of polynomials of lagged signals, term by term, each the one that mends most of how they run on their own.
+"""Growth of polynomials of lagged signals, term by term, each the one that most improves how they run on their own.
 
 Terms that look good one step ahead may run badly: noise on measured outputs is taken for damping, and slow errors hardly show.
 So a term is judged by what it would do to runs over a horizon (to first order, all other coefficients moving with it), and
@@ -36,7 +36,7 @@ def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: 
     spans : sequence of (start, stop)
         Rows to learn from.
     horizon : int
-        Rows that runs go on before they begin anew from measured outputs.
+        Rows that runs go on before they restart from measured outputs.
     all_pairs : int
         Lagged values at most, of which any two may be multiplied.
     """
@@ -54,7 +54,7 @@ def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: 
 
 
 def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int) -> Terms:
-    """Grow polynomials of so many terms, each without another part of the rows, and average them.
+    """Grow polynomials of this many terms, each without another part of the rows, and average them.
 
     Which terms are chosen, and so how a run ends, hangs on a few rows; the average hangs on them less. One that runs badly through
     all rows counts little.
@@ -169,6 +169,6 @@ def _loss(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> 
 
 
 def _spread_evenly(windows: list[Span], n_row: int) -> list[Span]:
-    """As many windows as hold so many rows, at least one."""
+    """As many windows as hold this many rows, at least one."""
     kept = max(1, int(n_row / np.mean([b - a for a, b in windows])))
     return windows if kept >= len(windows) else [windows[k] for k in np.linspace(0, len(windows) - 1, kept).astype(int)]

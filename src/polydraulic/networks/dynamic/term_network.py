@@ -13,7 +13,7 @@ def places_read(terms: Terms) -> list[int]:
 
 
 def term_networks(frame: Frame, terms: Terms) -> list[Network]:
-    """One network an output, whose inputs are `places_read`."""
+    """One network per output, whose inputs are `places_read`."""
     kept = places_read(terms)
     slot = {place + 1: n for n, place in enumerate(kept)}
     column = frame.column[kept]

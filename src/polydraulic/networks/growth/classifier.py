@@ -1,6 +1,6 @@
 """AbductiveClassifier: networks of class indicators behind a logistic output.
 
-One network a class is grown on its indicator (one alone for two classes), by least squares as everywhere else; a logistic
+One network per class is grown on its indicator (one alone for two classes), by least squares as everywhere else; a logistic
 regression on their outputs turns them into probabilities.
 """
 
@@ -28,7 +28,7 @@ class AbductiveClassifier(ClassifierMixin, BaseEstimator):
     ----------
     classes_ : (n_class,) array
     estimator_ : AbductiveRegressor
-        One network a class, or one for two classes.
+        One network per class, or one for two classes.
     link_ : LogisticRegression
         From network outputs to probabilities.
     n_features_in_ : int

@@ -9,7 +9,7 @@ from polydraulic.networks.model.table import Node
 
 
 def forward(nodes: Sequence[Node], x: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Inputs and nodes on a block of rows, one a row, and the design matrices of the nodes."""
+    """Inputs and nodes on a block of rows, one per row, and the design matrices of the nodes."""
     n_input = x.shape[1]
     values = np.empty((n_input + len(nodes), len(x)))
     values[:n_input] = x.T

@@ -31,7 +31,7 @@ class Damping(NamedTuple):
     least_relative, least_added : float
         Lower bound of a diagonal element, as a part of the largest one; what is added to each whatever the damping.
     enough, last_steps : float, int
-        After so many steps in a row that lower the loss by a smaller share, the search ends.
+        After this many steps in a row that lower the loss by a smaller share, the search ends.
     perfect : float
         A loss at which it ends, too.
     """

@@ -53,7 +53,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     Parameters
     ----------
     max_layers : int, default=4
-        Layers at most; growth stops earlier when the predicted squared error no longer falls.
+        Maximum number of layers; growth stops earlier when the predicted squared error no longer falls.
     n_survivors : int, default=8
         Nodes of a layer that later layers may draw on.
     kinds : sequence of str, default=("single", "double", "triple", "linear")
@@ -70,14 +70,14 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     leave_one_out : bool, default=True
         Of all layers keep the one whose rows are predicted best by a network that has not seen them (to first order),
         and refined coefficients only if they lower this error too. It stops high powers that a few far rows decide. Rows
-        of a log, given in the order of time, are left out in blocks, and the smallest network counts that is not clearly worse.
+        of a log, given in the order of time, are left out in blocks, and the smallest network is kept that is not clearly worse.
     max_inputs : int, default=30
         With more inputs than this, the search sees only that many, chosen by what they explain in Singles and Doubles.
     missing : "refuse", "drop" or "impute", default="refuse"
         What to do with NaN in X: an error; leave such rows out of the fit (and refuse them in `predict`); or put the
         mean of the column in its place, in `fit` and `predict`.
     domain : sequence of (low, high), optional
-        Box in which the model holds, one pair an input; the range of the training data if not given. Inputs outside
+        Box in which the model holds, one pair per input; the range of the training data if not given. Inputs outside
         are moved to its border.
     output_bounds : "data", (low, high) or None, default="data"
         Predictions are clamped to these physical bounds; "data" is the range of the targets, widened by a tenth of it
@@ -90,13 +90,13 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     Attributes
     ----------
     networks_ : list of Network
-        One an output; `network_` is the first.
+        One per output; `network_` is the first.
     histories_ : list of list of GrowthStep
         The layers tried, with K, FSE, penalty and PSE in squared units of y; `history_` is the first.
     fse_, pse_ : float, or (n_output,) array
         Fitting and predicted squared error of the final network.
     residuals_ : list of (n_held_out,) array
-        Sizes of the held-out residuals, rising, one array an output.
+        Sizes of the held-out residuals, rising, one array per output.
     n_features_in_ : int
     feature_names_in_ : ndarray of str
         Only if fitted on a frame with column names.
@@ -268,7 +268,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     def to_models(
         self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
     ) -> list[Model]:
-        """Return one model an output."""
+        """Return one model per output."""
         check_is_fitted(self)
         several = len(self.networks_) > 1
         names = outputs or [Variable(f"y{k}" if several else "y") for k in range(len(self.networks_))]
@@ -284,7 +284,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ]
 
     def equations(self) -> str:
-        """Equations of every output, one line a node, in normalized variables."""
+        """Equations of every output, one line per node, in normalized variables."""
         return "\n".join("\n".join(describe(model.networks[0], model.inputs)) for model in self.to_models())
 
     def _grow(self, rows: TrainingRows, settings: Settings, apart: TrainingRows | None = None) -> Grown:

@@ -1,7 +1,7 @@
 """Which rows depend on each other: groups that are given, or stretches of a log, found from the order of its rows.
 
 Rows drawn independently differ from the row before as much as from any other; in a log they hardly differ from it. Where all inputs are
-like that, rows next to each other are no independent witnesses, and the log is cut into stretches that are.
+like that, rows next to each other are not independent, and the log is cut into stretches that are.
 """
 
 from typing import Any
@@ -29,7 +29,7 @@ def row_blocks(X: np.ndarray, groups: Any = None) -> np.ndarray | None:
     Raises
     ------
     InputError
-        If there is not one label a row, or they are all the same.
+        If there is not one label per row, or they are all the same.
     """
     if groups is None:
         return np.arange(len(X)) * STRETCHES // len(X) if is_log(X) else None

@@ -95,7 +95,7 @@ def squared_errors(m: Moments, kind: int, inputs: np.ndarray) -> np.ndarray:
 
 @driver
 def _look_up(m: Moments, where: np.ndarray, inputs: np.ndarray, found: np.ndarray) -> None:
-    """Moments of every candidate, one moment a row."""
+    """Moments of every candidate, one moment per row."""
     one = 4 * m.pair_target.shape[0]
     for row in range(where.shape[0]):
         table, p, q, r, e = where[row, 0], where[row, 1], where[row, 2], where[row, 3], where[row, 4]

@@ -55,7 +55,7 @@ class Settings:
     kinds : tuple of str
         Node kinds allowed.
     max_layers, n_survivors : int
-        Layers at most; nodes kept a layer.
+        Maximum number of layers; nodes kept per layer.
     cpm : float
         Complexity penalty multiplier.
     prior_variance : "adaptive", "half-variance" or float
@@ -183,7 +183,7 @@ def synthesize(rows: TrainingRows, inputs: np.ndarray, settings: Settings) -> tu
 
 
 def _values(variables: list[_Variable], x: np.ndarray) -> np.ndarray:
-    """All variables on a block of rows, one a row."""
+    """All variables on a block of rows, one per row."""
     values = np.empty((len(variables), len(x)))
     values[: x.shape[1]] = x.T
     for place, variable in enumerate(variables):
@@ -215,7 +215,7 @@ def _candidates(n_old: int, n: int, settings: Settings) -> list[tuple[int, np.nd
 
 
 def _rising(n: int, size: int, first: int) -> np.ndarray:
-    """All rising choices of `size` numbers below `n`, one a row, sorted by the last, which is at least `first`."""
+    """All rising choices of `size` numbers below `n`, one per row, sorted by the last, which is at least `first`."""
     if size == 1:
         return np.arange(first, n)[:, None]
     before = _rising(n, size - 1, 0)

@@ -111,7 +111,7 @@ class Model:
         return [boxes[k] for k in range(len(self.networks))]
 
     def region_names(self) -> list[str]:
-        """Regions in words, one a network."""
+        """Regions in words, one per network."""
         return [box_name(box, [variable.name for variable in self.inputs]) for box in self.region_boxes()]
 
     def domain(self) -> np.ndarray:
@@ -129,7 +129,7 @@ def pack_models(models: Sequence[Model]) -> tuple[list[Regions], NetworkTable]:
 
 
 def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
-    """Equations of a network, one line a node, in normalized variables.
+    """Equations of a network, one line per node, in normalized variables.
 
     Parameters
     ----------

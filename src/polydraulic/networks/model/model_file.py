@@ -1,6 +1,6 @@
 """Model files: fitted models as JSON, data only.
 
-A file holds one model or several (one an output). Reading checks everything that the compiled evaluation relies on,
+A file holds one model or several (one per output). Reading checks everything that the compiled evaluation relies on,
 so that a damaged file is an error and never a wrong number. Files of older schemas are read: what they hold is first put
 into the form of today.
 """

@@ -38,7 +38,7 @@ TERMS: dict[int, tuple[tuple[int, ...], ...]] = {
 
 
 def terms(kind: int, n_inputs: int) -> tuple[tuple[int, ...], ...]:
-    """Exponents of a node's terms, one tuple a term."""
+    """Exponents of a node's terms, one tuple per term."""
     if kind in (LINEAR, SIGMOID):
         constant = ((0,) * n_inputs,) if kind == SIGMOID else ()
         return constant + tuple(tuple(int(i == j) for j in range(n_inputs)) for i in range(n_inputs))

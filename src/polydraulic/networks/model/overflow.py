@@ -1,4 +1,4 @@
-"""Whether a network stays among the numbers: where a value overflows, the next may be NaN, which no clamp mends.
+"""Whether a network stays among the numbers: where a value overflows, the next may be NaN, which no clamp repairs.
 
 A coarse bound of all magnitudes settles nearly every network at once; where it is beyond the largest number, values at the corners and
 along the edges of the domain decide, as powers are largest there.

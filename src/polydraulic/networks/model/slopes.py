@@ -1,4 +1,4 @@
-"""What a model's outputs do around a point: exact slopes, and how far the point lies outside of the domain.
+"""What a model's outputs do around a point: exact slopes, and how far the point lies outside the domain.
 
 The definitions that exported models are held to. A slope is that of what is returned: it is 0 where an input is moved to
 the border of the domain, or the output to its bounds; on a border it is the one from inside.

@@ -1,7 +1,7 @@
 """A fitted network as data, and its compiled evaluation.
 
 `Network` is what training returns and what a file holds; `NetworkTable` packs any number of networks into plain arrays, so
-that one compiled function evaluates them all. A node reads only earlier slots: inputs first, then one slot a node, so that a
+that one compiled function evaluates them all. A node reads only earlier slots: inputs first, then one slot per node, so that a
 table cannot contain a loop. A perceptron is a network too: sigmoid nodes over the inputs, and one node over them.
 """
 
@@ -35,7 +35,7 @@ class Network:
     nodes : tuple of Node
         The last one is the output; without nodes the network is the constant `y_mean`.
     x_mean, x_scale : tuple of float
-        Normalizers, one an input: (x - mean) / scale.
+        Normalizers, one per input: (x - mean) / scale.
     x_low, x_high : tuple of float
         Domain; inputs outside are moved to its border before anything else.
     y_mean, y_scale : float
@@ -134,7 +134,7 @@ def pack(networks: list[Network]) -> NetworkTable:
 
 
 def work_size(table: NetworkTable) -> int:
-    """Scratch that `evaluate` needs: one slot an input and one a node."""
+    """Scratch that `evaluate` needs: one slot per input and one per node."""
     return table.x_mean.shape[1] + int(np.max(np.diff(table.first)))
 
 

@@ -56,7 +56,7 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
     momentum : float, default=0.0
         Share of the last step that "gradient" repeats, below 1; the printed rule has none.
     max_iter : int, default=1000
-        Iterations at most, each over all rows.
+        Maximum number of iterations, each over all rows.
     tol : float, default=1e-5
         Training ends when 100 iterations lower the loss by less than this share.
     n_starts : int, default=3
@@ -64,7 +64,7 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
     random_state : int, RandomState or None, default=0
         Source of the starting weights.
     domain : sequence of (low, high), optional
-        Box in which the model holds, one pair an input; the range of the training data if not given. Inputs outside
+        Box in which the model holds, one pair per input; the range of the training data if not given. Inputs outside
         are moved to its border.
     output_bounds : (low, high), optional
         Physical bounds of the output; predictions are clamped to them.
@@ -240,7 +240,7 @@ class PerceptronRegressor(RegressorMixin, BaseEstimator):
 
 
 class SweepPoint(NamedTuple):
-    """Errors of a perceptron with so many hidden units, in units of y."""
+    """Errors of a perceptron with this many hidden units, in units of y."""
 
     hidden_units: int
     training_rms: float

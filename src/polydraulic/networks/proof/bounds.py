@@ -50,7 +50,7 @@ class Bounds(NamedTuple):
 
 
 class ModelBounds(NamedTuple):
-    """Proved range of a model; `regions` has one entry a network, None where the box does not meet its region."""
+    """Proved range of a model; `regions` has one entry per network, None where the box does not meet its region."""
 
     low: float
     high: float
@@ -112,7 +112,7 @@ def network_bounds(
         Allowed distance of the proved from the attained output, and of the slopes likewise, as a part of the width of
         the attained range.
     max_boxes : int, default=20000
-        Sub-boxes at most, for the output and once more for the slopes.
+        Maximum number of sub-boxes, for the output and once more for the slopes.
 
     Raises
     ------
@@ -194,7 +194,7 @@ def check_range(
     box : (n_input, 2) array-like, optional
         As for `network_bounds`; the model's domain if not given.
     max_boxes : int, default=20000
-        Sub-boxes at most, for each region.
+        Maximum number of sub-boxes, for each region.
 
     Raises
     ------

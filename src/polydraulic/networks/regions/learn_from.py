@@ -89,7 +89,7 @@ def learn_from(
     ----------
     function : function of an (n_row, n_input) array
         Gives (n_row,) finite outputs.
-    box : sequence of (low, high), one an input
+    box : sequence of (low, high), one per input
     tolerance : float
         Largest error allowed, in units of the output.
     edges : mapping from input (index, or name of a given input) to rising edges, optional
@@ -97,7 +97,7 @@ def learn_from(
     budget : int
         Points at which the function may be asked.
     max_regions : int
-        Regions at most.
+        Maximum number of regions.
     rows : int
         Points from which a region learns.
     estimator : AbductiveRegressor, optional
@@ -234,7 +234,7 @@ def _fitted(
     y: np.ndarray,
     seed: int,
 ) -> _Region:
-    """Fit, then hunt for the largest error: on a grid with its faces, and around the worst points of what was seen."""
+    """Fit, then search for the largest error: on a grid with its faces, and around the worst points of what was seen."""
     n_input, random = len(cell), np.random.default_rng(seed)
     model = estimator.fit(X, y).to_model()
     side = max(3, round(_GRID ** (1.0 / n_input)))

@@ -41,7 +41,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         regions are found: the region with the largest error is cut in two, at the threshold where two polynomials fit
         best, as long as that lowers the predicted squared error.
     max_regions : int, default=8
-        Regions that are found at most.
+        Maximum number of regions that are found.
     min_rows : int, default=50
         Rows, counted by their weights, that a cut leaves on each side.
     borrow : float, default=0.0
@@ -52,7 +52,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     Attributes
     ----------
     estimators_ : list of AbductiveRegressor
-        One a region.
+        One per region.
     partition_ : Split or int
         Which of them answers where.
     residuals_ : list of list of (n_held_out,) array
@@ -159,7 +159,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     def to_models(
         self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
     ) -> list[Model]:
-        """Return one model an output."""
+        """Return one model per output."""
         check_is_fitted(self)
         by_region = [_models(estimator, inputs, outputs) for estimator in self.estimators_]
         models = []

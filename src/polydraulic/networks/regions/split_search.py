@@ -39,7 +39,7 @@ def best_cut(X: np.ndarray, y: np.ndarray, weight: np.ndarray, min_rows: float) 
     Returns
     -------
     Cut or None
-        None if no input can be cut with so many rows on both sides.
+        None if no input can be cut with this many rows on both sides.
     """
     columns = np.column_stack([_terms(X), y]) * np.sqrt(weight)[:, None]
     cuts = [_cut_along(X[:, axis], axis, columns, weight, y.shape[1], min_rows) for axis in range(X.shape[1])]

@@ -45,7 +45,7 @@ def grow_tree(
     -------
     partition : Split or int
     leaves : list of Leaf
-        One a region.
+        One per region.
     """
     leaves = list(leaves)
     while len(leaves) < max_regions:

@@ -48,5 +48,5 @@ def _function(f: MachineFunction, machine: LayoutMachine) -> str:
     if f.pins is not None:
         middle = 0.5 * (f.stops.low + f.stops.high)
         arms = [abs(lever(f, link, angle) or 0.0) for angle in (f.stops.low, middle, f.stops.high)]
-        text += f", lever {', '.join(amount(arm, 'm') for arm in arms)} (low, middle, high)"
+        text += f", lever arm {', '.join(amount(arm, 'm') for arm in arms)} (low, middle, high)"
     return text

@@ -1,6 +1,6 @@
 """Pins of cylinders and bucket linkages as the kernels want them: seen along the joint's axis.
 
-A revolute joint turns the across_axis across its axis. In it lie two axes whose cross product is the joint's axis, so that a positive angle turns
+A revolute joint turns the plane across its axis. In it lie two axes whose cross product is the joint's axis, so that a positive angle turns
 the first towards the second; (u, v) are coordinates along them, from the joint.
 """
 
@@ -23,7 +23,7 @@ class PinTriangle(NamedTuple):
 
 
 class BucketLinkage(NamedTuple):
-    """A bucket's linkage in the across_axis of its joint, m; the joint is the origin."""
+    """A bucket's linkage in the plane across its joint's axis, m; the joint is the origin."""
 
     base: tuple[float, float]
     hinge: tuple[float, float]
@@ -48,7 +48,7 @@ def from_joint(point: Point, link: LinkParameters) -> tuple[float, float]:
 
 
 def triangle(pins: Pins, link: LinkParameters) -> PinTriangle:
-    """PinTriangle of a cylinder that moves a link."""
+    """Triangle of a cylinder that moves a link."""
     base, rod = from_joint(pins.base, link), across_axis(pins.rod, link.axis)
     psi = atan2(rod[1], rod[0]) - atan2(base[1], base[0])
     psi = (psi + pi) % (2.0 * pi) - pi
@@ -58,7 +58,7 @@ def triangle(pins: Pins, link: LinkParameters) -> PinTriangle:
 
 
 def is_plane(pins: FourBar, link: LinkParameters) -> bool:
-    """Whether all pins of a bucket's linkage lie in one across_axis across the joint's axis."""
+    """Whether all pins of a bucket's linkage lie in one plane across the joint's axis."""
     along = link.axis[-1]
     places = [point.get(along, 0.0) - link.at.get(along, 0.0) for point in (pins.base, pins.hinge, pins.knee)]
     return max(abs(place - pins.pin.get(along, 0.0)) for place in places) < 1e-9

@@ -43,7 +43,7 @@ from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 
 CIRCUIT_KINDS = {
-    "series": "1 to 6 valves behind each other: what passes a valve's bypass reaches the next one, the first has priority"
+    "series": "1 to 6 valves in series: what passes a valve's bypass reaches the next one, the first has priority"
 }
 _SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
 _LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
@@ -114,7 +114,7 @@ def _named(reader: Reader, top: Mapping[str, Any], key: str, most: int) -> list[
             found.append((name, item))
     folded = [name.lower() for name, _ in found]
     for name in dict.fromkeys(name for name in folded if folded.count(name) > 1):
-        reader.require(False, f"{key}: the name {name!r} stands there twice but for upper and lower case")
+        reader.require(False, f"{key}: the name {name!r} appears twice, but for upper and lower case")
     return found
 
 
@@ -149,7 +149,7 @@ def _ordered(links: list[LinkParameters], reader: Reader) -> tuple[LinkParameter
     for link in waiting:
         allowed = [GROUND, *(other.name for other in links if other.name != link.name)]
         exists = link.parent in allowed
-        reason = "links that lead round in a circle" if exists else f"must be one of {allowed}"
+        reason = "links that form a loop" if exists else f"must be one of {allowed}"
         reader.require(False, f"links.{link.name}.parent = {link.parent!r}: {reason}")
     return tuple(done)
 
@@ -236,15 +236,15 @@ def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[SupplyCircuit, ..
         reader.require(good and 0 < len(fed) <= MOST_IN_SERIES,
             f"{where}.functions = {fed!r}: must be a list of 1 to {MOST_IN_SERIES} names of functions")  # fmt: skip
         for f in fed if good else []:
-            reader.require(f in names or not names, f"{where}.functions: {f!r} is no function; there are {names}")
+            reader.require(f in names or not names, f"{where}.functions: {f!r} is not a function; there are {names}")
         pump = reader.part(PumpParameters, data, "pump", where)
         if pump is not None and good:
             found.append(SupplyCircuit(name, kind, tuple(fed), pump))
     fed_at = [f for circuit in found for f in circuit.functions]
     for name in names:
         count = fed_at.count(name)
-        what = "stands in no circuit" if not count else f"stands in circuits {count} times"
-        reader.require(count == 1 or not found, f"functions.{name}: {what}; it must stand in one, once")
+        what = "appears in no circuit" if not count else f"appears {count} times in the circuits"
+        reader.require(count == 1 or not found, f"functions.{name}: {what}; it must appear once")
     return tuple(found)
 
 

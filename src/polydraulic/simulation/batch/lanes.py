@@ -143,7 +143,7 @@ def _see_stage(rows: np.ndarray) -> None:
 
 @kernel
 def _count_stage(rows: np.ndarray, k: int, n_step: int) -> int:
-    """Note the step in which a rate left all reason; in how many machines one has."""
+    """Note the step in which a rate diverged; in how many machines one has."""
     count = 0
     for lane in range(LANES):
         steps = get(rows, STEPS, lane)
@@ -155,7 +155,7 @@ def _count_stage(rows: np.ndarray, k: int, n_step: int) -> int:
 
 @kernel
 def _halt_stage(rows: np.ndarray, n_step: int) -> None:
-    """Keep machines that have left all reason from calculating with what is no number."""
+    """Keep machines that have diverged from calculating with NaN."""
     for lane in range(LANES):
         if get(rows, STEPS, lane) < float(n_step):
             put_links(rows, ANGLE, lane, Links(0.0, 0.0, 0.0))

@@ -6,7 +6,7 @@ A page is Python in which single capital letters stand for what a layout has. Th
 - ``*[... for F in FUNCTIONS]`` among arguments;
 - ``any([... for F in FUNCTIONS])`` and ``all([...])``: conditions joined by ``or`` and ``and``.
 
-Inside of them a letter that is a name, or a part of one between underscores, is replaced: with F = boom, ``x.F`` is ``x.boom`` and
+Inside them a letter that is a name, or a part of one between underscores, is replaced: with F = boom, ``x.F`` is ``x.boom`` and
 ``k_F`` is ``k_boom``. A letter whose value is a number is that number. Names of lists are replaced as well, so that loops may be nested:
 ``FUNCTIONS_OF_C``.
 """
@@ -142,7 +142,7 @@ def _text(node: ast.stmt) -> str:
 
 
 def _broken(line: str) -> list[str]:
-    """A line that is too long as several: one argument of its outermost call a line, each broken again if need be."""
+    """A line that is too long as several: one argument of its outermost call per line, each broken again if need be."""
     indent = line[: len(line) - len(line.lstrip())]
     start = re.match(r"\s*(?:return |[\w, .]+ = )?[\w.]+\(", line)
     end = re.search(r"\),?$", line)

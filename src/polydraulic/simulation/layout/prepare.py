@@ -50,7 +50,7 @@ def prepare_layout(
         raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
-        raise InputError(f"locked: {unknown[0]!r} is no function of the machine; there are {list(machine.names)}")
+        raise InputError(f"locked: {unknown[0]!r} is not a function of the machine; there are {list(machine.names)}")
     module = layout_module(machine, force=force)
     parts = {f.name: _part(module, f, machine, dt) for f in machine.functions}
     plant = module.Plant(

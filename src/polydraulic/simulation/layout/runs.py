@@ -122,7 +122,7 @@ def check_flow(flow: Any) -> None:
 
 
 def step_inputs(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
-    """Inputs of steps that begin at the times `t`: a voltage a function, then the force at the tip if the scenario has one.
+    """Inputs of steps that begin at the times `t`: a voltage per function, then the force at the tip if the scenario has one.
 
     Voltages are the joystick's after each pilot's dead time, 0 V before that and where locked; shape (n_time, n_input).
     """

@@ -1,4 +1,4 @@
-"""Reference solution: the continuous equations through a tight implicit SciPy solver. The judge of the other methods.
+"""Reference solution: the continuous equations through an implicit SciPy solver with tight tolerances. The yardstick of the other methods.
 
 LSODA replaces the Rosenbrock method, nothing else: spools are known in closed form (`spools`), and the integration stops at the corners of
 voltages and orifice tables and where lines, joints and relief valves change their conditions (`smooth`).

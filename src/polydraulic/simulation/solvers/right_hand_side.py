@@ -1,6 +1,6 @@
 """The machine's equations in continuous time: state -> time derivatives, shared by the methods that need them.
 
-The component kernels are those of `step`, but no stage lags behind another. Line pressures have bounds that are no part of
+The component kernels are those of `step`, but no stage lags behind another. Line pressures have bounds that are not part of
 the smooth equations: `rates` knows none, so that a solver may look across them; `derivative` keeps to them.
 """
 

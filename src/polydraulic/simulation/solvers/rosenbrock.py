@@ -166,7 +166,7 @@ def run_rosenbrock(
 def integrate(
     machine: Machine, model: Any, scenario: Scenario, time: np.ndarray, rtol: float
 ) -> tuple[np.ndarray, dict[str, object]]:
-    """Integrate a scenario to a tolerance; arguments and result are those of `tight.integrate`.
+    """Integrate a scenario to a tolerance; arguments and result are those of `lsoda.integrate`.
 
     Raises
     ------

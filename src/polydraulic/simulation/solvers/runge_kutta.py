@@ -1,4 +1,4 @@
-"""Classic Runge-Kutta method of order 4 with fixed steps: the continuous equations, four evaluations a step.
+"""Classic Runge-Kutta method of order 4 with fixed steps: the continuous equations, four evaluations per step.
 
 For comparison: it costs four valve evaluations where the semi-implicit step needs one. The voltage is not held over
 a step. Pressures are put back within their bounds and joints within their stops at the ends of the steps, and a joint is held or free

@@ -61,7 +61,7 @@ def test_frames_that_are_lost_end_their_message_alone(tmp_path):
     _, values, left_out = read(tmp_path, flat(messages))
     assert values["last"].tolist() == [0, 5]
     assert left_out == {
-        "PGN 0xff0f (65295): 3 message(s)": "messages of several frames that are not all in the log",
+        "PGN 0xff0f (65295): 3 message(s)": "messages of several frames, not all of which are in the log",
         "3 frame(s) of messages of several frames": "their announcement is not in the log",
     }
 

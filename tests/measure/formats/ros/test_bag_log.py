@@ -249,7 +249,7 @@ def test_what_is_not_read_is_named(tmp_path):
         "/silent": "no message",
         "/tf": "tf2_msgs/msg/TFMessage holds a list of messages (transforms)",
         "/long/data": "an array of more than 64 numbers",
-        "/uneven/velocity: 5 of 5 messages": "other than one value for each name",
+        "/uneven/velocity: 5 of 5 messages": "not one value for each name",
     }
     assert "/uneven/a.position" in found
 
@@ -270,7 +270,7 @@ def test_old_databases_without_definitions_are_read_where_ros_itself_has_the_typ
     database.close()
     found, _, left_out, _ = columns(path)
     assert found["/pump/fluid_pressure"][1] == pytest.approx(HEAD)
-    assert left_out == {"/valve": "its type rig_msgs/msg/Valve is not defined in the bag, and is none of ROS itself"}
+    assert left_out == {"/valve": "its type rig_msgs/msg/Valve is not defined in the bag, and is not one of ROS itself"}
 
 
 def test_what_a_recorder_did_not_finish_is_named(tmp_path):
@@ -284,16 +284,16 @@ def test_bags_that_cannot_be_read_are_refused_with_what_helps(tmp_path):
     content = (path / "log.mcap").read_bytes()
     for name, wrong, told in (
         ("cut.mcap", content[:-2000], "is cut off.*mcap recover"),
-        ("empty.mcap", b"", "cannot be read as a log of ROS"),
-        ("text.db3", b"no database at all" * 99, "cannot be read as a log of ROS"),
-        ("text.bag", b"no bag at all" * 99, "cannot be read as a log of ROS"),
+        ("empty.mcap", b"", "cannot be read as a ROS bag"),
+        ("text.db3", b"no database at all" * 99, "cannot be read as a ROS bag"),
+        ("text.bag", b"no bag at all" * 99, "cannot be read as a ROS bag"),
         ("a#b.mcap", content, "may hold no '\\?', '#' or '%'"),
     ):
         (tmp_path / name).write_bytes(wrong)
         with pytest.raises(InputError, match=told):
             open_log(tmp_path / name)
     (path / "metadata.yaml").unlink()
-    with pytest.raises(InputError, match="without metadata.yaml is no bag.*give its files: log.mcap"):
+    with pytest.raises(InputError, match="without metadata.yaml is not a bag.*give its files: log.mcap"):
         open_log(path)
     messages = [("/said", "std_msgs/msg/String", BEGAN, MAKE.of("std_msgs/msg/String", "on"))]
     with pytest.raises(

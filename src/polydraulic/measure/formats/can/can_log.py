@@ -108,7 +108,7 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
 
 
 class _Spool:
-    """BusFrames in one file for each message, sender and bus."""
+    """Frames in one file for each message, sender and bus."""
 
     def __init__(self, messages: Messages, scratch: Scratch) -> None:
         self.messages, self.scratch = messages, scratch
@@ -183,7 +183,7 @@ class _Spool:
         self._waiting = 0
 
     def records(self, key: _Key) -> Iterator[tuple[int, np.ndarray]]:
-        """BusFrames of a message in blocks, with the number of those that have been read."""
+        """Frames of a message in blocks, with the number of those that have been read."""
         kind = _record(self.known[key])
         for begun in range(0, self.count[key], BLOCK):
             part = np.fromfile(self._files[key], dtype=kind, count=BLOCK, offset=begun * kind.itemsize)

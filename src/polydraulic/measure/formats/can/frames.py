@@ -1,4 +1,4 @@
-"""BusFrames of a bus log, in blocks: MDF4 bus logging through asammdf, BLF and ASC through python-can."""
+"""Frames of a bus log, in blocks: MDF4 bus logging through asammdf, BLF and ASC through python-can."""
 
 from collections.abc import Iterator
 from contextlib import redirect_stdout

@@ -59,7 +59,7 @@ class Transport:
             self._lost[session.group] += 1
         self._open.clear()
         found = {
-            f"PGN {group:#06x} ({group}): {n} message(s)": "messages of several frames that are not all in the log"
+            f"PGN {group:#06x} ({group}): {n} message(s)": "messages of several frames, not all of which are in the log"
             for group, n in sorted(self._lost.items())
         }
         if self._strange:

@@ -67,19 +67,19 @@ class Bag:
         """Make types for a topic; the reason where there are none."""
         kind = full_name(connection.msgtype)
         if kind in _PICTURES:
-            return f"{kind}: pictures and clouds of points are no channels"
+            return f"{kind}: images and point clouds are not channels"
         if not connection.msgcount:
             return "no message"
         encoding = getattr(connection.ext, "serialization_format", "ros1" if self._old else "cdr")
         if encoding != ("ros1" if self._old else "cdr"):
-            return f"its messages are written as {encoding!r}, not as ROS does"
+            return f"its messages are written as {encoding!r}, not as in ROS"
         types = import_module("rosbags.typesys")
         form, definition = connection.msgdef.format.name, connection.msgdef.data
         try:
             if form == "NONE":
                 store = types.get_typestore(types.Stores[_BEFORE_IRON])
                 if kind not in store.fielddefs:
-                    return f"its type {kind} is not defined in the bag, and is none of ROS itself"
+                    return f"its type {kind} is not defined in the bag, and is not one of ROS itself"
             else:
                 store = types.get_typestore(types.Stores.EMPTY)
                 store.register(
@@ -123,7 +123,7 @@ def opened_bag(path: Path) -> Iterator[Bag]:
         reader = reader_of(path)
         reader.open()
     except Exception as error:  # rosbags raises errors of many kinds on damaged files
-        raise InputError(f"{path}: cannot be read as a log of ROS, a bag ({error or type(error).__name__})") from error
+        raise InputError(f"{path}: cannot be read as a ROS bag ({error or type(error).__name__})") from error
     try:
         yield Bag(reader, path)
     finally:
@@ -135,7 +135,7 @@ def _check(path: Path) -> None:
     if path.is_dir() and not (path / "metadata.yaml").is_file():
         files = sorted(file.name for file in path.iterdir() if file.suffix in (".mcap", ".db3"))
         raise InputError(
-            f"{path}: a folder without metadata.yaml is no bag"
+            f"{path}: a folder without metadata.yaml is not a bag"
             + (f", as after a recording that was cut off; give its files: {' '.join(files)}" if files else "")
         )
     if any(letter in str(path) for letter in "?#%"):
@@ -148,7 +148,7 @@ def _check(path: Path) -> None:
             file.seek(max(0, size - len(_MCAP_END)))
             if size and file.read() != _MCAP_END:
                 raise InputError(
-                    f"{path}: the log is cut off, as of a recorder that lost its power: it has no index at its end; "
+                    f"{path}: the log is cut off, as when the recorder loses power: it has no index at its end; "
                     "`mcap recover` (of the MCAP project) writes what is there into a new file"
                 )
 

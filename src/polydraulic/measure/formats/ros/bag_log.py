@@ -38,7 +38,7 @@ class _Topic:
         return self.fields.stamped and self.unstamped < self.rows.n_row
 
     def add(self, message: Any, receipt: int, zero: int) -> None:
-        """Add a message, received so many ns since 1970; times are kept from `zero` on."""
+        """Add a message, received this many ns since 1970; times are kept from `zero` on."""
         layout, values = self.fields.row(message)
         if not self.rows.knows(layout) and not self.rows.add_layout(layout, self.fields.columns(layout)):
             self.rows.too_many += 1
@@ -201,7 +201,7 @@ def _not_read(topic: _Topic, parts: list[tuple[list[int], list[Any]]]) -> dict[s
     """What of a topic is left out, by name, with the reason."""
     found = {f"{topic.label}/{field}": reason for field, reason in topic.fields.left_out.items()}
     for field, n in topic.fields.uneven.items():
-        found[f"{topic.label}/{field}: {n} of {topic.seen} messages"] = "other than one value for each name"
+        found[f"{topic.label}/{field}: {n} of {topic.seen} messages"] = "not one value for each name"
     if topic.damaged:
         found[f"{topic.label}: {topic.damaged} of {topic.seen} messages"] = (
             "damaged, or not of the type that the bag says"

@@ -54,7 +54,7 @@ class Fields:
     stamped : bool
         Whether messages have a header with a time.
     left_out : dict from str to str
-        Fields that are no columns, with the reason.
+        Fields that are not columns, with the reason.
     uneven : Counter of str
         Messages with another number of values than of names, by field.
     """

@@ -49,7 +49,7 @@ def _maps(
     *,
     error: bool,
 ) -> Figure:
-    """Figure of one map a panel; a panel is (title, column, values in SI, unit)."""
+    """Figure of one map per panel; a panel is (title, column, values in SI, unit)."""
     tables = [_thin(study, {column: (values, unit)}) for _, column, values, unit in panels]
     names = [""] if len(panels) == 1 else [chr(ord("a") + i) for i in range(len(panels))]
 
