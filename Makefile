@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
-.PHONY: report docs test test-all bench bench-peers lint surface build changes clean
+.PHONY: report docs test test-all bench bench-peers mutants lint surface build changes clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
@@ -44,6 +44,15 @@ bench: .venv/ready
 bench-peers: .venv/ready .venv-peers/ready
 	$(BIN)/python benchmarks/networks.py --peers $(if $(DATA),--data $(DATA))
 
+# Whether tests notice changes of the code that decides what holds: an hour, or MODULE=measure.checks.clock alone.
+# First what stands in functions, then constants of modules; what no test noticed is listed. In plain Python, since
+# changed sources would be compiled anew.
+mutants: export NUMBA_DISABLE_JIT = 1
+mutants: .venv-mutants/ready
+	.venv-mutants/bin/mutmut run --max-children 1 $(if $(MODULE),"polydraulic.$(MODULE)*")
+	.venv-mutants/bin/mutmut results
+	.venv-mutants/bin/python tools/constant_mutants.py $(MODULE)
+
 lint: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -75,5 +84,11 @@ changes: .venv/ready
 	.venv-peers/bin/pip install --quiet --requirement $<
 	touch $@
 
+# mutmut runs tests in its own process, so that it needs all that they need.
+.venv-mutants/ready: pyproject.toml
+	$(PYTHON) -m venv .venv-mutants
+	.venv-mutants/bin/pip install --quiet --editable ".[all,mutants]"
+	touch $@
+
 clean:
-	rm -rf .venv .venv-peers report dist docs/_build docs/reference
+	rm -rf .venv .venv-peers .venv-mutants mutants report dist docs/_build docs/reference

@@ -48,7 +48,6 @@ TESTED_ELSEWHERE = {
     "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
     "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
     "identification/run_plot.py": ("identification/test_runs.py", "pictures of the runs made there"),
-    "identification/validity.py": ("identification/test_model_card.py", "what the card says is held to new data"),
     "machine/circuits/series_march_text.py": (
         "machine/circuits/test_series_text.py",
         "the march is held to the judge of the whole circuit",

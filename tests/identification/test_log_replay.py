@@ -8,7 +8,19 @@ import pytest
 from helpers.machine_log import changed, machine_log
 from polydraulic.errors import InputError
 from polydraulic.identification import plot_replay, replay
-from polydraulic.identification.log_replay import against_log
+from polydraulic.identification.log_replay import (
+    Drift,
+    Window,
+    _begins,
+    _near,
+    _part_with,
+    _state,
+    against_log,
+    drift_rows,
+    drifts,
+    replayed,
+)
+from polydraulic.machine.linkage import end_effector
 from polydraulic.tables import Table
 
 LOG = machine_log(20.0, seed=3)
@@ -128,3 +140,118 @@ def test_no_window_goes_over_the_end_of_one_of_several_logs(machine):
     windows = replay([parts[0], anew], machine, FLOW, seconds=8.0).windows
     assert windows[1].time[0] == pytest.approx(LOG["time"][half - 1] + 60.0)
     assert windows[1].run == pytest.approx(replay(parts[1], machine, FLOW, seconds=8.0).windows[0].run, abs=1e-3)
+
+
+RASTER = 1.0 / 64.0  # s, so that sums of it are exact
+
+
+def first_rows(time, seconds=1.0, parts=None, rows=None):
+    """Rows in which windows begin."""
+    rows = np.ones(len(time), dtype=bool) if rows is None else rows
+    return _begins(time, rows, seconds, [len(time)] if parts is None else parts)
+
+
+def test_windows_fill_a_piece_to_its_last_row():
+    assert first_rows(RASTER * np.arange(129)) == [0, 64]
+    assert first_rows(RASTER * np.arange(128)) == [0]
+    assert first_rows(RASTER * np.arange(64)) == []
+
+
+@pytest.mark.parametrize(("steps", "begun"), [(6, [0]), (7, [])])
+def test_straight_lines_bridge_a_tenth_of_a_second(steps, begun):
+    time = RASTER * (np.arange(60) + (steps - 1) * (np.arange(60) >= 30))
+    assert first_rows(time, RASTER * 60) == begun
+
+
+@pytest.mark.parametrize(
+    ("raster", "begun"), [(0.025, 0), (0.026, 1), (0.033, 1), (0.034, 2), (0.05, 2), (0.051, None)]
+)
+def test_a_window_begins_where_five_rows_are_within_a_tenth_of_a_second(raster, begun):
+    assert first_rows(raster * np.arange(200))[:1] == ([] if begun is None else [begun])
+
+
+def test_windows_stay_in_their_part_and_in_rows_that_follow_each_other():
+    time = RASTER * np.arange(200)
+    assert first_rows(time, parts=[100, 100]) == [0, 100]
+    assert first_rows(time, parts=[60, 70, 70]) == [60, 130]
+    rows = np.ones(200, dtype=bool)
+    rows[64] = False
+    assert first_rows(time, rows=rows) == [65, 129]
+    rows[65] = False
+    assert first_rows(time, rows=rows) == [66, 130]
+    assert first_rows(time, rows=np.zeros(200, dtype=bool)) == []
+
+
+def test_rows_of_another_part_say_nothing_about_the_start():
+    parts, time = [10, 20], RASTER * np.arange(30)
+    for row, expected in (
+        (0, range(7)),
+        (9, range(3, 10)),
+        (10, range(10, 17)),
+        (20, range(14, 27)),
+        (29, range(23, 30)),
+    ):
+        own = _part_with(parts, row)
+        assert own == (slice(0, 10) if row < 10 else slice(10, 30))
+        assert _near(time, row, own).tolist() == list(expected)
+
+
+def test_the_state_at_the_start_is_measured_and_its_rates_are_those_of_a_parabola():
+    t = 0.02 * np.arange(40) - 0.4
+    names = [f"{link}.{what}" for what in ("spool", "p_a", "p_b") for link in ("swing", "boom", "stick")]
+    columns = {name: np.full(40, 1.0 + place) for place, name in enumerate(names)}
+    columns["boom.spool"][20], columns["swing.p_a"][20], columns["stick.p_b"][20] = -2.0, -3.0, -4.0
+    for place, link in enumerate(("swing", "boom", "stick")):
+        columns[f"{link}.angle"] = place + (0.1 + place) * t + 5.0 * t**2
+    found = _state(Table({"time": t + 3.0, **columns}, {}), 20, slice(0, 40))
+    assert found[:9].tolist() == [1.0, -2.0, 3.0, 0.0, 5.0, 6.0, 7.0, 8.0, 0.0]  # a pressure is none below 0
+    assert found[9:] == pytest.approx([0.0, 1.0, 2.0, 0.1, 1.1, 2.1], abs=1e-9)
+
+
+@pytest.mark.parametrize(("seconds", "allowed"), [(0.0099, False), (0.01, True)])
+def test_a_window_is_two_steps_of_5_ms_at_least(machine, seconds, allowed):
+    nowhere = np.zeros(len(LOG), dtype=bool)
+    if allowed:
+        assert replayed(machine, FLOW, LOG, seconds=seconds, rows=nowhere) == []
+    else:
+        with pytest.raises(InputError, match="must be finite and two time steps of 0.005 s at least"):
+            replayed(machine, FLOW, LOG, seconds=seconds, rows=nowhere)
+
+
+def window(run, measured=((0.0, 0.5, -1.0), (0.1, 0.5, -1.0))):
+    return Window(np.arange(2.0), np.array(measured), np.array(run))
+
+
+def test_drifts_are_the_largest_distances_of_windows(machine):
+    still = [[0.0, 0.5, -1.0]] * 2
+    windows = [
+        window([[0.0, 0.5, -1.0], [0.4, 0.5, -1.0]]),
+        window([[0.0, 0.7, -1.0], [0.1, 0.4, -1.0]]),
+        window([[-0.2, 0.5, -1.0], [0.1, 0.5, -1.0]], still),
+    ]
+    swing, boom, stick, tip = drifts(machine, windows)
+    assert swing == ("swing", "rad", pytest.approx(0.2), pytest.approx(0.3), pytest.approx(0.1))
+    assert boom == ("boom", "rad", 0.0, pytest.approx(0.2), 0.0)
+    assert stick == ("stick", "rad", 0.0, 0.0, 0.0)
+    at = [end_effector(np.array([angle, 0.5, -1.0]), machine.geometry) for angle in (0.0, 0.1, 0.4, -0.2)]
+    far = [np.linalg.norm(at[2] - at[1]), np.linalg.norm(at[0] - at[3])]
+    up = max(
+        np.linalg.norm(end_effector(np.array(a), machine.geometry) - end_effector(np.array(b), machine.geometry))
+        for a, b in (((0.0, 0.7, -1.0), (0.0, 0.5, -1.0)), ((0.1, 0.4, -1.0), (0.1, 0.5, -1.0)))
+    )
+    assert (tip.name, tip.unit) == ("tip", "m")
+    assert (tip.median, tip.largest) == pytest.approx((sorted([*far, up])[1], max(*far, up)))
+    assert tip.moved == pytest.approx(np.linalg.norm(at[1] - at[0]))
+
+
+def test_a_run_that_diverges_drifts_without_bound(machine):
+    good, bad = [[0.0, 0.5, -1.0]] * 2, [[0.0, 0.5, -1.0], [np.nan] * 3]
+    one = drifts(machine, [window(run) for run in (bad, good, good)])
+    assert [(d.median < np.inf, d.largest) for d in one] == [(True, np.inf)] * 4
+    two = drifts(machine, [window(run) for run in (bad, good, bad)])
+    assert [row[1:3] for row in drift_rows(two)] == [["diverged"] * 2] * 4
+    shown = drift_rows([Drift("boom", "rad", 0.01, 0.02, 0.5), Drift("tip", "m", 0.0123, 0.5, 1.0)])
+    assert shown == [["boom", "0.57 deg", "1.15 deg", "28.65 deg"], ["tip", "12 mm", "500 mm", "1000 mm"]]
+    assert drift_rows([Drift("boom", "rad", 0.01, 0.02, 0.5)], "si") == [
+        ["boom", "0.0100 rad", "0.0200 rad", "0.5000 rad"]
+    ]

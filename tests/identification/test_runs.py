@@ -130,3 +130,8 @@ def test_pictures_show_measured_next_to_simulated(fitted):
     models[0].training["free_run_rows"] = 40  # stated for shorter runs only
     assert not plot_separately(models[0], runs[0]).axes[0].collections
     models[0].training.clear()
+
+
+@pytest.mark.parametrize(("every", "longest"), [(0.02, 1), (0.029, 1), (0.031, 2), (0.04, 2), (100.0, 148)])
+def test_times_become_rows(fitted, every, longest):
+    assert run_models(fitted[1], LOG, every=every).runs[0].longest == longest

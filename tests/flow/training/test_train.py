@@ -10,16 +10,15 @@ from polydraulic.networks import Model, Network, Variable
 CONSTANT = Model((Variable("x"),), Variable("y"), (Network((), (0.0,), (1.0,), (0.0,), (1.0,), 2.0, 1.0),))
 
 
-def test_each_file_is_written_and_told(machine, tmp_path, monkeypatch):
+def test_each_file_is_written_and_told(machine, tmp_path):
     def searched(given, progress):
         assert given is machine
         progress("y", 100, 0.5)
         return [CONSTANT]
 
     files = {name: (searched if tells else lambda given: [CONSTANT], tells) for name, (_, tells) in train.FILES.items()}
-    monkeypatch.setattr(train, "FILES", files)
     told = []
-    written = train.train_networks(machine, tmp_path / "new", progress=lambda *piece: told.append(piece))
+    written = train.train_networks(machine, tmp_path / "new", files=files, progress=lambda *piece: told.append(piece))
     assert [path.name for path in written] == [
         "outlets.json", "neural.json", "inlets.json", "cascade.json", "limited.json", "direct.json",
     ]  # fmt: skip

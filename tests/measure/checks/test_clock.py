@@ -120,3 +120,100 @@ def test_times_that_cannot_be_are_named(begin, factor, named):
 def test_rows_from_before_a_clock_was_set_are_named():
     found = dict(checked(np.concatenate([STEADY[:10], 1.7e9 + STEADY]))[2])
     assert found["impossible time"] == [(1, 10)]
+
+
+@pytest.mark.parametrize(("lost", "gap"), [(2.45, []), (2.55, [51])])
+def test_a_gap_is_longer_than_two_and_a_half_rasters(lost, gap):
+    time = np.where(np.arange(100) < 50, STEADY, STEADY + 0.01 * (lost - 1.0))
+    _, gaps, findings, clock = checked(time)
+    assert gaps == gap
+    assert clock.lost == pytest.approx(0.01 * lost if gap else 0.0)
+    assert "gap" in dict(findings) or not gap
+
+
+@pytest.mark.parametrize(("share", "kinds"), [(0.24, []), (0.26, ["irregular"])])
+def test_an_interval_is_irregular_beyond_a_quarter_of_the_usual_one(share, kinds):
+    steps = 0.01 * (1.0 + share * np.resize([0.0, 1.0, 0.0, -1.0], 200))
+    assert [kind for kind, _ in checked(np.cumsum(steps))[2]] == kinds
+
+
+@pytest.mark.parametrize(("n", "odd", "named"), [(401, 5, False), (401, 6, True), (2001, 20, False), (2001, 21, True)])
+def test_a_hundredth_of_the_intervals_may_be_irregular_and_five_in_any_case(n, odd, named):
+    steps = np.full(n, 0.01)
+    steps[10 : 10 + 4 * odd : 4] = 0.015
+    _, _, findings, clock = checked(np.cumsum(steps))
+    assert dict(findings) == ({"irregular": [(r, r) for r in range(11, 11 + 4 * min(odd, 20), 4)]} if named else {})
+    if named:
+        (found,) = clock.findings
+        assert (found.count, found.detail) == (odd, "usual interval 0.01 s")
+
+
+@pytest.mark.parametrize(("off", "named"), [(0.19, False), (0.21, True), (-0.19, False), (-0.21, True)])
+def test_a_raster_is_another_beyond_a_fifth_of_that_of_the_map(off, named):
+    *_, clock = checked((1.0 + off) * STEADY, raster=0.01)
+    assert [f.kind for f in clock.findings] == ["raster"] * named
+    for found in clock.findings:
+        assert found.detail.startswith(f"found {0.01 * (1.0 + off):.4g} s, the map says 0.01 s: check")
+
+
+DAY, BORN, END = 86_400.0, 315_532_800.0, 4_102_444_800.0  # 1980 and 2100
+
+
+@pytest.mark.parametrize(
+    ("times", "named"),
+    [
+        ([-DAY, 0.0], []),
+        ([-DAY - 1.0, 0.0], [(1, 1)]),
+        ([BORN, BORN + 1.0], []),  # a clock that shows no date: s since it began
+        ([BORN - 1.0, BORN, BORN], []),
+        ([BORN - 1.0, BORN + 1.0, BORN + 2.0], [(1, 1)]),
+        ([BORN, BORN + 1.0, 1.7e9], []),
+        ([1.7e9, END], []),
+        ([1.7e9, END + 1.0], [(2, 2)]),
+        ([0.0, END + 1.0], [(2, 2)]),
+    ],
+)
+def test_dates_lie_between_1980_and_2100_and_other_clocks_begin_at_most_a_day_early(times, named):
+    assert dict(checked(times)[2]).get("impossible time", []) == named
+
+
+@pytest.mark.parametrize(("far", "kept"), [(0.99e12, 2), (1.01e12, 1)])
+def test_times_beyond_any_calendar_are_left_out(far, kept):
+    assert len(checked([1.7e9, far])[0]) == kept
+
+
+def test_a_clock_that_shows_dates_is_held_to_them_in_every_block():
+    findings = Findings()
+    clock = Clock("time", 1.0, None, None, findings, dates=True)
+    list(clock.rows(iter([LogBlock(np.arange(1, 4), np.array([5.0, 6.0, 7.0]), {}, {}, 1.0)])))
+    assert [(f.kind, f.rows) for f in findings] == [("impossible time", [(1, 3)])]
+
+
+def test_gaps_are_counted_and_added_up():
+    time = np.where(np.arange(100) < 30, STEADY, STEADY + 0.05) + np.where(np.arange(100) < 60, 0.0, 0.1)
+    _, gaps, findings, clock = checked(time, blocks=4)
+    assert (gaps, findings) == ([31, 61], [("gap", [(31, 31), (61, 61)])])
+    (found,) = clock.findings
+    assert found.detail == "2 gap(s), 0.17 s in all; the row after each is named"
+
+
+def test_texts_keep_their_rows_when_rows_are_left_out():
+    time = np.array([0.0, 1.0, np.nan, 3.0, 4.0, 5.0])
+    text = np.arange(6)
+    for ends in ((6,), (2, 6), (3, 5, 6)):
+        clock, begins = Clock("time", 1.0, None, None, Findings()), (0, *ends[:-1])
+        blocks = [
+            LogBlock(
+                text[a:b] + 1,
+                time[a:b],
+                {"p": 2.0 * text[a:b]},
+                {"p": np.flatnonzero(np.isin(text[a:b], [2, 4]))},
+                b / 6,
+            )
+            for a, b in zip(begins, ends, strict=True)
+        ]
+        parts = list(clock.rows(iter(blocks)))
+        assert np.concatenate([part.rows[part.text["p"]] for part in parts]).tolist() == [5]
+        assert np.concatenate([part.values["p"] for part in parts]).tolist() == [0.0, 2.0, 6.0, 8.0, 10.0]
+        assert parts[-1].done == 1.0
+        assert (clock.first, clock.last, clock.raster) == (0.0, 5.0, 1.0)

@@ -54,3 +54,67 @@ def test_a_constant_input_takes_one_cell():
 def test_bad_arguments_are_named(names, box, message):
     with pytest.raises(InputError, match=message):
         coverage(square(100), names, box)
+
+
+def cells(*holes):
+    """A row in the middle of every cell of a map, but for those in holes: cells from, cells to."""
+    x, y = np.divmod(np.arange(100), 10)
+    keep = np.ones(100, dtype=bool)
+    for (a, b), (c, d) in holes:
+        keep &= ~((x >= a) & (x < b) & (y >= c) & (y < d))
+    table = Table({"x": (x[keep] + 0.5) / 10.0, "y": (y[keep] + 0.5) / 10.0}, {})
+    return coverage(table, ["x", "y"], {"x": (0.0, 1.0), "y": (0.0, 1.0)}).pairs[0]
+
+
+def test_a_hole_is_named_from_a_twenty_fifth_of_the_map_on():
+    assert [hole.share for hole in cells(((2, 4), (5, 7))).holes] == [0.04]
+    found = cells(((2, 5), (5, 6)))
+    assert (found.holes, found.share) == ([], 0.97)
+    assert found.counts.shape == (10, 10)
+    assert set(found.counts.flat) == {0, 1}
+
+
+def test_the_three_largest_holes_are_named_the_largest_first():
+    found = cells(((0, 2), (0, 2)), ((3, 6), (3, 6)), ((0, 2), (7, 10)), ((7, 10), (0, 2)), ((8, 10), (8, 10)))
+    assert [round(hole.share, 2) for hole in found.holes] == [0.09, 0.06, 0.06]
+    assert (*found.holes[0].x, *found.holes[0].y) == pytest.approx((0.3, 0.6, 0.3, 0.6))
+    assert {(round(h.x[0], 1), round(h.y[0], 1)) for h in found.holes[1:]} == {(0.0, 0.7), (0.7, 0.0)}
+
+
+def test_holes_do_not_overlap():
+    first, second = cells(((0, 2), (0, 10)), ((0, 10), (0, 2))).holes  # an L
+    assert (first.share, second.share) == (0.2, 0.16)
+
+
+def test_the_largest_hole_of_all_maps_is_told_first():
+    x, y = np.random.default_rng(0).uniform(0.0, 1.0, (2, 40_000))
+    z = np.random.default_rng(1).uniform(0.0, 1.0, 40_000)
+    keep = ~((x > 0.4) & (y > 0.5)) & ~((y < 0.2) & (z < 0.2))
+    table = Table({"x": x[keep], "y": y[keep], "z": z[keep]}, {})
+    box = dict.fromkeys("xyz", (0.0, 1.0))
+    found = coverage(table, ["x", "y", "z"], box)
+    assert [(pair.x, pair.y) for pair in found.pairs] == [("x", "y"), ("x", "z"), ("y", "z")]
+    told = found.statements({})
+    assert told == [
+        "no rows with x 0.4 to 1 and y 0.5 to 1 (30% of their map)",
+        "no rows with y 0 to 0.2 and z 0 to 0.2 (4% of their map)",
+    ]
+    assert found.box == box
+
+
+def test_cells_of_the_whole_box_are_quarters_and_hold_their_ends():
+    ends = Table({"x": np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.01, -0.01])}, {})
+    assert coverage(ends, ["x"], {"x": (0.0, 1.0)}).visited == 4
+    low = Table({"x": np.array([0.0, 0.2499])}, {})
+    assert coverage(low, ["x"], {"x": (0.0, 1.0)}).visited == 1
+    top = Table({"x": np.array([0.75, 1.0])}, {})
+    assert coverage(top, ["x"], {"x": (0.0, 1.0)}).visited == 1
+    grid = np.array([(a, b) for a in (0.1, 0.4, 0.6, 0.9) for b in (0.1, 0.4, 0.6, 0.9)])
+    both = Table({"x": grid[:, 0], "y": grid[:, 1]}, {})
+    assert coverage(both, ["x", "y"], {"x": (0.0, 1.0), "y": (0.0, 1.0)}).visited == 16
+
+
+def test_of_many_inputs_thirty_are_counted():
+    table = Table({f"x{i}": np.array([0.0, 1.0]) for i in range(31)}, {})
+    found = coverage(table, list(table.names))
+    assert (found.cells, found.visited, len(found.pairs)) == (4**30, 2, 31 * 30 // 2)

@@ -1,6 +1,6 @@
 """Train the networks that come with the package, file by file; the same seed and versions give the same files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
 
 # file -> how its networks are learnt, and whether that says how far it has come
-FILES: dict[str, tuple[Callable[..., Any], bool]] = {
+FILES: Mapping[str, tuple[Callable[..., Any], bool]] = {
     "outlets": (learn_outlets, False),
     "neural": (train_perceptrons, False),
     "inlets": (learn_inlets, True),
@@ -22,7 +22,13 @@ FILES: dict[str, tuple[Callable[..., Any], bool]] = {
 }
 
 
-def train_networks(machine: Machine, folder: str | Path, *, progress: Progress = quiet) -> list[Path]:
+def train_networks(
+    machine: Machine,
+    folder: str | Path,
+    *,
+    files: Mapping[str, tuple[Callable[..., Any], bool]] = FILES,
+    progress: Progress = quiet,
+) -> list[Path]:
     """Train all networks of a machine from its exact flow model.
 
     Parameters
@@ -30,6 +36,8 @@ def train_networks(machine: Machine, folder: str | Path, *, progress: Progress =
     machine : Machine
     folder : str or Path
         Where the model files go, ``outlets.json`` and so on; a file is written as soon as its networks are learnt.
+    files : mapping, optional
+        Which ones, as `FILES`.
     progress : Progress, optional
         Told each file as it begins, and how its search goes on.
 
@@ -43,13 +51,13 @@ def train_networks(machine: Machine, folder: str | Path, *, progress: Progress =
     InputError
         A place that cannot be written.
     """
-    place, total = Path(folder), len(FILES)
+    place, total = Path(folder), len(files)
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{folder}: cannot write there ({error.strerror})") from error
     written = []
-    for done, (name, (learn, tells)) in enumerate(FILES.items()):
+    for done, (name, (learn, tells)) in enumerate(files.items()):
         path = place / f"{name}.json"
         progress(path.name, done, total)
 
