@@ -27,7 +27,9 @@ def test_kernels_above_the_digest_stand_in_one_file():
     paths = {path.relative_to(package) for path in package.rglob("*.py")}
     found = {p for p in paths if re.search(r"^@(kernel|driver)\b", (package / p).read_text(), re.MULTILINE)}
     assert Path("simulation/loop.py") in found
-    assert {p for p in found if p.parts[0] not in (*_kernel._COMPILED, "elementary.py")} == {Path("export/excavator.py")}
+    assert {p for p in found if p.parts[0] not in (*_kernel._COMPILED, "elementary.py")} == {
+        Path("export/excavator.py")
+    }
 
 
 def test_the_digest_follows_every_source_of_kernels(tmp_path):
