@@ -67,6 +67,12 @@ def test_a_single_part_has_the_blocks_of_all_rows():
     assert np.array_equal(held_rows(317, 20, [317]), held_rows(317, 20))
 
 
+def test_every_part_has_a_block():
+    assert blocks_of_parts(20, [1]) == [20]
+    assert blocks_of_parts(20, [0, 1, 99, 100]) == [1, 1, 10, 10]
+    assert blocks_of_parts(20, [0]) == [1]
+
+
 def test_four_of_the_twenty_blocks_of_a_log_are_held_out():
     assert np.flatnonzero(held_rows(1000, BLOCKS).reshape(20, 50).all(axis=1)).tolist() == [4, 9, 14, 19]
     assert held_rows(1000, BLOCKS).sum() == 200
