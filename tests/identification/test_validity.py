@@ -116,12 +116,11 @@ def test_units_are_compared_where_both_are_known():
             validity(static(), Table(rows, units))
 
 
-def stepping(**training):
-    """The next row is 0, whatever the last ones were."""
-    flat = Network((), (0.0,), (1.0,), (-9.0,), (9.0,), 0.0, 1.0)
-    return Model(
-        (Variable("y[t-2]", "V"),), Variable("y", "V"), (flat,), training=training, dynamics=Dynamics((Lag("y", 2),))
-    )
+def stepping(answer=0.0, unit="V", **training):
+    """The next row is `answer`, whatever the last ones were."""
+    flat = Network((), (0.0,), (1.0,), (-9.0,), (9.0,), answer, 1.0)
+    inputs, output = (Variable("y[t-2]", unit),), Variable("y", unit)
+    return Model(inputs, output, (flat,), training=training, dynamics=Dynamics((Lag("y", 2),)))
 
 
 def rows(y, **columns):
@@ -173,3 +172,16 @@ def test_units_of_all_that_runs_read_are_compared():
     assert run_validity([model], Table(log.columns, {**log.units, "u": "A"}))[0].holds
     with pytest.raises(InputError, match="column 'u' is in 'mA'; the model was fitted in 'A'"):
         run_validity([model], Table(log.columns, {**log.units, "u": "mA"}))
+
+
+def test_runs_are_told_in_the_units_asked_for():
+    log = rows([5.0, 5.0, *np.tile([4e5, 2e5], 11)])
+    model = stepping(3e5, "Pa", free_run_rms=1e5, free_run_rows=10, one_step_rms=2e5)
+    for units, one, two in (("metric", "1 bar", "2 bar"), ("si", "1e+05 Pa", "2e+05 Pa")):
+        (found,) = run_validity([model], Table(log.columns, {"time": "s", "y": "Pa"}), units)
+        assert (found.rms, found.largest) == (1e5, 1e5)
+        assert found.statements[0].startswith(
+            f"3 free run(s) of up to 10 rows: rms error {one}, {one} on rows held out"
+        )
+        assert found.statements[-2] == f"one step ahead: rms error {one}, {two} when it was fitted"
+        assert found.statements[-1] == f"run through without beginning anew, up to 22 rows: {one}"
