@@ -103,6 +103,25 @@ def test_one_reason_is_enough():
     training["interval_half_widths"] = [9.0]
     assert not judged(np.full(20, 2.0), static(**training)).holds
     assert judged(np.ones(20), static(**training)).holds
+    assert not judged(np.full(20, 2.0), static(**training), np.repeat([0.0, 1.01], [19, 1])).holds
+    assert judged(np.ones(20), static(interval_level=0.9)).statements == judged(np.ones(20), static()).statements
+
+
+def test_small_outputs_are_judged_as_large_ones_are():
+    assert not judged([1e-12, -1e-12], static(held_out_rms=1e-14)).holds
+    assert judged([1e-12, -1e-12], static(held_out_rms=1e-12)).holds
+
+
+def test_errors_are_told_in_the_units_asked_for():
+    output = Variable("y", "Pa")
+    table = Table({"a": np.zeros(4), "y": np.array([1e5, -1e5, 1e5, -1e5])}, {"a": "m", "y": "Pa"})
+    for units, one, two in (("metric", "1 bar", "2 bar"), ("si", "100000 Pa", "200000 Pa")):
+        for training, said in (
+            ({"held_out_rms": 2e5}, f"rms error {one}, {two} on rows held out when it was fitted: as good as it was"),
+            ({}, f"rms error {one}; the model does not state what it was when it was fitted"),
+        ):
+            model = Model((Variable("a", "m"),), output, (FLAT,), training=training)
+            assert validity(model, table, units).statements == [said]
 
 
 def test_units_are_compared_where_both_are_known():
