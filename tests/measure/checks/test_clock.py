@@ -231,3 +231,19 @@ def test_a_block_may_be_empty():
     assert np.concatenate([part.time for part in found]).tolist() == [1.0, 2.0, 3.0, 4.0]
     assert all(len(part.rows) for part in found)
     assert list(Clock("time", 1.0, None, None, Findings()).rows(iter([none]))) == []
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 9])
+def test_every_jump_is_named(blocks):
+    time = STEADY.copy()
+    time[[30, 60, 80]] = 0.1
+    assert checked(time, blocks=blocks)[2] == [("clock jump", [(31, 31), (61, 61), (81, 81)])]
+
+
+@pytest.mark.parametrize("blocks", [1, 3, 40])
+def test_the_first_twenty_irregular_intervals_are_shown(blocks):
+    steps = np.full(1000, 0.01)
+    steps[10:122:4] = 0.015
+    _, _, findings, clock = checked(np.cumsum(steps), blocks=blocks)
+    assert findings == [("irregular", [(row, row) for row in range(11, 91, 4)])]
+    assert [found.count for found in clock.findings] == [28]
