@@ -44,7 +44,7 @@ bench: .venv/ready
 bench-peers: .venv/ready .venv-peers/ready
 	$(BIN)/python benchmarks/networks.py --peers $(if $(DATA),--data $(DATA))
 
-# Whether tests notice changes of the code that decides what holds: an hour, or MODULE=measure.checks.clock alone.
+# Whether tests notice changes of the code that decides what holds: hours, or minutes with MODULE=measure.checks.clock.
 # First what stands in functions, then constants of modules; what no test noticed is listed. In plain Python, since
 # changed sources would be compiled anew.
 mutants: export NUMBA_DISABLE_JIT = 1

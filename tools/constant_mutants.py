@@ -11,6 +11,8 @@ import importlib
 import os
 import sys
 import tomllib
+from contextlib import redirect_stdout
+from io import StringIO
 from math import ceil, floor
 from pathlib import Path
 
@@ -72,7 +74,10 @@ def main(chosen: list[str]) -> None:
         mutants = [
             (key, getattr(loaded, key), other) for key in constants(module) for other in changed(getattr(loaded, key))
         ]
-        if pytest.main([*OPTIONS, *tests]) != 0:  # in this process: forks need not load anything again
+        with redirect_stdout(StringIO()) as said:
+            passed = pytest.main([*OPTIONS, *tests]) == 0  # in this process: forks need not load anything again
+        if not passed:
+            print(said.getvalue())
             sys.exit(f"{tests[0]} fails as it is")
         survived = [(key, old, new) for key, old, new in mutants if passes(tests, {key: (old, new)})]
         print(f"{module}: {len(mutants)} changes of constants, {len(mutants) - len(survived)} noticed", flush=True)

@@ -48,20 +48,20 @@ def test_of_a_model_without_error_rounding_is_none(error, holds):
 @pytest.mark.parametrize(
     ("inside", "before", "holds", "said"),
     [
-        (19, None, True, "95% of the rows lie in their 90% intervals: the intervals hold"),
-        (16, None, True, "80% of the rows lie in their 90% intervals: the intervals hold"),
-        (15, None, False, "75% of the rows lie in their 90% intervals: the intervals no longer hold"),
-        (15, 1.0, False, "75% of the rows lie in their 90% intervals: the intervals no longer hold"),
-        (13, 0.7, True, "65% of the rows lie in their 90% intervals: no fewer than the 70% when it was fitted"),
-        (11, 0.7, False, "55% of the rows lie in their 90% intervals: the intervals no longer hold"),
-        (16, 0.7, True, "80% of the rows lie in their 90% intervals: the intervals hold"),
+        (95, None, True, "95% of the rows lie in their 90% intervals: the intervals hold"),
+        (80, None, True, "80% of the rows lie in their 90% intervals: the intervals hold"),
+        (79, None, False, "79% of the rows lie in their 90% intervals: the intervals no longer hold"),
+        (79, 1.0, False, "79% of the rows lie in their 90% intervals: the intervals no longer hold"),
+        (61, 0.7, True, "61% of the rows lie in their 90% intervals: no fewer than the 70% when it was fitted"),
+        (59, 0.7, False, "59% of the rows lie in their 90% intervals: the intervals no longer hold"),
+        (80, 0.7, True, "80% of the rows lie in their 90% intervals: the intervals hold"),
     ],
 )
 def test_intervals_may_lose_a_tenth_of_the_rows_of_what_they_held(inside, before, holds, said):
     training = {"interval_level": 0.9, "interval_half_widths": [2.0], "interval_covered": before}
-    errors = np.repeat([2.0, -2.0, 2.1], [inside - 1, 1, 20 - inside])  # the ends belong to the interval
+    errors = np.repeat([2.0, -2.0, 2.1], [inside - 1, 1, 100 - inside])  # the ends belong to the interval
     found = judged(errors, static(**training))
-    assert (found.covered, found.holds) == (inside / 20, holds)
+    assert (found.covered, found.holds) == (inside / 100, holds)
     assert found.statements[1] == said
 
 
@@ -84,16 +84,16 @@ def test_every_region_has_its_interval():
     ("outside", "holds", "said"),
     [
         (0, True, None),
-        (1, True, "5.0% of the rows lie outside its domain: few"),
-        (2, True, "10.0% of the rows lie outside its domain: inputs were moved to the border of what it knows"),
-        (10, True, "50.0% of the rows lie outside its domain: inputs were moved to the border of what it knows"),
-        (11, False, "55.0% of the rows lie outside its domain: inputs were moved to the border of what it knows"),
+        (5, True, "5.0% of the rows lie outside its domain: few"),
+        (6, True, "6.0% of the rows lie outside its domain: inputs were moved to the border of what it knows"),
+        (50, True, "50.0% of the rows lie outside its domain: inputs were moved to the border of what it knows"),
+        (51, False, "51.0% of the rows lie outside its domain: inputs were moved to the border of what it knows"),
     ],
 )
 def test_a_model_that_mostly_has_to_guess_does_not_hold(outside, holds, said):
-    a = np.repeat([1.0, -1.0, 1.01], [10, 10 - outside if outside < 10 else 0, outside])[-20:]
-    found = judged(np.zeros(20), static(held_out_rms=1.0), a)
-    assert (found.outside, found.holds) == (outside / 20, holds)
+    a = np.repeat([1.0, -1.0, 1.01, -1.01], [1, 99 - outside, outside // 2, outside - outside // 2])
+    found = judged(np.zeros(100), static(held_out_rms=1.0), a)
+    assert (found.outside, found.holds) == (outside / 100, holds)
     assert found.statements[1:] == ([] if said is None else [said])
 
 
@@ -103,6 +103,25 @@ def test_one_reason_is_enough():
     training["interval_half_widths"] = [9.0]
     assert not judged(np.full(20, 2.0), static(**training)).holds
     assert judged(np.ones(20), static(**training)).holds
+    assert not judged(np.full(20, 2.0), static(**training), np.repeat([0.0, 1.01], [19, 1])).holds
+    assert judged(np.ones(20), static(interval_level=0.9)).statements == judged(np.ones(20), static()).statements
+
+
+def test_small_outputs_are_judged_as_large_ones_are():
+    assert not judged([1e-12, -1e-12], static(held_out_rms=1e-14)).holds
+    assert judged([1e-12, -1e-12], static(held_out_rms=1e-12)).holds
+
+
+def test_errors_are_told_in_the_units_asked_for():
+    output = Variable("y", "Pa")
+    table = Table({"a": np.zeros(4), "y": np.array([1e5, -1e5, 1e5, -1e5])}, {"a": "m", "y": "Pa"})
+    for units, one, two in (("metric", "1 bar", "2 bar"), ("si", "100000 Pa", "200000 Pa")):
+        for training, said in (
+            ({"held_out_rms": 2e5}, f"rms error {one}, {two} on rows held out when it was fitted: as good as it was"),
+            ({}, f"rms error {one}; the model does not state what it was when it was fitted"),
+        ):
+            model = Model((Variable("a", "m"),), output, (FLAT,), training=training)
+            assert validity(model, table, units).statements == [said]
 
 
 def test_units_are_compared_where_both_are_known():
@@ -116,12 +135,11 @@ def test_units_are_compared_where_both_are_known():
             validity(static(), Table(rows, units))
 
 
-def stepping(**training):
-    """The next row is 0, whatever the last ones were."""
-    flat = Network((), (0.0,), (1.0,), (-9.0,), (9.0,), 0.0, 1.0)
-    return Model(
-        (Variable("y[t-2]", "V"),), Variable("y", "V"), (flat,), training=training, dynamics=Dynamics((Lag("y", 2),))
-    )
+def stepping(answer=0.0, unit="V", **training):
+    """The next row is `answer`, whatever the last ones were."""
+    flat = Network((), (0.0,), (1.0,), (-9.0,), (9.0,), answer, 1.0)
+    inputs, output = (Variable("y[t-2]", unit),), Variable("y", unit)
+    return Model(inputs, output, (flat,), training=training, dynamics=Dynamics((Lag("y", 2),)))
 
 
 def rows(y, **columns):
@@ -156,3 +174,33 @@ def test_inputs_of_runs_are_those_that_the_lags_read():
     assert found.outside == 3 / 20
     with pytest.raises(InputError, match="column 'y' is in 'mV'; the model was fitted in 'V'"):
         run_validity([stepping()], Table(rows(y).columns, {"time": "s", "y": "mV"}))
+
+
+def test_runs_stop_where_rows_do_not_follow_each_other():
+    log = rows([5.0, 5.0, *np.tile([1.0, -1.0], 11)])
+    log = Table({**log.columns, "time": log["time"] + 5.0 * (np.arange(24) >= 12)}, log.units)
+    (found,) = run_validity([stepping()], log)
+    assert found.statements[0].startswith("2 free run(s) of up to 10 rows: rms error")
+
+
+def test_units_of_all_that_runs_read_are_compared():
+    flat = Network((), (0.0, 0.0), (1.0, 1.0), (-9.0, -9.0), (9.0, 9.0), 0.0, 1.0)
+    read = (Variable("u[t-1]", "A"), Variable("y[t-1]", "V"))
+    model = Model(read, Variable("y", "V"), (flat,), dynamics=Dynamics((Lag("u", 1), Lag("y", 1))))
+    log = rows(np.zeros(20), u=np.zeros(20))
+    assert run_validity([model], Table(log.columns, {**log.units, "u": "A"}))[0].holds
+    with pytest.raises(InputError, match="column 'u' is in 'mA'; the model was fitted in 'A'"):
+        run_validity([model], Table(log.columns, {**log.units, "u": "mA"}))
+
+
+def test_runs_are_told_in_the_units_asked_for():
+    log = rows([5.0, 5.0, *np.tile([4e5, 2e5], 11)])
+    model = stepping(3e5, "Pa", free_run_rms=1e5, free_run_rows=10, one_step_rms=2e5)
+    for units, one, two in (("metric", "1 bar", "2 bar"), ("si", "100000 Pa", "200000 Pa")):
+        (found,) = run_validity([model], Table(log.columns, {"time": "s", "y": "Pa"}), units)
+        assert (found.rms, found.largest) == (1e5, 1e5)
+        assert found.statements[0].startswith(
+            f"3 free run(s) of up to 10 rows: rms error {one}, {one} on rows held out"
+        )
+        assert found.statements[-2] == f"one step ahead: rms error {one}, {two} when it was fitted"
+        assert found.statements[-1] == f"run through without beginning anew, up to 22 rows: {one}"

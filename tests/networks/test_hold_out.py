@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.networks.hold_out import blocks_of_parts, calibration_rows, drawn_rows, held_blocks, held_rows
+from polydraulic.networks.hold_out import BLOCKS, blocks_of_parts, calibration_rows, drawn_rows, held_blocks, held_rows
 
 
 @given(st.integers(0, 200), st.integers(0, 200), st.integers(0, 5))
@@ -65,3 +65,14 @@ def test_no_block_goes_over_the_end_of_a_part(parts, blocks):
 
 def test_a_single_part_has_the_blocks_of_all_rows():
     assert np.array_equal(held_rows(317, 20, [317]), held_rows(317, 20))
+
+
+def test_every_part_has_a_block():
+    assert blocks_of_parts(20, [1]) == [20]
+    assert blocks_of_parts(20, [0, 1, 99, 100]) == [1, 1, 10, 10]
+    assert blocks_of_parts(20, [0]) == [1]
+
+
+def test_four_of_the_twenty_blocks_of_a_log_are_held_out():
+    assert np.flatnonzero(held_rows(1000, BLOCKS).reshape(20, 50).all(axis=1)).tolist() == [4, 9, 14, 19]
+    assert held_rows(1000, BLOCKS).sum() == 200

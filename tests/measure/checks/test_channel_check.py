@@ -21,6 +21,7 @@ def checked(value, *, text=(), **channel):
     rows, no = np.arange(len(value)), np.zeros(len(value), dtype=bool)
     samples = check.samples(ClockedRows(rows + 1, rows * 0.01, {"p": value}, {"p": marks}, no, 1.0))
     check.end()
+    assert {f.channel for f in findings} <= {"p"}
     return samples, [(f.kind, f.rows) for f in findings], check
 
 

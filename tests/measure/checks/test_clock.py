@@ -23,6 +23,7 @@ def checked(time, *, blocks=1, factor=1.0, raster=None, interval=None):
         np.concatenate([part.values["a"] for part in found]), 10.0 * np.concatenate([p.rows for p in found])
     )
     gaps = np.concatenate([part.rows[part.after_gap] for part in found])
+    assert {f.channel for f in findings} <= {"time"}
     return kept, gaps.tolist(), [(f.kind, f.rows) for f in findings], clock
 
 
@@ -91,8 +92,9 @@ def test_times_are_in_the_unit_of_the_log_and_compared_with_the_map():
     assert [kind for kind, _ in checked(STEADY, raster=0.02)[2]] == ["raster"]
 
 
-def test_a_log_without_a_clock_counts_rows():
-    kept, _, findings, _ = checked(STEADY, interval=0.5)
+@pytest.mark.parametrize("blocks", [1, 7])
+def test_a_log_without_a_clock_counts_rows(blocks):
+    kept, _, findings, _ = checked(STEADY, interval=0.5, blocks=blocks)
     assert kept == pytest.approx(0.5 * np.arange(100))
     assert findings == []
 
@@ -217,3 +219,31 @@ def test_texts_keep_their_rows_when_rows_are_left_out():
         assert np.concatenate([part.values["p"] for part in parts]).tolist() == [0.0, 2.0, 6.0, 8.0, 10.0]
         assert parts[-1].done == 1.0
         assert (clock.first, clock.last, clock.raster) == (0.0, 5.0, 1.0)
+
+
+def test_a_block_may_be_empty():
+    none = LogBlock(np.arange(0), np.zeros(0), {"p": np.zeros(0)}, {"p": np.arange(0)}, 0.5)
+    some = [
+        LogBlock(np.arange(n, n + 2), np.arange(n, n + 2.0), {"p": np.ones(2)}, {"p": np.arange(0)}, 1.0)
+        for n in (1, 3)
+    ]
+    found = list(Clock("time", 1.0, None, None, Findings()).rows(iter([none, some[0], none, some[1]])))
+    assert np.concatenate([part.time for part in found]).tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert all(len(part.rows) for part in found)
+    assert list(Clock("time", 1.0, None, None, Findings()).rows(iter([none]))) == []
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 9])
+def test_every_jump_is_named(blocks):
+    time = STEADY.copy()
+    time[[30, 60, 80]] = 0.1
+    assert checked(time, blocks=blocks)[2] == [("clock jump", [(31, 31), (61, 61), (81, 81)])]
+
+
+@pytest.mark.parametrize("blocks", [1, 3, 40])
+def test_the_first_twenty_irregular_intervals_are_shown(blocks):
+    steps = np.full(1000, 0.01)
+    steps[10:122:4] = 0.015
+    _, _, findings, clock = checked(np.cumsum(steps), blocks=blocks)
+    assert findings == [("irregular", [(row, row) for row in range(11, 91, 4)])]
+    assert [found.count for found in clock.findings] == [28]

@@ -118,3 +118,20 @@ def test_of_many_inputs_thirty_are_counted():
     table = Table({f"x{i}": np.array([0.0, 1.0]) for i in range(31)}, {})
     found = coverage(table, list(table.names))
     assert (found.cells, found.visited, len(found.pairs)) == (4**30, 2, 31 * 30 // 2)
+
+
+def test_a_box_begins_anywhere():
+    table = Table({"x": np.array([10.5, 11.5, 12.5, 13.5]), "y": np.array([-4.0, -3.0, -2.0, -1.0])}, {})
+    found = coverage(table, ["x", "y"], {"x": (10.0, 14.0)})
+    assert (found.visited, found.names, found.box) == (4, ["x", "y"], {"x": (10.0, 14.0), "y": (-4.0, -1.0)})
+    assert found.pairs[0].x_edges == pytest.approx(np.linspace(10.0, 14.0, 11))
+    assert found.pairs[0].y_edges == pytest.approx(np.linspace(-4.0, -1.0, 11))
+    outside = {"x": (10.0, 13.0), "y": (-3.5, -1.0)}  # the first row by one input, the last by the other
+    assert coverage(table, ["x", "y"], outside).visited == 2
+
+
+def test_one_row_is_a_box_of_hardly_any_size():
+    found = coverage(Table({"x": np.array([3.0]), "y": np.array([5e6])}, {}), ["x", "y"])
+    assert found.visited == 1
+    assert 0.0 < np.ptp(found.pairs[0].x_edges) < 1e-8
+    assert 0.0 < np.ptp(found.pairs[0].y_edges) < 1e-2

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from polydraulic import load_scenario, simulate
 from polydraulic.errors import InputError
-from polydraulic.measure import deadband, find_deadbands
+from polydraulic.measure import conversion, deadband, find_deadbands
 from polydraulic.tables import Table
 
 LOW, HIGH = -0.2, 0.35
@@ -70,6 +70,21 @@ def test_few_rows_say_nothing():
     assert deadband(made(0, n=600), "u", "y", 0.01) is None
     with pytest.raises(InputError, match="raster"):
         deadband(made(0), "u", "y", 0.0)
+
+
+def test_an_input_explains_two_fifths_of_an_output_or_nothing_of_it():
+    found = deadband(made(0, noise=0.7), "u", "y", 0.01)
+    assert 0.4 < found.explained < 0.45
+    assert deadband(made(0, noise=0.8), "u", "y", 0.01) is None
+
+
+def test_edges_are_told_in_the_unit_of_the_log():
+    found = deadband(made(0), "u", "y", 0.01)
+    (a, b), (c, d) = found.low_interval, found.high_interval
+    assert found.statement(conversion("mV")).startswith(
+        f"y answers u below {1e3 * found.low:.4g} ({1e3 * a:.4g} to {1e3 * b:.4g}) "
+        f"and above {1e3 * found.high:.4g} ({1e3 * c:.4g} to {1e3 * d:.4g}) mV, 95% intervals; delay "
+    )
 
 
 @pytest.mark.slow

@@ -9,7 +9,9 @@ def kinds(value, parts=1):
     rows = np.arange(len(value)) + 1
     for v, r in zip(np.array_split(value, parts), np.array_split(rows, parts), strict=True):
         runs.add(v, r)
-    return {kind: [(run.first, run.last) for run in found] for kind, found, _ in runs.findings()}
+    found = {kind: [(run.first, run.last) for run in spans] for kind, spans, _ in runs.findings()}
+    assert parts != 1 or found == kinds(value, 7)  # whatever the blocks
+    return found
 
 
 def noisy(n=4000, seed=0):
