@@ -86,7 +86,7 @@ def test_the_fmu_runs_and_takes_other_parameters(crane, scenario, run, tmp_path,
     for name in ("lift.angle", "extend.position"):
         assert np.allclose(found[name], run[name][: len(found)], atol=1e-9)
     weak = fmpy.simulate_fmu(str(path), start_values={"functions.extend.line.relief": 1.1e6}, **options)
-    assert np.abs(weak["extend.position"] - found["extend.position"]).max() > 1e-3
+    assert np.abs(weak["extend.position"] - found["extend.position"]).max() > 5e-5
 
 
 def test_what_a_layout_cannot_do_is_refused(crane, tmp_path):
@@ -94,7 +94,7 @@ def test_what_a_layout_cannot_do_is_refused(crane, tmp_path):
         export_machine(crane, "polynomial", tmp_path)
     with pytest.raises(InputError, match="leave one of"):
         export_machine(crane, "exact", tmp_path, locked=crane.names)
-    with pytest.raises(InputError, match="no function of the machine"):
+    with pytest.raises(InputError, match="not a function of the machine"):
         export_machine(crane, "exact", tmp_path, locked=["boom"])
     with pytest.raises(InputError, match="a force at the tip is for machines that are described by links"):
         export_machine("cat215b", "exact", tmp_path, force=True)

@@ -106,7 +106,7 @@ def test_without_a_raster_there_is_no_time(fitted):
     bare = DynamicRegressor(**{**model.get_params(deep=False), "raster": None})
     bare.fit(LOG.matrix(["u"]), LOG.matrix(["y", "z"]))
     models = bare.to_models([Variable("u")], [Variable("y"), Variable("z")])
-    with pytest.raises(InputError, match="neither model nor log say how far apart rows are"):
+    with pytest.raises(InputError, match="neither model nor log says how far apart rows are"):
         run_models(models, untimed, every=1.0)
     assert run_models(models, untimed).to_table().unit("time") == "rows"
 

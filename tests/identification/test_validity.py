@@ -154,7 +154,7 @@ def test_runs_begin_anew_as_when_the_model_was_fitted():
     assert found.statements == [
         "3 free run(s) of up to 10 rows: rms error 1 V, 0.7 V on rows held out when it was fitted: as good as it was",
         "one step ahead: rms error 1 V, 0.5 V when it was fitted",
-        "run through without beginning anew, up to 22 rows: 1 V",
+        "run through without a restart, up to 22 rows: 1 V",
     ]
     for training in ({}, {"free_run_rows": 0}, {"free_run_rows": 22}):
         (whole,) = run_validity([stepping(**training)], log, "si")
@@ -203,4 +203,4 @@ def test_runs_are_told_in_the_units_asked_for():
             f"3 free run(s) of up to 10 rows: rms error {one}, {one} on rows held out"
         )
         assert found.statements[-2] == f"one step ahead: rms error {one}, {two} when it was fitted"
-        assert found.statements[-1] == f"run through without beginning anew, up to 22 rows: {one}"
+        assert found.statements[-1] == f"run through without a restart, up to 22 rows: {one}"

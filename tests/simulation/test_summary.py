@@ -13,6 +13,7 @@ def run(events=(), **info):
     columns |= {f"{link}.angle": np.full(11, 0.5) for link in ("swing", "boom", "stick")}
     columns |= {f"effector.{axis}": np.full(11, 2.0) for axis in "xyz"}
     units = {"time": "s"} | {name: "Pa" for name in columns if ".p_" in name}
+    units |= {name: "rad" for name in columns if name.endswith(".angle")}
     return Table(columns, units, {"events": [list(event) for event in events], **info})
 
 

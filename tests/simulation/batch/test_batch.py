@@ -17,9 +17,10 @@ from polydraulic.machine.plant import prepare
 from polydraulic.parameters.scenario import Scenario, scenario_names
 from polydraulic.parameters.schema import LINKS, Stops
 from polydraulic.parameters.signals import Constant
-from polydraulic.simulation.batch.batch import _blocks, _columns, _singles
+from polydraulic.simulation.batch.batch import _blocks, _singles
 from polydraulic.simulation.batch.batch_inputs import arrange_cases
-from polydraulic.simulation.batch.lanes import Kept, run_block
+from polydraulic.simulation.batch.lanes import run_block
+from polydraulic.simulation.lane_blocks import Kept
 from polydraulic.simulation.loop import run
 
 PLAIN = bool(numba.config.DISABLE_JIT)
@@ -124,7 +125,7 @@ def test_single_steps_from_random_states(machine, adapt):
 
 def _columns_of(machine):
     cases = arrange_cases(machine, "exact", np.zeros((1, 3)), dt=0.005, t_end=None, x0=None, every=1)
-    return _columns(cases, "exact")
+    return cases.family.columns(cases.free)
 
 
 @pytest.mark.parametrize("name", ["iterative", "polynomial", "lookup"])
@@ -145,7 +146,7 @@ def test_both_ways_give_the_same(machine):
     found = []
     for work in (_blocks, _singles):
         cases = arrange_cases(machines, "exact", load_scenario("step"), dt=0.005, t_end=0.02, x0=None, every=1)
-        columns = np.array([row for row, _ in _columns(cases, "exact").values()])
+        columns = np.array([row for row, _ in cases.family.columns(cases.free).values()])
         shape = (3, len(columns))
         ends = np.full(shape, np.inf)
         kept = Kept(columns, True, 2, np.empty((3, 3, len(columns))), np.empty(shape), ends, -ends)
@@ -281,7 +282,7 @@ def test_lanes_are_vector_instructions(machine, differ):
 
     machines = [machine, varied(machine, np.random.default_rng(0))] if differ else machine
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("polydraulic.simulation.batch.batch.run_block", spy)
+        patch.setattr("polydraulic.simulation.batch.family.run_block", spy)
         simulate_batch(machines, "exact", np.zeros((1, 3)))
     fresh = numba.njit(**_kernel._DRIVER_OPTIONS)(run_block.py_func)
     fresh(*seen[0])

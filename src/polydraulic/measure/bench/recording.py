@@ -1,6 +1,7 @@
 """A virtual test bench: simulated runs as sensors read them, written as a log, so that a path from logs can meet a known truth."""
 
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,9 @@ def _write_mdf(samples: Samples, units: dict[str, str], path: Path) -> None:
     for name, (time, _) in samples.items():
         groups.setdefault(time.tobytes(), []).append(name)
     with library.MDF(version="4.10") as file:
+        file.start_time = datetime(
+            1970, 1, 1, tzinfo=UTC
+        )  # what is simulated has no date, and the same seed gives the same log
         for names in groups.values():
             signals = []
             for name in names:

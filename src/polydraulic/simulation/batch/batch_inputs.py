@@ -84,7 +84,9 @@ def arrange_cases(
     items: Sequence[Any] = [machines] if isinstance(machines, Machine | LayoutMachine | str | Path) else machines
     given: list[AnyMachine] = []
     for item in items:
-        given.append(named(item) if isinstance(item, str | Path) else item)
+        given.append(item if isinstance(item, Machine | LayoutMachine) else named(item))
+    if not given:
+        raise InputError("0 machines: give one for all, or as many as there are inputs")
     functions = _functions(given)
     scenarios = _scenarios(inputs, functions)
     voltage = None if scenarios else _voltages(inputs, functions)
