@@ -43,7 +43,7 @@ def circuit(n):
 
 
 @pytest.mark.parametrize("limited", [0.0, 1.0])
-@pytest.mark.parametrize("n", [2, 3, 5])
+@pytest.mark.parametrize("n", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 5))])
 def test_slopes_are_differences(machine, n, limited):
     module, pump, rng = circuit(n), pump_of(machine, limited), np.random.default_rng(0)
     knots = np.array(machine.spool.knots)

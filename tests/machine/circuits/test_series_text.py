@@ -18,7 +18,10 @@ from polydraulic.machine.pump import series_circuit
 from polydraulic.machine.valve import Orifices
 
 PLAIN = bool(numba.config.DISABLE_JIT)
-SIZES = [3, 4, 6]
+SLOW = [
+    pytest.param(n, marks=pytest.mark.slow) for n in (4, 6)
+]  # the same with more valves; each takes long to compile
+SIZES = [3, *SLOW]
 WITHIN = {"real": 1e-9, "hard": 1e-9, "edges": 1e-7}  # of pump flow
 SURE = 1e-12  # of pump flow, of the judge itself
 
@@ -150,7 +153,7 @@ sys.exit(0 if np.array_equal(plain, compiled) else 3)
 
 
 @pytest.mark.skipif(PLAIN, reason="needs the compiler")
-@pytest.mark.parametrize("n", [3, 6])
+@pytest.mark.parametrize("n", [3, SLOW[1]])
 def test_plain_python_gives_the_same_bits(machine, n, tmp_path):
     path = tmp_path / "states.npz"
     states_file(machine, n, path)
@@ -183,7 +186,7 @@ def into(s: np.ndarray, out: np.ndarray) -> float:
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
-@pytest.mark.parametrize("n", [3, 6])
+@pytest.mark.parametrize("n", [3, SLOW[1]])
 def test_c_has_the_same_bits(machine, n, tmp_path):
     module = made(f"made_series_{n}_in_c", f"{IMPORTS}\n\n\n{series_text(n)}{_entry(n)}")
     c, _ = library(tmp_path, (module.into, [np.zeros(3 * n + 6), np.zeros(n + 5)]))
