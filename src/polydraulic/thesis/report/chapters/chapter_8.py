@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from polydraulic.display import with_unit
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.tables import Table
 from polydraulic.thesis.adaptation_study import SENSORS, torque_limit_study, worn_pump_study
@@ -27,12 +28,12 @@ if TYPE_CHECKING:
     import matplotlib.figure
 
 _PANELS = {
-    "minutes": ("minutes", "operation [min]", 1.0),
-    "noise": ("noise", "noise of all sensors [% of range]", 100.0),
-    "stroke": ("stroke", "used share of the joystick travel [%]", 100.0),
-    "dropout": ("dropout", "time in which each sensor is silent [%]", 100.0),
-    "friction": ("friction", "joint friction, multiple of the machine's", 1.0),
-    "friction without flow sensors": ("friction", "the same, without flow sensors", 1.0),
+    "minutes": ("minutes", "operation", "min", 1.0),
+    "noise": ("noise", "noise of all sensors", "% of range", 100.0),
+    "stroke": ("stroke", "used share of the joystick travel", "%", 100.0),
+    "dropout": ("dropout", "time in which each sensor is silent", "%", 100.0),
+    "friction": ("friction", "joint friction, multiple of the machine's", "", 1.0),
+    "friction without flow sensors": ("friction", "the same, without flow sensors", "", 1.0),
 }
 
 _ADAPTATION: dict[str, Callable[[Machine], Table]] = {"torque limit": torque_limit_study, "worn pumps": worn_pump_study}
@@ -104,7 +105,7 @@ def _numbers(usual: Outcome, changes: dict[str, Table]) -> list[dict[str, Any]]:
 def what_data_buy(lab: Lab) -> Figure:
     """End-effector error over amount and quality of the data."""
     data, known = {}, _all(lab)
-    for name, (attribute, label, scale) in _PANELS.items():
+    for name, (attribute, label, unit, scale) in _PANELS.items():
         found = [known[c] for c in SWEEPS[name]]
         data[name] = Table(
             {
@@ -112,7 +113,7 @@ def what_data_buy(lab: Lab) -> Figure:
                 "median": 1e3 * np.array([o.median for o in found]),
                 "worst": 1e3 * np.array([o.worst for o in found]),
             },
-            {"median": "mm", "worst": "mm"},
+            {"median": "mm", "worst": "mm", **({label: unit} if unit else {})},
         )
 
     def draw() -> "matplotlib.figure.Figure":
@@ -124,7 +125,7 @@ def what_data_buy(lab: Lab) -> Figure:
             axis.axhline(
                 float(printed_mm("sim.task.end_effector_error_max_m")), color="0.5", linestyle=":", label="thesis, task"
             )
-            axis.set_xlabel(label)
+            axis.set_xlabel(with_unit(label, table.unit(label)))
             axis.set_ylabel("end-effector error [mm]")
             axis.grid(alpha=0.3, which="both")
             axis.legend(fontsize="small")
