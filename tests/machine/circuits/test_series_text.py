@@ -49,7 +49,9 @@ def check(machine, n, kind, exponent, size, seed):
     assert set(np.unique(status)) <= {PROVED, REPAIRED}
     errors = off(found, true, pump)
     assert errors[sure & (status == PROVED)].max() <= WITHIN[kind]
-    assert errors[sure & (status == REPAIRED)].max(initial=0.0) <= 1e-9  # up to 2e-12 has been seen, of six valves at edges
+    assert (
+        errors[sure & (status == REPAIRED)].max(initial=0.0) <= 1e-9
+    )  # up to 2e-12 has been seen, of six valves at edges
     flows = found[:, : n + 3]
     balance = flows[:, n + 1] - flows[:, : n + 1].sum(axis=1) - flows[:, n + 2]
     assert np.abs(balance).max() <= 1e-12 * pump.flow
