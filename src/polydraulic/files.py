@@ -20,6 +20,7 @@ _MARK = ".unfinished-"
 _UNFINISHED = re.compile(rf"\..*{re.escape(_MARK)}[a-z0-9_]{{8}}(\.[^.]*)?")
 _SCRATCH = "polydraulic-"
 _LOCK = "in-use"
+_TRIES, _TAKEN = 100, "other processes remove temporary files before they are in use"
 _MOST = 40  # letters of a name that its temporary file has, too
 
 
@@ -108,13 +109,15 @@ class Scratch:
 
     def __init__(self) -> None:
         with _saying("cannot write temporary files", "the environment variable TMPDIR names another folder"):
-            while True:
+            for _ in range(_TRIES):
                 self._made = tempfile.TemporaryDirectory(prefix=_SCRATCH, ignore_cleanup_errors=True)
                 self.folder = Path(self._made.name)
                 self._handle = os.open(self.folder / _LOCK, os.O_RDWR | os.O_CREAT, 0o600)
                 if _lock(self._handle) and (self.folder / _LOCK).exists():
                     break
-                self.close()
+                self.close()  # somebody took it for forsaken before it was locked
+            else:
+                raise OSError(_TAKEN)
         for other in self.folder.parent.glob(f"{_SCRATCH}*"):
             with suppress(OSError), _forsaken(other / _LOCK):
                 shutil.rmtree(other, ignore_errors=True)
@@ -147,13 +150,14 @@ def _saying(what: str, remedy: str = "") -> Iterator[None]:
 
 def _beside(place: Path) -> tuple[int, Path]:
     """A locked temporary file in the folder of a file; its handle keeps the lock."""
-    while True:
+    for _ in range(_TRIES):
         handle, name = tempfile.mkstemp(
             prefix=f".{place.name[:_MOST]}{_MARK}", suffix=place.suffix[:_MOST], dir=place.parent
         )
         if _lock(handle) and os.path.exists(name):
             return handle, Path(name)
         os.close(handle)  # somebody took it for unfinished before it was locked
+    raise OSError(_TAKEN)
 
 
 def _lock(handle: int) -> bool:
