@@ -45,7 +45,7 @@ def test_simulate_ends_with_a_summary_in_the_units_asked_for(call):
     assert (code, err) == (0, "")
     assert re.search(r"^largest pressures: boom \w [\d.]+ psi at [\d.]+ s, boom pump [\d.]+ psi at", out, re.MULTILINE)
     assert re.search(r"^  valve opens +boom \d+x from [\d.]+ s$", out, re.MULTILINE)
-    assert re.search(r"^at the end: boom .* deg, .*; tip at x [\d.]+ in", out, re.MULTILINE)
+    assert re.search(r"^at the end: swing .* deg, .*; tip at x [\d.]+ in", out, re.MULTILINE)
     assert re.search(r"10 s computed in \S+ s, \S+ times as fast as real time", out)
 
 

@@ -12,13 +12,12 @@ from polydraulic._kernel import driver
 from polydraulic.errors import InputError
 from polydraulic.export.excavator import machine_advance, outputs, prepared
 from polydraulic.export.machine import export_machine, machine_c
-from polydraulic.export.machine_parts import DIVERGED
 from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.record import N_RECORD
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.loop import run
+from polydraulic.simulation.loop import DIVERGED, run
 from polydraulic.simulation.runs import arrange
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")

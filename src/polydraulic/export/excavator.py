@@ -9,14 +9,14 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
-from polydraulic.export.machine_parts import DIVERGED, MachineParts
+from polydraulic.export.machine_parts import MachineParts
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, served_links
 from polydraulic.flow.record import COLUMNS, EFFECTOR, N_RECORD, Column, from_vector
 from polydraulic.machine.linkage import tip
 from polydraulic.machine.plant import Plant, prepare
 from polydraulic.machine.state import Links, State, initial_state
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
-from polydraulic.simulation.loop import at_rest, reasonable, record
+from polydraulic.simulation.loop import DIVERGED, at_rest, reasonable, record
 from polydraulic.simulation.step import machine_step
 
 

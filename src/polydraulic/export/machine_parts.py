@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-DIVERGED = 4  # status of a step beside OK, NOT_CONVERGED and OUT_OF_DOMAIN
-
 
 class MachineParts(NamedTuple):
     """A machine as the exporters want it.

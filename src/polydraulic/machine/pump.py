@@ -12,7 +12,8 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.elementary import exp, log
 from polydraulic.machine.valve import Orifices, orifice_flow
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import PumpParameters
+from polydraulic.parameters.schema import Machine, Pumps
 
 LIMIT_PASSES = 10
 NEVER = 1e12  # Pa; a relief valve that stays shut
@@ -68,16 +69,20 @@ class Orifice(NamedTuple):
 
 def prepare_pump(machine: Machine, flow: float, *, relief: float | None = None) -> Pump:
     """Pump of a machine that delivers `flow` in m3/s; `relief` in Pa replaces the machine's setting."""
-    pumps = machine.pumps
-    limit = pumps.relief if relief is None else relief
-    least = -pumps.torque_limit_exponent * natural_log(max(limit / pumps.torque_limit_start, 1.0))
+    limit = machine.pumps.relief if relief is None else relief
+    return limited_pump(flow, limit, machine.tank.return_pressure, machine.pumps)
+
+
+def limited_pump(flow: float, relief: float, p_return: float, limit: Pumps | PumpParameters) -> Pump:
+    """Pump that delivers `flow` in m3/s up to `relief` in Pa, less above its torque limit."""
+    least = -limit.torque_limit_exponent * natural_log(max(relief / limit.torque_limit_start, 1.0))
     return Pump(
         flow=flow,
-        relief=limit,
-        p_return=machine.tank.return_pressure,
-        limit_start=pumps.torque_limit_start,
-        limit_exponent=pumps.torque_limit_exponent,
-        log_least=least if pumps.torque_limit_enabled else 0.0,
+        relief=relief,
+        p_return=p_return,
+        limit_start=limit.torque_limit_start,
+        limit_exponent=limit.torque_limit_exponent,
+        log_least=least if limit.torque_limit_enabled else 0.0,
     )
 
 

@@ -15,6 +15,7 @@ from polydraulic.machine.state import Links, State
 from polydraulic.simulation.step import Step, machine_step, seen_pressures
 
 FASTEST = 1e3  # rad/s; beyond it the numbers mean nothing
+DIVERGED = 4  # status of a step that is not made, beside OK, NOT_CONVERGED and OUT_OF_DOMAIN of the flows
 
 
 @kernel

@@ -7,6 +7,7 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, readable
 from polydraulic.flow.record import EFFECTOR
+from polydraulic.parameters.schema import LINKS
 from polydraulic.tables import Table
 
 _PORTS = (("p_a", "A"), ("p_b", "B"))
@@ -115,7 +116,10 @@ def _lasting(events: Sequence[tuple[float, str]], begins: str, ends: str, last: 
 
 
 def _end(run: Table, units: str) -> str:
-    joints = [(name, run.unit(name)) for name in run.names if name.endswith((".angle", ".position"))]
+    order: Any = run.info.get("functions", LINKS)
+    joints = [
+        (f"{f}.{w}", run.unit(f"{f}.{w}")) for f in order for w in ("angle", "position") if f"{f}.{w}" in run.names
+    ]
     ended = [f"{name.rsplit('.', 1)[0]} {amount(run[name][-1], unit, units)}" for name, unit in joints]
     tip = ", ".join(f"{name[-1]} {amount(run[name][-1], 'm', units)}" for name in EFFECTOR if name in run.names)
     return f"at the end: {', '.join(ended)}" + (f"; tip at {tip}" if tip else "")

@@ -18,9 +18,8 @@ from polydraulic.machine.pump import series_circuit
 from polydraulic.machine.valve import Orifices
 
 PLAIN = bool(numba.config.DISABLE_JIT)
-SLOW = [
-    pytest.param(n, marks=pytest.mark.slow) for n in (4, 6)
-]  # the same with more valves; each takes long to compile
+# the same with more valves; each takes long to compile
+SLOW = [pytest.param(n, marks=pytest.mark.slow) for n in (4, 6)]
 SIZES = [3, *SLOW]
 WITHIN = {"real": 1e-9, "hard": 1e-9, "edges": 1e-7}  # of pump flow
 SURE = 1e-12  # of pump flow, of the judge itself
@@ -49,9 +48,8 @@ def check(machine, n, kind, exponent, size, seed):
     assert set(np.unique(status)) <= {PROVED, REPAIRED}
     errors = off(found, true, pump)
     assert errors[sure & (status == PROVED)].max() <= WITHIN[kind]
-    assert (
-        errors[sure & (status == REPAIRED)].max(initial=0.0) <= 1e-9
-    )  # up to 2e-12 has been seen, of six valves at edges
+    beyond_doubt = (errors - unsure)[sure & (status == REPAIRED)]  # the judge itself may be off by its own doubt
+    assert beyond_doubt.max(initial=0.0) <= 1e-12
     flows = found[:, : n + 3]
     balance = flows[:, n + 1] - flows[:, : n + 1].sum(axis=1) - flows[:, n + 2]
     assert np.abs(balance).max() <= 1e-12 * pump.flow

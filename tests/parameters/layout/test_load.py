@@ -1,6 +1,7 @@
 """Machine files with links, functions and circuits: what is read, and what is refused all at once."""
 
 import math
+from typing import Literal, get_args, get_origin, get_overloads, get_type_hints
 
 import pytest
 
@@ -119,3 +120,13 @@ def test_code_for_the_older_form_refuses_other_layouts_by_name(crane):
 @pytest.mark.parametrize("name", machine_names())
 def test_every_machine_of_the_package_loads(name):
     assert load_machine(name)
+
+
+def test_the_types_of_the_machines_of_the_package_are_stated():
+    stated = {}
+    for one in get_overloads(load_machine):
+        hints = get_type_hints(one)
+        stated |= dict.fromkeys(
+            get_args(hints["source"]) if get_origin(hints["source"]) is Literal else (), hints["return"]
+        )
+    assert stated == {name: type(load_machine(name)) for name in machine_names()}

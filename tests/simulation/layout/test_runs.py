@@ -6,6 +6,7 @@ import pytest
 from polydraulic import InputError, load_machine, load_scenario, simulate
 from polydraulic.parameters.load import load_layout
 from polydraulic.parameters.scenario import random_operator
+from polydraulic.simulation.layout.runs import simulate_layout
 from polydraulic.simulation.summary import run_summary
 
 
@@ -58,6 +59,14 @@ def test_locked_functions_stand_still_and_keep_their_columns_short(crane):
     assert "slew.p_a" not in run.names
     assert "second.p_pump" not in run.names
     assert "main.p_pump" in run.names
+
+
+def test_a_run_in_pieces_and_of_some_rows_is_the_same_run(crane, run):
+    options = {"dt": 5e-3, "t_end": None, "every": 5, "method": "semi-implicit", "energy": True}
+    pieces = simulate_layout(crane, "exact", "random:3:20", piece=77, **options)
+    assert np.array_equal(pieces["time"], run["time"][::5])
+    assert all(np.array_equal(pieces[name], run[name][::5]) for name in run.names)
+    assert len(pieces["energy.kinetic"]) == len(pieces)
 
 
 def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):

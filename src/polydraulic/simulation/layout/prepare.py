@@ -2,7 +2,6 @@
 
 from collections.abc import Collection
 from math import isfinite
-from math import log as natural_log
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -12,8 +11,8 @@ from polydraulic.errors import InputError
 from polydraulic.machine.drives import prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
-from polydraulic.machine.pump import Pump
-from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, MachineFunction, SupplyCircuit
+from polydraulic.machine.pump import limited_pump
+from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, MachineFunction
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of
 
@@ -66,7 +65,10 @@ def prepare_layout(
 def valves_of(machine: LayoutMachine, module: ModuleType) -> Any:
     """Orifice tables and pumps."""
     tables = {f"valve_{f.name}": _tables(module, f) for f in machine.functions}
-    pumps = {f"pump_{c.name}": _pump(c, machine.tank.return_pressure) for c in machine.circuits}
+    pumps = {
+        f"pump_{c.name}": limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
+        for c in machine.circuits
+    }
     return module.Valves(**tables, **pumps)
 
 
@@ -92,16 +94,3 @@ def _tables(module: ModuleType, f: MachineFunction) -> Any:
         return getattr(module, f"Segments_{n}")(*values[:-1], *slopes)
 
     return getattr(module, f"ValveTables_{n}")(*knots[1:], *(segments(curve) for curve in f.valve[1:]))
-
-
-def _pump(circuit: SupplyCircuit, p_return: float) -> Pump:
-    pump = circuit.pump
-    least = -pump.torque_limit_exponent * natural_log(max(pump.relief / pump.torque_limit_start, 1.0))
-    return Pump(
-        flow=pump.flow,
-        relief=pump.relief,
-        p_return=p_return,
-        limit_start=pump.torque_limit_start,
-        limit_exponent=pump.torque_limit_exponent,
-        log_least=least if pump.torque_limit_enabled else 0.0,
-    )

@@ -42,8 +42,11 @@ def simulate_layout(
     every: int,
     method: str,
     energy: bool = False,
+    piece: int = 20_000,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
+
+    All rows of `piece` steps are held at a time; of these the recorded ones are kept.
 
     Raises
     ------
@@ -63,32 +66,37 @@ def simulate_layout(
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
     n_step, columns = n_steps(scenario, dt, t_end, every), columns_of(machine)
     inputs = step_inputs(machine, scenario, np.arange(n_step) * dt)
-    rows, counts = np.empty((n_step + 1, len(columns.columns))), np.zeros(2, dtype=np.int64)
-    account = []
+    rows, counts = np.empty((n_step // every + 1, len(columns.columns))), np.zeros(2, dtype=np.int64)
+    account: list[list[EnergyColumn]] = []
+    state: np.ndarray | None = None
     for part in segments(machine, scenario.loads.payload, dt, n_step):
         ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force))
-        own = np.empty((part.end - part.first + 1, len(columns.columns)))
-        start = rows[part.first, : columns.n_state].copy() if part.first else ready.start
-        done = ready.module.run(ready.valves, ready.plant, start, inputs[part.first : part.end], 1, own, counts)
-        if done < part.end - part.first:
-            raise _diverged(scenario, machine, own[0], columns, (part.first + done) * dt)
-        rows[part.first + 1 : part.end + 1] = own[1:]
-        if not part.first:
-            rows[0] = own[0]
-        if energy:
-            of = rows[part.first + bool(part.first) : part.end + 1]
-            forces = scenario.loads.forces(np.arange(part.end + 1 - len(of), part.end + 1) * dt)
-            account.append([*energy_columns(part.machine, ready.module, ready.plant, of, columns, forces)])
-    time, kept = np.arange(0, n_step + 1, every) * dt, rows[::every]
+        for first in range(part.first, part.end, piece):
+            end = min(first + piece, part.end)
+            own = np.empty((end - first + 1, len(columns.columns)))
+            start = ready.start if state is None else state
+            done = ready.module.run(ready.valves, ready.plant, start, inputs[first:end], 1, own, counts)
+            if done < end - first:
+                raise _diverged(scenario, machine, own[0], columns, (first + done) * dt)
+            state = own[-1, : columns.n_state].copy()
+            steps = np.arange(first, end + 1)
+            new = (steps % every == 0) & ((steps > first) | (first == 0))
+            rows[steps[new] // every] = own[new]
+            if energy and new.any():
+                forces = scenario.loads.forces(steps[new] * dt)
+                of = energy_columns(part.machine, ready.module, ready.plant, own[new], columns, forces)
+                account.append([*of])
+    time = np.arange(len(rows)) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt, "steps": n_step}
+    info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
-    info |= layout_events(machine, scenario.locked, time, lambda name: kept[:, columns.place[name]])
+    info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
     more = [
-        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts])[::every])
+        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*account, strict=True)
     ]
-    return _table(machine, scenario, time, kept, columns, info, more)
+    return _table(machine, scenario, time, rows, columns, info, more)
 
 
 def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step: int) -> list[Segment]:

@@ -25,6 +25,7 @@ _IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OK",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
+    "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports",
     "from polydraulic.machine.joints import passes_stop, turned_joint",
@@ -35,10 +36,8 @@ _IMPORTS = (
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.parameters.schema import Friction, Stops",
-    "from polydraulic.simulation.loop import FASTEST, rest_outlet",
+    "from polydraulic.simulation.loop import DIVERGED, FASTEST, rest_outlet",
 )
-UNSETTLED = 2  # status of a circuit whose flows could not be certified
-DIVERGED = 4  # status of a step after which a rate is no longer reasonable
 
 
 def layout_text(machine: LayoutMachine, *, force: bool = False) -> str:
@@ -89,7 +88,6 @@ def _text(machine: LayoutMachine, force: bool) -> str:
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
         "\n".join(imports),
         f"N_FUNCTION, N_RECORD = {len(machine.names)}, {len(columns_of(machine).columns)}",
-        f"UNSETTLED, DIVERGED = {UNSETTLED}, {DIVERGED}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
         expanded(first, lists),
         "Joints = Functions",
