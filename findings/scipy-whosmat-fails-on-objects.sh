@@ -3,7 +3,7 @@
 # Surprise: "List variables inside a MATLAB file" (documentation of `whosmat`), of a file that `loadmat` reads, the object as MatlabOpaque.
 #   Nothing is listed, not even the arrays beside the object, so that variables cannot be read one at a time.
 # Versions: SciPy 1.17.1. A change was proposed as https://github.com/scipy/scipy/pull/17271.
-# What we do: src/polydraulic/measure/formats/mat_variables.py lists the variables itself, and names objects with their classes.
+# What we do: src/polydraulic/measure/formats/mat/variables.py lists the variables itself, and names objects with their classes.
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -162,7 +162,7 @@ WRITERS = {
     "export/build.py": {"_compiled", "compile_program"},
     "export/fresh.py": {"_interpreted", "run_c"},
     "export/fresh_script.py": {"main"},
-    "measure/formats/mat_v5.py": {"_array"},
+    "measure/formats/mat/v5.py": {"_array"},
     "measure/formats/can/can_log.py": {"flush"},
     "measure/formats/ros/topic_rows.py": {"flush"},
     "measure/bench/recording.py": {"_write_csv", "_write_parquet", "_write_mdf"},

@@ -72,9 +72,9 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
 
         return open_parquet(path, dates)
     if ending in (".mf4", ".mdf", ".dat"):
-        from polydraulic.measure.formats.mdf_log import open_mdf as opener
+        from polydraulic.measure.formats.mdf.mdf_log import open_mdf as opener
     elif ending == ".mat":
-        from polydraulic.measure.formats.mat_log import open_mat as opener
+        from polydraulic.measure.formats.mat.mat_log import open_mat as opener
     else:
         from polydraulic.measure.formats.csv_log import open_csv
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.formats.mdf_log import bus_frames, mdf_began, mdf_file, mdf_version, rows_fit, within_rows
+from polydraulic.measure.formats.mdf.mdf_log import bus_frames, mdf_began, mdf_file, mdf_version, rows_fit, within_rows
 from polydraulic.measure.log_units import need
 
 LONGEST = 64  # bytes of a frame (CAN FD)

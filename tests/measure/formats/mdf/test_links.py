@@ -3,7 +3,7 @@ import struct
 
 import numpy as np
 
-from polydraulic.measure.formats.mdf_links import circular
+from polydraulic.measure.formats.mdf.links import circular
 
 
 def blocks(*links, first=96):

@@ -4,7 +4,7 @@ import pytest
 from polydraulic.errors import InputError
 from polydraulic.measure import open_log
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.mdf_formula import arithmetic
+from polydraulic.measure.formats.mdf.formula import arithmetic
 
 RAW = np.arange(1, 31, dtype=np.int16)
 ENDINGS = [("4.10", "mf4"), ("3.30", "dat")]

@@ -20,9 +20,9 @@ def open_mat(path: Path) -> Log:
     with path.open("rb") as file:
         head = file.read(520)
     if b"MATLAB 7.3" in head[:128] or b"\x89HDF" in (head[:4], head[512:516]):
-        from polydraulic.measure.formats.mat_hdf import arrays_of_hdf as arrays_of
+        from polydraulic.measure.formats.mat.hdf import arrays_of_hdf as arrays_of
     else:
-        from polydraulic.measure.formats.mat_v5 import arrays_of_v5 as arrays_of
+        from polydraulic.measure.formats.mat.v5 import arrays_of_v5 as arrays_of
     found = arrays_of(path)
     lengths = found.lengths
     if not lengths:

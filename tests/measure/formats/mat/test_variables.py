@@ -7,7 +7,7 @@ from scipy.sparse import eye_array
 
 from helpers.mat_made import opaque
 from polydraulic.errors import InputError
-from polydraulic.measure.formats.mat_variables import MatVariable, variables_of
+from polydraulic.measure.formats.mat.variables import MatVariable, variables_of
 
 cells = np.empty((1, 2), dtype=object)
 cells[0, 0], cells[0, 1] = np.arange(3.0), "word"

@@ -6,7 +6,7 @@ import pytest
 from polydraulic.errors import InputError
 from polydraulic.measure import open_log
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.mdf_log import rows_fit, within_rows
+from polydraulic.measure.formats.mdf.mdf_log import rows_fit, within_rows
 
 
 def test_invalid_samples_of_an_mdf_are_missing(tmp_path):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.measure.formats.mat_arrays import (
+from polydraulic.measure.formats.mat.arrays import (
     CELL,
     COMPLEX,
     CUBE,

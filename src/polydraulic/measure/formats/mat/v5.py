@@ -8,7 +8,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.files import Scratch
-from polydraulic.measure.formats.mat_arrays import (
+from polydraulic.measure.formats.mat.arrays import (
     CELL,
     COMPLEX,
     CUBE,
@@ -20,7 +20,7 @@ from polydraulic.measure.formats.mat_arrays import (
     labels,
     object_of,
 )
-from polydraulic.measure.formats.mat_variables import variables_of
+from polydraulic.measure.formats.mat.variables import variables_of
 
 _LEFT_OUT = {"cell": CELL, "function": "a function", "sparse": SPARSE}
 _LEFT_OUT |= dict.fromkeys(("object", "unknown"), object_of(""))

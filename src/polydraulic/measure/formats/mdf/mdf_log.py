@@ -14,9 +14,9 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import Log, LogBlock, Signal
-from polydraulic.measure.formats.mdf_conversion import Physical, physical
-from polydraulic.measure.formats.mdf_formula import Formula, take_formulas
-from polydraulic.measure.formats.mdf_links import circular
+from polydraulic.measure.formats.mdf.conversion import Physical, physical
+from polydraulic.measure.formats.mdf.formula import Formula, take_formulas
+from polydraulic.measure.formats.mdf.links import circular
 from polydraulic.measure.formats.named import GroupName, in_groups
 from polydraulic.measure.formats.status_text import StatusNotes
 from polydraulic.measure.log_units import conversion, need

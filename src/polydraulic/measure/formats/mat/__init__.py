@@ -1,0 +1,1 @@
+"""MAT logs of both versions: `mat_log` opens them."""
