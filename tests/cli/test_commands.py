@@ -31,7 +31,7 @@ def test_simulate_states_differences_of_all_links_and_the_tip(call, tmp_path):
         "simulate", tmp_path / "hand.csv", "--flow", "iterative", "--raster", 0.05, "--out", tmp_path / "r.csv"
     )
     assert code == 0
-    assert "hand: Recording of 0.5 s" in out
+    assert "hand on cat215b: Recording of 0.5 s" in out
     _, _, table = out.partition("differences from exact:")
     named = [row for row in re.findall(r"^  (\S+) .* (\S+)$", table, re.MULTILINE) if row[0] != "largest"]
     links = [(f"{n}.{q}", u) for n in ("swing", "boom", "stick") for q, u in zip(

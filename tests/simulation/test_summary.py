@@ -67,3 +67,8 @@ def test_the_largest_pressures_of_a_real_run(whole):
     name = max(("boom.p_a", "boom.p_b"), key=lambda column: exact[column].max())
     assert f"boom {name[-1].upper()} {exact[name].max() / 1e5:.4g} bar at" in line
     assert "series pump" in line
+
+
+def test_events_of_rows_that_are_far_apart_say_so():
+    table = run(events=[(0.2, "boom", "valve opens")], dt=0.005)
+    assert any(line == "events seen in rows that are 1 s apart; others are missed:" for line in run_summary(table))

@@ -103,6 +103,10 @@ def record(
     example: Annotated[
         bool, typer.Option("--example", help="Write sensors to begin with: all that fit-machine and replay read.")
     ] = False,
+    seed: Annotated[
+        int | None,
+        typer.Option(help="Of the sensors' errors, instead of the file's: another one for another day.", min=0),
+    ] = None,
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
     machine: MachineOption = "cat215b",
 ) -> None:
@@ -112,8 +116,12 @@ def record(
 
     - Sensors to begin with: `polydraulic record --example --out sensors.toml`
 
+    - Another day: the same sensors err in the same way with the same seed, so give it one of its own with `--seed 2`
+
     What comes next: `polydraulic import --suggest log.mf4 --out map.toml`, as with a log of a real machine.
     """
+    from dataclasses import replace
+
     from polydraulic.files import write_text
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
@@ -138,6 +146,7 @@ def record(
         )
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
+    bench = bench if seed is None else replace(bench, seed=seed)
     what = [load_scenario(name, functions=function_names(plant)) for name in scenario]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))

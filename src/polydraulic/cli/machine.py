@@ -147,7 +147,7 @@ def simulate(
             progress(f"draw {plot}", pieces - 1, pieces)
             save_figure(plot_run(runs, units=units), plot)
     info = runs[flow].info
-    print(f"{what.name}: {what.title}")
+    print(f"{what.name} on {machine or scenario_machine(scenario)}: {what.title}")
     how = (
         f"{method} with flow {flow!r} to a relative tolerance of {info['rtol']:g}, every {dt:g} s"
         if "rtol" in info

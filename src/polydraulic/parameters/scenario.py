@@ -104,7 +104,8 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
             raise InputError(f"{path}: {key} = {briefly(data[key])}: must be a string")
     own = _functions_of(_machine_of(data, path))
     functions = functions or own
-    moved = set(data["voltage"]) if isinstance(data["voltage"], dict) else set()
+    named = [data[key] for key in ("voltage", "change", "locked") if isinstance(data.get(key), dict | list)]
+    moved = {name for part in named for name in part if isinstance(name, str)}
     says = "machine" in data or path.parent == _SCENARIOS
     if says and moved <= set(own) and not moved <= set(functions):
         raise InputError(
@@ -115,6 +116,14 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
     locked = data.get("locked", [])
     if not isinstance(locked, list) or any(link not in functions for link in locked):
         raise InputError(f"{path}: locked = {briefly(locked)}: must be a list of {list(functions)}")
+    unknown = [name for name in data["voltage"] if name not in functions] if isinstance(data["voltage"], dict) else []
+    if unknown:
+        assumed = (
+            f", which {_USUAL_MACHINE} is moved by, as the file names no machine"
+            if not says and functions == own
+            else ""
+        )
+        raise InputError(f"{path}: unknown key {unknown[0]!r} in voltage; allowed here: {list(functions)}{assumed}")
     check_keys(data["voltage"], functions, (), "voltage", str(path))
     signals = {link: _signal(item, f"voltage.{link}", path) for link, item in data["voltage"].items()}
     changes = data.get("change", {})

@@ -18,10 +18,11 @@ def tip_places(drawing: Drawing) -> np.ndarray:
     drawing : Drawing
     """
     joints = _carriers(drawing)
+    many = _FINE if len(joints) > 1 else 10 * _FINE  # a line without gaps
     count = max(2, round(_COARSE ** (1.0 / max(len(joints) - 1, 1))))
     found = []
     for fine in joints:
-        steps = [np.linspace(*_once_round(drawing, j), _FINE if j == fine else count) for j in joints]
+        steps = [np.linspace(*_once_round(drawing, j), many if j == fine else count) for j in joints]
         mesh = np.meshgrid(*steps, indexing="ij")
         positions = np.tile(drawing.initial, (mesh[0].size, 1))
         positions[:, joints] = np.stack([values.ravel() for values in mesh], axis=-1)
@@ -48,12 +49,15 @@ def _carriers(drawing: Drawing) -> list[int]:
 
 def tip_area(points: np.ndarray, cells: int = 150) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places as an area: x (n,), y (m,) of cells' centres, and how much of each can be reached, (m, n), 0 to 1."""
-    from scipy.ndimage import binary_closing, gaussian_filter
+    from scipy.ndimage import binary_closing, binary_dilation, binary_erosion, gaussian_filter
 
     low, high = points.min(axis=0), points.max(axis=0)
     cell = max(float((high - low).max()) / cells, 1e-6)
     edges = [np.arange(a - 4.0 * cell, b + 5.0 * cell, cell) for a, b in zip(low, high, strict=True)]
     hit = np.histogramdd(points, bins=edges)[0] > 0
-    area = gaussian_filter(binary_closing(hit, np.ones((3, 3)), iterations=2).astype(float), 0.7)
+    area = binary_closing(hit, np.ones((3, 3)), iterations=2)
+    if not binary_erosion(area, np.ones((3, 3))).any():  # a line, which must be seen
+        area = binary_dilation(area, np.ones((3, 3)))
+    area = gaussian_filter(area.astype(float), 0.7)
     x, y = (0.5 * (e[1:] + e[:-1]) for e in edges)
     return x, y, area.T

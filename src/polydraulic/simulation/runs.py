@@ -26,6 +26,7 @@ from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.events import find_events
+from polydraulic.simulation.input_check import input_warnings
 from polydraulic.simulation.layout.runs import simulate_layout
 from polydraulic.simulation.loop import FASTEST, run
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
@@ -117,6 +118,9 @@ def simulate(
     adapted, name, n_step = scenario.adapt(machine), flow_name(arranged.model), len(arranged.voltage)
     time = np.arange(len(arranged.rows)) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": name, "method": method, "dt": dt}
+    full_lever = {link: adapted.spool.knots[-1] / getattr(adapted, link).pilot.gain for link in LINKS}
+    if doubts := input_warnings(scenario, full_lever, t_end):
+        info["doubtful_inputs"] = doubts
     if least is not None:
         integrate = _solver(method)
         rows, found = integrate(adapted, arranged.model, scenario, time, rtol or least)

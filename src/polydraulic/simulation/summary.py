@@ -43,14 +43,21 @@ def run_summary(run: Table, units: str = DEFAULT) -> list[str]:
     events: Any = run.info.get("events", [])
     lines = [f"largest pressures: {', '.join(_pressures(run, units))}"] if "time" in run.names else []
     counts = list(_counts(events))
-    lines += ["events:", *(f"  {line}" for line in counts)] if counts else []
+    lines += [f"events{_raster(run)}:", *(f"  {line}" for line in counts)] if counts else []
     return [*lines, _end(run, units), *(f"warning: {text}" for text in warnings(run))]
+
+
+def _raster(run: Table) -> str:
+    """How far apart the rows are in which events are looked for, if these are not all steps."""
+    apart = float(run["time"][1] - run["time"][0]) if len(run) > 1 else 0.0
+    dt: Any = run.info.get("dt", apart)
+    return f" seen in rows that are {apart:g} s apart; others are missed" if apart > 1.5 * dt else ""
 
 
 def warnings(run: Table) -> list[str]:
     """What to be wary of in a run: steps that did not converge, rows outside the domain, relief valves, empty lines, end stops."""
     info: Any = run.info
-    found = []
+    found = list(info.get("doubtful_inputs", []))
     steps = info.get("steps", 0)
     for key, what in (
         ("steps_not_converged", "did not converge: choose a smaller dt"),

@@ -60,6 +60,7 @@ def test_functions_stand_in_the_order_of_their_links(tmp_path):
         ("rod_pin.x = {value = 0.7", "rod_pin.x = {value = -0.1", "functions.lift"),
         ("inertia.zz = {value = 161", "inertia.zz = {value = 400", "no body has one above the sum of the others"),
         ("pump.relief = {value = 250", "pump.relief = {value = 2", "pump.relief = 2 bar: must be above tank.return_pressure = 3 bar"),
+        ("number = {value = 1, ", "number = {value = 1.5, ", "functions.lift.cylinder.number = 1.5: must be a whole number"),
         ('kind = "series"', 'kind = "parallel"', "circuits.main.kind = 'parallel': must be one of ['series']"),
         ('link = "arm"', 'link = "hook"', "tip.link = 'hook'"),
     ],

@@ -13,6 +13,8 @@ from polydraulic.parameters.load import load_layout, machine_names
         ('pump.relief = {value = 250, unit = "bar"', 'pump.relief = {value = 250, unit = "psi"', "circuits.main.pump.relief = 17.24 bar"),
         ('pump.flow = {value = 40, unit = "L/min"', 'pump.flow = {value = 40, unit = "m3/h"', None),
         ('pump.flow = {value = 40, unit = "L/min"', 'pump.flow = {value = 16810, unit = "in3/s"', "circuits.main.pump.flow"),
+        ('pilot.gain = {value = 8, unit = "mm/V"', 'pilot.gain = {value = 8, unit = "m/V"', "functions.slew.pilot.gain: voltage of full travel"),
+        ("inertia.xx = {value = 2,", "inertia.xx = {value = 0.002,", "links.arm.inertia.xx: radius of gyration"),
         ("mass = {value = 250", "mass = {value = 250000", "links.boom.mass = 250000 kg"),
     ],
 )  # fmt: skip

@@ -79,6 +79,7 @@ def _function(f: MachineFunction, link: LinkParameters, machine: LayoutMachine) 
         value = getattr(f.initial, key)
         require(floor <= value <= relief, f"initial.{key} = {_bar(value)}", f"in [{_bar(floor)}, {_bar(relief)}]")
     if f.actuator != "motor":
+        require(f.drive.number == int(f.drive.number), f"cylinder.number = {f.drive.number:g}", "a whole number")  # type: ignore[union-attr]
         require(f.drive.rod < f.drive.bore, "cylinder.rod", "below the bore")  # type: ignore[union-attr]
     if f.pins is not None and not broken:
         broken += _levers(f, link)

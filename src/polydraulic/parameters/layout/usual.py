@@ -1,6 +1,7 @@
 """What is usual for machines of this class: values outside are possible, but more often a wrong unit or a slipped digit."""
 
 from collections.abc import Iterator
+from math import sqrt
 from typing import NamedTuple
 
 from polydraulic.display import amount
@@ -27,6 +28,8 @@ TIME_CONSTANT = Usual(5e-3, 1.0, "s")
 DEAD_TIME = Usual(0.0, 0.5, "s")
 COMPLIANCE = Usual(1e-14, 1e-9, "m3/Pa")
 DISPLACEMENT = Usual(1e-5, 5e-2, "m3/rad")
+FULL_LEVER = Usual(0.1, 40.0, "V")
+GYRATION = Usual(0.05, 15.0, "m")
 GRAVITY = Usual(9.7, 9.9, "m/s2")
 
 
@@ -47,11 +50,15 @@ def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
         where = f"links.{link.name}"
         if link.mass > 0.0:
             yield f"{where}.mass", link.mass, MASS
+            for key, inertia in link.inertia.items():
+                if len(set(key)) == 1 and inertia > 0.0:
+                    yield f"{where}.inertia.{key}: radius of gyration", sqrt(inertia / link.mass), GYRATION
         for key, point in (("at", link.at), ("cg", link.cg)):
             for c, value in point.items():
                 yield f"{where}.{key}.{c}", value, LENGTH
     for f in machine.functions:
         where = f"functions.{f.name}"
+        yield f"{where}.pilot.gain: voltage of full travel", f.valve.knots[-1] / f.pilot.gain, FULL_LEVER
         yield f"{where}.pilot.time_constant", f.pilot.time_constant, TIME_CONSTANT
         yield f"{where}.pilot.dead_time", f.pilot.dead_time, DEAD_TIME
         yield f"{where}.valve.knots", f.valve.knots[-1], TRAVEL

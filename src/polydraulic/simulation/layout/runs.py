@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
+from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.adapt import adapted
@@ -15,6 +16,7 @@ from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
+from polydraulic.simulation.input_check import input_warnings
 from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
 from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
@@ -88,6 +90,9 @@ def simulate_layout(
                 account.append([*of])
     time = np.arange(len(rows)) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt, "steps": n_step}
+    full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
+    if doubts := input_warnings(scenario, full_lever, t_end):
+        info["doubtful_inputs"] = doubts
     info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
@@ -122,8 +127,12 @@ def _diverged(
 
 def check_flow(flow: Any) -> None:
     """Refuse flow models that know one layout only."""
+    if isinstance(flow, str) and flow not in FLOW_KINDS:
+        raise InputError(
+            f"unknown flow model {flow!r}; machines of other layouts than that of 'cat215b' run with 'exact'"
+        )
     if flow != "exact":
-        name = flow if isinstance(flow, str) else type(flow).__name__
+        name = flow if isinstance(flow, str) else flow_name(flow)
         raise InputError(
             f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'"
         )

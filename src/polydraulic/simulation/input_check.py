@@ -1,0 +1,60 @@
+"""What is doubtful in the inputs of a run, though it can be run: levers far beyond their ends, parts that come after the end."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from polydraulic.display import amount
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
+
+BEYOND = 3.0  # times the voltage of full travel; more is rather a wrong unit than a lever
+LATE = 0.1  # s after the end; the hand of a random operator goes on for less
+
+
+def input_warnings(scenario: Scenario, full_lever: Mapping[str, float], t_end: float | None = None) -> list[str]:
+    """Say what is doubtful in a scenario; an empty list if nothing is.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    full_lever : mapping from function to float, V
+        What gives its spool full travel.
+    t_end : float, s, optional
+        Where the run ends if that is asked for: then what comes later is not missed.
+
+    Returns
+    -------
+    list of str
+        Functions whose voltage goes beyond `BEYOND` times full lever, and signals and payloads that change after the end.
+    """
+    found = []
+    for name, full in full_lever.items():
+        largest = _largest(scenario.voltage.get(name, Constant()))
+        if name not in scenario.locked and largest > BEYOND * full:
+            found.append(
+                f"{name}: the lever's voltage reaches {amount(largest, 'V')}, and {amount(full, 'V')} gives full travel; check its unit"
+            )
+    late = [] if t_end is not None else list(_late(scenario))
+    return found + [f"{what} after the end at {scenario.duration:g} s and is not run" for what in late]
+
+
+def _largest(signal: Signal) -> float:
+    """Largest voltage to either side."""
+    if isinstance(signal, Piecewise):
+        return float(np.abs(signal.voltage).max())
+    return abs(signal.amplitude if isinstance(signal, Sine) else signal.voltage)
+
+
+def _late(scenario: Scenario) -> Iterator[str]:
+    end, signals = scenario.duration + LATE, [(f"the voltage of {name}", s) for name, s in scenario.voltage.items()]
+    signals += [(f"the force along {axis}", s) for axis, s in scenario.loads.force.items()]
+    for what, signal in signals:
+        if (
+            isinstance(signal, Piecewise)
+            and np.ptp(np.append(signal.voltage[signal.time > end], signal(np.array(end)))) > 0.0
+        ):
+            yield f"{what} changes"
+    payload = scenario.loads.payload
+    if payload is not None and payload.time[-1] >= scenario.duration:
+        yield "the payload changes"
