@@ -1,6 +1,6 @@
 """`simulate` for a machine of any layout."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +20,8 @@ from polydraulic.simulation.input_check import input_warnings
 from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
 from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
-from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.methods.text import methods_module
+from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.loop import FASTEST
 from polydraulic.simulation.steps import n_steps
 from polydraulic.tables import Table
@@ -58,26 +59,25 @@ def simulate_layout(
         If the run diverges.
     """
     check_flow(flow)
-    if method != "semi-implicit":
+    if method not in _STEPPERS:
         raise InputError(
-            f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'"
+            f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with {list(_STEPPERS)}"
         )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
     n_step, columns = n_steps(scenario, dt, t_end, every), columns_of(machine)
-    inputs = step_inputs(machine, scenario, np.arange(n_step) * dt)
     rows, counts = np.empty((n_step // every + 1, len(columns.columns))), np.zeros(2, dtype=np.int64)
     account: list[list[EnergyColumn]] = []
     state: np.ndarray | None = None
     for part in segments(machine, scenario.loads.payload, dt, n_step):
         ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force))
+        advance = _STEPPERS[method](part.machine, scenario, ready, dt)
         for first in range(part.first, part.end, piece):
             end = min(first + piece, part.end)
             own = np.empty((end - first + 1, len(columns.columns)))
-            start = ready.start if state is None else state
-            done = ready.module.run(ready.valves, ready.plant, start, inputs[first:end], 1, own, counts)
+            done = advance(ready.start if state is None else state, first, end, own, counts)
             if done < end - first:
                 raise _diverged(scenario, machine, own[0], columns, (first + done) * dt)
             state = own[-1, : columns.n_state].copy()
@@ -102,6 +102,34 @@ def simulate_layout(
         for parts in zip(*account, strict=True)
     ]
     return _table(machine, scenario, time, rows, columns, info, more)
+
+
+# from state and numbers of the first and one past the last step to rows, of which the counts are added; how many steps were made
+Advance = Callable[[np.ndarray, int, int, np.ndarray, np.ndarray], int]
+
+
+def _semi_implicit(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+    def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
+        inputs = step_inputs(machine, scenario, np.arange(first, end) * dt)
+        return int(ready.module.run(ready.valves, ready.plant, state, inputs, 1, rows, counts))
+
+    return advance
+
+
+def _runge_kutta(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+    force = bool(scenario.loads.force)
+    module = methods_module(machine, force=force)
+    plant = prepare_layout(machine, 1.0, scenario.locked, force=force).plant
+    tau = ready.module.Functions(*(f.pilot.time_constant for f in machine.functions))
+
+    def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
+        inputs = step_inputs(machine, scenario, np.arange(2 * first, 2 * end + 1) * (0.5 * dt))
+        return int(module.run_runge_kutta(ready.valves, plant, tau, dt, state, inputs, 1, rows, counts))
+
+    return advance
+
+
+_STEPPERS = {"semi-implicit": _semi_implicit, "rk4": _runge_kutta}
 
 
 def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step: int) -> list[Segment]:
