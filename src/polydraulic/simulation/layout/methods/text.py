@@ -14,7 +14,7 @@ from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.layout.tree import function_of
 
-_PAGES = ("right_hand_side", "runge_kutta")
+_PAGES = ("right_hand_side", "runge_kutta", "slow", "switching")
 _IMPORTS = """from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from polydraulic.flow.interface import NOT_CONVERGED
 from polydraulic.machine.pilot import spool_target
 from polydraulic.simulation.solvers.line_rates import held_back, line_changes, line_moves, line_rates, within_bounds
 from polydraulic.simulation.solvers.stop_conditions import BLINK, CREEP, between_stops, joint_changes, rests, stands, strikes"""
+_SLOW = ("p_a", "p_b", "angle", "rate")  # all of a state that is integrated: spools are known
 # of the text of the step
 _STEP = (
     "N_FUNCTION", "Flows", "Force", "Functions", "Held", "JointsAfter", "Plant", "Position", "State", "Step", "Valves", "exact_step",
@@ -68,4 +69,15 @@ def _text(machine: LayoutMachine, force: bool) -> str:
 
 
 def _lists(machine: LayoutMachine) -> dict[str, Rows]:
-    return {}
+    """Lists of these pages: places of quantities in a vector of all but the spools, of flows over relief valves."""
+    names, n = machine.names, len(machine.names)
+    slow = {q: range(k * n, (k + 1) * n) for k, q in enumerate(_SLOW)}
+    lists: dict[str, Rows] = {
+        "SLOW_QUANTITIES": [{"Q": q} for q in _SLOW],
+        "SLOW_PLACES": [{"Q": q, "F": f, "P": p} for q in _SLOW for f, p in zip(names, slow[q], strict=True)],
+        "LINE_PLACES": [{"Q": q, "F": f, "P": p} for q in _SLOW[:2] for f, p in zip(names, slow[q], strict=True)],
+        "ANGLE_PLACES": [{"F": f, "P": p, "R": r} for f, p, r in zip(names, slow["angle"], slow["rate"], strict=True)],
+        "RELIEFS": [{"C": c.name, "P": k} for k, c in enumerate(machine.circuits)],
+    }
+    lists |= {f"SLOW_PLACES_OF_{q}": [{"P": p} for p in slow[q]] for q in _SLOW}
+    return lists
