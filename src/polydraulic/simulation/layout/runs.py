@@ -20,7 +20,7 @@ from polydraulic.simulation.input_check import input_warnings
 from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
 from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
-from polydraulic.simulation.layout.methods.known import run_known
+from polydraulic.simulation.layout.methods.known import Integrate, run_known
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
@@ -62,8 +62,6 @@ def simulate_layout(
         If the run diverges, or a solver fails.
     """
     check_flow(flow)
-    if method == "rosenbrock":
-        raise InputError("method 'rosenbrock' knows the layout of 'cat215b' alone; choose another method")
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
@@ -131,10 +129,7 @@ def _integrated(
     machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, energy: bool
 ) -> _Made:
     """Run a method that chooses its own steps."""
-    # SciPy's solvers take long to import, and the loops do without
-    from polydraulic.simulation.layout.methods.lsoda import integrate
-
-    run, columns = run_known(machine, scenario, time, rtol, method, integrate), columns_of(machine)
+    run, columns = run_known(machine, scenario, time, rtol, method, _solver(method)), columns_of(machine)
     account: list[list[EnergyColumn]] = []
     for part, first, end in run.parts if energy else ():
         forces = scenario.loads.forces(time[first:end])
@@ -142,6 +137,15 @@ def _integrated(
         if end > first:
             account.append([*energy_columns(part.machine, module, part.plant, run.rows[first:end], columns, forces)])
     return _Made(run.rows, {"rtol": rtol, **run.info}, account)
+
+
+def _solver(method: str) -> Integrate:
+    # SciPy's solvers take long to import, and the loops do without
+    if method == "rosenbrock":
+        from polydraulic.simulation.layout.methods.rosenbrock import integrate
+    else:
+        from polydraulic.simulation.layout.methods.lsoda import integrate
+    return integrate
 
 
 # from state and numbers of the first and one past the last step to rows, of which the counts are added; how many steps were made
