@@ -65,6 +65,8 @@ def warnings(run: Table) -> list[str]:
     ):
         if count := info.get(key, 0):
             found.append(f"{count} of {steps} steps ({count / steps:.1%}) {what}")
+    if count := info.get("rows_not_converged", 0):
+        found.append(f"{count} of {len(run)} rows ({count / len(run):.1%}) hold flows that did not converge")
     last, events = float(run["time"][-1]), info.get("events", [])
     for begins, (ends, words) in _LASTING.items():
         for link in dict.fromkeys(where for _, where, what in events if what in (begins, ends)):

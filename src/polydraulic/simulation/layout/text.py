@@ -13,7 +13,7 @@ from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
-from polydraulic.simulation.layout.expand import Rows, expanded
+from polydraulic.simulation.layout.expand import WIDTH, Rows, expanded
 from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
 from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
@@ -118,7 +118,12 @@ def joined_imports(imports: Sequence[str]) -> list[str]:
             module, _, listed = line.removeprefix("from ").partition(" import ")
             names.setdefault(module, set()).update(listed.split(", "))
     plain = sorted({line for line in imports if line.startswith("import ")})
-    return [*plain, *(f"from {module} import {', '.join(sorted(of))}" for module, of in sorted(names.items()))]
+    return [*plain, *(_import(module, sorted(of)) for module, of in sorted(names.items()))]
+
+
+def _import(module: str, names: Sequence[str]) -> str:
+    line = f"from {module} import {', '.join(names)}"
+    return line if len(line) <= WIDTH else f"from {module} import (\n    " + ",\n    ".join(names) + ",\n)"
 
 
 def fields_of(text: str, name: str) -> list[str]:

@@ -146,7 +146,8 @@ def _inputs(machine: LayoutMachine, scenario: Scenario) -> list[KnownInput]:
 
 def first_piece(motion: SpoolMotion, t: float) -> int:
     """Number of the piece of the inputs that begins at, or holds, a time."""
-    return max(int(np.searchsorted(motion.starts, t + 1e-12, side="right")) - 1, 0)
+    last = len(motion.coefficients) - 1
+    return min(max(int(np.searchsorted(motion.starts, t + 1e-12, side="right")) - 1, 0), last)
 
 
 def breaks_of(part: KnownPart) -> np.ndarray:
