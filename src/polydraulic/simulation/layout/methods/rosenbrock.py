@@ -30,7 +30,7 @@ def integrate(
     """Integrate a part of a run; see `known.Integrate`."""
     module, machine, motion = part.module, part.machine, part.motion
     slopes = module.prepare_slopes(tree_of(machine), machine.gravity)
-    work = new_work(module, len(machine.names), motion.coefficients.shape[1], len(machine.circuits))
+    work = step_scratch(module, len(machine.names), motion.coefficients.shape[1], len(machine.circuits))
     work.y[:] = y
     numbers = np.array([*(counts.get(name, 0) for name in _COUNTS), row], dtype=np.int64)
     status = module.run_rosenbrock(
@@ -41,7 +41,7 @@ def integrate(
     return Reached(int(numbers[-1]), work.y.copy(), "" if status == DONE else FAILURES[status])
 
 
-def new_work(module: Any, n: int, n_input: int, n_circuit: int) -> Any:
+def step_scratch(module: Any, n: int, n_input: int, n_circuit: int) -> Any:
     """Scratch for a run of a machine with `n` functions."""
     y, f, y_new, f_new, y_stage, f_stage = np.zeros((6, 4 * n))
     return module.Work(
