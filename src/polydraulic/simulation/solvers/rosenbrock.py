@@ -41,7 +41,7 @@ from polydraulic.simulation.solvers.rosenbrock_step import (
     slow_state,
     step,
 )
-from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion, spools_at
+from polydraulic.simulation.solvers.spools import SHORTEST, SpoolMotion, spool_motion, spools_at
 from polydraulic.simulation.solvers.switching import changes, relief_open, settle
 
 
@@ -187,7 +187,10 @@ def integrate(
             f"method 'rosenbrock' needs the slopes of the flows, which flow {name!r} does not give; "
             f"use one of {able} or method 'semi-implicit'"
         )
-    plant, motion = prepare(machine, 1.0, scenario.locked), spool_motion(machine, scenario, float(time[-1]))
+    plant, motion = (
+        prepare(machine, 1.0, scenario.locked),
+        spool_motion(machine, scenario, max(float(time[-1]), SHORTEST)),
+    )
     memory, x0 = np.zeros(FLOW_KINDS[name].n_memory(model)), to_vector(initial_state(machine))
     rows, counts, log = np.empty((len(time), N_RECORD)), np.zeros(4, dtype=np.int64), new_log()
     status = run_rosenbrock(

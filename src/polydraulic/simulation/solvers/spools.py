@@ -21,6 +21,7 @@ from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 N_COEFFICIENT = 8  # c0 .. c4, w, delay, 1 / tau
 _LOOK = 0.02  # s; a spool is taken to pass no knot twice within this time
 _SAME = 1e-9  # s
+SHORTEST = 1e-3  # s that are integrated where the start alone is wanted, with its flows
 
 
 class SpoolCurve(NamedTuple):

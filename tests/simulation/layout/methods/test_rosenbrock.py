@@ -16,9 +16,10 @@ PUSH = {"y": Piecewise(np.array([0.3, 0.6, 1.0]), np.array([0.0, 800.0, -300.0])
 LOADED = Scenario("loaded", 1.5, VOLTS, loads=Loads(PUSH, Payload((0.4, 0.9), (80.0, 0.0))))
 
 
-@pytest.mark.parametrize("options", [{}, {"locked": ("lift",)}, {"force": True}])
-def test_steps_solve_with_the_true_jacobian(crane, options):
-    assert check_jacobian(crane, np.random.default_rng(3), 20, **options) > 10
+# All with a force, so that one text is compiled; `tests/machines` has machines without.
+@pytest.mark.parametrize("locked", [(), ("lift",)])
+def test_steps_solve_with_the_true_jacobian(crane, locked):
+    assert check_jacobian(crane, np.random.default_rng(3), 20, force=True, locked=locked) > 10
 
 
 def errors(machine, found, tight):
@@ -56,7 +57,7 @@ def test_bounds_hold_under_a_wild_operator(crane):
     rng, times = np.random.default_rng(7), np.arange(0.0, 4.5, 0.5)
     signals = {name: Piecewise(times, rng.uniform(-1.1, 1.1, times.size)) for name in ("slew", "lift")}
     signals["extend"] = Piecewise(np.array([0.0, 0.1, 3.0, 3.1]), np.array([0.0, 0.9, 0.9, -0.9]))
-    wild = Scenario("wild", 4.5, signals)
+    wild = Scenario("wild", 4.5, signals, loads=Loads(PUSH))
     found, closer = (simulate(crane, "exact", wild, method="rosenbrock", rtol=rtol) for rtol in (1e-4, 1e-5))
     positions = joint_columns(crane, found)[0]
     for place, f in enumerate(crane.functions):
@@ -71,7 +72,8 @@ def test_bounds_hold_under_a_wild_operator(crane):
 
 
 def test_locked_functions_stand_still(crane):
-    held = Scenario("held", 1.0, {"slew": Constant(0.5), "lift": Constant(0.3)}, locked=("extend",))
+    levers = {"slew": Constant(0.5), "lift": Constant(0.3)}
+    held = Scenario("held", 1.0, levers, locked=("extend",), loads=Loads(PUSH))
     found, tight = (simulate(crane, "exact", held, method=method) for method in ("rosenbrock", "reference"))
     assert np.ptp(found["extend.position"]) == 0.0
     assert errors_of(found, tight) < 1e-4
@@ -79,6 +81,15 @@ def test_locked_functions_stand_still(crane):
 
 def errors_of(found, tight):
     return max(np.abs(found[name] - tight[name]).max() for name in ("slew.angle", "lift.angle"))
+
+
+def test_a_run_of_one_row_is_its_start(crane):
+    for method in ("rosenbrock", "reference"):
+        found = simulate(crane, "exact", LOADED, method=method, t_end=5e-3, every=2)
+        start = simulate(crane, "exact", LOADED, t_end=5e-3)
+        assert len(found) == 1
+        for name in found.names:
+            assert found[name][0] == pytest.approx(start[name][0], rel=1e-12, abs=1e-12), name
 
 
 def test_a_circuit_without_slopes_is_refused_by_name(crane):

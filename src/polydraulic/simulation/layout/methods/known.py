@@ -17,7 +17,7 @@ from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.methods.event_log import N_KIND, EventLimits, event_limits, listed_events
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
-from polydraulic.simulation.solvers.spools import KnownInput, SpoolMotion, known_force, known_motion
+from polydraulic.simulation.solvers.spools import SHORTEST, KnownInput, SpoolMotion, known_force, known_motion
 
 
 class KnownPart(NamedTuple):
@@ -104,7 +104,7 @@ def run_known(
     watch, parts = Watch(new_log(), event_limits(machine), *flags), []
     rows[0, : columns.n_state] = x0
     row, y = 1, x0[n:]
-    for part in known_parts(machine, scenario, float(time[-1])):
+    for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST)):
         first = row if part.start > 0.0 else 0
         row, y, failure = integrate(part, y, rtol, time, rows, row, watch, counts)
         if failure:
