@@ -25,10 +25,11 @@ from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.events import edges_of, new_log
 from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import step_voltages
+from polydraulic.simulation.solvers.adaptive import RODAS
 from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
-from polydraulic.simulation.solvers.rosenbrock_step import RODAS, new_work
+from polydraulic.simulation.solvers.rosenbrock_step import new_work
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
-from polydraulic.simulation.solvers.spools import Motion, spool_motion
+from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion
 from polydraulic.thesis.timing import paired_ratio, paired_times
 from show import left_out
 from stiff_form import (
@@ -111,7 +112,7 @@ def held_motion():
         target = np.clip(gain * HELD_VOLTS[k], -MACHINE.spool.knots[-1], MACHINE.spool.knots[-1])
         c[k, :, 0], c[k, :, 2], c[k, :, 7] = target, x - target, 1.0 / np.array(TAU)
         x = target + (x - target) * fade
-    return Motion(TIME, c, TIME[1:])
+    return SpoolMotion(TIME, c, TIME[1:])
 
 
 def rosenbrock(rtol, voltages_held):

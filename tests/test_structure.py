@@ -37,6 +37,7 @@ TESTED_ELSEWHERE = {
         "simulation/layout/test_runs.py",
         "events of runs, next to those of the older form",
     ),
+    "simulation/layout/methods/lsoda.py": ("simulation/layout/methods/test_rosenbrock.py", "the judge of the others"),
     "simulation/layout/page_lists.py": ("simulation/layout/test_text.py", "lists become the text"),
     "simulation/layout/prepare.py": ("simulation/layout/test_runs.py", "numbers of the machines that run"),
     "simulation/layout/tree.py": ("parameters/layout/test_payload.py", "links as the equations of motion want them"),
@@ -57,6 +58,7 @@ TESTED_ELSEWHERE = {
         "parts of the slopes held to differences there",
     ),
     "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
+    "machine/tree/constants_text.py": ("machine/tree/test_motion_text.py", "part of the text that is held to MuJoCo"),
     "machine/tree/equations.py": (
         "machine/tree/test_motion_text.py",
         "recorded mechanics are held to MuJoCo as a whole",
@@ -89,10 +91,20 @@ TESTED_ELSEWHERE = {
     "progress.py": ("test_terminal.py", "a protocol; what is told is shown"),
     "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
     "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
+    "simulation/solvers/adaptive.py": ("simulation/solvers/test_rosenbrock.py", "coefficients and bounds of its steps"),
+    "simulation/solvers/line_rates.py": (
+        "simulation/solvers/test_right_hand_side.py",
+        "part of the rates of a machine",
+    ),
+    "simulation/solvers/line_slopes.py": ("simulation/solvers/test_jacobian.py", "part of the Jacobian of a machine"),
     "simulation/solvers/lsoda.py": ("simulation/test_methods.py", "the judge of the other methods"),
     "simulation/solvers/rosenbrock_step.py": (
         "simulation/solvers/test_rosenbrock.py",
         "order and tolerance of its steps",
+    ),
+    "simulation/solvers/stop_conditions.py": (
+        "simulation/solvers/test_right_hand_side.py",
+        "stops hold what they push",
     ),
     "simulation/solvers/switching.py": ("simulation/test_methods.py", "methods agree on when things happen"),
     "simulation/step.py": ("simulation/test_whole_machine.py", "a step is held to balances of oil and energy"),

@@ -50,6 +50,10 @@ def test_the_kernels_of_a_layout_are_shown(call, tmp_path):
     assert code == 0
     compile(out, "shown", "exec")
     assert "pilot_step(x.slew, voltage.slew, plant.slew.pilot)" in out
+    code, out, _ = call("machine show crane.toml --methods")
+    assert code == 0
+    compile(out, "shown", "exec")
+    assert "def run_rosenbrock(" in out
 
 
 def test_a_machine_of_ones_own_is_simulated_recorded_and_refused_where_it_must_be(call, tmp_path):

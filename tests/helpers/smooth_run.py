@@ -12,8 +12,9 @@ from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.events import edges_of, new_log
 from polydraulic.simulation.loop import run
-from polydraulic.simulation.solvers.rosenbrock import DONE, run_rosenbrock
-from polydraulic.simulation.solvers.rosenbrock_step import RODAS, new_work
+from polydraulic.simulation.solvers.adaptive import DONE, RODAS
+from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
+from polydraulic.simulation.solvers.rosenbrock_step import new_work
 from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from polydraulic.simulation.solvers.spools import N_COEFFICIENT, SpoolMotion
 

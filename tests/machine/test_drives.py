@@ -41,3 +41,18 @@ def test_line_a_pushes_towards_positive_motion_whichever_way_the_cylinder_is_bui
         found = KERNELS[f.actuator](sincos(middle) if link.joint == "revolute" else middle, prepare_drive(f, link))
         assert found.a > 0.0
         assert found.b > 0.0
+
+
+def test_slopes_of_levers_are_differences(tmp_path):
+    for f, link in functions(tmp_path):
+        drive = prepare_drive(f, link)
+        slopes = getattr(drives, f"drive_{f.actuator}_slopes")
+
+        def at(position, kernel=KERNELS[f.actuator], drive=drive, turns=link.joint == "revolute"):
+            return np.array(kernel(sincos(position) if turns else position, drive))
+
+        for angle in np.linspace(f.stops.low, f.stops.high, 9):
+            found = slopes(sincos(angle) if link.joint == "revolute" else angle, drive)
+            true = (at(angle + 1e-6) - at(angle - 1e-6)) / 2e-6
+            assert found == pytest.approx(true, rel=1e-6, abs=1e-9), (f.name, angle)
+        assert (f.actuator in ("motor", "ram")) == (tuple(found) == (0.0, 0.0))

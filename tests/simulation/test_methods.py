@@ -100,3 +100,11 @@ def test_every_method_gives_the_same_columns(machine, method):
     assert found.info["method"] == method
     assert len(found) == 11
     assert found["swing.spool"][-1] == pytest.approx(VOLTS[0] * 0.01397 * (1 - np.exp(-0.1 / 0.205)), rel=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_of_one_row_is_its_start(machine, method):
+    found = simulate(machine, "exact", SMOOTH, t_end=0.01, dt=0.01, every=2, method=method)
+    assert len(found) == 1
+    assert found["swing.angle"][0] == machine.swing.initial.angle
+    assert found["boom.q_pump"][0] == pytest.approx(machine.pumps.boom_flow)

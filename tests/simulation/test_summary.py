@@ -72,3 +72,9 @@ def test_the_largest_pressures_of_a_real_run(whole):
 def test_events_of_rows_that_are_far_apart_say_so():
     table = run(events=[(0.2, "boom", "valve opens")], dt=0.005)
     assert any(line == "events seen in rows that are 1 s apart; others are missed:" for line in run_summary(table))
+
+
+def test_events_that_a_method_locates_are_not_said_to_be_missed():
+    table = run(events=[(0.2, "boom", "valve opens")], dt=0.005, rtol=1e-4, rows_not_converged=2)
+    assert "events:" in run_summary(table)
+    assert warnings(table) == ["2 of 11 rows (18.2%) hold flows that did not converge"]

@@ -91,15 +91,21 @@ def draw(
 
 
 @machines.command()
-def show(machine: MachineArgument) -> None:
+def show(
+    machine: MachineArgument,
+    methods: Annotated[
+        bool, typer.Option("--methods", help="The equations in continuous time, and the methods that integrate them.")
+    ] = False,
+) -> None:
     """Print the kernels of a machine's layout: the code of a step, written out with the machine's own names.
 
     Example: `polydraulic machine show excavator_22t | less`
     """
     from polydraulic.parameters.load import load_layout
+    from polydraulic.simulation.layout.methods.text import methods_text
     from polydraulic.simulation.layout.text import layout_text
 
-    print(layout_text(load_layout(machine)))
+    print((methods_text if methods else layout_text)(load_layout(machine)))
 
 
 @machines.command()

@@ -20,7 +20,7 @@ from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine, Stops
 
 MAX_EVENTS = 10_000
 N_CONDITION = 26
-_LINK_CONDITIONS = (
+LINK_CONDITIONS = (
     ("valve opens", "valve closes"),
     ("bypass closes", "bypass opens"),
     ("low stop met", "low stop left"),
@@ -30,11 +30,11 @@ _LINK_CONDITIONS = (
     ("line A runs empty", "line A fills"),
     ("line B runs empty", "line B fills"),
 )
-_PUMP = ("pump relief opens", "pump relief closes")
+PUMP_CONDITION = ("pump relief opens", "pump relief closes")
 # (link or circuit, what begins, what ends) of each bit
 CONDITIONS = (
-    *((link, *words) for words in _LINK_CONDITIONS for link in LINKS),
-    *((circuit, *_PUMP) for circuit in CIRCUITS),
+    *((link, *words) for words in LINK_CONDITIONS for link in LINKS),
+    *((circuit, *PUMP_CONDITION) for circuit in CIRCUITS),
 )
 SPOOLS = (1 << 6) - 1  # all bits of the spools
 PUMPS = 3 << 24

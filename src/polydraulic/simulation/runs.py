@@ -103,7 +103,9 @@ def simulate(
         raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
     every = recorded_steps(dt, every, raster)
     if isinstance(machine, LayoutMachine):
-        return simulate_layout(machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, energy=energy)
+        return simulate_layout(
+            machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least, energy=energy
+        )
     if energy:
         raise InputError(
             "the energy account is of machines that are described by links, functions and circuits; try 'cat215b_bucket'"

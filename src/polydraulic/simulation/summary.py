@@ -51,7 +51,8 @@ def _raster(run: Table) -> str:
     """How far apart the rows are in which events are looked for, if these are not all steps."""
     apart = float(run["time"][1] - run["time"][0]) if len(run) > 1 else 0.0
     dt: Any = run.info.get("dt", apart)
-    return f" seen in rows that are {apart:g} s apart; others are missed" if apart > 1.5 * dt else ""
+    located = "rtol" in run.info  # by a method that chooses its own steps
+    return f" seen in rows that are {apart:g} s apart; others are missed" if apart > 1.5 * dt and not located else ""
 
 
 def warnings(run: Table) -> list[str]:
@@ -65,6 +66,8 @@ def warnings(run: Table) -> list[str]:
     ):
         if count := info.get(key, 0):
             found.append(f"{count} of {steps} steps ({count / steps:.1%}) {what}")
+    if count := info.get("rows_not_converged", 0):
+        found.append(f"{count} of {len(run)} rows ({count / len(run):.1%}) hold flows that did not converge")
     last, events = float(run["time"][-1]), info.get("events", [])
     for begins, (ends, words) in _LASTING.items():
         for link in dict.fromkeys(where for _, where, what in events if what in (begins, ends)):

@@ -79,7 +79,6 @@ def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
     [
         ("polynomial", "random:1:1", {}, "flow 'polynomial' knows the layout of 'cat215b' alone"),
         ("exakt", "random:1:1", {}, "unknown flow model 'exakt'"),
-        ("exact", "random:1:1", {"method": "rosenbrock"}, "method 'rosenbrock' knows the layout of 'cat215b' alone"),
         (
             "exact",
             "task",

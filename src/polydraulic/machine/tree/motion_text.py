@@ -14,6 +14,7 @@ The text depends on the layout alone, byte for byte. The file that takes it has 
 from collections.abc import Sequence
 
 from polydraulic.errors import InputError
+from polydraulic.machine.tree.constants_text import constants_text, prepare_text, shapes_text
 from polydraulic.machine.tree.equations import TreeEquations, equations_of
 from polydraulic.machine.tree.frames import axes_of_a_link
 from polydraulic.machine.tree.link_checks import check_tree
@@ -70,9 +71,9 @@ def motion_text(links: Sequence[Link], *, points: Sequence[str] = ()) -> str:
         kernels.append(_push_text(name, names, torques_of(chain, frames, point, force), constants))
     places = list(equations.mass)
     parts = [
-        _shapes_text(shapes),
-        _constants_text(constants),
-        _prepare_text(constants),
+        shapes_text(shapes),
+        constants_text(constants, "Constants"),
+        prepare_text(constants, "Constants", "prepare_motion"),
         _turns_text([shape for shape in shapes if shape.joint != "fixed"]),
         mass_text(names, places),
         _MOTION_CLASS,
@@ -97,35 +98,6 @@ _PLACE_CLASS = '''class Place(NamedTuple):
     x: float
     y: float
     z: float'''
-
-
-def _shapes_text(shapes: Sequence[Shape]) -> str:
-    lines = ["_SHAPES = ("]
-    for shape in shapes:
-        fields = [f"        {field}={_quoted(value)}," for field, value in shape._asdict().items()]
-        lines += ["    Shape(", *fields, "    ),"]
-    return "\n".join([*lines, ")"])
-
-
-def _quoted(value: object) -> str:
-    if isinstance(value, str):
-        return f'"{value}"'
-    if isinstance(value, tuple):
-        return "(" + ", ".join(map(_quoted, value)) + ("," if len(value) == 1 else "") + ")"
-    return repr(value)
-
-
-def _constants_text(constants: Constants) -> str:
-    fields = "\n".join(f"    {node.name}: float" for node in constants.nodes)
-    return f'class Constants(NamedTuple):\n    """Masses and lengths, multiplied out; SI."""\n\n{fields}'
-
-
-def _prepare_text(constants: Constants) -> str:
-    roots = [Term(1.0, node) for node in constants.nodes]
-    return f'''def prepare_motion(links, gravity):
-    """Constants of the equations of motion from the numbers of the links, and gravity in m/s2."""
-    links, gravity = links_of_shape(links, _SHAPES), float(gravity)
-{body(roots, lambda texts: call("Constants", texts))}'''
 
 
 def _turns_text(joints: Sequence[Shape]) -> str:

@@ -42,6 +42,18 @@ def body(roots: Sequence[Term], result: Callable[[list[str]], str], constants: C
     constants : Constants, optional
         Takes the fixed terms; without it they are calculated here.
     """
+    lines, texts = _written(roots, constants)
+    return "\n".join([*lines, returned(result(texts))])
+
+
+def stored(roots: Sequence[Term], places: Sequence[str], constants: Constants) -> str:
+    """Statements of a function that writes terms into places of arrays; the other arguments are those of `body`."""
+    lines, texts = _written(roots, constants)
+    return "\n".join([*lines, *(f"{_INDENT}{place} = {text}" for place, text in zip(places, texts, strict=True))])
+
+
+def _written(roots: Sequence[Term], constants: Constants | None) -> tuple[list[str], list[str]]:
+    """Assignments with sections as comments, and the texts of the roots."""
     writer = _Writer(roots, constants)
     lines, section = [], ""
     for node, summands in writer.assigned.items():
@@ -49,7 +61,7 @@ def body(roots: Sequence[Term], result: Callable[[list[str]], str], constants: C
             section = node.section
             lines.append(f"{_INDENT}# {section}")
         lines.append(_assignment(node.name, summands))
-    return "\n".join([*lines, returned(result([writer.root(root) for root in roots]))])
+    return lines, [writer.root(root) for root in roots]
 
 
 def call(name: str, arguments: Sequence[str]) -> str:

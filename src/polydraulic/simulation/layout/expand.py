@@ -137,26 +137,51 @@ def _copy(node: Any) -> Any:
 
 
 def _text(node: ast.stmt) -> str:
-    """Source of a top-level statement, with calls that are too long for a line broken into arguments."""
+    """Source of a top-level statement; calls, definitions and conditions that are too long for a line broken into their parts."""
     return "\n".join(part for line in ast.unparse(node).split("\n") for part in _broken(line))
 
 
 def _broken(line: str) -> list[str]:
-    """A line that is too long as several: one argument of its outermost call per line, each broken again if need be."""
-    indent = line[: len(line) - len(line.lstrip())]
-    start = re.match(r"\s*(?:return |[\w, .]+ = )?[\w.]+\(", line)
-    end = re.search(r"\),?$", line)
-    if len(line) <= WIDTH or start is None or end is None:
+    """A line that is too long as several: one part of what is outermost in it per line, each broken again if need be."""
+    if len(line) <= WIDTH:
         return [line]
-    inside, depth, begin = line[start.end() : end.start()], 0, 0
-    parts = []
-    for place, letter in enumerate(inside):
+    return _broken_call(line) or _broken_condition(line) or [line]
+
+
+def _broken_call(line: str) -> list[str]:
+    """One argument of a call, or of a definition, per line; nothing if the line is neither."""
+    indent = line[: len(line) - len(line.lstrip())]
+    start = re.match(r"\s*(?:return |def |[\w, .]+ = )?[\w.]+\(", line)
+    end = re.search(r"\)(?:,| -> [\w.]+:)?$", line)
+    if start is None or end is None:
+        return []
+    parts = _parts(line[start.end() : end.start()], ",")
+    lines = [piece for part in parts for piece in _broken(f"{indent}    {part.strip()},")]
+    return [line[: start.end()], *lines, f"{indent}{end[0]}"] if parts else []
+
+
+def _broken_condition(line: str) -> list[str]:
+    """One condition of several that are joined per line; nothing if there are none."""
+    found = re.match(r"(\s*)(return |if |\w+ = )(.*?)(:?)$", line)
+    if found is None:
+        return []
+    indent, head, inside, tail = found.groups()
+    for word in (" or ", " and "):
+        parts = _parts(inside, word)
+        if len(parts) > 1 and not any(len(_parts(inside, other)) > 1 for other in (" if ", ", ")):
+            joined = [parts[0], *(f"{word.strip()} {part}" for part in parts[1:])]
+            return [f"{indent}{head}(", *(f"{indent}    {part}" for part in joined), f"{indent}){tail}"]
+    return []
+
+
+def _parts(text: str, between: str) -> list[str]:
+    """Parts of a text between separators outside of brackets; none if a bracket closes that was not opened."""
+    depth, begin, found = 0, 0, []
+    for place, letter in enumerate(text):
         depth += (letter in "([{") - (letter in ")]}")
-        if depth < 0:  # the call ends before the line does
-            return [line]
-        if letter == "," and depth == 0:
-            parts.append(inside[begin:place].strip())
-            begin = place + 1
-    parts.append(inside[begin:].strip())
-    lines = [piece for part in parts for piece in _broken(f"{indent}    {part},")]
-    return [line[: start.end()], *lines, f"{indent}{end[0]}"]
+        if depth < 0:
+            return []
+        if depth == 0 and text.startswith(between, place):
+            found.append(text[begin:place])
+            begin = place + len(between)
+    return [*found, text[begin:]]

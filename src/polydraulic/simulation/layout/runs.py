@@ -1,6 +1,6 @@
 """`simulate` for a machine of any layout."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +20,10 @@ from polydraulic.simulation.input_check import input_warnings
 from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
 from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
-from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.methods.known import Integrate, run_known
+from polydraulic.simulation.layout.methods.text import methods_module
+from polydraulic.simulation.layout.module import layout_module
+from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.loop import FASTEST
 from polydraulic.simulation.steps import n_steps
 from polydraulic.tables import Table
@@ -43,41 +46,69 @@ def simulate_layout(
     t_end: float | None,
     every: int,
     method: str,
+    rtol: float | None = None,
     energy: bool = False,
     piece: int = 20_000,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
 
-    All rows of `piece` steps are held at a time; of these the recorded ones are kept.
+    Of a method with fixed steps all rows of `piece` steps are held at a time; of these the recorded ones are kept.
 
     Raises
     ------
     InputError
-        As `simulate`; a flow model or a method that knows one layout only.
+        As `simulate`; a flow model that knows one layout only.
     SimulationError
-        If the run diverges.
+        If the run diverges, or a solver fails.
     """
     check_flow(flow)
-    if method != "semi-implicit":
-        raise InputError(
-            f"method {method!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'semi-implicit'"
-        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
-    n_step, columns = n_steps(scenario, dt, t_end, every), columns_of(machine)
-    inputs = step_inputs(machine, scenario, np.arange(n_step) * dt)
-    rows, counts = np.empty((n_step // every + 1, len(columns.columns))), np.zeros(2, dtype=np.int64)
+    n_step = n_steps(scenario, dt, t_end, every)
+    time = np.arange(n_step // every + 1) * every * dt
+    info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt}
+    full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
+    if doubts := input_warnings(scenario, full_lever, t_end):
+        info["doubtful_inputs"] = doubts
+    info["functions"] = list(machine.names)
+    info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
+    if rtol is None:
+        made = _stepped(machine, scenario, time, method, dt, every, n_step, energy, piece)
+    else:
+        made = _integrated(machine, scenario, time, method, rtol, energy)
+    more = [
+        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
+        for parts in zip(*made.account, strict=True)
+    ]
+    return _table(machine, scenario, time, made.rows, columns_of(machine), info | made.info, more)
+
+
+class _Made(NamedTuple):
+    """Rows of a run, what is said of it, and its account of energy, part by part."""
+
+    rows: np.ndarray
+    info: dict[str, object]
+    account: list[list[EnergyColumn]]
+
+
+def _stepped(
+    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int, n_step: int,
+    energy: bool, piece: int,
+) -> _Made:  # fmt: skip
+    """Run a method with fixed steps."""
+    columns = columns_of(machine)
+    rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
     account: list[list[EnergyColumn]] = []
     state: np.ndarray | None = None
     for part in segments(machine, scenario.loads.payload, dt, n_step):
         ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force))
+        advance = _STEPPERS[method](part.machine, scenario, ready, dt)
         for first in range(part.first, part.end, piece):
             end = min(first + piece, part.end)
             own = np.empty((end - first + 1, len(columns.columns)))
-            start = ready.start if state is None else state
-            done = ready.module.run(ready.valves, ready.plant, start, inputs[first:end], 1, own, counts)
+            done = advance(ready.start if state is None else state, first, end, own, counts)
             if done < end - first:
                 raise _diverged(scenario, machine, own[0], columns, (first + done) * dt)
             state = own[-1, : columns.n_state].copy()
@@ -88,20 +119,61 @@ def simulate_layout(
                 forces = scenario.loads.forces(steps[new] * dt)
                 of = energy_columns(part.machine, ready.module, ready.plant, own[new], columns, forces)
                 account.append([*of])
-    time = np.arange(len(rows)) * every * dt
-    info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt, "steps": n_step}
-    full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
-    if doubts := input_warnings(scenario, full_lever, t_end):
-        info["doubtful_inputs"] = doubts
-    info["functions"] = list(machine.names)
-    info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
+    info: dict[str, object] = {"steps": n_step}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
     info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
-    more = [
-        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
-        for parts in zip(*account, strict=True)
-    ]
-    return _table(machine, scenario, time, rows, columns, info, more)
+    return _Made(rows, info, account)
+
+
+def _integrated(
+    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, energy: bool
+) -> _Made:
+    """Run a method that chooses its own steps."""
+    run, columns = run_known(machine, scenario, time, rtol, method, _solver(method)), columns_of(machine)
+    account: list[list[EnergyColumn]] = []
+    for part, first, end in run.parts if energy else ():
+        forces = scenario.loads.forces(time[first:end])
+        module = layout_module(part.machine, force=bool(scenario.loads.force))
+        if end > first:
+            account.append([*energy_columns(part.machine, module, part.plant, run.rows[first:end], columns, forces)])
+    return _Made(run.rows, {"rtol": rtol, **run.info}, account)
+
+
+def _solver(method: str) -> Integrate:
+    # SciPy's solvers take long to import, and the loops do without
+    if method == "rosenbrock":
+        from polydraulic.simulation.layout.methods.rosenbrock import integrate
+    else:
+        from polydraulic.simulation.layout.methods.lsoda import integrate
+    return integrate
+
+
+# from state and numbers of the first and one past the last step to rows, of which the counts are added; how many steps were made
+Advance = Callable[[np.ndarray, int, int, np.ndarray, np.ndarray], int]
+
+
+def _semi_implicit(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+    def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
+        inputs = step_inputs(machine, scenario, np.arange(first, end) * dt)
+        return int(ready.module.run(ready.valves, ready.plant, state, inputs, 1, rows, counts))
+
+    return advance
+
+
+def _runge_kutta(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+    force = bool(scenario.loads.force)
+    module = methods_module(machine, force=force)
+    plant = prepare_layout(machine, 1.0, scenario.locked, force=force).plant
+    tau = ready.module.Functions(*(f.pilot.time_constant for f in machine.functions))
+
+    def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
+        inputs = step_inputs(machine, scenario, np.arange(2 * first, 2 * end + 1) * (0.5 * dt))
+        return int(module.run_runge_kutta(ready.valves, plant, tau, dt, state, inputs, 1, rows, counts))
+
+    return advance
+
+
+_STEPPERS = {"semi-implicit": _semi_implicit, "rk4": _runge_kutta}
 
 
 def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step: int) -> list[Segment]:

@@ -13,7 +13,7 @@ from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
-from polydraulic.simulation.layout.expand import Rows, expanded
+from polydraulic.simulation.layout.expand import WIDTH, Rows, expanded
 from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
 from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
@@ -77,7 +77,7 @@ def _text(machine: LayoutMachine, force: bool) -> str:
     motion = motion_text(tree_of(machine), points=[tip])
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
-    imports = _joined([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
+    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
@@ -93,21 +93,24 @@ def _text(machine: LayoutMachine, force: bool) -> str:
         "Joints = Functions",
         motion,
         *circuits.values(),
-        *(expanded(pages["valve"], _knots(n), {"K": str(n), "LAST": str(n - 1)}) for n in lengths),
+        *(expanded(pages["valve"], *valve_letters(n)) for n in lengths),
         expanded("class State" + rest, lists),
         *(expanded(pages[name], lists) for name in _PAGES[1:]),
     ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
 
 
-def _knots(n: int) -> dict[str, Rows]:
+def valve_letters(n: int) -> tuple[dict[str, Rows], dict[str, str]]:
+    """Lists and letters of a page about a valve with `n` knots."""
+
     def numbered(start: int, end: int) -> Rows:
         return [{"I": str(k)} for k in range(start, end)]
 
-    return {"SEGMENTS": numbered(0, n - 1), "KNOTS": numbered(1, n), "INNER_KNOTS": numbered(1, n - 1)}
+    lists = {"SEGMENTS": numbered(0, n - 1), "KNOTS": numbered(1, n), "INNER_KNOTS": numbered(1, n - 1)}
+    return lists, {"K": str(n), "LAST": str(n - 1)}
 
 
-def _joined(imports: Sequence[str]) -> list[str]:
+def joined_imports(imports: Sequence[str]) -> list[str]:
     """Lines that import the same, each name once."""
     names: dict[str, set[str]] = {}
     for line in imports:
@@ -115,7 +118,12 @@ def _joined(imports: Sequence[str]) -> list[str]:
             module, _, listed = line.removeprefix("from ").partition(" import ")
             names.setdefault(module, set()).update(listed.split(", "))
     plain = sorted({line for line in imports if line.startswith("import ")})
-    return [*plain, *(f"from {module} import {', '.join(sorted(of))}" for module, of in sorted(names.items()))]
+    return [*plain, *(_import(module, sorted(of)) for module, of in sorted(names.items()))]
+
+
+def _import(module: str, names: Sequence[str]) -> str:
+    line = f"from {module} import {', '.join(names)}"
+    return line if len(line) <= WIDTH else f"from {module} import (\n    " + ",\n    ".join(names) + ",\n)"
 
 
 def fields_of(text: str, name: str) -> list[str]:

@@ -5,18 +5,26 @@ are named by their port, `in` and `out`, which halves the cases. The outlet is e
 stick share a pump: two together), then the angle; what is left is a 3 x 3 system in the joint rates.
 """
 
-from math import sqrt
 from typing import Any, NamedTuple
 
 from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.flow.dispatch import flow_slopes
 from polydraulic.machine.actuator import friction_slope, lever_slope
-from polydraulic.machine.hose import LineStep
 from polydraulic.machine.linkage import Held, times
 from polydraulic.machine.linkage_slopes import MotionSlopes, motion_slopes
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
+from polydraulic.simulation.solvers.line_slopes import (
+    EliminatedOutlet,
+    Hoses,
+    eliminate_outlet,
+    hoses_at,
+    line_sides,
+    outlet_change,
+    outlet_root,
+    torque_change,
+)
 from polydraulic.simulation.solvers.right_hand_side import Rates
 
 
@@ -27,23 +35,6 @@ class Slow(NamedTuple):
     p_out: Links
     angle: Links
     rate: Links
-
-
-class Hoses(NamedTuple):
-    """The lines of one link: d(p_in)/dt = gain_in (q_in - push_in w - leakage (p_in - p_out)), and the outlet alike.
-
-    `push` is the torque that a pressure exerts on the joint, over the pressure, and also the volume that a radian draws.
-    """
-
-    gain_in: float  # 1/C, 0 where a bound holds the pressure
-    gain_out: float
-    push_in: float  # m3/rad
-    push_out: float
-    turn_in: float  # slope of push over the angle
-    turn_out: float
-    leakage: float
-    outlet: float  # slope of q_out over p_out, m3/s/Pa
-    draw: float  # joint rate
 
 
 class Free(NamedTuple):
@@ -66,32 +57,6 @@ class Linear(NamedTuple):
     stiffness: Links  # slope of the pressures' torque over the own angle
     friction: Links
     drift: Slow  # rates' own change in time, because the spools move
-
-
-@kernel
-def _hoses(
-    spool: float, p_a: float, p_b: float, a: float, b: float, turn_a: float, turn_b: float,
-    free_a: float, free_b: float, k_out: float, draw: float, line: LineStep,
-) -> Hoses:  # fmt: skip
-    forward = spool >= 0.0
-    root = sqrt(max((p_b if forward else p_a) - line.p_return, 0.0))
-    gain_a, gain_b = free_a * line.gain_a, free_b * line.gain_b
-    return Hoses(
-        gain_a if forward else gain_b,
-        gain_b if forward else gain_a,
-        a if forward else -b,
-        -b if forward else a,
-        turn_a if forward else -turn_b,
-        -turn_b if forward else turn_a,
-        line.leakage,
-        0.5 * k_out / root if root > 0.0 else 0.0,
-        draw,
-    )
-
-
-@kernel
-def _root(spool: float, p_a: float, p_b: float, line: LineStep) -> float:
-    return sqrt(max((p_b if spool >= 0.0 else p_a) - line.p_return, 0.0))
 
 
 @kernel
@@ -118,15 +83,15 @@ def linearise(model: Any, plant: Plant, x: State, r: Rates, inside: Links, veloc
     turn_boom = lever_slope(b, r.position.levers.a.boom / boom.area_a, boom)
     turn_stick = lever_slope(s, r.position.levers.a.stick / stick.area_a, stick)
     levers_a, levers_b, k, w = r.position.levers.a, r.position.levers.b, r.flows.k_out, x.rate
-    swing_hoses = _hoses(
+    swing_hoses = hoses_at(
         inside.swing, x.p_a.swing, x.p_b.swing, levers_a.swing, levers_b.swing, 0.0, 0.0,
         free.a.swing, free.b.swing, k.swing, w.swing, plant.swing.line,
     )  # fmt: skip
-    boom_hoses = _hoses(
+    boom_hoses = hoses_at(
         inside.boom, x.p_a.boom, x.p_b.boom, levers_a.boom, levers_b.boom, turn_boom * boom.area_a,
         turn_boom * boom.area_b, free.a.boom, free.b.boom, k.boom, w.boom, plant.boom.line,
     )  # fmt: skip
-    stick_hoses = _hoses(
+    stick_hoses = hoses_at(
         inside.stick, x.p_a.stick, x.p_b.stick, levers_a.stick, levers_b.stick, turn_stick * stick.area_a,
         turn_stick * stick.area_b, free.a.stick, free.b.stick, k.stick, w.stick, plant.stick.line,
     )  # fmt: skip
@@ -141,11 +106,11 @@ def linearise(model: Any, plant: Plant, x: State, r: Rates, inside: Links, veloc
         ),
         Links(
             -swing_hoses.gain_out * f.outlet_by_spool.swing * velocity.swing
-            * _root(inside.swing, x.p_a.swing, x.p_b.swing, plant.swing.line),
+            * outlet_root(inside.swing, x.p_a.swing, x.p_b.swing, plant.swing.line),
             -boom_hoses.gain_out * f.outlet_by_spool.boom * velocity.boom
-            * _root(inside.boom, x.p_a.boom, x.p_b.boom, plant.boom.line),
+            * outlet_root(inside.boom, x.p_a.boom, x.p_b.boom, plant.boom.line),
             -stick_hoses.gain_out * f.outlet_by_spool.stick * velocity.stick
-            * _root(inside.stick, x.p_a.stick, x.p_b.stick, plant.stick.line),
+            * outlet_root(inside.stick, x.p_a.stick, x.p_b.stick, plant.stick.line),
         ),
         nothing,
         nothing,
@@ -172,33 +137,13 @@ def linearise(model: Any, plant: Plant, x: State, r: Rates, inside: Links, veloc
     )
 
 
-class _Eliminated(NamedTuple):
-    """A link's lines without its outlet: pivot k_in = right + feel k_rate (+ the other's k_in)."""
-
-    over_out: float  # one over the outlet's pivot
-    pivot: float
-    feel_in: float  # of the inlet over the joint rate, with what comes by the angle
-    feel_out: float
-    feel: float  # of the inlet, with what comes by the outlet
-
-
-@kernel
-def _eliminate(e: float, own: float, h: Hoses) -> _Eliminated:
-    over_out = 1.0 / (e + h.gain_out * (h.outlet + h.leakage))
-    feel_in = -h.gain_in * (h.push_in + h.turn_in * h.draw / e)
-    feel_out = -h.gain_out * (h.push_out + h.turn_out * h.draw / e)
-    back = h.gain_in * h.leakage * over_out
-    pivot = e + h.gain_in * (h.leakage - own) - back * h.gain_out * h.leakage
-    return _Eliminated(over_out, pivot, feel_in, feel_out, feel_in + back * feel_out)
-
-
 class Factors(NamedTuple):
     """What all solutions at a state and step size have in common."""
 
     e: float
-    swing: _Eliminated
-    boom: _Eliminated
-    stick: _Eliminated
+    swing: EliminatedOutlet
+    boom: EliminatedOutlet
+    stick: EliminatedOutlet
     over_both: float  # one over the determinant of the inlets of swing and stick
     cross_swing: float  # minus their off-diagonal elements
     cross_stick: float
@@ -215,17 +160,10 @@ class Factors(NamedTuple):
 
 
 @kernel
-def _torque(k_in: float, k_rate: float, h: Hoses, x: _Eliminated) -> float:
-    """Change of torque that comes with changes of the inlet pressure and of the rate."""
-    k_out = x.over_out * (h.gain_out * h.leakage * k_in + x.feel_out * k_rate)
-    return h.push_in * k_in + h.push_out * k_out
-
-
-@kernel
 def factorise(e: float, a: Linear, r: Rates, held: Held) -> Factors:
     """Eliminate lines and angles from e - J; `e` in 1/s, `held` joints do not move."""
-    swing, boom = _eliminate(e, a.own.swing, a.swing), _eliminate(e, a.own.boom, a.boom)
-    stick = _eliminate(e, a.own.stick, a.stick)
+    swing, boom = eliminate_outlet(e, a.own.swing, a.swing), eliminate_outlet(e, a.own.boom, a.boom)
+    stick = eliminate_outlet(e, a.own.stick, a.stick)
     cross_swing, cross_stick = a.swing.gain_in * a.swing_by_stick, a.stick.gain_in * a.stick_by_swing
     over_both = 1.0 / (swing.pivot * stick.pivot - cross_swing * cross_stick)
     # inlet pressures that come with a unit of joint rate
@@ -233,17 +171,17 @@ def factorise(e: float, a: Linear, r: Rates, held: Held) -> Factors:
     swing_stick, stick_stick = cross_swing * stick.feel * over_both, swing.pivot * stick.feel * over_both
     m, d = r.position.motion.mass, a.motion
     over = 1.0 / e
-    n11 = e * m.m11 + d.by_swing_rate.swing + a.friction.swing - _torque(swing_swing, 1.0, a.swing, swing)
+    n11 = e * m.m11 + d.by_swing_rate.swing + a.friction.swing - torque_change(swing_swing, 1.0, a.swing, swing)
     n12 = e * m.m12 + d.by_boom_rate.swing + d.by_boom.swing * over
-    n13 = e * m.m13 + d.by_stick_rate.swing + d.by_stick.swing * over - _torque(swing_stick, 0.0, a.swing, swing)
+    n13 = e * m.m13 + d.by_stick_rate.swing + d.by_stick.swing * over - torque_change(swing_stick, 0.0, a.swing, swing)
     n21 = e * m.m12 + d.by_swing_rate.boom
     n22 = e * m.m22 + d.by_boom_rate.boom + a.friction.boom + (d.by_boom.boom - a.stiffness.boom) * over
-    n22 = n22 - _torque(boom.feel / boom.pivot, 1.0, a.boom, boom)
+    n22 = n22 - torque_change(boom.feel / boom.pivot, 1.0, a.boom, boom)
     n23 = e * m.m23 + d.by_stick_rate.boom + d.by_stick.boom * over
-    n31 = e * m.m13 + d.by_swing_rate.stick - _torque(stick_swing, 0.0, a.stick, stick)
+    n31 = e * m.m13 + d.by_swing_rate.stick - torque_change(stick_swing, 0.0, a.stick, stick)
     n32 = e * m.m23 + d.by_boom_rate.stick + d.by_boom.stick * over
     n33 = e * m.m33 + d.by_stick_rate.stick + a.friction.stick + (d.by_stick.stick - a.stiffness.stick) * over
-    n33 = n33 - _torque(stick_stick, 1.0, a.stick, stick)
+    n33 = n33 - torque_change(stick_stick, 1.0, a.stick, stick)
     n11, n22, n33 = 1.0 if held.swing else n11, 1.0 if held.boom else n22, 1.0 if held.stick else n33
     n12, n21 = 0.0 if held.swing or held.boom else n12, 0.0 if held.swing or held.boom else n21
     n13, n31 = 0.0 if held.swing or held.stick else n13, 0.0 if held.swing or held.stick else n31
@@ -255,39 +193,23 @@ def factorise(e: float, a: Linear, r: Rates, held: Held) -> Factors:
     )  # fmt: skip
 
 
-class _Side(NamedTuple):
-    """Right sides of a link's inlet, without its outlet, and of its outlet."""
-
-    inlet: float
-    outlet: float
-
-
-@kernel
-def _side(p_in: float, p_out: float, by_angle: float, h: Hoses, x: _Eliminated) -> _Side:
-    outlet = p_out - h.gain_out * h.turn_out * h.draw * by_angle
-    inlet = p_in - h.gain_in * h.turn_in * h.draw * by_angle
-    return _Side(inlet + h.gain_in * h.leakage * x.over_out * outlet, outlet)
-
-
-@kernel
-def _outlet(side: _Side, k_in: float, k_rate: float, h: Hoses, x: _Eliminated) -> float:
-    return x.over_out * (side.outlet + h.gain_out * h.leakage * k_in + x.feel_out * k_rate)
-
-
 @kernel
 def solve(right: Slow, f: Factors, a: Linear, r: Rates, held: Held) -> Slow:
     """Solve (e - J) k = right for all 12 changes."""
     over = 1.0 / f.e
     by_angle = Links(right.angle.swing * over, right.angle.boom * over, right.angle.stick * over)
-    swing = _side(right.p_in.swing, right.p_out.swing, by_angle.swing, a.swing, f.swing)
-    boom = _side(right.p_in.boom, right.p_out.boom, by_angle.boom, a.boom, f.boom)
-    stick = _side(right.p_in.stick, right.p_out.stick, by_angle.stick, a.stick, f.stick)
+    swing = line_sides(right.p_in.swing, right.p_out.swing, by_angle.swing, a.swing, f.swing)
+    boom = line_sides(right.p_in.boom, right.p_out.boom, by_angle.boom, a.boom, f.boom)
+    stick = line_sides(right.p_in.stick, right.p_out.stick, by_angle.stick, a.stick, f.stick)
     # inlets and outlets while the joints keep their rates
     in_swing = (f.stick.pivot * swing.inlet + f.cross_swing * stick.inlet) * f.over_both
     in_stick = (f.swing.pivot * stick.inlet + f.cross_stick * swing.inlet) * f.over_both
     in_boom = boom.inlet / f.boom.pivot
-    out_swing, out_boom = _outlet(swing, in_swing, 0.0, a.swing, f.swing), _outlet(boom, in_boom, 0.0, a.boom, f.boom)
-    out_stick = _outlet(stick, in_stick, 0.0, a.stick, f.stick)
+    out_swing, out_boom = (
+        outlet_change(swing, in_swing, 0.0, a.swing, f.swing),
+        outlet_change(boom, in_boom, 0.0, a.boom, f.boom),
+    )
+    out_stick = outlet_change(stick, in_stick, 0.0, a.stick, f.stick)
     m, d = times(r.position.motion.mass, right.rate), a.motion
     b, s = by_angle.boom, by_angle.stick
     t1 = (
@@ -327,9 +249,9 @@ def solve(right: Slow, f: Factors, a: Linear, r: Rates, held: Held) -> Slow:
     return Slow(
         p_in,
         Links(
-            _outlet(swing, p_in.swing, rate.swing, a.swing, f.swing),
-            _outlet(boom, p_in.boom, rate.boom, a.boom, f.boom),
-            _outlet(stick, p_in.stick, rate.stick, a.stick, f.stick),
+            outlet_change(swing, p_in.swing, rate.swing, a.swing, f.swing),
+            outlet_change(boom, p_in.boom, rate.boom, a.boom, f.boom),
+            outlet_change(stick, p_in.stick, rate.stick, a.stick, f.stick),
         ),
         Links(
             by_angle.swing + rate.swing * over,

@@ -22,7 +22,7 @@ from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.events import Edges, EventLog, edges_of, listed, new_log, observe
 from polydraulic.simulation.solvers.right_hand_side import fill_flows
 from polydraulic.simulation.solvers.rosenbrock_step import SIZES, evaluate_slow, slow_state
-from polydraulic.simulation.solvers.spools import spool_motion, spools_at
+from polydraulic.simulation.solvers.spools import SHORTEST, spool_motion, spools_at
 from polydraulic.simulation.solvers.switching import Relief, changes, relief_open, settle
 
 _MAX_EVALUATIONS = 5_000_000
@@ -93,7 +93,10 @@ def integrate(
     SimulationError
         If the solver fails, or events do not end.
     """
-    plant, motion = prepare(machine, 1.0, scenario.locked), spool_motion(machine, scenario, float(time[-1]))
+    plant, motion = (
+        prepare(machine, 1.0, scenario.locked),
+        spool_motion(machine, scenario, max(float(time[-1]), SHORTEST)),
+    )
     memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
     x0, rows, f, free = to_vector(initial_state(machine)), np.empty((len(time), N_RECORD)), np.empty(12), np.ones(6)
     log, edges, evaluations, located = new_log(), edges_of(machine), 0, 0

@@ -4,7 +4,6 @@ The component kernels are those of `step`, but no stage lags behind another. Lin
 the smooth equations: `rates` knows none, so that a solver may look across them; `derivative` keeps to them.
 """
 
-from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,16 +12,14 @@ from polydraulic._kernel import driver, kernel
 from polydraulic.flow.dispatch import flow_step
 from polydraulic.flow.interface import Flows
 from polydraulic.flow.record import from_vector, record_flows, store
-from polydraulic.machine.hose import LineStep
 from polydraulic.machine.joints import Joints, Position, net_torque, position, stopped
 from polydraulic.machine.linkage import Held, solve_motion, times
 from polydraulic.machine.pilot import spool_target
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
-from polydraulic.parameters.schema import Stops
+from polydraulic.simulation.solvers.line_rates import held_back, line_rates, within_bounds
+from polydraulic.simulation.solvers.stop_conditions import BLINK, between_stops, rests, stands, strikes
 from polydraulic.simulation.step import seen_pressures
-
-BLINK = 1e-6  # s; a joint that would pass its stop within this time is at it
 
 
 class Rates(NamedTuple):
@@ -44,25 +41,6 @@ class Derivative(NamedTuple):
     rates: Rates
 
 
-class _Line(NamedTuple):
-    p_a: float
-    p_b: float
-    q_out: float
-
-
-@kernel
-def _line(spool: float, p_a: float, p_b: float, q_in: float, k_out: float, a: float, b: float, line: LineStep) -> _Line:
-    """Rates of two line pressures; `a` and `b` are the flows that the actuator draws from A and gives to B."""
-    forward = spool >= 0.0
-    q_out = k_out * sqrt(max((p_b if forward else p_a) - line.p_return, 0.0))
-    leak = line.leakage * (p_a - p_b)
-    return _Line(
-        line.gain_a * ((q_in if forward else -q_out) - a - leak),
-        line.gain_b * ((-q_out if forward else q_in) + b + leak),
-        q_out,
-    )
-
-
 @kernel
 def rates(model: Any, memory: np.ndarray, plant: Plant, held: Held, x: State) -> Rates:
     """Rates at a state, whatever its pressures; `plant` is prepared for dt = 1 s."""
@@ -71,11 +49,11 @@ def rates(model: Any, memory: np.ndarray, plant: Plant, held: Held, x: State) ->
     here = position(x.angle, x.rate, plant)
     a, b, w, q, k = here.levers.a, here.levers.b, x.rate, flows.q_in, flows.k_out
     p, r = x.p_a, x.p_b
-    swing = _line(
+    swing = line_rates(
         x.spool.swing, p.swing, r.swing, q.swing, k.swing, a.swing * w.swing, b.swing * w.swing, plant.swing.line
     )
-    boom = _line(x.spool.boom, p.boom, r.boom, q.boom, k.boom, a.boom * w.boom, b.boom * w.boom, plant.boom.line)
-    stick = _line(
+    boom = line_rates(x.spool.boom, p.boom, r.boom, q.boom, k.boom, a.boom * w.boom, b.boom * w.boom, plant.boom.line)
+    stick = line_rates(
         x.spool.stick, p.stick, r.stick, q.stick, k.stick, a.stick * w.stick, b.stick * w.stick, plant.stick.line
     )
     torque = net_torque(here, x.p_a, x.p_b, x.rate, plant)
@@ -97,24 +75,18 @@ def bounded_pressures(p: Links, plant: Plant) -> Links:
     """Line pressures between make-up floor and relief."""
     swing, boom, stick = plant.swing.line, plant.boom.line, plant.stick.line
     return Links(
-        min(max(p.swing, swing.floor), swing.relief),
-        min(max(p.boom, boom.floor), boom.relief),
-        min(max(p.stick, stick.floor), stick.relief),
+        within_bounds(p.swing, swing),
+        within_bounds(p.boom, boom),
+        within_bounds(p.stick, stick),
     )
-
-
-@kernel
-def _held_back(p: float, rate: float, line: LineStep) -> float:
-    stopped = (p <= line.floor and rate < 0.0) or (p >= line.relief and rate > 0.0)
-    return 0.0 if stopped else rate
 
 
 @kernel
 def _all_held_back(p: Links, rate: Links, plant: Plant) -> Links:
     return Links(
-        _held_back(p.swing, rate.swing, plant.swing.line),
-        _held_back(p.boom, rate.boom, plant.boom.line),
-        _held_back(p.stick, rate.stick, plant.stick.line),
+        held_back(p.swing, rate.swing, plant.swing.line),
+        held_back(p.boom, rate.boom, plant.boom.line),
+        held_back(p.stick, rate.stick, plant.stick.line),
     )
 
 
@@ -150,49 +122,32 @@ def derivative(
 
 
 @kernel
-def _strikes(angle: float, rate: float, stops: Stops) -> bool:
-    return (rate > 0.0 and angle >= stops.high) or (rate < 0.0 and angle <= stops.low)
-
-
-@kernel
 def landed(angle: Links, rate: Links, plant: Plant) -> Joints:
     """Joints after the impulses of the stops that they have just reached or passed; the stops put them in their place."""
     swing, boom, stick = plant.swing.stops, plant.boom.stops, plant.stick.stops
     now = Plant(BLINK, plant.swing, plant.boom, plant.stick, plant.linkage, plant.locked)
     there = Links(
-        min(max(angle.swing, swing.low), swing.high),
-        min(max(angle.boom, boom.low), boom.high),
-        min(max(angle.stick, stick.low), stick.high),
+        between_stops(angle.swing, swing),
+        between_stops(angle.boom, boom),
+        between_stops(angle.stick, stick),
     )
     struck = (
-        _strikes(angle.swing, rate.swing, swing)
-        or _strikes(angle.boom, rate.boom, boom)
-        or _strikes(angle.stick, rate.stick, stick)
+        strikes(angle.swing, rate.swing, swing)
+        or strikes(angle.boom, rate.boom, boom)
+        or strikes(angle.stick, rate.stick, stick)
     )
     after = stopped(there, rate, position(there, rate, now).motion.mass, now).rate if struck else rate
     return Joints(there, after)
 
 
 @kernel
-def _rests(angle: float, rate: float, creep: float, stops: Stops) -> bool:
-    return abs(rate) <= creep and (angle <= stops.low or angle >= stops.high)
-
-
-@kernel
 def resting(x: State, creep: float, plant: Plant) -> Held:
     """Joints that are locked, or stand at a stop: no faster than `creep` in rad/s."""
     return Held(
-        plant.locked.swing or _rests(x.angle.swing, x.rate.swing, creep, plant.swing.stops),
-        plant.locked.boom or _rests(x.angle.boom, x.rate.boom, creep, plant.boom.stops),
-        plant.locked.stick or _rests(x.angle.stick, x.rate.stick, creep, plant.stick.stops),
+        plant.locked.swing or rests(x.angle.swing, x.rate.swing, creep, plant.swing.stops),
+        plant.locked.boom or rests(x.angle.boom, x.rate.boom, creep, plant.boom.stops),
+        plant.locked.stick or rests(x.angle.stick, x.rate.stick, creep, plant.stick.stops),
     )
-
-
-@kernel
-def _stands(angle: float, reaction: float, acceleration: float, held: bool, stops: Stops) -> bool:
-    """Whether a resting joint does what its stop does: push while it is held, or let it go away."""
-    side = 1.0 if angle >= stops.high else -1.0
-    return side * (reaction if held else acceleration) <= 0.0
 
 
 @kernel
@@ -214,9 +169,9 @@ def held_at_stops(resting: Held, x: State, r: Rates, plant: Plant) -> Held:
         )
         acceleration = solve_motion(mass, held, torque)
         push = times(mass, acceleration)
-        swing = _stands(x.angle.swing, push.swing - torque.swing, acceleration.swing, held.swing, plant.swing.stops)
-        boom = _stands(x.angle.boom, push.boom - torque.boom, acceleration.boom, held.boom, plant.boom.stops)
-        stick = _stands(x.angle.stick, push.stick - torque.stick, acceleration.stick, held.stick, plant.stick.stops)
+        swing = stands(x.angle.swing, push.swing - torque.swing, acceleration.swing, held.swing, plant.swing.stops)
+        boom = stands(x.angle.boom, push.boom - torque.boom, acceleration.boom, held.boom, plant.boom.stops)
+        stick = stands(x.angle.stick, push.stick - torque.stick, acceleration.stick, held.stick, plant.stick.stops)
         right = (
             (swing or locked.swing or not resting.swing)
             and (boom or locked.boom or not resting.boom)

@@ -20,10 +20,20 @@ from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.events import Edges, EventLog, conditions, edges_of, listed, new_log, observe
 from polydraulic.simulation.loop import reasonable
+from polydraulic.simulation.solvers.adaptive import (
+    DONE,
+    FAILURES,
+    MANY_AT_ONCE,
+    MAX_STEPS,
+    RODAS,
+    SMALLEST_STEP,
+    TOO_FAST,
+    TOO_MANY,
+    TOO_SMALL,
+    Tableau,
+)
 from polydraulic.simulation.solvers.right_hand_side import fill_flows
 from polydraulic.simulation.solvers.rosenbrock_step import (
-    RODAS,
-    Tableau,
     Work,
     between,
     evaluate_slow,
@@ -31,13 +41,8 @@ from polydraulic.simulation.solvers.rosenbrock_step import (
     slow_state,
     step,
 )
-from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion, spools_at
+from polydraulic.simulation.solvers.spools import SHORTEST, SpoolMotion, spool_motion, spools_at
 from polydraulic.simulation.solvers.switching import changes, relief_open, settle
-
-MAX_STEPS = 2_000_000
-DONE, TOO_FAST, TOO_SMALL, TOO_MANY = 0, 1, 2, 3
-_MANY = 20  # events without progress
-_SMALLEST = 1e-10  # s
 
 
 @driver
@@ -107,7 +112,7 @@ def run_rosenbrock(
         if not error <= 1.0:
             counts[1] += 1
             h = h_now * (max(0.2, 0.9 / sqrt(sqrt(error))) if error < 1e8 else 0.1)
-            if h < _SMALLEST:
+            if h < SMALLEST_STEP:
                 return TOO_SMALL
             continue
         counts[0] += 1
@@ -147,7 +152,7 @@ def run_rosenbrock(
         if happened:
             counts[2] += 1
             flat = flat + 1 if share * h_now < 1e-9 else 0
-            if flat > _MANY:
+            if flat > MANY_AT_ONCE:
                 return TOO_SMALL
             held = settle(model, memory, plant, spool_new, w.y, w.f, w.free)
             r = evaluate_slow(model, memory, plant, held, w.free, spool_new, w.y, w.f)
@@ -182,7 +187,10 @@ def integrate(
             f"method 'rosenbrock' needs the slopes of the flows, which flow {name!r} does not give; "
             f"use one of {able} or method 'semi-implicit'"
         )
-    plant, motion = prepare(machine, 1.0, scenario.locked), spool_motion(machine, scenario, float(time[-1]))
+    plant, motion = (
+        prepare(machine, 1.0, scenario.locked),
+        spool_motion(machine, scenario, max(float(time[-1]), SHORTEST)),
+    )
     memory, x0 = np.zeros(FLOW_KINDS[name].n_memory(model)), to_vector(initial_state(machine))
     rows, counts, log = np.empty((len(time), N_RECORD)), np.zeros(4, dtype=np.int64), new_log()
     status = run_rosenbrock(
@@ -190,12 +198,7 @@ def integrate(
     )
     if status != DONE:
         reached = float(time[min(int(counts[3]), len(time) - 1)])
-        what = {
-            TOO_FAST: "diverged, a joint's rate grew without bound",
-            TOO_SMALL: "steps became too small, or events too many at one time",
-            TOO_MANY: f"more than {MAX_STEPS} steps",
-        }[status]
-        raise SimulationError(f"{scenario.name} with method 'rosenbrock': {what} before t = {reached:g} s")
+        raise SimulationError(f"{scenario.name} with method 'rosenbrock': {FAILURES[status]} before t = {reached:g} s")
     fill_flows(model, memory, plant, rows)
     steps, rejected, found, _ = (int(count) for count in counts)
     return rows, {"steps": steps, "steps_rejected": rejected, "events_located": found, **listed(log, scenario.locked)}

@@ -1,10 +1,12 @@
 """Spool motion in closed form for voltages that are known in advance, and when the spools pass the knots of their tables.
 
 Between the corners of the voltages a pilot's command is a straight line or a sine, so that its spool follows exactly:
-x(s) = c0 + c1 s + c2 exp(-s / tau) + c3 sin(w t) + c4 cos(w t), with s from the last corner and t the signal's own time.
+x(s) = c0 + c1 s + c2 exp(-s / tau) + c3 sin(w t) + c4 cos(w t), with s from the last corner and t the signal's own time. A force
+that is known in advance is the same without a past.
 """
 
-from math import asin, ceil, pi
+from collections.abc import Sequence
+from math import asin, ceil, inf, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +21,7 @@ from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 N_COEFFICIENT = 8  # c0 .. c4, w, delay, 1 / tau
 _LOOK = 0.02  # s; a spool is taken to pass no knot twice within this time
 _SAME = 1e-9  # s
+SHORTEST = 1e-3  # s that are integrated where the start alone is wanted, with its flows
 
 
 class SpoolCurve(NamedTuple):
@@ -36,7 +39,8 @@ class Spools(NamedTuple):
 
 
 @kernel
-def _spool(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
+def spool_curve(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
+    """Input number `link` at the time t of a piece that begins at t0 and has the coefficients c, (n_input, N_COEFFICIENT)."""
     s = t - t0
     fading = c[link, 2] * exp(-s * c[link, 7])
     w = c[link, 5]
@@ -52,39 +56,50 @@ def _spool(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
 @kernel
 def spools_at(c: np.ndarray, t0: float, t: float) -> Spools:
     """Spools at the time t of a piece that begins at t0 and has the coefficients c, (3, N_COEFFICIENT)."""
-    swing, boom, stick = _spool(c, 0, t0, t), _spool(c, 1, t0, t), _spool(c, 2, t0, t)
+    swing, boom, stick = spool_curve(c, 0, t0, t), spool_curve(c, 1, t0, t), spool_curve(c, 2, t0, t)
     return Spools(Links(swing.x, boom.x, stick.x), Links(swing.v, boom.v, stick.v))
+
+
+@driver
+def inputs_at(c: np.ndarray, t0: float, t: float, x: np.ndarray, v: np.ndarray) -> None:
+    """Values and rates of all inputs at the time t of a piece, as `spools_at`."""
+    for k in range(c.shape[0]):
+        curve = spool_curve(c, k, t0, t)
+        x[k] = curve.x
+        v[k] = curve.v
 
 
 @driver
 def _chain(starts: np.ndarray, c: np.ndarray) -> None:
     """What is left of each spool's past at the start of a piece: it begins where the piece before has ended, the first at rest."""
-    for link in range(3):
+    for link in range(c.shape[1]):
         x = 0.0
         for piece in range(c.shape[0]):
-            c[piece, link, 2] = x - _spool(c[piece], link, starts[piece], starts[piece]).x
-            x = _spool(c[piece], link, starts[piece], starts[piece + 1]).x
+            if c[piece, link, 7] == 0.0:  # nothing lags
+                continue
+            c[piece, link, 2] = x - spool_curve(c[piece], link, starts[piece], starts[piece]).x
+            x = spool_curve(c[piece], link, starts[piece], starts[piece + 1]).x
 
 
 @driver
 def _crossings(starts: np.ndarray, c: np.ndarray, levels: np.ndarray, found: np.ndarray) -> int:
-    """Times at which spools pass levels; more than `found` holds are counted, not kept."""
+    """Times at which inputs pass their levels, (n_input, n_level); more than `found` holds are counted, not kept."""
     n = 0
     for piece in range(starts.shape[0] - 1):
         t0, t1 = starts[piece], starts[piece + 1]
         parts = int((t1 - t0) / _LOOK) + 1
-        for link in range(3):
-            before = _spool(c[piece], link, t0, t0).x
+        for link in range(levels.shape[0]):
+            before = spool_curve(c[piece], link, t0, t0).x
             for part in range(parts):
                 low = t0 + (t1 - t0) * part / parts
                 high = t0 + (t1 - t0) * (part + 1) / parts
-                after = _spool(c[piece], link, t0, high).x
-                for level in levels:
+                after = spool_curve(c[piece], link, t0, high).x
+                for level in levels[link]:
                     if (before < level) != (after < level):
                         a, b = low, high
                         for _ in range(60):
                             middle = 0.5 * (a + b)
-                            inside = (_spool(c[piece], link, t0, middle).x < level) == (before < level)
+                            inside = (spool_curve(c[piece], link, t0, middle).x < level) == (before < level)
                             a, b = (middle, b) if inside else (a, middle)
                         if n < found.shape[0]:
                             found[n] = b
@@ -94,11 +109,36 @@ def _crossings(starts: np.ndarray, c: np.ndarray, levels: np.ndarray, found: np.
 
 
 class SpoolMotion(NamedTuple):
-    """Spool motion of a run."""
+    """Spool motion of a run, and whatever else is known in advance."""
 
     starts: np.ndarray  # (n_piece + 1,) s, corners of the commands and the end
-    coefficients: np.ndarray  # (n_piece, 3, N_COEFFICIENT)
+    coefficients: np.ndarray  # (n_piece, n_input, N_COEFFICIENT)
     breaks: np.ndarray  # (n_break,) s, rising: corners and knots passed; the end is the last
+
+
+class KnownInput(NamedTuple):
+    """A signal that is known in advance and what follows it; a force follows at once, without limit.
+
+    Attributes
+    ----------
+    signal : Signal
+    pilot : Pilot
+        Its time constant may be 0.
+    travel : float
+        Limit of gain times signal, to either side.
+    knots : sequence of float
+        Magnitudes that the input may pass, its zero among them.
+    """
+
+    signal: Signal
+    pilot: Pilot
+    travel: float
+    knots: Sequence[float] = ()
+
+
+def known_force(signal: Signal) -> KnownInput:
+    """A force, as an input."""
+    return KnownInput(signal, Pilot(gain=1.0, time_constant=0.0, dead_time=0.0), inf)
 
 
 def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> SpoolMotion:
@@ -111,20 +151,33 @@ def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> SpoolMot
     scenario : Scenario
     t_end : float, s
     """
-    travel = machine.spool.knots[-1]
+    knots = machine.spool.knots
     signals = [scenario.voltage.get(link, Constant()) if link not in scenario.locked else Constant() for link in LINKS]
     pilots = [getattr(machine, link).pilot for link in LINKS]
-    corners = [0.0, t_end]
-    for signal, pilot in zip(signals, pilots, strict=True):
-        corners += _corners(signal, pilot, travel, t_end)
-    starts = np.unique(np.array([t for t in corners if 0.0 <= t <= t_end]))
+    inputs = [KnownInput(signal, pilot, knots[-1], knots[:-1]) for signal, pilot in zip(signals, pilots, strict=True)]
+    return known_motion(inputs, t_end)
+
+
+def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[float] = ()) -> SpoolMotion:
+    """Closed form of all inputs from rest, and when each passes one of its knots.
+
+    Parameters
+    ----------
+    inputs : sequence of KnownInput
+    t_end : float, s
+    corners : sequence of float, s
+        Times at which something else happens.
+    """
+    times = [0.0, t_end, *corners]
+    for one in inputs:
+        times += _corners(one.signal, one.pilot, one.travel, t_end)
+    starts = np.unique(np.array([t for t in times if 0.0 <= t <= t_end]))
     starts = np.concatenate([starts[:-1][np.diff(starts) > _SAME], starts[-1:]])
-    c = np.zeros((len(starts) - 1, 3, N_COEFFICIENT))
-    for link, (signal, pilot) in enumerate(zip(signals, pilots, strict=True)):
-        _command(c[:, link], starts, signal, pilot, travel)
+    c = np.zeros((len(starts) - 1, len(inputs), N_COEFFICIENT))
+    for place, one in enumerate(inputs):
+        _command(c[:, place], starts, one.signal, one.pilot, one.travel)
     _chain(starts, c)
-    knots = np.array(machine.spool.knots[1:-1])
-    levels = np.concatenate([-knots, [0.0], knots])
+    levels = _levels(inputs)
     found = np.empty(1024)
     n = _crossings(starts, c, levels, found)
     if n > len(found):
@@ -134,6 +187,15 @@ def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> SpoolMot
     # of two breaks at the same time the later stays, so that the end does
     breaks = breaks[np.append(np.diff(breaks) > _SAME, True)]
     return SpoolMotion(starts, c, breaks)
+
+
+def _levels(inputs: Sequence[KnownInput]) -> np.ndarray:
+    """Knots to both sides of each input, (n_input, n_level); NaN, which nothing passes, where there are fewer."""
+    levels = np.full((len(inputs), 2 * max(len(one.knots) for one in inputs)), np.nan)
+    for row, one in zip(levels, inputs, strict=True):
+        both = np.unique([side * knot for knot in one.knots for side in (-1.0, 1.0)])
+        row[: len(both)] = both
+    return levels
 
 
 def _corners(signal: Signal, pilot: Pilot, travel: float, t_end: float) -> list[float]:
@@ -165,7 +227,7 @@ def _command(c: np.ndarray, starts: np.ndarray, signal: Signal, pilot: Pilot, tr
     first, command, last = (pilot.gain * signal(t - delay) for t in (early, middle, late))
     slope = np.where(alive, (last - first) / (late - early), 0.0)
     c[:, 0] = np.where(alive, command, 0.0) - slope * (middle - starts[:-1]) - tau * slope
-    c[:, 1], c[:, 6], c[:, 7] = slope, delay, 1.0 / tau
+    c[:, 1], c[:, 6], c[:, 7] = slope, delay, 1.0 / tau if tau > 0.0 else 0.0
     if isinstance(signal, Sine):
         turn = signal.omega * tau
         share = pilot.gain * signal.amplitude / (1.0 + turn * turn)

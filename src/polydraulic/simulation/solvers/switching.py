@@ -8,34 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver, kernel
-from polydraulic.machine.hose import LineStep
 from polydraulic.machine.linkage import Held
 from polydraulic.machine.plant import Plant
 from polydraulic.machine.state import Links, State
-from polydraulic.parameters.schema import Stops
+from polydraulic.simulation.solvers.line_rates import line_changes, line_moves
 from polydraulic.simulation.solvers.right_hand_side import Rates, bounded_pressures, held_at_stops, landed, resting
 from polydraulic.simulation.solvers.rosenbrock_step import evaluate_slow, slow_state, store_slow
-
-# rad/s. The impulse of one joint's stop throws another off its own, which presses it back: two joints at their stops would hand
-# ever smaller impulses to each other. A joint that leaves no faster than this, but is pressed back, stays.
-CREEP = 1e-3
-# how far beyond its condition something must be: Pa, Pa/s, rad, N m
-_PRESSURE, _FILLING, _ANGLE, _PULL = 1.0, 1e3, 1e-9, 1.0
-
-
-@kernel
-def _line_changes(p: float, rate: float, free: float, line: LineStep) -> bool:
-    """Whether a free line is beyond its bounds, or a bound would have to hold a line back that leaves it."""
-    beyond = p < line.floor - _PRESSURE or p > line.relief + _PRESSURE
-    leaves = rate > _FILLING if p <= line.floor else rate < -_FILLING
-    return beyond if free != 0.0 else leaves
-
-
-@kernel
-def _joint_changes(angle: float, reaction: float, held: bool, locked: bool, stops: Stops) -> bool:
-    beyond = angle < stops.low - _ANGLE or angle > stops.high + _ANGLE
-    pulled = reaction > _PULL if angle >= stops.high else reaction < -_PULL
-    return (pulled if held else beyond) and not locked
+from polydraulic.simulation.solvers.stop_conditions import CREEP, joint_changes
 
 
 class Relief(NamedTuple):
@@ -56,23 +35,18 @@ def changes(r: Rates, y: np.ndarray, free: np.ndarray, held: Held, relief: Relie
     """Whether a condition has changed under which the equations were smooth."""
     swing, boom, stick, now = plant.swing, plant.boom, plant.stick, relief_open(r)
     return (
-        _line_changes(y[0], r.p_a.swing, free[0], swing.line)
-        or _line_changes(y[1], r.p_a.boom, free[1], boom.line)
-        or _line_changes(y[2], r.p_a.stick, free[2], stick.line)
-        or _line_changes(y[3], r.p_b.swing, free[3], swing.line)
-        or _line_changes(y[4], r.p_b.boom, free[4], boom.line)
-        or _line_changes(y[5], r.p_b.stick, free[5], stick.line)
-        or _joint_changes(y[6], r.reaction.swing, held.swing, plant.locked.swing, swing.stops)
-        or _joint_changes(y[7], r.reaction.boom, held.boom, plant.locked.boom, boom.stops)
-        or _joint_changes(y[8], r.reaction.stick, held.stick, plant.locked.stick, stick.stops)
+        line_changes(y[0], r.p_a.swing, free[0], swing.line)
+        or line_changes(y[1], r.p_a.boom, free[1], boom.line)
+        or line_changes(y[2], r.p_a.stick, free[2], stick.line)
+        or line_changes(y[3], r.p_b.swing, free[3], swing.line)
+        or line_changes(y[4], r.p_b.boom, free[4], boom.line)
+        or line_changes(y[5], r.p_b.stick, free[5], stick.line)
+        or joint_changes(y[6], r.reaction.swing, held.swing, plant.locked.swing, swing.stops)
+        or joint_changes(y[7], r.reaction.boom, held.boom, plant.locked.boom, boom.stops)
+        or joint_changes(y[8], r.reaction.stick, held.stick, plant.locked.stick, stick.stops)
         or now.boom != relief.boom
         or now.series != relief.series
     )
-
-
-@kernel
-def _moves(p: float, rate: float, line: LineStep) -> float:
-    return 0.0 if (p <= line.floor and rate < 0.0) or (p >= line.relief and rate > 0.0) else 1.0
 
 
 @driver
@@ -90,7 +64,7 @@ def settle(
     y[10] = 0.0 if held.boom else y[10]
     y[11] = 0.0 if held.stick else y[11]
     r = evaluate_slow(model, memory, plant, held, free, spool, y, f)
-    free[0], free[3] = _moves(y[0], r.p_a.swing, plant.swing.line), _moves(y[3], r.p_b.swing, plant.swing.line)
-    free[1], free[4] = _moves(y[1], r.p_a.boom, plant.boom.line), _moves(y[4], r.p_b.boom, plant.boom.line)
-    free[2], free[5] = _moves(y[2], r.p_a.stick, plant.stick.line), _moves(y[5], r.p_b.stick, plant.stick.line)
+    free[0], free[3] = line_moves(y[0], r.p_a.swing, plant.swing.line), line_moves(y[3], r.p_b.swing, plant.swing.line)
+    free[1], free[4] = line_moves(y[1], r.p_a.boom, plant.boom.line), line_moves(y[4], r.p_b.boom, plant.boom.line)
+    free[2], free[5] = line_moves(y[2], r.p_a.stick, plant.stick.line), line_moves(y[5], r.p_b.stick, plant.stick.line)
     return held

@@ -1,0 +1,162 @@
+"""What methods that know the inputs in advance share: spools and forces as curves, the parts of a run, and its rows."""
+
+from collections.abc import Callable, Iterator
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import SimulationError
+from polydraulic.parameters.layout.payload import with_payload
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.loads import DIRECTIONS
+from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.signals import Constant
+from polydraulic.simulation.events import EventLog, new_log
+from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.methods.event_log import N_KIND, EventLimits, event_limits, listed_events
+from polydraulic.simulation.layout.methods.text import methods_module
+from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
+from polydraulic.simulation.solvers.spools import SHORTEST, KnownInput, SpoolMotion, known_force, known_motion
+
+
+class KnownPart(NamedTuple):
+    """Part of a run with one payload, ready to be integrated.
+
+    Attributes
+    ----------
+    machine : LayoutMachine
+        With its payload.
+    module : module
+        Of the methods for its layout.
+    valves, plant
+        Numbers of its kernels, for dt = 1 s.
+    motion : SpoolMotion
+        Inputs of the whole run.
+    start, end : float, s
+    """
+
+    machine: LayoutMachine
+    module: ModuleType
+    valves: Any
+    plant: Any
+    motion: SpoolMotion
+    start: float
+    end: float
+
+
+class Watch(NamedTuple):
+    """Events found so far, and the flags of the conditions at the end of the last step and of this one."""
+
+    log: EventLog
+    limits: EventLimits
+    had: np.ndarray
+    flags: np.ndarray
+
+
+class Reached(NamedTuple):
+    """Where a solver has got to: rows that are filled, the state behind the spools, and why it went no further."""
+
+    row: int
+    y: np.ndarray
+    failure: str = ""
+
+
+# From a part, the state behind the spools at its start, the tolerance, all times and rows of the run, how many rows are filled, events, and
+# counts, to which its own are added
+Integrate = Callable[[KnownPart, np.ndarray, float, np.ndarray, np.ndarray, int, Watch, dict[str, int]], Reached]
+
+
+class KnownRun(NamedTuple):
+    """Rows of a run, what is said of it, and each part with the number of its first row and one past its last."""
+
+    rows: np.ndarray
+    info: dict[str, object]
+    parts: list[tuple[KnownPart, int, int]]
+
+
+def run_known(
+    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, rtol: float, method: str, integrate: Integrate
+) -> KnownRun:
+    """Integrate a scenario to a tolerance.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+        With the scenario's changes.
+    scenario : Scenario
+    time : (n_time,) array, s
+        Where the solution is wanted, from 0 on.
+    rtol : float
+    method : str
+        Name of it.
+    integrate : function
+
+    Raises
+    ------
+    SimulationError
+        If the run diverges, or the solver fails.
+    """
+    columns, n = columns_of(machine), len(machine.names)
+    x0, rows, counts = start_vector(machine), np.empty((len(time), len(columns.columns))), dict[str, int]()
+    n_flag = N_KIND * n + len(machine.circuits)
+    flags = np.zeros((2, n_flag), dtype=np.int64)
+    watch, parts = Watch(new_log(), event_limits(machine), *flags), []
+    rows[0, : columns.n_state] = x0
+    row, y = 1, x0[n:]
+    for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST)):
+        first = row if part.start > 0.0 else 0
+        row, y, failure = integrate(part, y, rtol, time, rows, row, watch, counts)
+        if failure:
+            reached = float(time[min(row, len(time) - 1)])
+            raise SimulationError(f"{scenario.name} with method {method!r}: {failure} before t = {reached:g} s")
+        forces = np.ascontiguousarray(scenario.loads.forces(time[first:row]))
+        unsettled = part.module.fill_flows(part.valves, part.plant, forces, rows[first:row])
+        counts["rows_not_converged"] = counts.get("rows_not_converged", 0) + int(unsettled)
+        parts.append((part, first, row))
+    return KnownRun(rows, {**counts, **listed_events(watch.log, machine, scenario.locked)}, parts)
+
+
+def known_parts(machine: LayoutMachine, scenario: Scenario, t_end: float) -> Iterator[KnownPart]:
+    """Parts of a run between changes of the payload."""
+    payload, force = scenario.loads.payload, bool(scenario.loads.force)
+    times = [0.0, *(payload.time if payload else ())]
+    masses = [0.0, *(payload.mass if payload else ())]
+    motion = known_motion(_inputs(machine, scenario), t_end, times)
+    # of two corners at the same time one stays: it is where the payload changes
+    begins = [float(motion.starts[np.abs(motion.starts - t).argmin()]) for t in times]
+    for mass, start, end in zip(masses, begins, [*begins[1:], t_end], strict=True):
+        if end > start:
+            loaded = with_payload(machine, mass) if payload else machine
+            ready = prepare_layout(loaded, 1.0, scenario.locked, force=force)
+            module = methods_module(loaded, force=force)
+            yield KnownPart(loaded, module, ready.valves, ready.plant, motion, start, end)
+
+
+def _inputs(machine: LayoutMachine, scenario: Scenario) -> list[KnownInput]:
+    """Spools of all functions, then the force at the tip if the scenario has one."""
+    found = []
+    for f in machine.functions:
+        signal = Constant() if f.name in scenario.locked else scenario.voltage.get(f.name, Constant())
+        found.append(KnownInput(signal, f.pilot, f.valve.knots[-1], f.valve.knots[:-1]))
+    if scenario.loads.force:
+        found += [known_force(scenario.loads.force.get(direction, Constant())) for direction in DIRECTIONS]
+    return found
+
+
+def first_piece(motion: SpoolMotion, t: float) -> int:
+    """Number of the piece of the inputs that begins at, or holds, a time."""
+    last = len(motion.coefficients) - 1
+    return min(max(int(np.searchsorted(motion.starts, t + 1e-12, side="right")) - 1, 0), last)
+
+
+def breaks_of(part: KnownPart) -> np.ndarray:
+    """Times in a part at which something in the inputs has a corner, its end the last."""
+    breaks = part.motion.breaks
+    inside = breaks[(breaks > part.start) & (breaks < part.end)]
+    return np.append(inside, part.end)
+
+
+def sizes(n: int) -> np.ndarray:
+    """Size of line pressures A and B, positions and rates of `n` functions, which sets absolute tolerances."""
+    return np.repeat([1e6, 1e6, 1.0, 1.0], n)

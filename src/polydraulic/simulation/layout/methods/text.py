@@ -1,0 +1,146 @@
+"""A machine's layout -> its equations in continuous time, and the methods that integrate them, as one readable Python text.
+
+It stands on the text of the step (`simulation.layout.text`), whose kernels it imports, and like that one holds no number.
+"""
+
+from collections.abc import Hashable, Sequence
+from importlib.resources import files
+from types import ModuleType
+
+from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
+from polydraulic.machine.tree.equations import entry_name
+from polydraulic.machine.tree.motion_slopes_text import MOTION_SLOPES_IMPORTS, motion_slopes_text
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.expand import Rows, expanded
+from polydraulic.simulation.layout.module import layout_module, loaded
+from polydraulic.simulation.layout.page_lists import page_lists
+from polydraulic.simulation.layout.text import fields_of, joined_imports, layout_of, layout_text, valve_letters
+from polydraulic.simulation.layout.tree import function_of, tree_of
+
+_PAGES = ("right_hand_side", "runge_kutta", "slow", "switching", "jacobian", "rosenbrock")
+_IMPORTS = (
+    "from math import sqrt",
+    "from typing import NamedTuple",
+    "import numpy as np",
+    "from polydraulic._kernel import driver, kernel",
+    "from polydraulic.flow.interface import NOT_CONVERGED, OK",
+    "from polydraulic.machine.actuator import friction_slope",
+    "from polydraulic.machine.circuits.series_short_slopes import Slopes1, Slopes2, series_1_slopes, series_2_slopes",
+    "from polydraulic.machine.drives import drive_cylinder_slopes, drive_four_bar_slopes, drive_motor_slopes, drive_ram_slopes",
+    "from polydraulic.machine.pilot import spool_target",
+    "from polydraulic.machine.series_short import Series1, Series2",
+    "from polydraulic.machine.valve import Orifices",
+    "from polydraulic.simulation.events import EventLog",
+    "from polydraulic.simulation.layout.methods.event_log import EventLimits, fill_flags, observe_flags",
+    "from polydraulic.simulation.solvers.adaptive import DONE, MANY_AT_ONCE, MAX_STEPS, SMALLEST_STEP, TOO_FAST, TOO_MANY, TOO_SMALL",
+    "from polydraulic.simulation.solvers.adaptive import Tableau",
+    "from polydraulic.simulation.solvers.line_rates import held_back, line_changes, line_moves, line_rates, within_bounds",
+    "from polydraulic.simulation.solvers.line_slopes import EliminatedOutlet, Hoses, eliminate_outlet, hoses_at, line_sides",
+    "from polydraulic.simulation.solvers.line_slopes import outlet_change, outlet_root, torque_change",
+    "from polydraulic.simulation.solvers.small_system import factorise_system, solve_system",
+    "from polydraulic.simulation.solvers.spools import SpoolMotion, inputs_at",
+    "from polydraulic.simulation.solvers.stop_conditions import BLINK, CREEP, between_stops, joint_changes, rests, stands, strikes",
+)
+_SLOW = ("p_a", "p_b", "angle", "rate")  # all of a state that is integrated: spools are known
+# of the text of the step
+_STEP = (
+    "N_FUNCTION", "Flows", "Force", "Functions", "Held", "JointsAfter", "Plant", "Position", "State", "Step", "Valves", "exact_step",
+    "from_vector", "net_torque", "position", "pushed", "read_force", "read_voltages", "reasonable", "record", "seen_pressures",
+    "solve_motion", "stopped", "times", "turns",
+)  # fmt: skip
+
+
+def methods_module(machine: LayoutMachine, *, force: bool = False) -> ModuleType:
+    """Module of the methods for a machine's layout, with a force at the tip or without; see `methods_text`."""
+    return loaded(methods_text(machine, force=force))
+
+
+def methods_text(machine: LayoutMachine, *, force: bool = False) -> str:
+    """Source of the methods for a machine's layout; machines that differ in numbers alone have the same.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    force : bool
+        Whether a force at the tip is among the inputs.
+    """
+    key = layout_of(machine), force
+    if key not in _written:
+        _written[key] = _text(machine, force)
+    return _written[key]
+
+
+_written: dict[Hashable, str] = {}
+
+
+def _text(machine: LayoutMachine, force: bool) -> str:
+    step, tip = layout_text(machine, force=force), function_of(machine, machine.tip[0])
+    lists = page_lists(machine, tip, force) | _lists(machine, fields_of(step, "Mass"))
+    lengths = sorted({len(f.valve.knots) for f in machine.functions})
+    longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
+    imports = [*_IMPORTS, *MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
+    of_step = [*_STEP, *(f"{name}_{n}" for n in lengths for name in ("Segments", "ValveTables", "orifices"))]
+    of_step += [f"Series{n}" for n in longer]
+    parts = [
+        f'"""A machine with the functions {", ".join(machine.names)} in continuous time; written out from its layout."""',
+        "\n".join(joined_imports(imports)),
+        f"from {layout_module(machine, force=force).__name__} import (\n    "
+        + ",\n    ".join(sorted(of_step))
+        + ",\n)",
+        f"N_SLOW = {len(_SLOW) * len(machine.names)}",
+        motion_slopes_text(tree_of(machine), tip if force else None),
+        *(series_slopes_text(n) for n in longer),
+        *(expanded(_page("valve_slopes"), *valve_letters(n)) for n in lengths),
+        *(expanded(_page(name), lists) for name in _PAGES),
+    ]
+    return "\n\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _page(name: str) -> str:
+    return (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8")
+
+
+def _lists(machine: LayoutMachine, masses: Sequence[str]) -> dict[str, Rows]:
+    """Lists of these pages; P and R are places in a vector of all but the spools, or in a matrix of inlet pressures and rates.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    masses : sequence of str
+        Fields of the mass matrix.
+    """
+    names, n = machine.names, len(machine.names)
+    slow = {q: range(k * n, (k + 1) * n) for k, q in enumerate(_SLOW)}
+    by_field = {entry_name(i, j, n): (i, j) for i in range(n) for j in range(i, n)}
+    entries = [(field, *by_field[field]) for field in masses]
+    both = [*entries, *((field, j, i) for field, i, j in entries if i != j)]
+    pairs: list[dict[str, str | int]] = [
+        {"C": c.name, "F": f, "G": g, "I": str(k), "O": str(m), "P": names.index(f), "R": names.index(g)}
+        for c in machine.circuits
+        for k, f in enumerate(c.functions, 1)
+        for m, g in enumerate(c.functions, 1)
+    ]
+    lists: dict[str, Rows] = {
+        "SLOW_QUANTITIES": [{"Q": q} for q in _SLOW],
+        "SLOW_PLACES": [{"Q": q, "F": f, "P": p} for q in _SLOW for f, p in zip(names, slow[q], strict=True)],
+        "LINE_PLACES": [{"Q": q, "F": f, "P": p} for q in _SLOW[:2] for f, p in zip(names, slow[q], strict=True)],
+        "LINE_PAIRS": [{"F": f, "P": k, "R": n + k} for k, f in enumerate(names)],
+        "ANGLE_PLACES": [{"F": f, "P": 2 * n + k, "R": 3 * n + k} for k, f in enumerate(names)],
+        "RELIEFS": [{"C": c.name, "P": k} for k, c in enumerate(machine.circuits)],
+        "SLOPES": [
+            {"C": c.name, "N": str(k), "S": f"Slopes{k}", "V": f"Series{k}"}
+            for c in machine.circuits
+            for k in (len(c.functions),)
+        ],
+        "PAIRS": pairs,
+        "OTHERS": [pair for pair in pairs if pair["F"] != pair["G"]],
+        "ROWS": [{"F": f, "P": k, "R": n + k} for k, f in enumerate(names)],
+        "MASS_PLACES": [{"M": field, "P": n + i, "R": n + j} for field, i, j in both],
+        "MOTION_PAIRS": [{"F": f, "G": g, "J": i, "I": j} for i, f in enumerate(names) for j, g in enumerate(names)],
+    }
+    lists |= {f"SLOW_PLACES_OF_{q}": [{"P": p} for p in slow[q]] for q in _SLOW}
+    for c in machine.circuits:
+        knots = {f: len(machine.function(f).valve.knots) for f in c.functions}
+        lists[f"VALVES_OF_{c.name}"] = [{"F": f, "K": str(k)} for f, k in knots.items()]
+        lists[f"GAPS_OF_{c.name}"] = [{"I": str(k)} for k in range(1, len(c.functions))]
+    return lists
