@@ -17,7 +17,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.exact import ExactFlow, exact_flow, exact_slopes, exact_step
 from polydraulic.flow.exact_lanes import exact_lanes
 from polydraulic.flow.interface import Flows, FlowSlopes
-from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
+from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_layout, iterative_step
 from polydraulic.flow.layout.model import LayoutFlow, check_machine, exact_layout
 from polydraulic.flow.layout.networks import layout_networks
 from polydraulic.flow.lookup import LookupFlow, lookup_flow, lookup_step
@@ -100,7 +100,9 @@ FLOW_KINDS: dict[str, FlowKind] = {
         slopes=exact_slopes,
         layout=exact_layout,
     ),
-    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
+    "iterative": FlowKind(
+        IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS, layout=iterative_layout
+    ),
     "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
     "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
     "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS),

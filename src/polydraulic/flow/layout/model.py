@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import MOST_IN_SERIES, LayoutMachine
 
 
 class LayoutFlow(NamedTuple):
@@ -58,6 +58,25 @@ def check_machine(flow: LayoutFlow, machine: LayoutMachine) -> None:
         raise InputError(
             f"the flow model {flow.name!r} is for the circuits {_said(flow.circuits)}; this machine has {_said(here)}"
         )
+
+
+def check_circuits(machine: LayoutMachine, name: str, *, most: int = MOST_IN_SERIES) -> None:
+    """Refuse a machine with circuits that the flow model `name` does not know: other than valves in series, or more than `most`.
+
+    Raises
+    ------
+    InputError
+    """
+    for c in machine.circuits:
+        if c.kind != "series":
+            raise InputError(
+                f"flow {name!r} is for circuits of valves in series; circuit {c.name!r} is of the kind {c.kind!r}: use 'exact'"
+            )
+        if len(c.functions) > most:
+            raise InputError(
+                f"flow {name!r} is for circuits of at most {most} valves; circuit {c.name!r} has {len(c.functions)} "
+                f"({', '.join(c.functions)}): use 'exact' or 'polynomial'"
+            )
 
 
 def _said(circuits: dict[str, tuple[str, ...]]) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.layout.model import LayoutFlow, circuits_of
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks
 from polydraulic.flow.layout.slots import (
     everything,
@@ -43,6 +43,7 @@ def layout_networks(
     InputError
         If there are no models, if one is missing or reads other inputs, or if none is of this machine.
     """
+    check_circuits(machine, kind)
     if models is None:
         raise InputError(
             f"flow {kind!r}: no networks come with the package for {machine.title!r}: train them (polydraulic train --machine MACHINE "

@@ -39,12 +39,15 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact
         lists[f"FUNCTIONS_OF_{c.name}"] = [{"F": f} for f in c.functions]
     for quantity, _ in STATE:
         lists[f"PLACES_OF_{quantity}"] = [{"P": place[f"{f}.{quantity}"]} for f in machine.names]
-    return lists | _flow_lists(machine, flow == "networks")
+    return lists | _flow_lists(machine, flow)
 
 
-def _flow_lists(machine: LayoutMachine, networks: bool) -> dict[str, Rows]:
-    """Lists of the page of networks: F and G functions, E the first of two; T and P places of travels and pressures as inputs."""
-    shared = [c for c in machine.circuits if len(c.functions) > 1]
+def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
+    """Lists of flow models.
+
+    Of networks: F and G functions, E the first of two; T and P places of travels and pressures as inputs. Of sweeps: P places in memory.
+    """
+    networks, shared = flow == "networks", [c for c in machine.circuits if len(c.functions) > 1]
     lists: dict[str, Rows] = {
         "NETWORKS": [{"E": ""}] if networks else [],
         "NETWORKS_OF_VALVES": [{"F": f} for f in machine.names] if networks else [],
@@ -53,8 +56,15 @@ def _flow_lists(machine: LayoutMachine, networks: bool) -> dict[str, Rows]:
         "SHARED": [{"C": c.name, "F": c.functions[0]} for c in shared],
         "LATER": [{"C": c.name, "F": f} for c in shared for f in c.functions[1:]],
     }
+    lists |= {"SWEEPS": [{"E": ""}] if flow == "iterative" else [], "PUMP_MEMORY": [], "GAP_MEMORY": []}
+    kept = 0
     for c in machine.circuits:
         n = len(c.functions)
+        lists[f"MEMORY_OF_{c.name}"] = [{"P": kept + k} for k in range(n)]
+        lists["PUMP_MEMORY"] = [*lists["PUMP_MEMORY"], {"C": c.name, "P": kept}]
+        gaps: Rows = [{"C": c.name, "I": str(k), "P": kept + k} for k in range(1, n)]
+        lists["GAP_MEMORY"] = [*lists["GAP_MEMORY"], *gaps]
+        kept += n
         lists[f"ALL_OF_{c.name}"] = [{"F": f, "T": k, "P": n + k} for k, f in enumerate(c.functions)]
         lists[f"TRAVELS_OF_{c.name}"] = [{"F": f, "T": k} for k, f in enumerate(c.functions)]
         lists[f"BEHIND_OF_{c.name}"] = [{"F": f, "P": n + k} for k, f in enumerate(c.functions[1:])]

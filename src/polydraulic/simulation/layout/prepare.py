@@ -74,8 +74,8 @@ def prepare_layout(
 
 def valves_of(machine: LayoutMachine, module: ModuleType, flow: LayoutFlow) -> Any:
     """Orifice tables, or what a flow model has in their place, and pumps."""
-    exact = flow.kernels == "exact"
-    parts = {f"valve_{f.name}": _tables(module, f) for f in machine.functions} if exact else flow.parts
+    tables = flow.kernels != "networks"
+    parts = flow.parts | {f"valve_{f.name}": _tables(module, f) for f in machine.functions if tables}
     pumps = {
         f"pump_{c.name}": limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
         for c in machine.circuits

@@ -19,7 +19,11 @@ from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
 _PAGES = ("joints", "step", "loop", "energy")
-_FLOWS = {"exact": ("flow", "flow_exact"), "networks": ("flow_networks",)}  # pages of flows, by what circuits get
+_FLOWS = {
+    "exact": ("flow", "flow_exact"),
+    "networks": ("flow_networks",),
+    "iterative": ("flow_iterative",),
+}  # pages of flows, by what circuits get
 _LANES = ("lanes",)  # for exact circuits alone
 _IMPORTS = (
     "from typing import NamedTuple",
@@ -27,6 +31,7 @@ _IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
     "from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks, entering, leaving, network_value, or_less, root_over",
+    "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
@@ -51,7 +56,7 @@ def layout_text(machine: LayoutMachine, *, flow: str = "exact", force: bool = Fa
     ----------
     machine : LayoutMachine
     flow : str
-        What circuits get: ``"exact"`` equations, or ``"networks"``; see `flow.layout.model.LayoutFlow.kernels`.
+        What circuits get: ``"exact"`` equations, ``"iterative"`` ones, or ``"networks"``; see `flow.layout.model.LayoutFlow.kernels`.
     force : bool
         Whether a force at the tip is among the inputs; without one it costs nothing.
     """
@@ -83,7 +88,7 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     }
     tip = function_of(machine, machine.tip[0])
     motion = motion_text(tree_of(machine), points=[tip])
-    lengths = sorted({len(f.valve.knots) for f in machine.functions if exact})
+    lengths = sorted({len(f.valve.knots) for f in machine.functions if flow != "networks"})
     longer = sorted({len(c.functions) for c in machine.circuits if exact and len(c.functions) > 2})
     imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
     circuits = {n: series_text(n) for n in longer}
