@@ -24,7 +24,7 @@ from polydraulic.simulation.layout.runs import step_inputs
 LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
 QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
 EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
-CLOSE = 0.05  # of the motion of a joint
+CLOSE = 0.1  # of the motion of a joint, at every time
 
 
 @pytest.fixture(scope="module", params=EACH)

@@ -6,6 +6,7 @@ from math import ceil
 from polydraulic.errors import InputError
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.flow.dispatch import FlowModel, layout_flow
+from polydraulic.flow.lookup import table_bytes
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
@@ -15,7 +16,13 @@ FORCE = ("tip.force_x", "tip.force_y", "tip.force_z")  # N, along the axes of th
 
 
 def layout_parts(
-    machine: LayoutMachine, flow: str | FlowModel, *, dt: float, locked: Collection[str], force: bool = False
+    machine: LayoutMachine,
+    flow: str | FlowModel,
+    *,
+    dt: float,
+    locked: Collection[str],
+    force: bool = False,
+    most_numbers: int = 200_000,
 ) -> MachineParts:
     """Parts of a machine of any layout.
 
@@ -29,15 +36,25 @@ def layout_parts(
         Functions whose joints are held.
     force : bool
         Whether a force at the tip is among the inputs.
+    most_numbers : int
+        That tables of the flow model may hold.
 
     Raises
     ------
     InputError
-        Another flow model, unknown functions, or none left to move.
+        A flow model that does not serve a function that is free, or is too large for a C file; unknown functions, or none left to move.
     """
     model = layout_flow(flow, machine)
     if set(locked) >= set(machine.names):
         raise InputError(f"locked = {sorted(locked)}: leave one of {list(machine.names)} free")
+    missing = [f for f in machine.names if f not in (*locked, *model.served)]
+    if missing:
+        raise InputError(f"flow {model.name!r} does not serve {', '.join(missing)}; give locked={missing}")
+    numbers_held = table_bytes(model.parts) // 8
+    if numbers_held > most_numbers:
+        raise InputError(
+            f"flow {model.name!r} holds {numbers_held} numbers; a C file takes up to {most_numbers}: make it smaller"
+        )
     ready = prepare_layout(machine, dt, locked, force=force, flow=model)
     module = ready.module
     numbers = module.Prepared(

@@ -39,7 +39,7 @@ def machine_parts(
     """Kernels and numbers of a machine, from the same preparation as `simulate`; arguments as for `machine_c`."""
     machine = as_machine(machine)
     if isinstance(machine, LayoutMachine):
-        return layout_parts(machine, flow, dt=dt, locked=locked, force=force)
+        return layout_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers)
     if force:
         raise InputError("a force at the tip is for machines that are described by links, for example 'cat215b_bucket'")
     return excavator_parts(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)

@@ -20,7 +20,7 @@ from polydraulic.flow.interface import Flows, FlowSlopes
 from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_layout, iterative_step
 from polydraulic.flow.layout.model import LayoutFlow, check_machine, exact_layout
 from polydraulic.flow.layout.networks import layout_networks
-from polydraulic.flow.lookup import LookupFlow, lookup_flow, lookup_step
+from polydraulic.flow.lookup import LookupFlow, lookup_flow, lookup_layout, lookup_step
 from polydraulic.flow.polynomial import (
     NeuralFlow,
     PolynomialFlow,
@@ -105,7 +105,7 @@ FLOW_KINDS: dict[str, FlowKind] = {
     ),
     "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
     "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
-    "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS),
+    "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS, layout=lookup_layout),
     "polynomial": FlowKind(
         PolynomialFlow,
         polynomial_step,

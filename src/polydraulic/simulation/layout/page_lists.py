@@ -57,6 +57,8 @@ def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
         "LATER": [{"C": c.name, "F": f} for c in shared for f in c.functions[1:]],
     }
     lists |= {"SWEEPS": [{"E": ""}] if flow == "iterative" else [], "PUMP_MEMORY": [], "GAP_MEMORY": []}
+    lookups: Rows = [{"C": c.name, "T": f"FlowTable{len(c.functions)}"} for c in machine.circuits]
+    lists["LOOKUPS"] = lookups if flow == "lookup" else []
     kept = 0
     for c in machine.circuits:
         n = len(c.functions)

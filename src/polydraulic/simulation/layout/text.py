@@ -23,6 +23,7 @@ _FLOWS = {
     "exact": ("flow", "flow_exact"),
     "networks": ("flow_networks",),
     "iterative": ("flow_iterative",),
+    "lookup": ("flow_lookup",),
 }  # pages of flows, by what circuits get
 _LANES = ("lanes",)  # for exact circuits alone
 _IMPORTS = (
@@ -32,6 +33,7 @@ _IMPORTS = (
     "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
     "from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks, entering, leaving, network_value, or_less, root_over",
     "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
+    "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
@@ -56,7 +58,7 @@ def layout_text(machine: LayoutMachine, *, flow: str = "exact", force: bool = Fa
     ----------
     machine : LayoutMachine
     flow : str
-        What circuits get: ``"exact"`` equations, ``"iterative"`` ones, or ``"networks"``; see `flow.layout.model.LayoutFlow.kernels`.
+        What circuits get: ``"exact"`` equations, ``"iterative"`` ones, ``"lookup"`` tables, or ``"networks"``; see `flow.layout.model.LayoutFlow.kernels`.
     force : bool
         Whether a force at the tip is among the inputs; without one it costs nothing.
     """
