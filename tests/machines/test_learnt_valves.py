@@ -13,6 +13,7 @@ import pytest
 from helpers.mechanical_energy import joint_columns
 from polydraulic import build_flow, load_machine, load_models, random_operator, save_models, simulate, simulate_batch
 from polydraulic.export import export_machine
+from polydraulic.export.fmu.machine_parameters import direct_parameters
 from polydraulic.export.machine import machine_parts
 from polydraulic.flow import Effort, train_layout
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -132,6 +133,12 @@ def test_batches_have_the_bits_of_single_runs(plant, flow):
         assert np.array_equal(batch.highest[place], rows.max(axis=0))
     whole = simulate_batch(plant, flow, operators[:1])
     assert set(whole.names) == {*run.names} - {"time"} - {f"{f}.voltage" for f in plant.names}
+
+
+def test_an_fmu_offers_no_parameters_that_networks_were_learnt_with(plant, flow):
+    exact, learnt = ({p.name for p in direct_parameters(plant, model)} for model in ("exact", flow))
+    assert exact - learnt == {name for name in exact if name.startswith(("circuits.", "tank.return"))}
+    assert learnt
 
 
 @pytest.mark.slow

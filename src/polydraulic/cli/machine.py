@@ -340,6 +340,12 @@ def export_machine(
     out: Annotated[Path, typer.Option(help="Folder to write C to, or an .fmu file.")],
     to: Annotated[str, typer.Option(help="c, fmi2 or fmi3.")] = "fmi3",
     flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
+    model: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Model file for polynomial or neural, for machines that are described by links; repeat for more."
+        ),
+    ] = None,
     name: Annotated[str, typer.Option(help="Name of the export, a C identifier.")] = "machine",
     dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
     cross: Annotated[
@@ -361,21 +367,37 @@ def export_machine(
 
     - C99 for a controller or a test bench: `polydraulic export-machine --to c --out excavator`
 
+    - With networks that `train` has learnt: `polydraulic export-machine --machine wheel_loader --flow polynomial --model loader.json --out
+    loader.fmu`
+
     What comes next: import the FMU into Simulink, Modelica tools or FMPy; `docs/export_machine.md` shows how to call the C code.
     """
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
+    from polydraulic.flow.dispatch import build_flow
+    from polydraulic.flow.layout.model import LayoutFlow
+    from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
     plant = load_machine(machine)
+    chosen: str | LayoutFlow = flow
+    if model:
+        if flow not in ("polynomial", "neural"):
+            raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
+        built = build_flow(flow, plant, models=[found for path in model for found in load_models(path)])
+        if not isinstance(built, LayoutFlow):
+            raise InputError(
+                "--model is for machines that are described by links; for that of cat215b use `export_machine` in Python"
+            )
+        chosen = built
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":
-            written = write_c(plant, flow, out, name=name, dt=dt, force=force)
+            written = write_c(plant, chosen, out, name=name, dt=dt, force=force)
         else:
             written = export_machine_fmu(
-                plant, flow, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
+                plant, chosen, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
             )
     print(written)

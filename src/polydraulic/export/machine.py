@@ -61,8 +61,8 @@ def machine_c(
     ----------
     machine : Machine or LayoutMachine, or name or path of a parameter set
     flow : str or flow model
-        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; ``"exact"``
-        for machines that are described by links.
+        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; for machines
+        that are described by links ``"exact"``, ``"iterative"``, or networks from `build_flow`.
     name : str
         Of the machine, before all names that the linker sees.
     dt : float, s
