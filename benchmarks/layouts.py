@@ -52,7 +52,7 @@ def single(name):
     ready, counts = prepare_layout(machine, DT), np.zeros(2, dtype=np.int64)
     inputs = step_inputs(machine, scenario, np.arange(STEPS) * DT)
     rows = np.empty((STEPS + 1, len(columns_of(machine).columns)))
-    arguments = (ready.valves, ready.plant, ready.start, inputs, 1, rows, counts)
+    arguments = (ready.valves, np.zeros(ready.n_memory), ready.plant, ready.start, inputs, 1, rows, counts)
     return lambda: (ready.module.run(*arguments), rows[-1].sum())[1]
 
 

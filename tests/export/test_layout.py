@@ -90,8 +90,10 @@ def test_the_fmu_runs_and_takes_other_parameters(crane, scenario, run, tmp_path,
 
 
 def test_what_a_layout_cannot_do_is_refused(crane, tmp_path):
-    with pytest.raises(InputError, match="flow 'polynomial' knows the layout of 'cat215b' alone"):
-        export_machine(crane, "polynomial", tmp_path)
+    with pytest.raises(InputError, match="flow 'tlm' knows the layout of 'cat215b' alone"):
+        export_machine(crane, "tlm", tmp_path)
+    with pytest.raises(InputError, match="flow 'lookup' holds .* numbers; a C file takes up to 200000"):
+        export_machine(crane, "lookup", tmp_path)
     with pytest.raises(InputError, match="leave one of"):
         export_machine(crane, "exact", tmp_path, locked=crane.names)
     with pytest.raises(InputError, match="not a function of the machine"):

@@ -53,7 +53,9 @@ def test_the_equations_are_the_limit_of_short_steps(plant):
         x0, found = np.concatenate([at.known, at.y]), []
         for dt in (2e-6, 1e-6):
             ready, rows = prepare_layout(plant, dt), np.empty((2, len(columns.columns)))
-            done = ready.module.run(ready.valves, ready.plant, x0, volts[None, :], 1, rows, np.zeros(2, dtype=np.int64))
+            done = ready.module.run(
+                ready.valves, np.zeros(1), ready.plant, x0, volts[None, :], 1, rows, np.zeros(2, dtype=np.int64)
+            )
             assert done == 1
             found.append((rows[1, n : 5 * n] - at.y) / dt)
         limit = 2.0 * found[1] - found[0]

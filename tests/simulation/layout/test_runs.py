@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from helpers.excavator_tree import excavator_tree
 from polydraulic import InputError, load_machine, load_scenario, simulate
-from polydraulic.parameters.load import load_layout
 from polydraulic.parameters.scenario import random_operator
 from polydraulic.simulation.layout.runs import simulate_layout
 from polydraulic.simulation.summary import run_summary
@@ -77,8 +77,15 @@ def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
 @pytest.mark.parametrize(
     ("flow", "scenario", "options", "words"),
     [
-        ("polynomial", "random:1:1", {}, "flow 'polynomial' knows the layout of 'cat215b' alone"),
         ("exakt", "random:1:1", {}, "unknown flow model 'exakt'"),
+        (
+            "polynomial",
+            "random:1:1",
+            {},
+            "flow 'polynomial': no networks come with the package for 'Small crane': train them",
+        ),
+        ("iterative", "random:1:1", {"method": "rk4"}, "flow 'iterative' with method 'rk4': machines of other layouts"),
+        ("stiff", "random:1:1", {}, "flow 'stiff' knows the layout of 'cat215b' alone.*run with one of"),
         (
             "exact",
             "task",
@@ -94,25 +101,12 @@ def test_what_a_layout_cannot_do_is_refused_by_name(crane, flow, scenario, optio
 
 
 @pytest.mark.slow
-def test_the_excavator_as_a_tree_moves_like_the_closed_form(excavator_tree):
+def test_the_excavator_as_a_tree_moves_like_the_closed_form():
     older = load_machine("cat215b")
     for name in ("task", "step", "sine", "pulse"):
-        tree, arm = simulate(excavator_tree, "exact", name), simulate(older, "exact", name)
+        tree, arm = simulate(excavator_tree(), "exact", name), simulate(older, "exact", name)
         for link in ("swing", "boom", "stick"):
             assert (
                 np.abs(tree[f"{link}.angle"] - arm[f"{link}.angle"]).max() < 1e-8
             )  # coordinates are rounded to 1e-9 m
         assert [event[1:] for event in tree.info["events"]] == [event[1:] for event in arm.info["events"]]
-
-
-@pytest.fixture
-def excavator_tree():
-    """cat215b_bucket without its bucket: the boom alone on its pump."""
-    machine = load_layout("cat215b_bucket")
-    circuits = tuple(c._replace(functions=tuple(f for f in c.functions if f != "bucket")) for c in machine.circuits)
-    return machine._replace(
-        links=machine.links[:3],
-        functions=machine.functions[:3],
-        circuits=circuits,
-        tip=("stick", machine.link("bucket").at),
-    )

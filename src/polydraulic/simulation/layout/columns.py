@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from polydraulic.flow.record import Column
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, SupplyCircuit
 
 STATE = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 FLOWS = (("q_in", "m3/s"), ("q_out", "m3/s"))
@@ -54,6 +54,13 @@ def function_column(machine: LayoutMachine, function: str, quantity: str, unit: 
     slides = machine.link(machine.function(function).moves).joint == "prismatic"
     shown, unit = _SLIDES.get(quantity, (quantity, unit)) if slides else (quantity, unit)
     return Column(f"{function}.{shown}", unit)
+
+
+def circuit_keys(circuit: SupplyCircuit, *, p_pump: bool) -> list[str]:
+    """Columns of a circuit, of a flow model that gives pressures of pumps or does not."""
+    n = len(circuit.functions)
+    found = [f"{circuit.name}.{quantity}" for quantity, _ in CIRCUIT if p_pump or quantity != "p_pump"]
+    return found + ([gap_name(circuit.name, k, n) for k in range(1, n)] if p_pump else [])
 
 
 def gap_name(circuit: str, number: int, valves: int) -> str:

@@ -9,7 +9,7 @@ from polydraulic.simulation.layout.expand import Rows
 _CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
 
 
-def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]:
+def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact") -> dict[str, Rows]:
     """Lists of the pages of a single machine, with a force at the tip or without; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
     place = columns_of(machine).place
     circuit_of = {f: (c.name, k) for c in machine.circuits for k, f in enumerate(c.functions, 1)}
@@ -20,6 +20,7 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]
              "C": circuit_of[f.name][0], "I": str(circuit_of[f.name][1])}
             for number, f in enumerate(machine.functions)
         ],
+        "TABLES": [{"F": f.name, "K": str(len(f.valve.knots))} for f in machine.functions if flow != "networks"],
         "CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits],
         "GAPS": [{"C": c, "I": str(k)} for c, k, _ in gaps],
         "QUANTITIES": [{"Q": quantity} for quantity, _ in STATE],
@@ -38,4 +39,39 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]
         lists[f"FUNCTIONS_OF_{c.name}"] = [{"F": f} for f in c.functions]
     for quantity, _ in STATE:
         lists[f"PLACES_OF_{quantity}"] = [{"P": place[f"{f}.{quantity}"]} for f in machine.names]
+    return lists | _flow_lists(machine, flow)
+
+
+def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
+    """Lists of flow models.
+
+    Of networks: F and G functions, E the first of two; T and P places of travels and pressures as inputs. Of sweeps: P places in memory.
+    """
+    networks, shared = flow == "networks", [c for c in machine.circuits if len(c.functions) > 1]
+    lists: dict[str, Rows] = {
+        "NETWORKS": [{"E": ""}] if networks else [],
+        "NETWORKS_OF_VALVES": [{"F": f} for f in machine.names] if networks else [],
+        "NETWORKS_BETWEEN_VALVES": [{"C": c.name} for c in shared] if networks else [],
+        "FIRST": [{"C": c.name, "F": c.functions[0]} for c in machine.circuits],
+        "SHARED": [{"C": c.name, "F": c.functions[0]} for c in shared],
+        "LATER": [{"C": c.name, "F": f} for c in shared for f in c.functions[1:]],
+    }
+    lists |= {"SWEEPS": [{"E": ""}] if flow == "iterative" else [], "PUMP_MEMORY": [], "GAP_MEMORY": []}
+    lookups: Rows = [{"C": c.name, "T": f"FlowTable{len(c.functions)}"} for c in machine.circuits]
+    lists["LOOKUPS"] = lookups if flow == "lookup" else []
+    kept = 0
+    for c in machine.circuits:
+        n = len(c.functions)
+        lists[f"MEMORY_OF_{c.name}"] = [{"P": kept + k} for k in range(n)]
+        lists["PUMP_MEMORY"] = [*lists["PUMP_MEMORY"], {"C": c.name, "P": kept}]
+        gaps: Rows = [{"C": c.name, "I": str(k), "P": kept + k} for k in range(1, n)]
+        lists["GAP_MEMORY"] = [*lists["GAP_MEMORY"], *gaps]
+        kept += n
+        lists[f"ALL_OF_{c.name}"] = [{"F": f, "T": k, "P": n + k} for k, f in enumerate(c.functions)]
+        lists[f"TRAVELS_OF_{c.name}"] = [{"F": f, "T": k} for k, f in enumerate(c.functions)]
+        lists[f"BEHIND_OF_{c.name}"] = [{"F": f, "P": n + k} for k, f in enumerate(c.functions[1:])]
+        for place, f in enumerate(c.functions):
+            rest = c.functions[place:]
+            lists[f"FROM_{f}"] = [{"G": g, "T": 1 + k, "P": 1 + len(rest) + k} for k, g in enumerate(rest)]
+            lists[f"SECOND_OF_{f}"] = [{"E": c.functions[0]}] if n == 2 and place else []
     return lists

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.flow.layout.model import LayoutFlow, exact_layout
 from polydraulic.machine.drives import prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
@@ -24,10 +25,16 @@ class ReadyMachine(NamedTuple):
     valves: Any
     plant: Any
     start: np.ndarray  # (5 n_function,) state
+    n_memory: int  # floats that the flow model keeps or uses as scratch
 
 
 def prepare_layout(
-    machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False
+    machine: LayoutMachine,
+    dt: float,
+    locked: Collection[str] = (),
+    *,
+    force: bool = False,
+    flow: LayoutFlow | None = None,
 ) -> ReadyMachine:
     """Precompute all of a machine that does not change during a run.
 
@@ -39,6 +46,8 @@ def prepare_layout(
         Functions whose joints are held.
     force : bool
         Whether a force at the tip is among the inputs.
+    flow : LayoutFlow, optional
+        Flow model of this machine; the exact one if not given.
 
     Raises
     ------
@@ -50,7 +59,8 @@ def prepare_layout(
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
         raise InputError(f"locked: {unknown[0]!r} is not a function of the machine; there are {list(machine.names)}")
-    module = layout_module(machine, force=force)
+    flow = exact_layout(machine) if flow is None else flow
+    module = layout_module(machine, flow=flow.kernels, force=force)
     parts = {f.name: _part(module, f, machine, dt) for f in machine.functions}
     plant = module.Plant(
         dt=dt,
@@ -59,17 +69,18 @@ def prepare_layout(
         locked=module.Held(*(name in locked for name in machine.names)),
         tip=module.Point(*(machine.tip[1].get(c, 0.0) for c in COORDINATES)),
     )
-    return ReadyMachine(module, valves_of(machine, module), plant, start_vector(machine))
+    return ReadyMachine(module, valves_of(machine, module, flow), plant, start_vector(machine), flow.n_memory)
 
 
-def valves_of(machine: LayoutMachine, module: ModuleType) -> Any:
-    """Orifice tables and pumps."""
-    tables = {f"valve_{f.name}": _tables(module, f) for f in machine.functions}
+def valves_of(machine: LayoutMachine, module: ModuleType, flow: LayoutFlow) -> Any:
+    """Orifice tables, or what a flow model has in their place, and pumps."""
+    tables = flow.kernels != "networks"
+    parts = flow.parts | {f"valve_{f.name}": _tables(module, f) for f in machine.functions if tables}
     pumps = {
         f"pump_{c.name}": limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
         for c in machine.circuits
     }
-    return module.Valves(**tables, **pumps)
+    return module.Valves(**parts, **pumps)
 
 
 def start_vector(machine: LayoutMachine) -> np.ndarray:

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from math import ceil
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
+from polydraulic.flow.dispatch import FlowModel, layout_flow
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.adapt import adapted
@@ -17,7 +18,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.input_check import input_warnings
-from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
+from polydraulic.simulation.layout.columns import FLOWS, STATE, Columns, circuit_keys, columns_of
 from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
 from polydraulic.simulation.layout.methods.known import Integrate, run_known
@@ -39,7 +40,7 @@ class Segment(NamedTuple):
 
 def simulate_layout(
     machine: LayoutMachine,
-    flow: Any,
+    flow: str | FlowModel,
     scenario: Scenario | str | Path,
     *,
     dt: float,
@@ -61,28 +62,38 @@ def simulate_layout(
     SimulationError
         If the run diverges, or a solver fails.
     """
-    check_flow(flow)
+    model = layout_flow(flow, machine)
+    if method != "semi-implicit" and model.name != "exact":
+        raise InputError(
+            f"flow {model.name!r} with method {method!r}: machines of other layouts than that of 'cat215b' run with 'semi-implicit', or with "
+            "flow 'exact'"
+        )
+    if energy and not model.gives_pump_pressure:
+        raise InputError(
+            f"the energy account needs pressures of pumps, which flow {model.name!r} does not give; use 'exact'"
+        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
+    check_served(scenario, model, machine)
     n_step = n_steps(scenario, dt, t_end, every)
     time = np.arange(n_step // every + 1) * every * dt
-    info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt}
+    info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
     full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
     if doubts := input_warnings(scenario, full_lever, t_end):
         info["doubtful_inputs"] = doubts
     info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     if rtol is None:
-        made = _stepped(machine, scenario, time, method, dt, every, n_step, energy, piece)
+        made = _stepped(machine, model, scenario, time, method, dt, every, n_step, energy, piece)
     else:
         made = _integrated(machine, scenario, time, method, rtol, energy)
     more = [
         EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*made.account, strict=True)
     ]
-    return _table(machine, scenario, time, made.rows, columns_of(machine), info | made.info, more)
+    return _table(machine, scenario, model, time, made.rows, info | made.info, more)
 
 
 class _Made(NamedTuple):
@@ -94,23 +105,24 @@ class _Made(NamedTuple):
 
 
 def _stepped(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int, n_step: int,
-    energy: bool, piece: int,
+    machine: LayoutMachine, model: LayoutFlow, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int,
+    n_step: int, energy: bool, piece: int,
 ) -> _Made:  # fmt: skip
     """Run a method with fixed steps."""
     columns = columns_of(machine)
     rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
     account: list[list[EnergyColumn]] = []
     state: np.ndarray | None = None
+    memory = np.zeros(model.n_memory)
     for part in segments(machine, scenario.loads.payload, dt, n_step):
-        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force))
-        advance = _STEPPERS[method](part.machine, scenario, ready, dt)
+        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force), flow=model)
+        advance = _STEPPERS[method](part.machine, scenario, ready, dt, memory)
         for first in range(part.first, part.end, piece):
             end = min(first + piece, part.end)
             own = np.empty((end - first + 1, len(columns.columns)))
             done = advance(ready.start if state is None else state, first, end, own, counts)
             if done < end - first:
-                raise _diverged(scenario, machine, own[0], columns, (first + done) * dt)
+                raise _diverged(scenario, model.name, machine, own[0], columns, (first + done) * dt)
             state = own[-1, : columns.n_state].copy()
             steps = np.arange(first, end + 1)
             new = (steps % every == 0) & ((steps > first) | (first == 0))
@@ -152,15 +164,19 @@ def _solver(method: str) -> Integrate:
 Advance = Callable[[np.ndarray, int, int, np.ndarray, np.ndarray], int]
 
 
-def _semi_implicit(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+def _semi_implicit(
+    machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float, memory: np.ndarray
+) -> Advance:
     def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
         inputs = step_inputs(machine, scenario, np.arange(first, end) * dt)
-        return int(ready.module.run(ready.valves, ready.plant, state, inputs, 1, rows, counts))
+        return int(ready.module.run(ready.valves, memory, ready.plant, state, inputs, 1, rows, counts))
 
     return advance
 
 
-def _runge_kutta(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+def _runge_kutta(
+    machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float, memory: np.ndarray
+) -> Advance:
     force = bool(scenario.loads.force)
     module = methods_module(machine, force=force)
     plant = prepare_layout(machine, 1.0, scenario.locked, force=force).plant
@@ -187,26 +203,23 @@ def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step:
 
 
 def _diverged(
-    scenario: Scenario, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float
+    scenario: Scenario, flow: str, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float
 ) -> SimulationError:
     rates = {name: row[columns.place[f"{name}.rate"]] for name in machine.names}
     fastest = next(name for name, rate in rates.items() if not abs(rate) < FASTEST)
     return SimulationError(
-        f"{scenario.name} with flow 'exact': diverged, the rate of {fastest} grew without bound at t = {t:g} s; "
+        f"{scenario.name} with flow {flow!r}: diverged, the rate of {fastest} grew without bound at t = {t:g} s; "
         "try a smaller dt or check the parameter set"
     )
 
 
-def check_flow(flow: Any) -> None:
-    """Refuse flow models that know one layout only."""
-    if isinstance(flow, str) and flow not in FLOW_KINDS:
+def check_served(scenario: Scenario, model: LayoutFlow, machine: LayoutMachine) -> None:
+    """Refuse a scenario that moves functions which the flow model does not serve."""
+    missing = [f for f in machine.names if f not in (*scenario.locked, *model.served)]
+    if missing:
         raise InputError(
-            f"unknown flow model {flow!r}; machines of other layouts than that of 'cat215b' run with 'exact'"
-        )
-    if flow != "exact":
-        name = flow if isinstance(flow, str) else flow_name(flow)
-        raise InputError(
-            f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'"
+            f"scenario {scenario.name!r} moves {', '.join(missing)}, for which flow {model.name!r} has no networks; lock them in the "
+            "scenario, or train networks of their circuits, too"
         )
 
 
@@ -228,13 +241,14 @@ def step_inputs(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np
 def _table(
     machine: LayoutMachine,
     scenario: Scenario,
+    model: LayoutFlow,
     time: np.ndarray,
     rows: np.ndarray,
-    columns: Columns,
     info: dict[str, object],
     more: Sequence[EnergyColumn],
 ) -> Table:
     """Name the columns of recorded rows, and add what follows from them, and `more`."""
+    columns = columns_of(machine)
     found: dict[str, np.ndarray] = {"time": time}
     units = {"time": "s"}
 
@@ -257,10 +271,8 @@ def _table(
         add(f"{f}.p_out", "Pa", np.where(forward, of["p_b"], of["p_a"]))
     for c in machine.circuits:
         if not set(c.functions) <= set(scenario.locked):
-            for quantity, _ in CIRCUIT:
-                recorded(f"{c.name}.{quantity}")
-            for k in range(1, len(c.functions)):
-                recorded(gap_name(c.name, k, len(c.functions)))
+            for key in circuit_keys(c, p_pump=model.gives_pump_pressure):
+                recorded(key)
     for f in scenario.locked:
         recorded(f"{f}.angle")
     positions = np.column_stack([rows[:, columns.place[f"{f}.angle"]] for f in machine.names])
