@@ -254,11 +254,12 @@ def sample(
     from polydraulic.parameters.load import as_excavator
     from polydraulic.tables import write_table
 
+    excavator = as_excavator(machine)  # of another layout the circuits below are none
     if circuit not in SAMPLERS:
         raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
     with progress_bar("sample") as progress:
         progress(f"{rows} points of the {circuit} circuit", 0, 2)
-        table = SAMPLERS[circuit](as_excavator(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+        table = SAMPLERS[circuit](excavator, rows, rng=np.random.default_rng(seed), relief=relief)
         progress(f"write {out}", 1, 2)
         write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
