@@ -68,10 +68,6 @@ TESTED_ELSEWHERE = {
     "machine/tree/mass.py": ("machine/tree/test_motion_text.py", "recorded mechanics are held to MuJoCo as a whole"),
     "machine/tree/points.py": ("machine/tree/test_motion_text.py", "points and forces there are held to MuJoCo"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
-    "measure/formats/can/database.py": (
-        "measure/formats/can/test_can_log.py",
-        "a database is seen by what it makes of frames",
-    ),
     "measure/formats/can/frames.py": ("measure/formats/can/test_can_log.py", "every format gives the same signals"),
     "measure/formats/ros/bag.py": ("measure/formats/ros/test_bag_log.py", "every format gives the same numbers"),
     "measure/formats/ros/fields.py": ("measure/formats/ros/test_bag_log.py", "messages are seen as columns of a log"),

@@ -297,6 +297,10 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("sample", "--rows", "0", "--out", "{0}/s.csv"), "rows = 0"),
         (("sample", "--circuit", "swing", "--rows", "5", "--out", "{0}/s.csv"), "unknown circuit 'swing'"),
         (("fit", "{0}/none.csv", *FIT), "none.csv: no such file"),
+        (
+            ("fit", "{0}/good.csv", "--inputs", "a", "--outputs", "c", "--out", "{0}/m.txt"),
+            "m.txt: a model file ends in .json",
+        ),
         (("fit", "{0}/nan.csv", *FIT), "column 'b' holds nan in row 2"),
         (("fit", "{0}/flat.csv", *FIT), "column 'b' is 5 in all 30 rows"),
         (("fit", "{0}/short.csv", *FIT), "the table has 2 rows"),

@@ -136,6 +136,7 @@ unit = "bar"
         ("record --sensors map.toml --out log.csv", "a recording needs a scenario"),
         ("record random:1:1 --example --out s.toml", "--example writes sensors; scenarios and --sensors go with"),
         ("record --example --out log.csv", "log.csv: sensors are a .toml file"),
+        ("fit-machine log.csv --out machine.toml", "machine.toml: a model file ends in .json"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(call, files, line, message):

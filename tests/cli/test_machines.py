@@ -1,5 +1,7 @@
 """`polydraulic machine ...` and other commands with a machine of one's own, as a user calls them."""
 
+from importlib.resources import files
+
 import pytest
 
 from helpers.small_crane import crane_text, write_crane
@@ -30,6 +32,25 @@ def test_all_that_is_wrong_is_printed_in_one_error(call, tmp_path):
     code, out, err = call("machine check crane.toml")
     assert (code, out) == (2, "")
     assert err.startswith("error: crane.toml: links.boom.axis = 'up'")
+
+
+def test_a_scenario_is_no_machine(call, tmp_path):
+    (tmp_path / "s.toml").write_bytes(
+        files("polydraulic").joinpath("parameters", "scenarios", "task.toml").read_bytes()
+    )
+    code, out, err = call("machine check s.toml")
+    assert (code, out) == (2, "")
+    assert err == "error: s.toml: is a scenario, not a machine; run it by `polydraulic simulate s.toml`\n"
+
+
+def test_circuits_are_not_offered_for_a_machine_of_another_layout(call, tmp_path):
+    write_crane(tmp_path)
+    code, _, err = call("sample --circuit lift --machine crane.toml --rows 5 --out s.csv")
+    assert code == 2
+    assert err.startswith(
+        "error: crane.toml has the functions slew, lift, extend; this works for the layout of 'cat215b' alone"
+    )
+    assert "choose one of" not in err
 
 
 def test_a_new_file_is_a_machine_and_overwrites_nothing(call, tmp_path):

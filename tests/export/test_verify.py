@@ -49,8 +49,8 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
     assert found[0].inside == pytest.approx(1e-6)
     assert agreement_table(found, not_tried).count("DIFFERS") == 1
     assert not_tried["c double"] == "no C compiler is installed"
-    assert not_tried["fmi2 me"] == "needs fmpy: pip install fmpy"
-    assert not_tried["onnx float"] == "needs onnx: pip install onnx"
+    assert not_tried["fmi2 me"] == 'needs fmpy: pip install "polydraulic[verify]"'
+    assert not_tried["onnx float"] == 'needs onnx: pip install "polydraulic[verify]"'
 
 
 def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):

@@ -110,6 +110,13 @@ def test_the_picture_shows_joints_and_drift(found):
     assert str(dated.axes[0].lines[0].get_xdata()[0]) == "2023-11-14T22:13:20.000000"
     assert dated.axes[0].lines[0].get_ydata() == pytest.approx(found.windows[0].measured[:, 0])
     assert len(figure.axes[1].lines) == 3 * len(found.windows)
+    assert figure.axes[0].get_title(loc="left") == "all 4 windows"
+
+
+def test_the_picture_says_how_many_windows_it_does_not_show(found):
+    figure = plot_replay(replace(found, windows=4 * found.windows))
+    assert figure.axes[0].get_title(loc="left") == "the first 6 of 16 windows"
+    assert len(figure.axes[1].lines) == 3 * 6
 
 
 @pytest.mark.parametrize(

@@ -91,8 +91,9 @@ def fit(
     from polydraulic.identification.model_card import card_ending, write_card
     from polydraulic.identification.table_fit import fit_table
     from polydraulic.networks.growth.regressor import AbductiveRegressor
-    from polydraulic.networks.model.model_file import save_models
+    from polydraulic.networks.model.model_file import model_ending, save_models
 
+    model_ending(out)
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
     if card is not None:
         card_ending(card)

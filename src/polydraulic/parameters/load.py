@@ -52,6 +52,8 @@ def load_machine(source: str | Path) -> Machine | LayoutMachine:
     data = read_toml(path)
     if is_layout(data):
         return build_layout(data, path)
+    if {"duration", "voltage"} <= set(data):
+        raise InputError(f"{path}: is a scenario, not a machine; run it by `polydraulic simulate {path}`")
     machine = build(Machine, data, where="", path=path)
     broken = broken_conditions(machine)
     if broken:

@@ -69,6 +69,33 @@ def test_what_is_wrong_is_named_with_what_is_allowed(tmp_path, old, new, words):
     assert words in refused(tmp_path, old, new)
 
 
+def test_a_loop_is_named_once_with_the_links_that_form_it(tmp_path):
+    """And not what hangs on it, nor that nothing is left for functions and tip to name."""
+    text = refused(tmp_path, 'parent = "ground"', 'parent = "boom"')
+    loop = "'ground' must be above every link"
+    assert text.splitlines()[1:] == [
+        f"  links.column.parent = 'boom': column, boom form a loop; {loop}",
+        f"  links.boom.parent = 'column': boom, column form a loop; {loop}",
+    ]
+    own = refused(tmp_path, 'parent = "ground"', 'parent = "column"')
+    assert own.endswith(f"links.column.parent = 'column': a link is not its own parent; {loop}")
+
+
+def test_links_below_one_whose_parent_is_misspelt_are_good(tmp_path):
+    assert refused(tmp_path, 'parent = "ground"', 'parent = "grund"').endswith(
+        "crane.toml: links.column.parent = 'grund': must be one of ['ground', 'boom', 'arm']"
+    )
+
+
+@pytest.mark.parametrize("table", ["links", "functions"])
+def test_where_a_table_is_misspelt_nothing_is_offered_to_choose_from(tmp_path, table):
+    path = tmp_path / "misspelt.toml"
+    path.write_text(crane_text().replace(f"[{table}.", f"[{table}z."), encoding="utf-8")
+    with pytest.raises(InputError, match=f"unknown key '{table}z'; allowed here") as error:
+        load_machine(path)
+    assert "[]" not in str(error.value)
+
+
 def test_all_that_is_wrong_is_said_at_once(tmp_path):
     text = crane_text().replace('axis = "-y"', 'axis = "up"').replace("value = 80, unit", "value = -80, unit")
     path = tmp_path / "wrong.toml"

@@ -135,7 +135,7 @@ def _link(reader: Reader, name: str, item: Mapping[str, Any]) -> LinkParameters:
 
 
 def _ordered(links: list[LinkParameters], reader: Reader) -> tuple[LinkParameters, ...]:
-    """Links with parents first, otherwise as in the file; links whose parents cannot be found are named."""
+    """Links with parents first, otherwise as in the file; those whose parent cannot be found, and loops, are named and stand last."""
     done: list[LinkParameters] = []
     known = {GROUND}
     waiting = list(links)
@@ -146,12 +146,20 @@ def _ordered(links: list[LinkParameters], reader: Reader) -> tuple[LinkParameter
         waiting.remove(ready)
         done.append(ready)
         known.add(ready.name)
+    above = {link.name: link.parent for link in links}
     for link in waiting:
-        allowed = [GROUND, *(other.name for other in links if other.name != link.name)]
-        exists = link.parent in allowed
-        reason = "links that form a loop" if exists else f"must be one of {allowed}"
-        reader.require(False, f"links.{link.name}.parent = {link.parent!r}: {reason}")
-    return tuple(done)
+        where = f"links.{link.name}.parent = {link.parent!r}"
+        if link.parent not in above:
+            allowed = [GROUND, *(name for name in above if name != link.name)]
+            reader.require(False, f"{where}: must be one of {allowed}")
+            continue
+        chain = [link.name]
+        while (parent := above[chain[-1]]) in above and parent not in chain:
+            chain.append(parent)
+        if parent == link.name:  # what only hangs on a loop, or on a link without a parent, is good itself
+            what = f"{', '.join(chain)} form a loop" if len(chain) > 1 else "a link is not its own parent"
+            reader.require(False, f"{where}: {what}; {GROUND!r} must be above every link")
+    return (*done, *waiting)
 
 
 def _functions(
@@ -192,7 +200,7 @@ def _function(
     friction = reader.part(SlideFriction if slides else Friction, data, "friction", where)
     stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
-    if len(reader.wrong) > before or None in (drive, pilot, line, valve, friction, stops, initial):
+    if len(reader.wrong) > before or not links or None in (drive, pilot, line, valve, friction, stops, initial):
         return None
     return MachineFunction(  # a prismatic joint's numbers go by the same names
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
