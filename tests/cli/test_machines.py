@@ -43,14 +43,10 @@ def test_a_scenario_is_no_machine(call, tmp_path):
     assert err == "error: s.toml: is a scenario, not a machine; run it by `polydraulic simulate s.toml`\n"
 
 
-def test_circuits_are_not_offered_for_a_machine_of_another_layout(call, tmp_path):
+def test_circuits_offered_are_those_of_the_machine(call, tmp_path):
     write_crane(tmp_path)
     code, _, err = call("sample --circuit lift --machine crane.toml --rows 5 --out s.csv")
-    assert code == 2
-    assert err.startswith(
-        "error: crane.toml has the functions slew, lift, extend; this works for the layout of 'cat215b' alone"
-    )
-    assert "choose one of" not in err
+    assert (code, err) == (2, "error: unknown circuit 'lift'; choose one of ['main', 'second']\n")
 
 
 def test_a_new_file_is_a_machine_and_overwrites_nothing(call, tmp_path):
