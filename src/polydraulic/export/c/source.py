@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.c.network import choice, helpers, slopes_function, value_function
-from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, literal, string
+from polydraulic.export.c.network import choice, helpers, input_limits, slopes_function, value_function
+from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, limits, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import write_texts
@@ -140,7 +140,7 @@ def _source(whole: Bundle, real: Real) -> str:
     sigmoids = any(node.kind == SIGMOID for model in whole.models for net in model.networks for node in net.nodes)
     include = f'#include "{name}.h"\n\n#include <float.h>\n' + ("#include <math.h>\n" if sigmoids else "")
     functions = "\n".join(_output(whole, k, real) for k in range(m))
-    low, high = whole.domain().T
+    low, high = np.transpose([limits(*ends, real) for ends in whole.domain().tolist()])
     constants = "\n".join(
         [f"const char *const {name}_{what}[{len(v)}] = {{{', '.join(map(string, v))}}};" for what, v in (
             ("input_names", [v.name for v in whole.inputs]), ("input_units", [v.unit for v in whole.inputs]),
@@ -222,7 +222,7 @@ def _output(whole: Bundle, k: int, real: Real) -> str:
         parts.append(
             f"static int region_{k}(const {t} x[{n}])\n{{\n{chr(10).join(choice(model.partition, place, real))}\n}}\n"
         )
-    low, high = (np.array([getattr(network, end) for network in model.networks]) for end in ("x_low", "x_high"))
+    low, high = np.moveaxis([input_limits(network, real) for network in model.networks], 2, 0)
     size = f"[{len(model.networks)}][{len(place)}]"
     tables = [
         f"static const {t} {what}_{k}{size} = {{{', '.join(_row(row, real) for row in table)}}};"
