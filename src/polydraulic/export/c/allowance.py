@@ -5,11 +5,13 @@ operations of a node do, in the order of the code; `branch_and_bound` halves box
 """
 
 from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.export.c.network import input_limits, offset, output_limits
 from polydraulic.export.c.rounded import Rounded, constant, given
 from polydraulic.export.c.text import FLOAT, rounded_down, stored
@@ -17,12 +19,14 @@ from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.partition import Partition, region_boxes
 from polydraulic.networks.model.table import Network, used_slots
 from polydraulic.networks.proof.branch_and_bound import Ends, search
-from polydraulic.networks.proof.taylor import Form, enclose_slots, node_value
+from polydraulic.networks.proof.taylor import Form, enclose_gains, enclose_slots, node_value
 
 _BOXES = 4000  # for each region, at most
 _ALL_BOXES = 20000  # for all regions of a model
 _CLOSE = 0.1  # of what a point needs: what the proof may lie above it
-_UP = 1.0 + 2.0**-20  # covers the rounding of the package's own double precision, which the same analysis bounds by 2^-29 of this
+_UP = (
+    1.0 + 2.0**-20
+)  # covers the rounding of the package's own double precision, which the same analysis bounds by 2^-29 of this
 
 
 class Allowance(NamedTuple):
@@ -32,7 +36,7 @@ class Allowance(NamedTuple):
     ----------
     error : float
         In the domain, the output is no further from that of the network, be it computed exactly or by the package. Outside of it,
-        this is so for the input that is moved to the border.
+        this is so for the input that is moved to the border. Infinite if nothing could be proved.
     low, high : float
         The output lies between them, wherever the inputs are.
     """
@@ -52,24 +56,64 @@ def model_allowance(model: Model) -> Allowance:
     Raises
     ------
     InputError
-        If a number of the model does not fit into a float.
+        If a number of the model, or a value that it computes, does not fit into a float.
     """
-    return _allowance(model.networks, model.partition)
+    found = _allowance(model.networks, model.partition)
+    if found is None:
+        raise InputError(
+            f"values of {model.output.name!r} exceed what a float can hold, 3.4e38: fit in other units, or export as double"
+        )
+    return found
+
+
+def allowance_lines(models: Sequence[Model]) -> list[str]:
+    """The same in words, one line for each model; numbers are rounded outward.
+
+    Parameters
+    ----------
+    models : sequence of Model
+
+    Raises
+    ------
+    InputError
+        As `model_allowance`.
+    """
+    lines = []
+    for model in models:
+        error, low, high = model_allowance(model)
+        unit = f" {model.output.unit}" if model.output.unit else ""
+        if np.isfinite(error):
+            ends = _outward(low, 7, ROUND_FLOOR), _outward(high, 7, ROUND_CEILING), _outward(error, 2, ROUND_CEILING)
+            lines.append(
+                "{}: in float from {} to {}{unit}, within {}{unit} of double".format(
+                    model.output.name, *ends, unit=unit
+                )
+            )
+        else:
+            lines.append(f"{model.output.name}: no proved allowance in float: {_ALL_BOXES} boxes did not do")
+    return lines
+
+
+def _outward(value: float, digits: int, rounding: str) -> str:
+    return str(float(Context(prec=digits, rounding=rounding).create_decimal_from_float(value)))
 
 
 @lru_cache(maxsize=32)
-def _allowance(networks: tuple[Network, ...], partition: Partition) -> Allowance:
+def _allowance(networks: tuple[Network, ...], partition: Partition) -> Allowance | None:
+    """None where a value overflows at a point that was looked at."""
     boxes = region_boxes(partition, networks[0].n_inputs)
     places = [(network, _floats(boxes[k])) for k, network in enumerate(networks)]
     regions = [_Region(network, box) for network, box in places if np.all(box[:, 0] <= box[:, 1])]
     # What any region needs, none has to stay below: a first look at all of them saves most of the work.
     ends = [_search(region, [], 1)[0] for region in regions]
+    if np.isinf(np.max([one.inner_high[0] for one in ends])):
+        return None
     left = _ALL_BOXES
     for k in sorted(range(len(regions)), key=lambda k: -ends[k].high[0]):
         ends[k], n_boxes = _search(regions[k], ends, max(1, min(_BOXES, left)))
         left -= n_boxes
-    error, high = np.max([one.high for one in ends], axis=0).tolist()
-    return Allowance(error * _UP, min(float(one.low[1]) for one in ends), high)
+    error = max(region.clamped_error(float(one.high[0])) for region, one in zip(regions, ends, strict=True))
+    return Allowance(error * _UP, min(float(one.low[1]) for one in ends), max(float(one.high[1]) for one in ends))
 
 
 def _floats(box: np.ndarray) -> np.ndarray:
@@ -98,6 +142,11 @@ class _Region:
             0.0 if low <= at <= high else max(abs(at - low), abs(at - high))
             for at, low, high in zip(domain[:, 0].tolist(), network.x_low, network.x_high, strict=True)
         ]
+
+    def clamped_error(self, error: float) -> float:
+        """`error`, or less: outputs of both precisions lie between the bounds."""
+        ends = [*output_limits(self.network, FLOAT), self.network.y_low, self.network.y_high]
+        return min(error, max(ends) - min(ends)) if np.isfinite(error) else error
 
     def enclose(self, low: np.ndarray, high: np.ndarray) -> Ends:
         """Error and output over boxes; and at the corner of each that is furthest from the mean, which no proof can beat."""
@@ -134,7 +183,8 @@ def _errors(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Error (m,) of the output over m boxes of used inputs (n_used, m), and its range."""
     rows = {i: row for row, i in enumerate(used_slots(network)[0])}
-    errors: dict[int, np.ndarray] = {}
+    errors: dict[int, np.ndarray] = {}  # of each slot, and what its own operations add to it
+    own: dict[int, np.ndarray] = {}
     bounds: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def ranges(slots: tuple[int, ...], values: dict[int, Form], exact: bool) -> dict[int, Rounded]:
@@ -145,19 +195,22 @@ def _errors(
 
     def widen(slot: int, values: dict[int, Form], partials: list[Form]) -> np.ndarray:
         if slot < network.n_inputs:
-            errors[slot] = _normalized(network, slot, off[slot], low[rows[slot]], high[rows[slot]]).error
+            own[slot] = errors[slot] = _normalized(network, slot, off[slot], low[rows[slot]], high[rows[slot]]).error
             return errors[slot]
         node = network.nodes[slot - network.n_inputs]
-        own = node_value(node, ranges(node.inputs, values, True)).error
+        own[slot] = node_value(node, ranges(node.inputs, values, True)).error
         whole = node_value(node, ranges(node.inputs, values, False)).error
         # By the derivatives, which terms that cancel do not blow up; and by the operations alone.
         carried = sum(_size(part) * errors[source] for part, source in zip(partials, node.inputs, strict=True))
-        errors[slot] = np.fmin((carried + own) * _UP, whole)
+        errors[slot] = np.fmin((carried + own[slot]) * _UP, whole)
         return errors[slot]
 
     if network.nodes:
-        values, _ = enclose_slots(network, low, high, widen)
+        values, partials = enclose_slots(network, low, high, widen)
         last = network.n_inputs + len(network.nodes) - 1
+        # What a slot adds may reach the output on several ways that cancel.
+        reached = sum(_size(gain) * own[slot] for slot, gain in enclose_gains(network, partials, 1.0).items())
+        errors[last] = np.fmin(errors[last], (reached + own[last]) * _UP)
         y = network.y_mean + network.y_scale * ranges((last,), values, False)[last]
     else:
         nothing = np.zeros(low.shape[1])
@@ -185,8 +238,11 @@ def _bounded(network: Network, y: Rounded) -> tuple[np.ndarray, np.ndarray, np.n
     clamped = np.where(most <= min(low, network.y_low), moved[0], clamped)
     clamped = np.where(least >= max(high, network.y_high), moved[1], clamped)
     fits = np.isfinite(error)  # else the value may be none, which no clamp mends
-    computed = [np.where(fits, np.clip(end, low, high), none) for end, none in ((y.low, -np.inf), (y.high, np.inf))]
-    return np.where(fits, clamped, np.inf), *computed
+    return (
+        np.where(fits, clamped, np.inf),
+        np.where(fits, np.clip(y.low, low, high), -np.inf),
+        np.where(fits, np.clip(y.high, low, high), np.inf),
+    )
 
 
 def _size(form: Form) -> np.ndarray:

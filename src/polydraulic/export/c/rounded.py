@@ -16,10 +16,11 @@ from polydraulic.export.c.text import FLOAT, literal, stored
 _UNIT = 2.0**-24 * (1.0 + 2.0**-10)  # half a unit in the last place, and room for rounding of the bounds
 _SMALLEST = 2.0**-126 * (1.0 + 2.0**-10)  # below it a number may be flushed to zero
 _LARGEST = float(np.finfo(np.float32).max)
-# `sigmoid` of the code, for an argument that is exact. With u = 2^-24: -h is limited to 87 (beyond, the value changes by less than 2e-38), the
-# reduced argument is off by 0.4 u, the quotient in the exponential, at most 0.075, by 0.5 u, sums of size 0.08, 0.42 and 1.42 are rounded, and
-# the rational function differs from the exponential by less than 0.2 u: 5 u of its value at most. The value s of the node is 1 / (1 + that), so
-# that s (1 - s) 5 u come from the exponential and 2 u s from sum and quotient: less than 3 u for all s from 0 to 1.
+# `sigmoid` of the code, of an argument that is exact. With u = 2^-24, by the operations of the exponential of a reduced argument r, |r| < 0.347:
+# its high part is off by 0.35 u, and r by 0.7 u, which moves the quotient, at most 0.07, by 0.3 u; the quotient is rounded by 0.4 u in all, the
+# sums before the last by 0.1 u and 0.42 u. That is 1.5 u where the value is 1.4 and less below it, at most 1.8 u of the value; the last sum adds
+# 1 u, and the rational function differs from the exponential by less than 0.2 u: less than 5 u. The value s of a node is 1 / (1 + that), off by
+# 5 u s (1 - s) and, for sum and quotient, 2 u s: less than 3 u for any s. Beyond 87, to which the code limits h, s changes by less than 2e-38.
 _LOGISTIC = 3.0 * _UNIT
 _UP = 1.0 + 2.0**-48  # above the rounding of a bound that is a sum of a few products
 
@@ -60,7 +61,8 @@ class Rounded:
             nothing = np.zeros_like(error)
             return Rounded(nothing, nothing, np.where(np.isnan(error), np.inf, error))
         ends = np.array([self.low * b.low, self.low * b.high, self.high * b.low, self.high * b.high])
-        return _rounded(ends.min(axis=0), ends.max(axis=0), error)
+        exactly = b.is_power_of_two() or self.is_power_of_two()
+        return _rounded(ends.min(axis=0), ends.max(axis=0), error, 0.0 if exactly else _UNIT)
 
     __radd__ = __add__
     __rmul__ = __mul__
@@ -73,6 +75,10 @@ class Rounded:
     def is_zero(self) -> bool:
         """Whether no value is anything but zero."""
         return not np.any(self.low) and not np.any(self.high)
+
+    def is_power_of_two(self) -> bool:
+        """Whether this is one number that a product takes no rounding with."""
+        return self.low.size == 1 and bool(np.all(self.low == self.high) and np.abs(np.frexp(self.low)[0]) == 0.5)
 
 
 @lru_cache(maxsize=4096)
@@ -95,10 +101,10 @@ def given(low: np.ndarray, high: np.ndarray, error: float = 0.0) -> Rounded:
     return Rounded(low - flushed, high + flushed, error + flushed)
 
 
-def _rounded(low: np.ndarray, high: np.ndarray, error: np.ndarray) -> Rounded:
+def _rounded(low: np.ndarray, high: np.ndarray, error: np.ndarray, unit: float = _UNIT) -> Rounded:
     """Result of an operation that would exactly be between `low` and `high`; inexact operands account for `error`."""
     size = np.maximum(np.abs(low), np.abs(high))
-    rounding = _UNIT * size + _flushed(low, high)
+    rounding = unit * size + _flushed(low, high)
     total = (error + rounding) * _UP
     fits = (size + rounding < _LARGEST) & np.isfinite(total)
     return Rounded(low - rounding, high + rounding, np.where(fits, total, np.inf))

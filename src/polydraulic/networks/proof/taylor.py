@@ -194,15 +194,28 @@ def enclose_slopes(network: Network, low: np.ndarray, high: np.ndarray) -> list[
 
     Derivatives are carried from the output back to the inputs, so that one pass gives all of them.
     """
-    inputs, nodes = used_slots(network)
-    n = network.n_inputs
     _, partials = enclose_slots(network, low, high)
+    gains = enclose_gains(network, partials, network.y_scale)
+    return [gains[i] * (1.0 / network.x_scale[i]) for i in used_slots(network)[0]]
+
+
+def enclose_gains(network: Network, partials: dict[int, list[Form]], factor: float) -> dict[int, Form]:
+    """What the last node, times `factor`, gains from each slot before it.
+
+    Parameters
+    ----------
+    network : Network
+    partials : dict of list of Form
+        From `enclose_slots`.
+    factor : float
+    """
+    n, nodes = network.n_inputs, used_slots(network)[1]
     by_slot: dict[int, Form] = {}
     for number in reversed(nodes):
         for slot, part in zip(network.nodes[number].inputs, partials[number], strict=True):
-            step = by_slot[n + number] * part if n + number in by_slot else network.y_scale * part
+            step = by_slot[n + number] * part if n + number in by_slot else factor * part
             by_slot[slot] = by_slot[slot] + step if slot in by_slot else step
-    return [by_slot[i] * (1.0 / network.x_scale[i]) for i in inputs]
+    return by_slot
 
 
 def enclose_slots(
