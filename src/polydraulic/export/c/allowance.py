@@ -21,8 +21,8 @@ from polydraulic.networks.model.table import Network, used_slots
 from polydraulic.networks.proof.branch_and_bound import Ends, search
 from polydraulic.networks.proof.taylor import Form, enclose_gains, enclose_slots, node_value
 
-_BOXES = 4000  # for each region, at most
-_ALL_BOXES = 20000  # for all regions of a model
+_BOXES = (500, 4000, 32000)  # for each region, at most: more for those that fewer do not do for
+_ALL_BOXES = 100000  # for all regions of a model
 _CLOSE = 0.1  # of what a point needs: what the proof may lie above it
 _UP = (
     1.0 + 2.0**-20
@@ -108,10 +108,13 @@ def _allowance(networks: tuple[Network, ...], partition: Partition) -> Allowance
     ends = [_search(region, [], 1)[0] for region in regions]
     if np.isinf(np.max([one.inner_high[0] for one in ends])):
         return None
-    left = _ALL_BOXES
-    for k in sorted(range(len(regions)), key=lambda k: -ends[k].high[0]):
-        ends[k], n_boxes = _search(regions[k], ends, max(1, min(_BOXES, left)))
-        left -= n_boxes
+    waiting, left = set(range(len(regions))), _ALL_BOXES
+    for most in _BOXES:
+        for k in sorted(waiting, key=lambda k: -ends[k].high[0]):
+            if left >= most:
+                ends[k], n_boxes, converged = _search(regions[k], ends, most)
+                left -= n_boxes
+                waiting -= {k} if converged else set()
     error = max(region.clamped_error(float(one.high[0])) for region, one in zip(regions, ends, strict=True))
     return Allowance(error * _UP, min(float(one.low[1]) for one in ends), max(float(one.high[1]) for one in ends))
 
@@ -165,8 +168,8 @@ class _Region:
         )
 
 
-def _search(region: _Region, others: Sequence[Ends], max_boxes: int) -> tuple[Ends, int]:
-    """Error and range over a region, as close as needed to what a point of it or of `others` needs."""
+def _search(region: _Region, others: Sequence[Ends], max_boxes: int) -> tuple[Ends, int, bool]:
+    """`search` for error and range over a region, as close as needed to what a point of it or of `others` needs."""
     known = np.array([[one.inner_low, one.inner_high] for one in others]).reshape(-1, 2, 2)
 
     def goal(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -174,8 +177,7 @@ def _search(region: _Region, others: Sequence[Ends], max_boxes: int) -> tuple[En
         allowed = _CLOSE * np.array([high[0], max(high[1] - low[1], high[0])])
         return low - allowed, high + allowed
 
-    ends, n_boxes, _ = search(region.enclose, region.box, goal, max_boxes)
-    return ends, n_boxes
+    return search(region.enclose, region.box, goal, max_boxes)
 
 
 def _errors(

@@ -6,7 +6,7 @@ compiler that keeps to C99 (no fused multiply-adds) gives the same bits as the p
 
 from collections.abc import Sequence
 
-from polydraulic.export.c.text import DOUBLE, FLOAT, Real, limits, literal, rounded_down, stored
+from polydraulic.export.c.text import DOUBLE, FLOAT, Real, inner_ends, literal, rounded_down, stored
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import DOUBLE as TWO
 from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, SIGMOID, SINGLE
@@ -195,12 +195,12 @@ def _nodes(network: Network, place: Sequence[int], real: Real) -> tuple[list[str
 
 def input_limits(network: Network, real: Real) -> list[tuple[float, float]]:
     """Domain in the code, by input."""
-    return [limits(low, high, real) for low, high in zip(network.x_low, network.x_high, strict=True)]
+    return [inner_ends(low, high, real) for low, high in zip(network.x_low, network.x_high, strict=True)]
 
 
 def output_limits(network: Network, real: Real) -> tuple[float, float]:
     """Bounds of the output in the code."""
-    return limits(network.y_low, network.y_high, real)
+    return inner_ends(network.y_low, network.y_high, real)
 
 
 def _literals(values: Sequence[float], real: Real) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export.c.allowance import allowance_lines, model_allowance
 from polydraulic.export.c.network import choice, helpers, input_limits, slopes_function, value_function
-from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, limits, literal, string
+from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, inner_ends, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import write_texts
@@ -153,7 +153,7 @@ def _source(whole: Bundle, real: Real) -> str:
     sigmoids = any(node.kind == SIGMOID for model in whole.models for net in model.networks for node in net.nodes)
     include = f'#include "{name}.h"\n\n#include <float.h>\n' + ("#include <math.h>\n" if sigmoids else "")
     functions = "\n".join(_output(whole, k, real) for k in range(m))
-    low, high = np.array([limits(low, high, real) for low, high in whole.domain().tolist()]).T
+    low, high = np.array([inner_ends(low, high, real) for low, high in whole.domain().tolist()]).T
     constants = "\n".join(
         [f"const char *const {name}_{what}[{len(v)}] = {{{', '.join(map(string, v))}}};" for what, v in (
             ("input_names", [v.name for v in whole.inputs]), ("input_units", [v.unit for v in whole.inputs]),

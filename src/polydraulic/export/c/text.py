@@ -41,7 +41,7 @@ def literal(value: float, real: Real = DOUBLE) -> str:
     return f"({text}{real.suffix})" if value < 0.0 else f"{text}{real.suffix}"
 
 
-def limits(low: float, high: float, real: Real = DOUBLE) -> tuple[float, float]:
+def inner_ends(low: float, high: float, real: Real = DOUBLE) -> tuple[float, float]:
     """Ends of a range as numbers of `real`, moved inward: a number of `real` lies between them exactly if it lies in the range.
 
     Where the range holds no such number, both are the one nearest to its middle.
