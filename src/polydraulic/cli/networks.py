@@ -217,7 +217,8 @@ def export(
 
     - C99, outputs with exact slopes: `polydraulic export q_in.json --to c --out c`
 
-    - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`
+    - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`; how far it can be from
+    double precision at most is proved, and stands in the header.
 
     What comes next: `polydraulic verify` compares all of these with the package.
     """
@@ -242,7 +243,7 @@ def verify(
     """Export a model to every target that can be built here, and compare them with the package at thousands of points.
 
     Prints the largest difference of every output in its unit, of slopes and of the domain, and what was not tried. The exit
-    code is 1 if a target of double precision does not agree to rounding.
+    code is 1 if a target of double precision does not agree to rounding, or C in single precision not within what is proved of it.
 
     Example: `polydraulic verify q_in.json`
 
