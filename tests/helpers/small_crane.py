@@ -141,3 +141,32 @@ def write_crane(folder, old: str = "", new: str = "", name: str = "crane.toml"):
     path = folder / name
     path.write_text(text.replace(old, new) if old else text, encoding="utf-8")
     return path
+
+
+_CROSSOVER = """[circuits.main]
+kind = "crossover"
+functions = ["extend", "slew", "lift"]
+giving.flow = {value = 20, unit = "gpm", source = "made up"}
+GIVING
+taking.flow = {value = 40, unit = "L/min", source = "made up"}
+TAKING
+crossover.conductance = {value = [0, 1, 6, 12], unit = "l/min/bar^0.5", source = "made up"}
+crossover.opening_pressure = {value = 1.5, unit = "bar", source = "made up"}
+"""
+
+
+def crossover_crane_text() -> str:
+    """The crane with both pumps joined: that of the telescope also feeds the boom."""
+    text, circuits = crane_text(), _CROSSOVER
+    for part in ("giving", "taking"):
+        circuits = circuits.replace(part.upper(), _PUMP.replace("pump.", f"{part}."))
+    return text[: text.index("[circuits.main]")] + circuits
+
+
+def write_crossover_crane(folder, old: str = "", new: str = ""):
+    """Write that crane's file, with one text in it replaced, which must be there; returns the path."""
+    text = crossover_crane_text()
+    assert old in text
+    path = folder / "crossover_crane.toml"
+    path.write_text(text.replace(old, new) if old else text, encoding="utf-8")
+    return path

@@ -18,10 +18,17 @@ def broken_layout(machine: LayoutMachine) -> list[str]:
     for function in machine.functions:
         broken += _function(function, machine.link(function.moves), machine)
     for circuit in machine.circuits:
-        pump, where = circuit.pump, f"circuits.{circuit.name}.pump"
+        pump, where = circuit.pump, circuit.pump_path
         if pump.relief <= machine.tank.return_pressure:
             broken.append(
                 f"{where}.relief = {_bar(pump.relief)}: must be above tank.return_pressure = {_bar(machine.tank.return_pressure)}"
+            )
+    for x in machine.crossovers:
+        fed = machine.function(machine.circuit(x.taking).functions[-1])
+        if len(x.valve.conductance) != len(fed.valve.knots):
+            broken.append(
+                f"circuits.{x.name}.crossover.conductance: {len(x.valve.conductance)} numbers for the {len(fed.valve.knots)} "
+                f"knots of functions.{fed.name}.valve, whose spool opens it; must be as many"
             )
     if not any(link.mass > 0.0 for link in machine.links):
         broken.append("links: all masses are 0; give at least the last link of each arm a mass")

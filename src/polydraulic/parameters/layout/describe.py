@@ -13,6 +13,7 @@ _ACTUATORS = {
     "ram": "a ram",
 }
 _TURN = 2.0 * pi
+_SHOWN_DROP = 1e6  # Pa
 
 
 def described(machine: LayoutMachine) -> list[str]:
@@ -34,6 +35,15 @@ def described(machine: LayoutMachine) -> list[str]:
         limit = f", torque limit from {amount(c.pump.torque_limit_start, 'Pa')}" if c.pump.torque_limit_enabled else ""
         lines.append(
             f"  {c.name}: {amount(c.pump.flow, 'm3/s')}, relief {amount(c.pump.relief, 'Pa')}{limit}; feeds {', then '.join(c.functions)}"
+        )
+    for x in machine.crossovers:
+        fed = machine.circuit(x.taking).functions[-1]
+        passes, opens = (
+            amount(max(x.valve.conductance) * _SHOWN_DROP**0.5, "m3/s"),
+            amount(x.valve.opening_pressure, "Pa"),
+        )
+        lines.append(
+            f"  {x.name}: crossover from {x.giving} to before {fed}, at most {passes} at {amount(_SHOWN_DROP, 'Pa')}, opens at {opens}"
         )
     return lines
 

@@ -23,8 +23,11 @@ from polydraulic.parameters.layout.schema import (
     MOST_IN_SERIES,
     MOST_KNOTS,
     MOST_LINKS,
+    OPENING,
     POINT,
     TRAVEL,
+    Crossover,
+    CrossoverValve,
     CylinderSize,
     FourBar,
     LayoutMachine,
@@ -43,7 +46,9 @@ from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 
 CIRCUIT_KINDS = {
-    "series": "1 to 6 valves in series: what passes a valve's bypass reaches the next one, the first has priority"
+    "series": "1 to 6 valves in series: what passes a valve's bypass reaches the next one, the first has priority",
+    "crossover": "two pumps: the giving one feeds 1 or 2 valves in series, the taking one 2, and through an orifice and a check valve "
+    "the giving one feeds the last of these as well",
 }
 _SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
 _LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
@@ -87,10 +92,10 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     tank = reader.part(Tank, top, "tank", "")
     links = _ordered([_link(reader, name, item) for name, item in _named(reader, top, "links", MOST_LINKS)], reader)
     functions = _functions(reader, top, links)
-    circuits = _circuits(reader, top)
+    circuits, crossovers = _circuits(reader, top)
     tip = _tip(reader, top, links)
     if not reader.wrong and tank is not None:
-        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip)
+        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip, crossovers)
         reader.wrong += broken_layout(machine)
     if reader.wrong or tank is None:
         lines = list(dict.fromkeys(reader.wrong))
@@ -232,28 +237,55 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves |
     return ValveCurves(knots, *curves) if len(reader.wrong) == before else None
 
 
-def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[SupplyCircuit, ...]:
-    found = []
+def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[tuple[SupplyCircuit, ...], tuple[Crossover, ...]]:
+    found: list[SupplyCircuit] = []
+    crossovers = []
     names = list(top["functions"]) if isinstance(top.get("functions"), Mapping) else []
     for name, item in _named(reader, top, "circuits", MOST_FUNCTIONS):
         where = f"circuits.{name}"
-        data = reader.table(item, ("kind", "functions", "pump"), ("kind", "functions", "pump"), where)
-        kind = reader.word(data, "kind", CIRCUIT_KINDS, where)
+        kind = reader.word(item, "kind", tuple(CIRCUIT_KINDS), where)
+        joined = kind == "crossover"
+        keys = ("kind", "functions", *(("giving", "taking", "crossover") if joined else ("pump",)))
+        data = reader.table(item, keys, keys, where)
         fed = data.get("functions", [])
         good = isinstance(fed, list) and all(isinstance(f, str) for f in fed)
-        reader.require(good and 0 < len(fed) <= MOST_IN_SERIES,
-            f"{where}.functions = {fed!r}: must be a list of 1 to {MOST_IN_SERIES} names of functions")  # fmt: skip
+        few, many = (3, 4) if joined else (1, MOST_IN_SERIES)
+        good = reader.require(good and few <= len(fed) <= many,
+            f"{where}.functions = {fed!r}: must be a list of {few} to {many} names of functions") and good  # fmt: skip
         for f in fed if good else []:
             reader.require(f in names or not names, f"{where}.functions: {f!r} is not a function; there are {names}")
-        pump = reader.part(PumpParameters, data, "pump", where)
-        if pump is not None and good:
-            found.append(SupplyCircuit(name, kind, tuple(fed), pump))
+        pumps = [
+            reader.part(PumpParameters, data, key, where) for key in (("giving", "taking") if joined else ("pump",))
+        ]
+        valve = _crossover(reader, data, where) if joined else None
+        if not good or None in pumps or (joined and valve is None):
+            continue
+        if valve is not None:
+            called = f"{name}_giving", f"{name}_taking"
+            crossovers.append(Crossover(name, *called, valve))
+            parts = [(called[0], fed[:-2], pumps[0]), (called[1], fed[-2:], pumps[1])]
+        else:
+            parts = [(name, fed, pumps[0])]
+        found += [SupplyCircuit(part, kind, tuple(of), pump) for part, of, pump in parts]  # type: ignore[arg-type]
+    called_twice = [c.name for c in found]
+    for name in dict.fromkeys(name for name in called_twice if called_twice.count(name) > 1):
+        reader.require(
+            False, f"circuits: {name!r} is what a pump of a circuit with crossover is called; rename one of both"
+        )
     fed_at = [f for circuit in found for f in circuit.functions]
     for name in names:
         count = fed_at.count(name)
         what = "appears in no circuit" if not count else f"appears {count} times in the circuits"
         reader.require(count == 1 or not found, f"functions.{name}: {what}; it must appear once")
-    return tuple(found)
+    return tuple(found), tuple(crossovers)
+
+
+def _crossover(reader: Reader, data: Mapping[str, Any], where: str) -> CrossoverValve | None:
+    where, before, keys = f"{where}.crossover", len(reader.wrong), ("conductance", "opening_pressure")
+    found = reader.table(data.get("crossover", {}), keys, keys if "crossover" in data else (), where)
+    curve = reader.numbers(found, "conductance", CONDUCTANCE, where)
+    opening = reader.number(found, "opening_pressure", OPENING, where)
+    return CrossoverValve(curve, opening) if curve and len(reader.wrong) == before else None
 
 
 def _tip(reader: Reader, top: Mapping[str, Any], links: tuple[LinkParameters, ...]) -> tuple[str, Point]:

@@ -36,6 +36,7 @@ POINT = Quantity("m")
 MASS = Quantity("kg", low=0.0)
 MOMENT = Quantity("kg m2")
 CONDUCTANCE = Quantity("m3/s/Pa^0.5", low=0.0)
+OPENING = Quantity("Pa", low=0.0)
 TRAVEL = Quantity("m", low=0.0)
 
 
@@ -174,12 +175,44 @@ class PumpParameters(NamedTuple):
 
 
 class SupplyCircuit(NamedTuple):
-    """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one."""
+    """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one.
+
+    The two pumps of a circuit with crossover are a circuit each, called ``NAME_giving`` and ``NAME_taking``.
+    """
 
     name: str
     kind: str
     functions: tuple[str, ...]
     pump: PumpParameters
+
+    @property
+    def pump_path(self) -> str:
+        """Where the numbers of its pump stand in a file."""
+        name, _, part = self.name.rpartition("_") if self.kind == "crossover" else (self.name, "", "pump")
+        return f"circuits.{name}.{part}"
+
+
+class CrossoverValve(NamedTuple):
+    """An orifice behind a check valve: Q = conductance sqrt(drop - opening_pressure), and nothing back.
+
+    Attributes
+    ----------
+    conductance : tuple of float, m3/s/Pa^0.5
+        At the knots of the valve that it feeds, whose spool opens it.
+    opening_pressure : float, Pa
+    """
+
+    conductance: tuple[float, ...]
+    opening_pressure: float
+
+
+class Crossover(NamedTuple):
+    """From the pump of one circuit to the node before the last valve of another one."""
+
+    name: str
+    giving: str
+    taking: str
+    valve: CrossoverValve
 
 
 class LayoutMachine(NamedTuple):
@@ -192,6 +225,7 @@ class LayoutMachine(NamedTuple):
     functions: tuple[MachineFunction, ...]
     circuits: tuple[SupplyCircuit, ...]
     tip: tuple[str, Point]  # a link, and a point in its frame
+    crossovers: tuple[Crossover, ...] = ()
 
     def function(self, name: str) -> MachineFunction:
         """The function of that name."""
@@ -200,6 +234,10 @@ class LayoutMachine(NamedTuple):
     def link(self, name: str) -> LinkParameters:
         """The link of that name."""
         return next(link for link in self.links if link.name == name)
+
+    def circuit(self, name: str) -> SupplyCircuit:
+        """The circuit of that name."""
+        return next(c for c in self.circuits if c.name == name)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -42,6 +42,8 @@ _HINTS = {
     "low": "end stops of the joint, from its zero",
     "angle": "where the joint stands at the start",
     "flow": "displacement of the pump times engine speed: data sheet",
+    "conductance": "of the crossover, over the travel of the spool that it feeds: flow at a pressure drop, divided by the root of the drop; an estimate will do",
+    "opening_pressure": "of the crossover's check valve: data sheet, or 0.3 to 1 bar as an estimate",
     "torque_limit_start": "pressure above which the pump delivers less, so that the engine does not stall",
 }
 

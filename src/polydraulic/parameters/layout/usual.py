@@ -30,6 +30,8 @@ COMPLIANCE = Usual(1e-14, 1e-9, "m3/Pa")
 DISPLACEMENT = Usual(1e-5, 5e-2, "m3/rad")
 FULL_LEVER = Usual(0.1, 40.0, "V")
 GYRATION = Usual(0.05, 15.0, "m")
+CONDUCTANCE = Usual(0.0, 1e-4, "m3/s/Pa^0.5")
+OPENING = Usual(0.0, 1e6, "Pa")
 GRAVITY = Usual(9.7, 9.9, "m/s2")
 
 
@@ -77,6 +79,10 @@ def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
             for c, value in points[1].items():
                 yield f"{where}.{points[0]}.{c}", value, LENGTH
     for circuit in machine.circuits:
-        where = f"circuits.{circuit.name}.pump"
+        where = circuit.pump_path
         yield f"{where}.flow", circuit.pump.flow, FLOW
         yield f"{where}.relief", circuit.pump.relief, RELIEF
+    for crossover in machine.crossovers:
+        where = f"circuits.{crossover.name}.crossover"
+        yield f"{where}.conductance", max(crossover.valve.conductance), CONDUCTANCE
+        yield f"{where}.opening_pressure", crossover.valve.opening_pressure, OPENING

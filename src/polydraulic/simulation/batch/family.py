@@ -14,7 +14,7 @@ from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, run_block
-from polydraulic.simulation.layout.columns import FLOWS, STATE, circuit_keys, columns_of
+from polydraulic.simulation.layout.columns import FLOWS, STATE, circuit_keys, columns_of, cross_name
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.loop import run
 
@@ -93,6 +93,9 @@ def _of_layout(machine: LayoutMachine, flow: LayoutFlow, force: bool) -> Family:
             if set(c.functions) & set(free):
                 for key in circuit_keys(c, p_pump=flow.gives_pump_pressure):
                     add(key)
+        for x in machine.crossovers:
+            if set(machine.circuit(x.giving).functions) & set(free):
+                add(cross_name(x.giving))
         return found
 
     return Family(

@@ -29,7 +29,7 @@ class Columns(NamedTuple):
 
 
 def columns_of(machine: LayoutMachine) -> Columns:
-    """Columns that a machine's runs record: state and flows by function, then pumps and pressures between valves by circuit."""
+    """Columns that a machine's runs record: state and flows by function, then pumps, pressures between valves and crossovers by circuit."""
     gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
     named = [
         (f"{f}.{quantity}", function_column(machine, f, quantity, unit))
@@ -42,6 +42,7 @@ def columns_of(machine: LayoutMachine) -> Columns:
         for quantity, unit in CIRCUIT
     ]
     named += [(gap_name(*gap), Column(gap_name(*gap), "Pa")) for gap in gaps]
+    named += [(cross_name(x.giving), Column(cross_name(x.giving), "m3/s")) for x in machine.crossovers]
     return Columns(
         tuple(column for _, column in named),
         {name: place for place, (name, _) in enumerate(named)},
@@ -61,6 +62,11 @@ def circuit_keys(circuit: SupplyCircuit, *, p_pump: bool) -> list[str]:
     n = len(circuit.functions)
     found = [f"{circuit.name}.{quantity}" for quantity, _ in CIRCUIT if p_pump or quantity != "p_pump"]
     return found + ([gap_name(circuit.name, k, n) for k in range(1, n)] if p_pump else [])
+
+
+def cross_name(giving: str) -> str:
+    """Name of the flow from a circuit through its crossover."""
+    return f"{giving}.q_cross"
 
 
 def gap_name(circuit: str, number: int, valves: int) -> str:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import Columns
+from polydraulic.simulation.layout.columns import Columns, cross_name, gap_name
 
 
 class EnergyColumn(NamedTuple):
@@ -42,7 +42,8 @@ def energy_columns(
     Yields
     ------
     EnergyColumn
-        ``CIRCUIT.pump_power``, ``.relief_power``, ``.throttling_power`` (over inlets and bypasses), ``FUNCTION.outlet_power`` (over the
+        ``CIRCUIT.pump_power``, ``.relief_power``, ``.throttling_power`` (over inlets, bypasses and crossover), ``.cross_power`` (of what
+        enters the other circuit behind a crossover), ``FUNCTION.outlet_power`` (over the
         outlet), ``.joint_power`` (of oil at the joint), ``.friction_power``, ``tip.push_power`` (of the force), all in W; ``energy.kinetic``, ``energy.potential`` in J.
     """
 
@@ -50,12 +51,19 @@ def energy_columns(
         return rows[:, columns.place[key]]
 
     p_return = machine.tank.return_pressure
+    # what enters the taking circuit behind the crossover
+    crossed = {x.giving: of(cross_name(x.giving)) * of(gap_name(x.taking, 1, 2)) for x in machine.crossovers}
+    gained = {x.taking: crossed[x.giving] for x in machine.crossovers}
     for c in machine.circuits:
         pump, relief = (of(f"{c.name}.p_pump") * of(f"{c.name}.{q}") for q in ("q_pump", "q_relief"))
         passed_on = sum(of(f"{f}.q_in") * _fed(of, f) for f in c.functions) + of(f"{c.name}.q_bypass") * p_return
         yield EnergyColumn(f"{c.name}.pump_power", "W", pump)
         yield EnergyColumn(f"{c.name}.relief_power", "W", relief)
+        given, taken = crossed.get(c.name), gained.get(c.name)
+        passed_on = passed_on + (0.0 if given is None else given) - (0.0 if taken is None else taken)
         yield EnergyColumn(f"{c.name}.throttling_power", "W", pump - relief - passed_on)
+        if given is not None:
+            yield EnergyColumn(f"{c.name}.cross_power", "W", given)
     found = np.empty((len(rows), 2 * len(machine.names) + 3))
     module.account(plant, np.ascontiguousarray(rows), forces, found)
     for place, f in enumerate(machine.names):

@@ -8,6 +8,7 @@ import numpy as np
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
 from polydraulic.simulation.events import MAX_EVENTS
+from polydraulic.simulation.layout.columns import cross_name
 
 Column = Callable[[str], np.ndarray]
 
@@ -34,6 +35,10 @@ def layout_events(
         if not set(c.functions) <= set(locked):
             open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
             found += _changes(c.name, "pump relief opens", "pump relief closes", open_, None, time)
+    for x in machine.crossovers:
+        if not set(machine.circuit(x.giving).functions) <= set(locked):
+            open_ = column(cross_name(x.giving)) > 1e-12
+            found += _changes(x.name, "crossover opens", "crossover closes", open_, None, time)
     found.sort(key=lambda event: event[0])
     return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
 

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, columns_of, gap_name
+from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, columns_of, cross_name, gap_name
 from polydraulic.simulation.layout.expand import Rows
+from polydraulic.simulation.layout.page_lists import crossover_rows
 
 _SCRATCH = (
     "seen_in", "seen_out", "inlet", "bypass", "outlet", "voltage", "lever_a", "lever_b", "bias", "weight", "old_angle", "old_rate",
@@ -107,6 +108,7 @@ def lane_lists(
             }
             for c in machine.circuits
         ],
+        "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
         "SHORT_CIRCUITS": [
             {"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed
         ],

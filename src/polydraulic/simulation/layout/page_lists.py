@@ -3,7 +3,7 @@
 from polydraulic.machine.actuator import Triangle
 from polydraulic.machine.drives import Motor, Ram, Rocker
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, STATE, columns_of, gap_name
+from polydraulic.simulation.layout.columns import CIRCUIT, STATE, columns_of, cross_name, gap_name
 from polydraulic.simulation.layout.expand import Rows
 
 _CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
@@ -22,6 +22,8 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact
         ],
         "TABLES": [{"F": f.name, "K": str(len(f.valve.knots))} for f in machine.functions if flow != "networks"],
         "CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits],
+        "PLAIN_CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if c.kind != "crossover"],
+        "CROSSOVERS": [{**row, "P": place[cross_name(str(row["G"]))]} for row in crossover_rows(machine)],
         "GAPS": [{"C": c, "I": str(k)} for c, k, _ in gaps],
         "QUANTITIES": [{"Q": quantity} for quantity, _ in STATE],
         "STATE_PLACES": [{"Q": q, "F": f, "P": place[f"{f}.{q}"]} for q, _ in STATE for f in machine.names],
@@ -75,3 +77,19 @@ def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
             lists[f"FROM_{f}"] = [{"G": g, "T": 1 + k, "P": 1 + len(rest) + k} for k, g in enumerate(rest)]
             lists[f"SECOND_OF_{f}"] = [{"E": c.functions[0]}] if n == 2 and place else []
     return lists
+
+
+def crossover_rows(machine: LayoutMachine) -> Rows:
+    """X crossover, G giving and T taking circuit, N valves in all, F the function that it feeds, K knots of its valve."""
+    fed = {x.name: machine.function(machine.circuit(x.taking).functions[-1]) for x in machine.crossovers}
+    return [
+        {
+            "X": x.name,
+            "G": x.giving,
+            "T": x.taking,
+            "N": str(len(machine.circuit(x.giving).functions) + 2),
+            "F": fed[x.name].name,
+            "K": str(len(fed[x.name].valve.knots)),
+        }
+        for x in machine.crossovers
+    ]

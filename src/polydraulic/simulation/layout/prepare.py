@@ -13,7 +13,7 @@ from polydraulic.machine.drives import prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
 from polydraulic.machine.pump import limited_pump
-from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.schema import COORDINATES, Crossover, LayoutMachine, MachineFunction
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of
 
@@ -80,7 +80,8 @@ def valves_of(machine: LayoutMachine, module: ModuleType, flow: LayoutFlow) -> A
         f"pump_{c.name}": limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
         for c in machine.circuits
     }
-    return module.Valves(**parts, **pumps)
+    crossovers = {f"cross_{x.name}": _crossover(module, x, machine) for x in machine.crossovers}
+    return module.Valves(**parts, **pumps, **crossovers)
 
 
 def start_vector(machine: LayoutMachine) -> np.ndarray:
@@ -98,10 +99,18 @@ def _part(module: ModuleType, f: MachineFunction, machine: LayoutMachine, dt: fl
 
 
 def _tables(module: ModuleType, f: MachineFunction) -> Any:
-    knots, n = f.valve.knots, len(f.valve.knots)
+    knots = f.valve.knots
+    curves = (_segments(module, curve, knots) for curve in f.valve[1:])
+    return getattr(module, f"ValveTables_{len(knots)}")(*knots[1:], *curves)
 
-    def segments(values: tuple[float, ...]) -> Any:
-        slopes = [(values[i + 1] - values[i]) / (knots[i + 1] - knots[i]) for i in range(n - 1)]
-        return getattr(module, f"Segments_{n}")(*values[:-1], *slopes)
 
-    return getattr(module, f"ValveTables_{n}")(*knots[1:], *(segments(curve) for curve in f.valve[1:]))
+def _segments(module: ModuleType, values: tuple[float, ...], knots: tuple[float, ...]) -> Any:
+    n = len(knots)
+    slopes = [(values[i + 1] - values[i]) / (knots[i + 1] - knots[i]) for i in range(n - 1)]
+    return getattr(module, f"Segments_{n}")(*values[:-1], *slopes)
+
+
+def _crossover(module: ModuleType, x: Crossover, machine: LayoutMachine) -> Any:
+    knots = machine.function(machine.circuit(x.taking).functions[-1]).valve.knots
+    made = getattr(module, f"Crossover_{x.name}")
+    return made(_segments(module, x.valve.conductance, knots), x.valve.opening_pressure)

@@ -18,7 +18,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.input_check import input_warnings
-from polydraulic.simulation.layout.columns import FLOWS, STATE, Columns, circuit_keys, columns_of
+from polydraulic.simulation.layout.columns import FLOWS, STATE, Columns, circuit_keys, columns_of, cross_name
 from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
 from polydraulic.simulation.layout.events import layout_events
 from polydraulic.simulation.layout.methods.known import Integrate, run_known
@@ -67,6 +67,11 @@ def simulate_layout(
         raise InputError(
             f"flow {model.name!r} with method {method!r}: machines of other layouts than that of 'cat215b' run with 'semi-implicit', or with "
             "flow 'exact'"
+        )
+    if method != "semi-implicit" and machine.crossovers:
+        raise InputError(
+            f"method {method!r} needs slopes of all circuits; circuit {machine.crossovers[0].name!r} has a crossover, of which "
+            "'semi-implicit' alone knows"
         )
     if energy and not model.gives_pump_pressure:
         raise InputError(
@@ -273,6 +278,9 @@ def _table(
         if not set(c.functions) <= set(scenario.locked):
             for key in circuit_keys(c, p_pump=model.gives_pump_pressure):
                 recorded(key)
+    for x in machine.crossovers:
+        if not set(machine.circuit(x.giving).functions) <= set(scenario.locked):
+            recorded(cross_name(x.giving))
     for f in scenario.locked:
         recorded(f"{f}.angle")
     positions = np.column_stack([rows[:, columns.place[f"{f}.angle"]] for f in machine.names])

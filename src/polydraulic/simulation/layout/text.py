@@ -25,7 +25,7 @@ _FLOWS = {
     "iterative": ("flow_iterative",),
     "lookup": ("flow_lookup",),
 }  # pages of flows, by what circuits get
-_LANES = ("lanes",)  # for exact circuits alone
+_LANES = ("lanes", "crossover")  # for exact circuits alone
 _IMPORTS = (
     "from typing import NamedTuple",
     "import numpy as np",
@@ -35,6 +35,7 @@ _IMPORTS = (
     "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
     "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
+    "from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports",
@@ -75,7 +76,8 @@ def layout_of(machine: LayoutMachine) -> Hashable:
         for link in machine.links
     )
     functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots)) for f in machine.functions)
-    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits), machine.tip[0]
+    crossovers = tuple((x.name, x.giving, x.taking) for x in machine.crossovers)
+    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits), machine.tip[0], crossovers
 
 
 _written: dict[Hashable, str] = {}
