@@ -184,7 +184,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
     ("line", "message"),
     [
         ("fit-machine table.parquet --out m.json --card m.pdf", "m.pdf: a model card ends in .html"),
-        ("fit-machine silent.csv --out m.txt --machine none", "none"),
+        ("fit-machine silent.csv --out m.json --machine none", "unknown parameter set 'none'"),
         ("fit-machine later.parquet --out m.json", "record longer"),
         ("fit-machine bar.parquet --out m.json", "column 'boom.p_a' is in 'bar'"),
         ("replay silent.csv", "no column 'swing.voltage'"),

@@ -6,7 +6,8 @@ from typing import Any, Literal, NamedTuple, overload
 from polydraulic.errors import InputError
 from polydraulic.parameters.conditions import broken_conditions
 from polydraulic.parameters.entries import build, find, read_toml
-from polydraulic.parameters.layout.load import build_layout, is_layout
+from polydraulic.parameters.keys import is_layout
+from polydraulic.parameters.layout.load import build_layout
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import LINKS, Machine
 

@@ -15,8 +15,7 @@ import numpy as np
 
 from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.entries import build, find, read_quantity, read_toml
-from polydraulic.parameters.keys import check_keys
-from polydraulic.parameters.layout.load import is_layout
+from polydraulic.parameters.keys import check_keys, is_layout
 from polydraulic.parameters.loads import Loads, read_loads
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity

@@ -58,11 +58,6 @@ _PARTS = ("pilot", "valve", "line", "friction", "stops", "initial")
 _CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
 
 
-def is_layout(data: Mapping[str, Any]) -> bool:
-    """Whether a parameter file describes links, functions and circuits of its own."""
-    return any(key in data for key in ("links", "functions", "circuits"))
-
-
 def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     """Machine of the tables of a file.
 
