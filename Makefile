@@ -14,7 +14,9 @@ docs: .venv/ready
 	@echo docs/_build/html/index.html
 
 # Whatever holds a kernel or calls one by itself: the rest is the same in plain Python, and slower.
-PLAIN := tests/test_elementary.py tests/test_kernel.py tests/machine tests/flow tests/simulation tests/networks \
+PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation tests/networks/model \
+	tests/networks/growth/test_least_squares.py tests/networks/growth/test_scoring.py \
+	tests/networks/dynamic/test_free_run.py tests/networks/dynamic/test_lagged_terms.py \
 	tests/export/translate tests/export/test_machine.py
 
 # Compiled first, then the tests of kernels once more in plain Python: they must not depend on the compiler.
