@@ -159,7 +159,7 @@ def machine_files(tmp_path):
 
 
 def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
-    quick = "--regions 2 --rows 1000 --blocks 5 --boxes 2"
+    quick = "--regions 1 --rows 400 --blocks 5 --boxes 2"
     code, out, _ = call(f"fit-machine table.parquet --out machine.json --card machine.html {quick}")
     assert code == 0
     assert "of 4501 rows held out, every fifth block of time" in out
