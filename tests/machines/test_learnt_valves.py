@@ -15,7 +15,7 @@ from polydraulic import build_flow, load_machine, load_models, random_operator, 
 from polydraulic.export import export_machine
 from polydraulic.export.fmu.machine_parameters import direct_parameters
 from polydraulic.export.machine import machine_parts
-from polydraulic.flow import Effort, train_layout
+from polydraulic.flow import TrainingEffort, train_layout
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import Scenario, scenario_names
@@ -42,7 +42,7 @@ def plant(name):
 def models(plant, tmp_path_factory):
     """Networks, as they are read from a file."""
     path = tmp_path_factory.mktemp("learnt") / "networks.json"
-    save_models(train_layout(plant, effort=Effort(0.01, 27, 400)), path)
+    save_models(train_layout(plant, effort=TrainingEffort(0.01, 27, 400)), path)
     return load_models(path)
 
 

@@ -290,7 +290,7 @@ def train(
     """Train the networks of a whole machine from its exact flow model.
 
     Of a machine that is described by links, functions and circuits all networks go into one file: of each circuit what enters its valves
-    and what leaves the actuators. Afterwards it prints the largest error that was found of each.
+    and what leaves the actuators. It prints the largest error that was found of each, as a share of the pump's flow or of the widest orifice.
 
     Example: `polydraulic train --out loader.json --machine wheel_loader`
 
@@ -301,7 +301,7 @@ def train(
 
     What comes next: `polydraulic simulate wheel_loader_cycle --flow polynomial --model loader.json`.
     """
-    from polydraulic.flow.training.layout_models import Effort, train_layout
+    from polydraulic.flow.training.layout_models import TrainingEffort, train_layout
     from polydraulic.flow.training.train import train_networks
     from polydraulic.networks.model.model_file import save_models
     from polydraulic.parameters.load import load_machine
@@ -321,17 +321,13 @@ def train(
     if out.suffix.lower() != ".json":
         raise InputError(f"--out {out}: the networks of this machine go into one file, for example {out.name}.json")
     with progress_bar("train") as progress:
-        models = train_layout(plant, circuits=circuit or None, effort=Effort(**settings), progress=progress)
+        models = train_layout(plant, circuits=circuit or None, effort=TrainingEffort(**settings), progress=progress)
         save_models(models, out)
     flows = {f: c.pump.flow for c in plant.circuits for f in (c.name, *c.functions)}
     for model in models:
         largest: Any = model.training["largest_error"]
-        high = max(network.y_high for network in model.networks)
-        share = largest / (flows[model.output.name.split(".")[0]] if model.output.unit == "m3/s" else high)
-        regions_of = f"{len(model.networks)} region{'s' if len(model.networks) != 1 else ''}"
-        print(
-            f"{model.output.name:32s} {regions_of:12s} largest error {share:.2%} of {'the pump' if model.output.unit == 'm3/s' else 'the largest'}"
-        )
+        whole = flows[model.output.name.split(".")[0]] if model.output.unit == "m3/s" else model.networks[0].y_high
+        print(f"{model.output.name:32s} {len(model.networks):3d} regions, largest error {largest / whole:.2%}")
     print(out)
 
 

@@ -10,18 +10,18 @@ from .polynomial import neural_flow, polynomial_flow
 from .pressure import pressure_flow
 from .stiff import stiff_flow
 from .tlm import tlm_flow
-from .training.layout_models import Effort, train_layout
+from .training.layout_models import TrainingEffort, train_layout
 
 __all__ = [
     "FLOW_KINDS",
     "NOT_CONVERGED",
     "OK",
     "OUT_OF_DOMAIN",
-    "Effort",
     "FlowKind",
     "FlowModel",
     "Flows",
     "LayoutFlow",
+    "TrainingEffort",
     "boom_table",
     "circuit_database",
     "exact_flow",

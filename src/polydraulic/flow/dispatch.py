@@ -242,8 +242,9 @@ def build_flow(name: str, machine: Machine | LayoutMachine | str | Path, **optio
         return found
     if kind.layout is None:
         able = [other for other, row in FLOW_KINDS.items() if row.layout is not None]
+        why = ", whose oil between pump and valves it follows" if kind.has_state else ""
         raise InputError(
-            f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with one of {able}"
+            f"flow {name!r} knows the layout of 'cat215b' alone{why}; machines of other layouts run with one of {able}"
         )
     return kind.layout(machine, **options)
 

@@ -13,7 +13,7 @@ def test_two_valves_have_the_names_of_swing_and_stick():
         (network_slots.q_in("stick"), network_slots.PASSED),
         (network_slots.q_in("stick"), network_slots.BOTH),
     ]
-    assert slots.limited(series, "stick") == network_slots.STICK_LIMITED
+    assert slots.inlet_limited(series, "stick") == network_slots.STICK_LIMITED
     assert slots.second_at_relief(series) == network_slots.STICK_RELIEF
     assert slots.outlet("boom")[1] == network_slots.BOOM_OUT
 

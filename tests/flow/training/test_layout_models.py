@@ -1,10 +1,11 @@
 """Networks of a circuit of any machine: what they learn, and how well."""
 
+import numba
 import numpy as np
 import pytest
 
 from polydraulic import InputError, build_flow, load_machine
-from polydraulic.flow import Effort, sample_circuit, train_layout
+from polydraulic.flow import TrainingEffort, sample_circuit, train_layout
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.flow.training.layout_models import _affordable, _inlets, _modes
 from polydraulic.machine.pump import limited_pump
@@ -48,9 +49,11 @@ def test_known_borders_are_given_as_far_as_regions_go():
 @pytest.fixture(scope="module")
 def rough():
     """The lift's two valves, learnt in haste, and what was told meanwhile."""
+    if numba.config.DISABLE_JIT:
+        pytest.skip("needs the compiler to learn in time")
     told = []
     models = train_layout(
-        CRANE, circuits=["lift"], effort=Effort(0.02, 9, 200), progress=lambda *piece: told.append(piece)
+        CRANE, circuits=["lift"], effort=TrainingEffort(0.02, 9, 200), progress=lambda *piece: told.append(piece)
     )
     return models, told
 

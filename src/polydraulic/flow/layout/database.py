@@ -64,7 +64,7 @@ def sample_circuit(
     flows = sample_valves(valves, pump, np.abs(spool), p_in)
     columns: dict[str, Column] = {}
     for k, (f, v) in enumerate(zip(c.functions, valves, strict=True)):
-        k_out = outlet_conductance(v, spool[:, k])
+        k_out = outlet_at(v, spool[:, k])
         columns |= valve_columns(f, spool[:, k], p_in[:, k], p_out[:, k], flows.q_in[:, k], k_out, p_return)
     for k in range(1, len(valves)):
         columns[passed(c, k).name] = (flows.q_passed[:, k - 1], "m3/s")
@@ -90,7 +90,7 @@ def series_circuit_of(machine: LayoutMachine, name: str) -> SupplyCircuit:
     return found[0]
 
 
-def outlet_conductance(valve: ValveCurves, spool: np.ndarray) -> np.ndarray:
+def outlet_at(valve: ValveCurves, spool: np.ndarray) -> np.ndarray:
     """Conductance of the outlet at spool displacements (n_point,) in m."""
     travel = np.abs(spool)
     sides = (np.interp(travel, valve.knots, side) for side in (valve.outlet_positive, valve.outlet_negative))

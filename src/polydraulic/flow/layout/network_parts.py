@@ -72,7 +72,7 @@ def entering(q: float, table: NetworkTable, k_in: Regions, memory: np.ndarray, p
 
 
 @kernel
-def root_over(p: float, p_rest: float) -> float:
+def root_drop(p: float, p_rest: float) -> float:
     """Root of a pressure difference, 0 where it is negative."""
     return sqrt(max(p - p_rest, 0.0))
 

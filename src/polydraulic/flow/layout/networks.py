@@ -10,7 +10,7 @@ from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks
 from polydraulic.flow.layout.slots import (
     everything,
     inlet,
-    limited,
+    inlet_limited,
     outlet,
     passed_at_relief,
     passed_limited,
@@ -70,7 +70,7 @@ def layout_networks(
         for f in c.functions:
             place((f, "q_in"), inlet(c, f), needed=True)
             place((f, "k_out"), outlet(f), needed=True)
-            place((f, "limited"), [limited(c, f)], needed=False)
+            place((f, "limited"), [inlet_limited(c, f)], needed=False)
         place((c.functions[0], "relief"), [k_in(c.functions[0])], needed=False)
         if len(c.functions) == 2:
             place((c.functions[1], "relief"), [second_at_relief(c)], needed=False)

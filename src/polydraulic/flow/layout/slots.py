@@ -31,7 +31,7 @@ def inlet(circuit: SupplyCircuit, function: str) -> list[Place]:
     return [(q_in(function), (passed(circuit, place), *everything(rest))), read] if place else [read]
 
 
-def limited(circuit: SupplyCircuit, function: str) -> Place:
+def inlet_limited(circuit: SupplyCircuit, function: str) -> Place:
     """An inlet at the torque limit."""
     return q_in(function, LIMITED), everything(circuit.functions)
 

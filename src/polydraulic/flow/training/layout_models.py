@@ -13,8 +13,8 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
-from polydraulic.flow.layout.database import outlet_conductance, series_circuit_of
-from polydraulic.flow.layout.slots import inlet, limited, outlet, passed_at_relief, passed_limited
+from polydraulic.flow.layout.database import outlet_at, series_circuit_of
+from polydraulic.flow.layout.slots import inlet, inlet_limited, outlet, passed_at_relief, passed_limited
 from polydraulic.flow.network_slots import Place, k_in
 from polydraulic.machine.pump import NEVER, Pump, limited_pump
 from polydraulic.machine.valve import spool_edges
@@ -31,7 +31,7 @@ _UP_TO = 16.0  # times its flow, the law of the torque limit goes on below its s
 _LEAST = 1e-9  # of a pump's flow: what reaches a valve behind others, at least, so that pressures are known
 
 
-class Effort(NamedTuple):
+class TrainingEffort(NamedTuple):
     """How well networks of inlets are learnt.
 
     Attributes
@@ -62,7 +62,7 @@ def train_layout(
     machine: LayoutMachine | str | Path,
     *,
     circuits: Sequence[str] | None = None,
-    effort: Effort | None = None,
+    effort: TrainingEffort | None = None,
     progress: Progress = quiet,
 ) -> list[Model]:
     """Networks for the flow model ``"polynomial"`` of a machine, learnt from its exact circuits.
@@ -72,7 +72,7 @@ def train_layout(
     machine : LayoutMachine, or name or path of a machine that is described by links, functions and circuits
     circuits : sequence of str, optional
         Which of them; all if not given.
-    effort : Effort, optional
+    effort : TrainingEffort, optional
         How well they are learnt.
     progress : Progress, optional
         Told the output and its largest error so far in m3/s, and how many networks are done.
@@ -88,7 +88,7 @@ def train_layout(
         If there is no such circuit, or it is not one of valves in series.
     """
     machine = machine if isinstance(machine, LayoutMachine) else load_layout(machine)
-    effort = Effort() if effort is None else effort
+    effort = TrainingEffort() if effort is None else effort
     names = [c.name for c in machine.circuits] if circuits is None else list(circuits)
     chosen = [series_circuit_of(machine, name) for name in names]
     if not chosen:
@@ -143,7 +143,7 @@ def _cuts(f: MachineFunction, *, closing: bool = True) -> list[float]:
 def _outlet(f: MachineFunction) -> _Target:
     full, cuts = f.valve.knots[-1], _cuts(f)
     edges = sorted([*(-x for x in cuts), *cuts])
-    return _Target(outlet(f.name)[0], lambda X: outlet_conductance(f.valve, X[:, 0]), [(-full, full)], {0: edges})
+    return _Target(outlet(f.name)[0], lambda X: outlet_at(f.valve, X[:, 0]), [(-full, full)], {0: edges})
 
 
 def _first_conductance(f: MachineFunction) -> _Target:
@@ -176,7 +176,7 @@ def _inlets(machine: LayoutMachine, c: SupplyCircuit) -> list[_Target]:
 
     found = [_Target(inlet(c, c.functions[0])[-1], entering(free), [*travel, *pressure], edges)]
     if c.pump.torque_limit_enabled:
-        found.append(_Target(limited(c, c.functions[0]), entering(at_limit), [*travel, *pressure], edges))
+        found.append(_Target(inlet_limited(c, c.functions[0]), entering(at_limit), [*travel, *pressure], edges))
     if n > 1:
         found.append(_Target(passed_at_relief(c), behind, [*open_travel, *pressure[1:]], open_edges))
         if c.pump.torque_limit_enabled:

@@ -31,7 +31,7 @@ _IMPORTS = (
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
-    "from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks, entering, leaving, network_value, or_less, root_over",
+    "from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks, entering, leaving, network_value, or_less, root_drop",
     "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
     "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
