@@ -22,7 +22,8 @@ from polydraulic.parameters.scenario import Scenario, scenario_names
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.layout.runs import step_inputs
 
-LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
+MACHINES = {name: load_machine(name) for name in machine_names()}
+LAYOUTS = [name for name, m in MACHINES.items() if isinstance(m, LayoutMachine) and not m.crossovers]
 QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
 EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
 CLOSE = 0.1  # of the motion of a joint, at every time

@@ -16,7 +16,8 @@ from polydraulic.parameters.load import machine_names
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 
-LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
+MACHINES = {name: load_machine(name) for name in machine_names()}
+LAYOUTS = [name for name, m in MACHINES.items() if isinstance(m, LayoutMachine) and not m.crossovers]
 QUICK = "wheel_loader"  # each layout is compiled once, for a minute
 EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
 OPERATOR = "random:2:2"

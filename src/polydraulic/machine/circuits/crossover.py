@@ -13,13 +13,13 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.machine.circuits.crossover_nodes import (
     Behind,
+    FinePressure,
     Giving,
-    Place,
     drop,
     first_valve,
     giving_at,
-    moved,
-    through,
+    orifice_passes,
+    raised,
 )
 from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, UNPROVED, delivers
 from polydraulic.machine.pump import Circuit, Pump, Single
@@ -74,16 +74,16 @@ class JoinedPumps(NamedTuple):
 class Pushed(NamedTuple):
     """The giving pump's pressure, what flows there, and what passes the crossover."""
 
-    p: Place
+    p: FinePressure
     found: Giving
     q_cross: float
 
 
-class Ends(NamedTuple):
+class PressureBracket(NamedTuple):
     """A bracket: what is left over at its lower end is not negative, at the upper one not positive; which end moved last, -1 or 1."""
 
-    low: Place
-    high: Place
+    low: FinePressure
+    high: FinePressure
     off_low: float
     off_high: float
     last: int
@@ -96,39 +96,39 @@ class Tried(NamedTuple):
     first: Single
     q_second: float
     q_tank: float
-    p: Place
+    p: FinePressure
     surplus: float
 
 
 @kernel
-def _next(x: Ends, step: int) -> Place:
+def _next(x: PressureBracket, step: int) -> FinePressure:
     """A place between the ends: where the chord vanishes, or half way."""
     width = (x.high.coarse - x.low.coarse) + (x.high.fine - x.low.fine)
     share = x.off_low / (x.off_low - x.off_high + 1e-300)
     halves = (step & 7) == 7 or step >= _HALVE or share <= 0.0 or share >= 1.0
-    return moved(x.low, width * (0.5 if halves else share))
+    return raised(x.low, width * (0.5 if halves else share))
 
 
 @kernel
-def _at_end(p: Place, x: Ends) -> bool:
+def _at_end(p: FinePressure, x: PressureBracket) -> bool:
     """Whether there is no number between both ends any more."""
     return (p.coarse == x.low.coarse and p.fine == x.low.fine) or (p.coarse == x.high.coarse and p.fine == x.high.fine)
 
 
 @kernel
-def _narrowed(x: Ends, p: Place, off: float) -> Ends:
+def _narrowed(x: PressureBracket, p: FinePressure, off: float) -> PressureBracket:
     """The bracket with a new end; an end that stays twice counts half, so that the chord does not get stuck."""
     below = off >= 0.0
     last = -1 if below else 1
     stays = 0.5 if last == x.last else 1.0
     off_low, off_high = (off if below else stays * x.off_low), (stays * x.off_high if below else off)
-    return Ends(p if below else x.low, x.high if below else p, off_low, off_high, last)
+    return PressureBracket(p if below else x.low, x.high if below else p, off_low, off_high, last)
 
 
 @kernel
-def _pushed(shuts: Place, lowest: Place, highest: Place, v: JoinedPumps) -> Pushed:
+def _pushed(shuts: FinePressure, lowest: FinePressure, highest: FinePressure, v: JoinedPumps) -> Pushed:
     """The giving circuit, whose pump's pressure is between two others, if the check valve shuts at a third one."""
-    p, x = highest, Ends(lowest, highest, v.gives.flow, -v.gives.flow, 0)
+    p, x = highest, PressureBracket(lowest, highest, v.gives.flow, -v.gives.flow, 0)
     found = Giving(0.0, 0.0, Behind(0.0, 0.0, 0.0, 0.0), 0.0)
     q_cross = 0.0
     for step in range(_STEPS):
@@ -138,7 +138,7 @@ def _pushed(shuts: Place, lowest: Place, highest: Place, v: JoinedPumps) -> Push
         rest = found.rest - q_cross
         if (step == 0 and rest >= 0.0) or abs(rest) <= _REST * v.gives.flow:
             break
-        x = _narrowed(x, p, rest) if step > 0 else Ends(x.low, highest, x.off_low, rest, 0)
+        x = _narrowed(x, p, rest) if step > 0 else PressureBracket(x.low, highest, x.off_low, rest, 0)
         p = _next(x, step)
         if _at_end(p, x):
             break
@@ -146,13 +146,13 @@ def _pushed(shuts: Place, lowest: Place, highest: Place, v: JoinedPumps) -> Push
 
 
 @kernel
-def _tried(p: Place, alone: Pushed, v: JoinedPumps) -> Tried:
+def _tried(p: FinePressure, alone: Pushed, v: JoinedPumps) -> Tried:
     """Both circuits at a pressure before the second valve."""
-    shuts = moved(p, v.cross.opening_pressure)
+    shuts = raised(p, v.cross.opening_pressure)
     opens = v.cross.conductance > 0.0 and drop(shuts, alone.p.coarse) < alone.p.fine
     giving = _pushed(shuts, shuts, alone.p, v) if opens else alone
     first = first_valve(v.k_3, v.p_3, p, v.takes)
-    q_second, q_tank = through(v.k_4.inlet, p, v.p_4), through(v.k_4.bypass, p, v.takes.p_return)
+    q_second, q_tank = orifice_passes(v.k_4.inlet, p, v.p_4), orifice_passes(v.k_4.bypass, p, v.takes.p_return)
     surplus = giving.q_cross + first.circuit.q_bypass - q_second - q_tank
     return Tried(giving, first, q_second, q_tank, p, surplus)
 
@@ -232,18 +232,18 @@ def _shared(a: Tried, b: Tried, v: JoinedPumps) -> Found:
 def _found(v: JoinedPumps) -> Found:
     """The pressure before the second valve at which nothing is left over."""
     flow = min(v.gives.flow, v.takes.flow)
-    top, far = Place(v.gives.relief, 0.0), Place(FAR, 0.0)
-    none = Place(min(min(v.p_1, v.p_2), min(v.gives.p_return, v.gives.relief)), 0.0)
+    top, far = FinePressure(v.gives.relief, 0.0), FinePressure(FAR, 0.0)
+    none = FinePressure(min(min(v.p_1, v.p_2), min(v.gives.p_return, v.gives.relief)), 0.0)
     alone = _pushed(far, none, top, v)
     lowest = min(v.p_4 if v.k_4.inlet > 0.0 else FAR, v.takes.p_return if v.k_4.bypass > 0.0 else FAR)
     # first where the check valve shuts: the root is below, or above
-    p = moved(alone.p, -v.cross.opening_pressure)
+    p = raised(alone.p, -v.cross.opening_pressure)
     a = _tried(p, alone, v)
     b, above = a, a.surplus >= 0.0
-    highest = Place(max(v.takes.relief, alone.p.coarse), 0.0)
-    bottom = Place(min(min(lowest, v.takes.relief), p.coarse), 0.0)
+    highest = FinePressure(max(v.takes.relief, alone.p.coarse), 0.0)
+    bottom = FinePressure(min(min(lowest, v.takes.relief), p.coarse), 0.0)
     low, high = (p if above else bottom), (highest if above else p)
-    x = Ends(low, high, a.surplus if above else flow, -flow if above else a.surplus, 0)
+    x = PressureBracket(low, high, a.surplus if above else flow, -flow if above else a.surplus, 0)
     for step in range(_STEPS):
         if abs(a.surplus) <= _REST * flow or abs(b.surplus) <= _REST * flow:
             break

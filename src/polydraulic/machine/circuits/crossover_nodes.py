@@ -19,7 +19,7 @@ _NEWTON, _CHORDS, _STEPS = 40, 24, 80
 _SETTLED = 1e-15  # of ln of a pump's flow
 
 
-class Place(NamedTuple):
+class FinePressure(NamedTuple):
     """A pressure, Pa, as the sum of two numbers."""
 
     coarse: float
@@ -45,29 +45,29 @@ class Giving(NamedTuple):
 
 
 @kernel
-def moved(p: Place, by: float) -> Place:
+def raised(p: FinePressure, by: float) -> FinePressure:
     """A pressure and a number, added."""
     s = p.coarse + by
     t = s - p.coarse
     e = ((p.coarse - (s - t)) + (by - t)) + p.fine
     coarse = s + e
-    return Place(coarse, e - (coarse - s))
+    return FinePressure(coarse, e - (coarse - s))
 
 
 @kernel
-def drop(p: Place, port: float) -> float:
+def drop(p: FinePressure, port: float) -> float:
     """Pressure less that at a port, rounded once."""
     return over(p.fine, p.coarse, port)
 
 
 @kernel
-def through(conductance: float, p: Place, port: float) -> float:
+def orifice_passes(conductance: float, p: FinePressure, port: float) -> float:
     """Flow of an orifice; a check valve lets nothing back."""
     return conductance * sqrt(max(drop(p, port), 0.0))
 
 
 @kernel
-def behind_bypass(p: Place, bypass: float, k: Orifices, p_in: float, p_return: float) -> Behind:
+def behind_bypass(p: FinePressure, bypass: float, k: Orifices, p_in: float, p_return: float) -> Behind:
     """A bypass, and behind it a valve with its own inlet and bypass, at the pressure before.
 
     Up to where the higher of both ports opens the other one takes all: a closed form. Beyond, with z the pressure over the higher port,
@@ -101,16 +101,18 @@ def behind_bypass(p: Place, bypass: float, k: Orifices, p_in: float, p_return: f
 
 
 @kernel
-def giving_at(p: Place, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Giving:
+def giving_at(
+    p: FinePressure, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump
+) -> Giving:
     """The giving circuit at its pump's pressure."""
     q_pump = delivered(p.coarse, pump)
-    q_in = through(first.inlet, p, p_first)
+    q_in = orifice_passes(first.inlet, p, p_first)
     behind = behind_bypass(p, first.bypass, second, p_second, pump.p_return)
     return Giving(q_pump, q_in, behind, q_pump - q_in - behind.passed)
 
 
 @kernel
-def first_valve(k: Orifices, p_in: float, behind: Place, pump: Pump) -> Single:
+def first_valve(k: Orifices, p_in: float, behind: FinePressure, pump: Pump) -> Single:
     """The taking pump and its first valve, with the pressure behind that valve's bypass.
 
     Pressures are differences to the one behind; below the torque limit a closed form, at it ln of the flow is the root of a rising function.
