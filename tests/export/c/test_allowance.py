@@ -192,6 +192,15 @@ def test_half_of_an_allowance_does_not_do(tmp_path):
         assert least * model_allowance(model).error < error <= model_allowance(model).error
 
 
+def test_errors_that_cancel_are_not_taken_to_where_a_compiler_may_keep_one_of_them():
+    # The sum of a product and nearly its negative: where the product may be fused on one side, its rounding does not cancel.
+    errors = {}
+    for one in (1.0, 1.25):
+        nodes = Node(LINEAR, (0,), (1.1,)), Node(LINEAR, (1, 1), (one, -0.99999 * one))
+        errors[one] = model_allowance(model_of(Network(nodes, (0.0,), (1.0,), (1.0,), (1.3,), 0.0, 1.0))).error
+    assert errors[1.0] > 1.2 * errors[1.25]
+
+
 def test_regions_and_domain_are_those_of_the_package_at_the_floats_beside_every_border(tmp_path):
     rng = np.random.default_rng(4)
     cuts = [*np.sort(rng.uniform(-1.0, 1.0, size=7)).tolist(), 1.25]

@@ -16,6 +16,7 @@ from polydraulic.export.c.network import input_limits, offset, output_limits
 from polydraulic.export.c.rounded import Rounded, constant, given
 from polydraulic.export.c.text import FLOAT, rounded_down, stored
 from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.nodes import LINEAR, SIGMOID
 from polydraulic.networks.model.partition import Partition, region_boxes
 from polydraulic.networks.model.table import Network, used_slots
 from polydraulic.networks.proof.branch_and_bound import Ends, search
@@ -30,7 +31,7 @@ _UP = (
 
 
 class Allowance(NamedTuple):
-    """What is proved of the `float` code of one output, for inputs that are finite and, where a processor flushes them, not subnormal.
+    """What is proved of the `float` code of one output, for inputs that are numbers and, where a processor flushes them, not subnormal.
 
     Attributes
     ----------
@@ -210,14 +211,20 @@ def _errors(
     if network.nodes:
         values, partials = enclose_slots(network, low, high, widen)
         last = network.n_inputs + len(network.nodes) - 1
-        # What a slot adds may reach the output on several ways that cancel.
-        reached = sum(_size(gain) * own[slot] for slot, gain in enclose_gains(network, partials, 1.0).items())
-        errors[last] = np.fmin(errors[last], (reached + own[last]) * _UP)
+        if not _may_fuse(network):  # what a slot adds may reach the output on several ways that cancel
+            reached = sum(_size(gain) * own[slot] for slot, gain in enclose_gains(network, partials, 1.0).items())
+            errors[last] = np.fmin(errors[last], (reached + own[last]) * _UP)
         y = network.y_mean + network.y_scale * ranges((last,), values, False)[last]
     else:
         nothing = np.zeros(low.shape[1])
         y = Rounded(nothing, nothing, nothing) + network.y_mean
     return _bounded(network, y)
+
+
+def _may_fuse(network: Network) -> bool:
+    """Whether a compiler may add a slot that is a product without rounding it, where another node reads it rounded."""
+    sums = [node for node in network.nodes if node.kind in (LINEAR, SIGMOID)]
+    return any(abs(stored(c, FLOAT)) == 1.0 for node in sums for c in node.coef)
 
 
 def _normalized(network: Network, slot: int, off: float, low: np.ndarray, high: np.ndarray) -> Rounded:

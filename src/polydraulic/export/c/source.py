@@ -141,8 +141,8 @@ def _proved(whole: Bundle, real: Real) -> list[str]:
         return []
     return [
         "",
-        "Proved of this code, rounded to nearest, with fused multiply-adds or without, whatever the inputs; the distance from",
-        "double precision, exact or as the package computes it, is that at the same inputs in the domain:",
+        "Proved of this code, rounded to nearest, with fused multiply-adds or without, for any inputs that are numbers; the distance",
+        "from double precision, exact or as the package computes it, is that at the same inputs in the domain:",
         *(f"  {line}" for line in allowance_lines(whole.models)),
     ]
 
