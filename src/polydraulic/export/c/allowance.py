@@ -14,7 +14,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export.c.network import input_limits, offset, output_limits
 from polydraulic.export.c.rounded import Rounded, constant, given
-from polydraulic.export.c.text import FLOAT, rounded_down, stored
+from polydraulic.export.c.text import FLOAT, held_in, rounded_down
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import LINEAR, SIGMOID
 from polydraulic.networks.model.partition import Partition, region_boxes
@@ -224,7 +224,7 @@ def _errors(
 def _may_fuse(network: Network) -> bool:
     """Whether a compiler may add a slot that is a product without rounding it, where another node reads it rounded."""
     sums = [node for node in network.nodes if node.kind in (LINEAR, SIGMOID)]
-    return any(abs(stored(c, FLOAT)) == 1.0 for node in sums for c in node.coef)
+    return any(abs(held_in(c, FLOAT)) == 1.0 for node in sums for c in node.coef)
 
 
 def _normalized(network: Network, slot: int, off: float, low: np.ndarray, high: np.ndarray) -> Rounded:
@@ -234,7 +234,7 @@ def _normalized(network: Network, slot: int, off: float, low: np.ndarray, high: 
     x = given(low, high, off) + constant(-first, 0.0 if rest else abs(mean - first))
     if rest:
         x = x + constant(-rest, abs(mean - first - rest))
-    return x * constant(gain, abs(gain - stored(gain, FLOAT)) + 2.0**-53 * gain)  # the exact network divides
+    return x * constant(gain, abs(gain - held_in(gain, FLOAT)) + 2.0**-53 * gain)  # the exact network divides
 
 
 def _bounded(network: Network, y: Rounded) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ compiler that keeps to C99 (no fused multiply-adds) gives the same bits as the p
 
 from collections.abc import Sequence
 
-from polydraulic.export.c.text import DOUBLE, FLOAT, Real, inner_ends, literal, rounded_down, stored
+from polydraulic.export.c.text import DOUBLE, FLOAT, Real, held_in, inner_ends, literal, rounded_down
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import DOUBLE as TWO
 from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, SIGMOID, SINGLE
@@ -209,8 +209,8 @@ def _literals(values: Sequence[float], real: Real) -> list[str]:
 
 def offset(mean: float, real: Real) -> tuple[float, float]:
     """Two numbers to subtract one after the other for `mean`: in single precision, inputs far from zero would else lose digits."""
-    first = stored(mean, real)
-    rest = stored(mean - first, real)
+    first = held_in(mean, real)
+    rest = held_in(mean - first, real)
     return first, rest if abs(rest) >= real.smallest else 0.0  # what is smaller cannot be written
 
 

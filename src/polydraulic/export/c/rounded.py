@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from polydraulic.export.c.text import FLOAT, literal, stored
+from polydraulic.export.c.text import FLOAT, held_in, literal
 
 _UNIT = 2.0**-24 * (1.0 + 2.0**-10)  # half a unit in the last place, and room for rounding of the bounds
 _SMALLEST = 2.0**-126 * (1.0 + 2.0**-10)  # below it a number may be flushed to zero
@@ -91,7 +91,7 @@ def constant(value: float, error: float | None = None) -> Rounded:
         If a `float` cannot hold it.
     """
     literal(value, FLOAT)  # refuses what does not fit
-    single = stored(value, FLOAT)
+    single = held_in(value, FLOAT)
     return Rounded(*(np.array([part]) for part in (single, single, abs(value - single) if error is None else error)))
 
 

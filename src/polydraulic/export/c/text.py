@@ -31,7 +31,7 @@ def literal(value: float, real: Real = DOUBLE) -> str:
         If a `float` cannot hold it.
     """
     if real is FLOAT:
-        single = stored(value, real)
+        single = held_in(value, real)
         if not np.isfinite(single) or (value != 0.0 and abs(single) < real.smallest):
             raise InputError(f"the number {value!r} does not fit into a float: fit in other units, or export as double")
         text = str(np.float32(single))
@@ -49,11 +49,11 @@ def inner_ends(low: float, high: float, real: Real = DOUBLE) -> tuple[float, flo
     if real is DOUBLE:
         return low, high
     ends = 0.0 - rounded_down(-low, real), rounded_down(high, real)
-    nearest = stored(0.5 * low + 0.5 * high, real)
+    nearest = held_in(0.5 * low + 0.5 * high, real)
     return ends if ends[0] <= ends[1] else (nearest, nearest)
 
 
-def stored(value: float, real: Real) -> float:
+def held_in(value: float, real: Real) -> float:
     """The number of `real` that is nearest to `value`."""
     if real is DOUBLE:
         return value
