@@ -112,9 +112,7 @@ def compared(machine, scenario):
 
 def main():
     begun = time.perf_counter()
-    print(
-        f"states every {1e3 * RASTER:g} ms; goals: % of travel of joints, five times as much for pressures"
-    )
+    print(f"states every {1e3 * RASTER:g} ms; goals: % of travel of joints, five times as much for pressures")
     for name in ["cat215b", *(name for name in machine_names() if name != "cat215b")]:
         machine = load_machine(name)
         functions = function_names(machine)
