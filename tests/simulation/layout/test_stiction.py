@@ -50,7 +50,7 @@ def test_a_joint_lets_go_at_the_static_torque_and_stops_again_below_it(sticky):
     """A force at the tip grows, falls, and turns: the slew moves only while its moment is above what friction takes."""
     dry = Friction(coulomb=1500.0, static=2400.0, viscous=800.0, smoothing=0.02, stribeck=0.05)
     machine = changed(without_oil(sticky, "slew"), "slew", friction=dry)
-    force = Piecewise((0.0, 4.0, 6.0, 8.0), (0.0, 1600.0, 0.0, 0.0))
+    force = Piecewise(np.array([0.0, 4.0, 6.0, 8.0]), np.array([0.0, 1600.0, 0.0, 0.0]))
     run = simulate(
         machine, "exact", Scenario("pull", 8.0, {}, loads=Loads({"y": force}), locked=("lift", "extend")), dt=1e-3
     )
@@ -72,7 +72,7 @@ def test_a_joint_lets_go_at_the_static_torque_and_stops_again_below_it(sticky):
 def test_a_joint_whose_torque_turns_comes_to_rest_before_it_turns(sticky, pull, turns):
     dry = Friction(coulomb=1500.0, static=1500.0, viscous=0.0, smoothing=0.02, stribeck=0.05)
     machine = changed(without_oil(sticky, "slew"), "slew", friction=dry)
-    force = Piecewise((0.0, 0.3, 0.31, 2.0), (1500.0, 1500.0, pull, pull))
+    force = Piecewise(np.array([0.0, 0.3, 0.31, 2.0]), np.array([1500.0, 1500.0, pull, pull]))
     scenario = Scenario("turn", 1.2, {}, loads=Loads({"y": force}), locked=("lift", "extend"))
     run = simulate(machine, "exact", scenario)
     rate = run["slew.rate"]
