@@ -69,6 +69,10 @@ def simulate(
             "--energy", help="Add the energy account as columns: powers of pumps, losses, joints, friction; energies."
         ),
     ] = False,
+    forces: Annotated[
+        bool,
+        typer.Option("--forces", help="Add forces as columns: of cylinders and motors, friction, and joint pins."),
+    ] = False,
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
 ) -> None:
@@ -135,10 +139,11 @@ def simulate(
                 raster=raster,
                 method=method,
                 energy=energy,
+                forces=forces,
             )
             progress(name, 2 * number + 2, pieces)
             begun = time.perf_counter()
-            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method, energy=energy)
+            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method, energy=energy, forces=forces)
             seconds = time.perf_counter() - begun
         if out is not None:
             progress(f"write {out}", pieces - 2, pieces)

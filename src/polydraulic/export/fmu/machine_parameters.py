@@ -97,7 +97,8 @@ def _of_layout(machine: LayoutMachine, flow: LayoutFlow, dt: float, locked: Coll
     before = dict(_leaves(_numbers(machine, dt, locked)))
     found = []
     for path, quantity in _quantities(machine):
-        if path[-1].startswith("torque_limit"):
+        smooths = path[-1] == "smoothing" and machine.function(path[1]).effects.sticks  # which nothing reads
+        if path[-1].startswith("torque_limit") or smooths:
             continue
         value = _at(machine, path)
         after = dict(_leaves(_numbers(_replaced(machine, path, _other(value)), dt, locked)))

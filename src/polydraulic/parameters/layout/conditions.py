@@ -85,6 +85,20 @@ def _function(f: MachineFunction, link: LinkParameters, machine: LayoutMachine) 
     for key in ("p_a", "p_b"):
         value = getattr(f.initial, key)
         require(floor <= value <= relief, f"initial.{key} = {_bar(value)}", f"in [{_bar(floor)}, {_bar(relief)}]")
+    play, lag = f.effects.backlash, f.effects.hysteresis
+    if play is not None:
+        room = f.stops.high - f.stops.low
+        require(
+            play < room,
+            f"backlash = {display.amount(play, unit)}",
+            f"below the way between the stops, {display.amount(room, unit)}",
+        )
+    if lag is not None:
+        require(
+            lag < knots[-1],
+            f"valve.hysteresis = {display.amount(lag, 'm')}",
+            f"below the full travel, {display.amount(knots[-1], 'm')}",
+        )
     if f.actuator != "motor":
         require(f.drive.number == int(f.drive.number), f"cylinder.number = {f.drive.number:g}", "a whole number")  # type: ignore[union-attr]
         require(f.drive.rod < f.drive.bore, "cylinder.rod", "below the bore")  # type: ignore[union-attr]

@@ -59,4 +59,6 @@ def _function(f: MachineFunction, machine: LayoutMachine) -> str:
         middle = 0.5 * (f.stops.low + f.stops.high)
         arms = [abs(lever(f, link, angle) or 0.0) for angle in (f.stops.low, middle, f.stops.high)]
         text += f", lever arm {', '.join(amount(arm, 'm') for arm in arms)} (low, middle, high)"
+    if f.effects.declared:
+        text += f"; with {', '.join(f.effects.declared)}"
     return text

@@ -7,6 +7,7 @@ from typing import Any
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import read_quantity
 from polydraulic.parameters.layout.conditions import broken_layout
+from polydraulic.parameters.layout.effects import lacking, read_effects
 from polydraulic.parameters.layout.names import name_trouble
 from polydraulic.parameters.layout.reader import Reader
 from polydraulic.parameters.layout.schema import (
@@ -184,8 +185,8 @@ def _function(
     where, before = f"functions.{name}", len(reader.wrong)
     actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
     drive_key = "motor" if actuator == "motor" else "cylinder"
-    needed = ("moves", "actuator", drive_key, *_PARTS)
-    data = reader.table(item, (*needed, *_HELD.get(actuator, ())), (*needed, *_HELD.get(actuator, ())), where)
+    needed = ("moves", "actuator", drive_key, *_PARTS, *_HELD.get(actuator, ()))
+    data = reader.table(item, (*needed, "backlash"), needed, where)
     names = [link.name for link in links]
     moves = reader.word(data, "moves", names, where)
     slides = any(link.name == moves and link.joint == "prismatic" for link in links)
@@ -197,14 +198,16 @@ def _function(
     drive = reader.part(_ACTUATORS[actuator], data, drive_key, where)
     pilot, line = reader.part(Pilot, data, "pilot", where), reader.part(Line, data, "line", where)
     valve = _valve(reader, data, where)
-    friction = reader.part(SlideFriction if slides else Friction, data, "friction", where)
+    dry = lacking(data, "friction", "sticks")
+    friction = reader.part(SlideFriction if slides else Friction, dry, "friction", where)
     stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
+    effects = read_effects(reader, data, where, slides)
     if len(reader.wrong) > before or not links or None in (drive, pilot, line, valve, friction, stops, initial):
         return None
     return MachineFunction(  # a prismatic joint's numbers go by the same names
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
-        Friction(*friction), Stops(*stops), Initial(*initial),  # type: ignore[misc]
+        Friction(*friction), Stops(*stops), Initial(*initial), effects,  # type: ignore[misc]
     )  # fmt: skip
 
 
@@ -218,7 +221,8 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves |
     where, before = f"{where}.valve", len(reader.wrong)
     if "valve" not in data:
         return None
-    found = reader.table(data["valve"], ("knots", *_CURVES), ("knots", *_CURVES), where)
+    needed = ("knots", *_CURVES)
+    found = reader.table(data["valve"], (*needed, "hysteresis", "flow_force"), needed, where)
     knots = reader.numbers(found, "knots", TRAVEL, where)
     curves = [reader.numbers(found, key, CONDUCTANCE, where) for key in _CURVES]
     if len(reader.wrong) > before:

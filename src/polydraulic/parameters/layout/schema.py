@@ -38,6 +38,7 @@ MOMENT = Quantity("kg m2")
 CONDUCTANCE = Quantity("m3/s/Pa^0.5", low=0.0)
 OPENING = Quantity("Pa", low=0.0)
 TRAVEL = Quantity("m", low=0.0)
+TURN = Quantity("rad", low=0.0)
 
 
 class LinkParameters(NamedTuple):
@@ -133,6 +134,40 @@ class SlideInitial(NamedTuple):
     p_b: Pressure
 
 
+class FlowForce(NamedTuple):
+    """What the oil's jets push a spool back with, against its spring: force sqrt(2 density) cos(jet_angle) K a dp at inlet and outlet."""
+
+    spring_rate: Annotated[float, Quantity("N/m", above=0.0)]
+    density: Annotated[float, Quantity("kg/m3", above=0.0)]
+    jet_angle: Annotated[float, Quantity("rad", low=0.0, high=1.5707963267948966)]
+
+
+class Effects(NamedTuple):
+    """Effects that a function has only if the file declares them; those that it does not declare cost nothing.
+
+    Attributes
+    ----------
+    sticks : bool
+        Whether dry friction holds the joint at rest, instead of being smoothed.
+    backlash : float or None, rad or m
+        How far the joint can move while its actuator stands.
+    hysteresis : float or None, m
+        How far the pilot drives the spool back before the orifices follow.
+    flow_force : FlowForce or None
+    """
+
+    sticks: bool = False
+    backlash: float | None = None
+    hysteresis: float | None = None
+    flow_force: FlowForce | None = None
+
+    @property
+    def declared(self) -> tuple[str, ...]:
+        """Keys of those that are declared, as in a file below the function."""
+        keys = ("friction.sticks", "backlash", "valve.hysteresis", "valve.flow_force")
+        return tuple(key for key, value in zip(keys, self, strict=True) if value is not None and value is not False)
+
+
 class MachineFunction(NamedTuple):
     """What an operator moves with one lever.
 
@@ -149,6 +184,7 @@ class MachineFunction(NamedTuple):
         Where it is held.
     pilot, valve, line, friction, stops, initial
         `Friction`, `Stops` and `Initial` hold N, N s/m, m/s and m for a prismatic joint.
+    effects : Effects
     """
 
     name: str
@@ -162,6 +198,7 @@ class MachineFunction(NamedTuple):
     friction: Friction
     stops: Stops
     initial: Initial
+    effects: Effects = Effects()
 
 
 class PumpParameters(NamedTuple):

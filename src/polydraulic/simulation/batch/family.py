@@ -14,7 +14,7 @@ from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, run_block
-from polydraulic.simulation.layout.columns import FLOWS, STATE, circuit_keys, columns_of, cross_name
+from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, kept_quantities
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.loop import run
 
@@ -86,7 +86,7 @@ def _of_layout(machine: LayoutMachine, flow: LayoutFlow, force: bool) -> Family:
             if f not in free:
                 add(f"{f}.angle")
                 continue
-            for quantity, _ in (*STATE, *FLOWS):
+            for quantity in kept_quantities(machine.function(f)):
                 add(f"{f}.{quantity}")
             found[f"{f}.p_in"], found[f"{f}.p_out"] = (p_in + place, "Pa"), (p_in + n + place, "Pa")
         for c in machine.circuits:

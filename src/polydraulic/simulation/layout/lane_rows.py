@@ -5,7 +5,16 @@ from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, columns_of, cross_name, gap_name
+from polydraulic.simulation.layout.columns import (
+    CIRCUIT,
+    FLOWS,
+    MORE_STATE,
+    STATE,
+    columns_of,
+    cross_name,
+    gap_name,
+    has,
+)
 from polydraulic.simulation.layout.expand import Rows
 from polydraulic.simulation.layout.page_lists import crossover_rows
 
@@ -59,7 +68,8 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
         Whether there is a force at the tip.
     """
     columns = columns_of(machine)
-    groups = {q: [columns.place[f"{f}.{q}"] for f in machine.names] for q, _ in (*STATE, *FLOWS)}
+    quantities = [q for q, _ in (*STATE, *MORE_STATE, *FLOWS) if any(has(f, q) for f in machine.functions)]
+    groups = {q: [columns.place[f"{f.name}.{q}"] for f in machine.functions if has(f, q)] for q in quantities}
     end = len(columns.columns)
 
     def rows(n: int) -> list[int]:
@@ -92,7 +102,7 @@ def lane_lists(
     """
     place, names = columns_of(machine).place, machine.names
     lists: dict[str, Rows] = {
-        "GROUPS": [{"G": group} for group in rows.groups],
+        "GROUPS": [{"G": group, "T": _kind(group)} for group in rows.groups],
         "FORCE_ROWS": [{"P": len(names) + k, "R": row * LANES} for k, row in enumerate(rows.force)],
         "MASS_ROWS": [{"M": field, "P": row * LANES} for field, row in zip(masses, rows.mass, strict=True)],
         "FUNCTION_ROWS": [
@@ -119,7 +129,10 @@ def lane_lists(
         ],
     }
     lists |= {
-        f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)]
+        f"ROWS_OF_{group}": [
+            {"F": f.name, "P": row * LANES}
+            for f, row in zip([f for f in machine.functions if has(f, group)], of, strict=True)
+        ]
         for group, of in rows.groups.items()
     }
     for c in machine.circuits:
@@ -136,3 +149,8 @@ def lane_lists(
                 {"X": field, "R": row * LANES} for field, row in zip(passed[n], rows.passed[c.name], strict=True)
             ]
     return lists
+
+
+def _kind(group: str) -> str:
+    """Name of the named tuple that a group of rows holds."""
+    return group.title().replace("_", "") if group in dict(MORE_STATE) else "Functions"

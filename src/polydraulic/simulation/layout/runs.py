@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from math import ceil
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,9 +18,17 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.input_check import input_warnings
-from polydraulic.simulation.layout.columns import FLOWS, STATE, Columns, circuit_keys, columns_of, cross_name
-from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
+from polydraulic.simulation.layout.columns import (
+    AddedColumn,
+    Columns,
+    circuit_keys,
+    columns_of,
+    cross_name,
+    kept_quantities,
+)
+from polydraulic.simulation.layout.energy import energy_columns
 from polydraulic.simulation.layout.events import layout_events
+from polydraulic.simulation.layout.forces import force_columns
 from polydraulic.simulation.layout.methods.known import Integrate, run_known
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
@@ -49,6 +57,7 @@ def simulate_layout(
     method: str,
     rtol: float | None = None,
     energy: bool = False,
+    forces: bool = False,
     piece: int = 20_000,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
@@ -73,6 +82,9 @@ def simulate_layout(
             f"method {method!r} needs slopes of all circuits; circuit {machine.crossovers[0].name!r} has a crossover, of which "
             "'semi-implicit' alone knows"
         )
+    declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
+    if declared and method != "semi-implicit":
+        raise InputError(f"{declared[0]}: method {method!r} does not know it; use 'semi-implicit', or leave it out")
     if energy and not model.gives_pump_pressure:
         raise InputError(
             f"the energy account needs pressures of pumps, which flow {model.name!r} does not give; use 'exact'"
@@ -82,6 +94,7 @@ def simulate_layout(
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
     check_served(scenario, model, machine)
+    added = _added(scenario, energy, forces, dt)
     n_step = n_steps(scenario, dt, t_end, every)
     time = np.arange(n_step // every + 1) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
@@ -91,11 +104,11 @@ def simulate_layout(
     info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     if rtol is None:
-        made = _stepped(machine, model, scenario, time, method, dt, every, n_step, energy, piece)
+        made = _stepped(machine, model, scenario, time, method, dt, every, n_step, added, piece)
     else:
-        made = _integrated(machine, scenario, time, method, rtol, energy)
+        made = _integrated(machine, scenario, time, method, rtol, added)
     more = [
-        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
+        AddedColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*made.account, strict=True)
     ]
     return _table(machine, scenario, model, time, made.rows, info | made.info, more)
@@ -106,17 +119,36 @@ class _Made(NamedTuple):
 
     rows: np.ndarray
     info: dict[str, object]
-    account: list[list[EnergyColumn]]
+    account: list[list[AddedColumn]]
+
+
+# from a machine, its kernels and numbers, rows and their times to columns that follow from them
+Added = Callable[[LayoutMachine, Any, Any, np.ndarray, np.ndarray], list[AddedColumn]]
+
+
+def _added(scenario: Scenario, energy: bool, forces: bool, dt: float) -> Added | None:
+    """What a run is to have besides, None where nothing is asked for."""
+
+    def columns(
+        machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, time: np.ndarray
+    ) -> list[AddedColumn]:
+        push, of = scenario.loads.forces(time), columns_of(machine)
+        account = energy_columns(machine, module, plant, rows, of, push) if energy else ()
+        begun = plant._replace(dt=dt)  # methods that choose their own steps have none
+        pins = force_columns(machine, module, begun, rows, of, push, scenario.locked) if forces else ()
+        return [*account, *pins]
+
+    return columns if energy or forces else None
 
 
 def _stepped(
     machine: LayoutMachine, model: LayoutFlow, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int,
-    n_step: int, energy: bool, piece: int,
+    n_step: int, added: Added | None, piece: int,
 ) -> _Made:  # fmt: skip
     """Run a method with fixed steps."""
     columns = columns_of(machine)
     rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
-    account: list[list[EnergyColumn]] = []
+    account: list[list[AddedColumn]] = []
     state: np.ndarray | None = None
     memory = np.zeros(model.n_memory)
     for part in segments(machine, scenario.loads.payload, dt, n_step):
@@ -132,10 +164,8 @@ def _stepped(
             steps = np.arange(first, end + 1)
             new = (steps % every == 0) & ((steps > first) | (first == 0))
             rows[steps[new] // every] = own[new]
-            if energy and new.any():
-                forces = scenario.loads.forces(steps[new] * dt)
-                of = energy_columns(part.machine, ready.module, ready.plant, own[new], columns, forces)
-                account.append([*of])
+            if added is not None and new.any():
+                account.append(added(part.machine, ready.module, ready.plant, own[new], steps[new] * dt))
     info: dict[str, object] = {"steps": n_step}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
     info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
@@ -143,16 +173,15 @@ def _stepped(
 
 
 def _integrated(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, energy: bool
+    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, added: Added | None
 ) -> _Made:
     """Run a method that chooses its own steps."""
-    run, columns = run_known(machine, scenario, time, rtol, method, _solver(method)), columns_of(machine)
-    account: list[list[EnergyColumn]] = []
-    for part, first, end in run.parts if energy else ():
-        forces = scenario.loads.forces(time[first:end])
+    run = run_known(machine, scenario, time, rtol, method, _solver(method))
+    account: list[list[AddedColumn]] = []
+    for part, first, end in run.parts if added is not None else ():
         module = layout_module(part.machine, force=bool(scenario.loads.force))
-        if end > first:
-            account.append([*energy_columns(part.machine, module, part.plant, run.rows[first:end], columns, forces)])
+        if added is not None and end > first:
+            account.append(added(part.machine, module, part.plant, run.rows[first:end], time[first:end]))
     return _Made(run.rows, {"rtol": rtol, **run.info}, account)
 
 
@@ -250,7 +279,7 @@ def _table(
     time: np.ndarray,
     rows: np.ndarray,
     info: dict[str, object],
-    more: Sequence[EnergyColumn],
+    more: Sequence[AddedColumn],
 ) -> Table:
     """Name the columns of recorded rows, and add what follows from them, and `more`."""
     columns = columns_of(machine)
@@ -270,7 +299,7 @@ def _table(
         if f in scenario.locked:
             continue
         add(f"{f}.voltage", "V", voltages[:, place])
-        of = {quantity: recorded(f"{f}.{quantity}") for quantity, _ in (*STATE, *FLOWS)}
+        of = {quantity: recorded(f"{f}.{quantity}") for quantity in kept_quantities(machine.function(f))}
         forward = of["spool"] >= 0.0
         add(f"{f}.p_in", "Pa", np.where(forward, of["p_a"], of["p_b"]))
         add(f"{f}.p_out", "Pa", np.where(forward, of["p_b"], of["p_a"]))

@@ -5,7 +5,7 @@ in it, so that machines that differ in numbers alone share it, and what has been
 """
 
 import ast
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from importlib.resources import files
 
 from polydraulic.flow.lanes import LANES
@@ -18,7 +18,7 @@ from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
 from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
-_PAGES = ("joints", "step", "loop", "energy")
+_PAGES = ("joints", "step", "loop", "energy", "forces")
 _FLOWS = {
     "exact": ("flow", "flow_exact"),
     "networks": ("flow_networks",),
@@ -26,6 +26,7 @@ _FLOWS = {
     "lookup": ("flow_lookup",),
 }  # pages of flows, by what circuits get
 _LANES = ("lanes", "crossover")  # for exact circuits alone
+_EFFECT_PAGES = {"stops": "NONE_STICKING", "stiction": "ANY_STICKING", "spools": "ANY_VALVE_EFFECT"}  # before "step"
 _IMPORTS = (
     "from typing import NamedTuple",
     "import numpy as np",
@@ -49,6 +50,10 @@ _IMPORTS = (
     "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",
     "from polydraulic.simulation.loop import DIVERGED, FASTEST, rest_outlet",
+)
+_EFFECT_IMPORTS = (
+    "from polydraulic.machine.actuator import dry_friction, sliding_torque, viscous_torque",
+    "from polydraulic.machine.play import actuator_rate, felt_torque, followed, jet, pushed_back, taken_up",
 )
 
 
@@ -75,7 +80,7 @@ def layout_of(machine: LayoutMachine) -> Hashable:
         (link.name, link.parent, link.joint, link.axis, link.mass > 0.0, *map(tuple, (link.at, link.cg, link.inertia)))
         for link in machine.links
     )
-    functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots)) for f in machine.functions)
+    functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots), f.effects.declared) for f in machine.functions)
     crossovers = tuple((x.name, x.giving, x.taking) for x in machine.crossovers)
     return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits), machine.tip[0], crossovers
 
@@ -88,13 +93,14 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     stages = (*_FLOWS[flow], *_PAGES, *(_LANES if exact else ()))
     pages = {
         name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8")
-        for name in ("values", "valve", *stages)
+        for name in ("values", "valve", *_EFFECT_PAGES, *stages)
     }
     tip = function_of(machine, machine.tip[0])
     motion = motion_text(tree_of(machine), points=[tip])
     lengths = sorted({len(f.valve.knots) for f in machine.functions if flow != "networks"})
     longer = sorted({len(c.functions) for c in machine.circuits if exact and len(c.functions) > 2})
-    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
+    effects = _EFFECT_IMPORTS if any(f.effects.declared for f in machine.functions) else ()
+    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ()), *effects])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
@@ -112,9 +118,16 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
         *circuits.values(),
         *(expanded(pages["valve"], *valve_letters(n)) for n in lengths),
         expanded("class State" + rest, lists),
-        *(expanded(pages[name], lists) for name in stages),
+        *(expanded(pages[name], lists) for name in _with_effects(stages, lists)),
     ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _with_effects(stages: Sequence[str], lists: Mapping[str, Rows]) -> list[str]:
+    """Pages in their order, with those that the machine's effects need."""
+    effects = [page for page, needed in _EFFECT_PAGES.items() if lists[needed]]
+    place = stages.index("step")
+    return [*stages[:place], *effects, *stages[place:]]
 
 
 def valve_letters(n: int) -> tuple[dict[str, Rows], dict[str, str]]:
