@@ -123,6 +123,7 @@ def simulate(
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
+    settings: Any = {"dt": dt, "raster": raster, "method": method, "energy": energy, "forces": forces}
     runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
     with progress_bar("simulate") as progress:
         progress(f"flow model {flow}", 0, pieces)
@@ -130,20 +131,11 @@ def simulate(
         for number, name in enumerate(names):
             used = chosen if name == flow else name
             progress(f"compile for {name} (once after an installation)", 2 * number + 1, pieces)
-            run(
-                plant,
-                used,
-                what,
-                dt=dt,
-                t_end=min(dt if raster is None else raster, what.duration),
-                raster=raster,
-                method=method,
-                energy=energy,
-                forces=forces,
-            )
+            first_row = min(dt if raster is None else raster, what.duration)
+            run(plant, used, what, t_end=first_row, **settings)
             progress(name, 2 * number + 2, pieces)
             begun = time.perf_counter()
-            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method, energy=energy, forces=forces)
+            runs[name] = run(plant, used, what, **settings)
             seconds = time.perf_counter() - begun
         if out is not None:
             progress(f"write {out}", pieces - 2, pieces)
