@@ -62,7 +62,16 @@ def layout_calls(machine, scenario):
         n = round(scenario.duration / dt)
         ready, inputs = prepare_layout(machine, dt), step_inputs(machine, scenario, np.arange(n) * dt)
         rows, counts = np.empty((len(times), len(columns_of(machine).columns))), np.zeros(2, dtype=np.int64)
-        arguments = (ready.valves, ready.plant, ready.start, inputs, round(RASTER / dt), rows, counts)
+        arguments = (
+            ready.valves,
+            np.zeros(ready.n_memory),
+            ready.plant,
+            ready.start,
+            inputs,
+            round(RASTER / dt),
+            rows,
+            counts,
+        )
         return lambda: (ready.module.run(*arguments), rows)[1]
 
     def known(rtol, method):
@@ -116,6 +125,8 @@ def main():
     for name in ["cat215b", *(name for name in machine_names() if name != "cat215b")]:
         machine = load_machine(name)
         functions = function_names(machine)
+        if functions != LINKS and machine.crossovers:  # of which the Rosenbrock method has no slopes
+            continue
         own = "task" if name == "cat215b" else scenario_names(name)[0]
         print(f"  {name}", flush=True)
         compared(machine, load_scenario(own, functions=functions))

@@ -91,7 +91,7 @@ def solved(at, e, right):
     """(e - J)^-1 (right + drift), through a Rosenbrock step of one stage."""
     n, h = len(at.machine.names), 1e-9
     tableau = Tableau(1.0 / (e * h), np.zeros((1, 1)), np.zeros((1, 1)), np.zeros(1), np.array([1.0 / h]))
-    work = step_scratch(at.module, n, len(at.known), len(at.machine.circuits))
+    work = step_scratch(at.module, n, len(at.known), len(at.machine.circuits) + len(at.machine.crossovers))
     work.free[:], work.y[:] = at.free, at.y
     coefficients = np.zeros((len(at.known), 8))
     coefficients[:, 0], coefficients[:, 1] = at.known, at.known_rate

@@ -31,6 +31,7 @@ LINK_CONDITIONS = (
     ("line B runs empty", "line B fills"),
 )
 PUMP_CONDITION = ("pump relief opens", "pump relief closes")
+CROSSOVER_CONDITION = ("crossover opens", "crossover closes")
 # (link or circuit, what begins, what ends) of each bit
 CONDITIONS = (
     *((link, *words) for words in LINK_CONDITIONS for link in LINKS),

@@ -77,11 +77,6 @@ def simulate_layout(
             f"flow {model.name!r} with method {method!r}: machines of other layouts than that of 'cat215b' run with 'semi-implicit', or with "
             "flow 'exact'"
         )
-    if method != "semi-implicit" and machine.crossovers:
-        raise InputError(
-            f"method {method!r} needs slopes of all circuits; circuit {machine.crossovers[0].name!r} has a crossover, of which "
-            "'semi-implicit' alone knows"
-        )
     declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
     if declared and method != "semi-implicit":
         raise InputError(f"{declared[0]}: method {method!r} does not know it; use 'semi-implicit', or leave it out")

@@ -1,6 +1,6 @@
 """Events of a run of any layout as a solver goes: the conditions of `simulation.layout.events`, in plain arrays.
 
-Conditions are numbered kind by kind, function by function, then one for each circuit; a flag says whether one holds.
+Conditions are numbered kind by kind, function by function, then one for each circuit and one for each crossover; a flag says whether one holds.
 """
 
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ import numpy as np
 from polydraulic._kernel import driver
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.events import LINK_CONDITIONS, MAX_EVENTS, PUMP_CONDITION, EventLog
+from polydraulic.simulation.events import CROSSOVER_CONDITION, LINK_CONDITIONS, MAX_EVENTS, PUMP_CONDITION, EventLog
 
 N_KIND = len(LINK_CONDITIONS)
 _N_SPOOL = 2  # kinds that look at spools
@@ -38,16 +38,16 @@ def event_limits(machine: LayoutMachine) -> EventLimits:
 
 
 @driver
-def fill_flags(x: np.ndarray, reliefs: np.ndarray, limits: EventLimits, flags: np.ndarray) -> None:
+def fill_flags(x: np.ndarray, opened: np.ndarray, limits: EventLimits, flags: np.ndarray) -> None:
     """Flags of the conditions that hold at a state, a row of spools, pressures A and B, positions and rates.
 
     Parameters
     ----------
     x : (5 n_function,) array
-    reliefs : (n_circuit,) array, m3/s
-        Flows over the pumps' relief valves.
+    opened : (n_circuit + n_crossover,) array, m3/s
+        Flows over the pumps' relief valves, then through crossovers.
     limits : EventLimits
-    flags : (N_KIND n_function + n_circuit,) array of int
+    flags : (N_KIND n_function + n_circuit + n_crossover,) array of int
         Filled.
     """
     n = limits.valve.shape[0]
@@ -61,8 +61,8 @@ def fill_flags(x: np.ndarray, reliefs: np.ndarray, limits: EventLimits, flags: n
         flags[5 * n + j] = 1 if p_b >= limits.relief[j] else 0
         flags[6 * n + j] = 1 if p_a <= limits.floor[j] else 0
         flags[7 * n + j] = 1 if p_b <= limits.floor[j] else 0
-    for c in range(reliefs.shape[0]):
-        flags[N_KIND * n + c] = 1 if reliefs[c] > 1e-12 else 0  # below is rounding
+    for c in range(opened.shape[0]):
+        flags[N_KIND * n + c] = 1 if opened[c] > 1e-12 else 0  # below is rounding
 
 
 @driver
@@ -114,6 +114,7 @@ def listed_events(log: EventLog, machine: LayoutMachine, locked: tuple[str, ...]
         (name, words, {name}) for words in LINK_CONDITIONS for name in machine.names
     ]
     words += [(c.name, PUMP_CONDITION, set(c.functions)) for c in machine.circuits]
+    words += [(x.name, CROSSOVER_CONDITION, set(machine.circuit(x.giving).functions)) for x in machine.crossovers]
     rows: list[list[Any]] = []
     for k in np.argsort(log.time[:kept], kind="stable"):
         code = int(log.code[k])

@@ -99,7 +99,7 @@ def run_known(
     """
     columns, n = columns_of(machine), len(machine.names)
     x0, rows, counts = start_vector(machine), np.empty((len(time), len(columns.columns))), dict[str, int]()
-    n_flag = N_KIND * n + len(machine.circuits)
+    n_flag = N_KIND * n + len(machine.circuits) + len(machine.crossovers)
     flags = np.zeros((2, n_flag), dtype=np.int64)
     watch, parts = Watch(new_log(), event_limits(machine), *flags), []
     rows[0, : columns.n_state] = x0

@@ -27,7 +27,7 @@ class _Equations:
         self._n = len(part.machine.names)
         self._inputs = np.empty((2, part.motion.coefficients.shape[1]))
         self._f, self.free = np.empty(4 * self._n), np.ones(2 * self._n)
-        self._reliefs = np.empty(len(part.machine.circuits))
+        self._opened = np.empty(len(part.machine.circuits) + len(part.machine.crossovers))
         self.piece = first_piece(part.motion, part.start)
         self.conditions: Any = None
 
@@ -59,8 +59,8 @@ class _Equations:
 
     def fill_flags(self, t: float, y: np.ndarray, watch: Watch, flags: np.ndarray) -> None:
         part, known = self._part, self.known(t)
-        part.module.store_reliefs(part.valves, part.plant, self.conditions, self.free, known, y, self._f, self._reliefs)
-        fill_flags(self.state(t, y), self._reliefs, watch.limits, flags)
+        part.module.store_opened(part.valves, part.plant, self.conditions, self.free, known, y, self._f, self._opened)
+        fill_flags(self.state(t, y), self._opened, watch.limits, flags)
 
 
 def integrate(

@@ -44,7 +44,9 @@ def integrate(
     module, machine, motion = part.module, part.machine, part.motion
     check_slopes(machine)
     slopes = module.prepare_slopes(tree_of(machine), machine.gravity)
-    work = step_scratch(module, len(machine.names), motion.coefficients.shape[1], len(machine.circuits))
+    work = step_scratch(
+        module, len(machine.names), motion.coefficients.shape[1], len(machine.circuits) + len(machine.crossovers)
+    )
     work.y[:] = y
     numbers = np.array([*(counts.get(name, 0) for name in _COUNTS), row], dtype=np.int64)
     status = module.run_rosenbrock(
@@ -55,8 +57,8 @@ def integrate(
     return Reached(int(numbers[-1]), work.y.copy(), "" if status == DONE else FAILURES[status])
 
 
-def step_scratch(module: Any, n: int, n_input: int, n_circuit: int) -> Any:
-    """Scratch for a run of a machine with `n` functions."""
+def step_scratch(module: Any, n: int, n_input: int, n_valve: int) -> Any:
+    """Scratch for a run of a machine with `n` functions; `n_valve` relief valves and crossovers open and shut."""
     y, f, y_new, f_new, y_stage, f_stage = np.zeros((6, 4 * n))
     return module.Work(
         y=y, f=f, y_new=y_new, f_new=f_new, y_stage=y_stage, f_stage=f_stage,
@@ -64,5 +66,5 @@ def step_scratch(module: Any, n: int, n_input: int, n_circuit: int) -> Any:
         known=np.zeros(n_input), known_rate=np.zeros(n_input), inside=np.zeros(n_input), unused=np.zeros(n_input),
         by_position=np.zeros((n, n)), by_rate=np.zeros((n, n)), matrix=np.zeros((2 * n, 2 * n)),
         order=np.zeros(2 * n, dtype=np.int64), right=np.zeros(2 * n),
-        before=np.zeros(5 * n), after=np.zeros(5 * n), reliefs=np.zeros(n_circuit),
+        before=np.zeros(5 * n), after=np.zeros(5 * n), opened=np.zeros(n_valve),
     )  # fmt: skip

@@ -128,6 +128,7 @@ def _lists(machine: LayoutMachine, masses: Sequence[str]) -> dict[str, Rows]:
         "LINE_PAIRS": [{"F": f, "P": k, "R": n + k} for k, f in enumerate(names)],
         "ANGLE_PLACES": [{"F": f, "P": 2 * n + k, "R": 3 * n + k} for k, f in enumerate(names)],
         "RELIEFS": [{"C": c.name, "P": k} for k, c in enumerate(machine.circuits)],
+        "CROSSINGS": [{"X": x.name, "P": k} for k, x in enumerate(machine.crossovers, len(machine.circuits))],
         "SLOPES": [
             {"C": c.name, "N": str(k), "S": f"Slopes{k}", "V": f"Series{k}"}
             for c in machine.circuits
