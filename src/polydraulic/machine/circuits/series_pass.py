@@ -1,22 +1,32 @@
-"""A pass through valves in series: backwards a tangent orifice for each valve and all behind it, forwards each valve's share.
+"""A pass through valves in series: backwards a tangent outlet for each valve and all behind it, forwards each valve's share.
 
 At the flow that arrives, an inlet and what lies behind its bypass look like one orifice of the same pressure and slope. A pass
 puts these together from the last valve to the first, then shares the pump's flow out from the first to the last. Where orifices
 just open, passes may swing to and fro: a flow that turns back moves by half.
+
+Orifices are resistances here, P = p_rest + r Q^2: those in a row add up. What is shut resists by more than any pressure overcomes.
 """
 
 from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.elementary import exp, log
-from polydraulic.machine.pump import Orifice, Pump, _as_one, _inlet_share
-from polydraulic.machine.valve import Orifices, orifice_flow
+from polydraulic.elementary import log
+from polydraulic.machine.circuits.series_check import LEAST
+from polydraulic.machine.pump import Pump
 
-PASSES = 8  # what they leave is repaired
+PASSES = 12  # what they leave is repaired
 AT_FIRST = 1e300  # m3/s; the last change of a flow that has not moved yet
-_REST = 1e-12  # share of pump flow; a smaller change of a pass leaves nothing to do
+SHUT = 1e59  # Pa s2/m6; below the resistance of the narrowest orifice, 1e60
+_REST = 1e-8  # share of pump flow; errors fall with its square from there, to rounding
 _SWING = 0.3  # of its last change: a flow that turns back by more moves by half
+
+
+class Outlet(NamedTuple):
+    """What a flow meets: P = p_rest + r Q^2."""
+
+    r: float  # Pa s2/m6
+    p_rest: float  # Pa
 
 
 class Moved(NamedTuple):
@@ -27,52 +37,61 @@ class Moved(NamedTuple):
 
 
 @kernel
+def resistance(conductance: float) -> float:
+    """Pa s2/m6 of an orifice; a shut one has more than `SHUT`."""
+    k = max(conductance, LEAST)
+    return 1.0 / (k * k)
+
+
+@kernel
 def settled(largest: float, flow: float) -> bool:
-    """Whether the largest change of a pass was rounding."""
+    """Whether the largest change of a pass leaves nothing to do."""
     return largest <= _REST * flow
 
 
 @kernel
-def tangent(flow: float, inlet: float, p_in: float, behind: Orifice) -> Orifice:
-    """Inlet and what lies behind the bypass as one orifice at a flow; where nothing flows, the one that opens first."""
-    q = _inlet_share(flow, inlet, behind.square, p_in - behind.p_rest)
-    both = _as_one(flow, q, inlet, behind.square, p_in, behind.p_rest)
-    opens = flow <= 0.0 and inlet > 0.0 and (p_in < behind.p_rest or behind.square <= 0.0)
-    return Orifice(inlet * inlet if opens else both.square, p_in if opens else both.p_rest)
+def tangent(flow: float, inlet: float, p_in: float, behind: Outlet) -> Outlet:
+    """An inlet of resistance `inlet` and what lies behind the bypass as one outlet at a flow; where nothing flows, the one that opens first.
+
+    Its share of the flow is n / d, the rest m / d, in closed form: no pressure, and no sum of like numbers. One of both
+    that is negative passes nothing.
+    """
+    gap = p_in - behind.p_rest
+    n = behind.r * flow * flow - gap
+    root = sqrt(max(inlet * n + behind.r * gap, 0.0))
+    d, m = behind.r * flow + root, flow * root + gap
+    by_inlet, by_bypass = inlet * max(n, 0.0), behind.r * max(m, 0.0)
+    both = flow * (by_inlet + by_bypass)
+    inverse = 1.0 / (d * both + 1e-300)
+    q, rest, r = max(n, 0.0) * both * inverse, max(m, 0.0) * both * inverse, by_inlet * by_bypass * inverse
+    p = p_in + inlet * q * q if inlet <= behind.r else behind.p_rest + behind.r * rest * rest
+    p_rest = p - r * flow * flow
+    inlet_alone = behind.r >= SHUT or m <= 0.0
+    r = inlet if inlet_alone else (behind.r if n <= 0.0 else r)
+    p_rest = p_in if inlet_alone else (behind.p_rest if n <= 0.0 else p_rest)
+    return Outlet(behind.r if inlet >= SHUT else r, behind.p_rest if inlet >= SHUT else p_rest)
 
 
 @kernel
-def last_tangent(flow: float, k: Orifices, p_in: float, p_return: float) -> Orifice:
-    """Inlet and bypass of the last valve as one orifice."""
-    return tangent(flow, k.inlet, p_in, Orifice(k.bypass * k.bypass, p_return))
+def through(bypass: float, behind: Outlet) -> Outlet:
+    """A bypass and what lies behind it as one outlet."""
+    return Outlet(bypass + behind.r, behind.p_rest)
 
 
 @kernel
-def through(bypass: float, behind: Orifice) -> Orifice:
-    """A bypass and what lies behind it as one orifice."""
-    b = bypass * bypass
-    return Orifice(b * behind.square / (b + behind.square + 1e-300), behind.p_rest)
-
-
-@kernel
-def passed_on(flow: float, inlet: float, p_in: float, behind: Orifice) -> float:
+def passed_on(flow: float, inlet: float, p_in: float, behind: Outlet) -> float:
     """What of the flow that arrives passes the bypass."""
-    rest = flow - _inlet_share(flow, inlet, behind.square, p_in - behind.p_rest)
-    return rest if behind.square > 0.0 else 0.0
+    gap = p_in - behind.p_rest
+    root = sqrt(max(inlet * (behind.r * flow * flow - gap) + behind.r * gap, 0.0))
+    rest = min(max((flow * root + gap) / (behind.r * flow + root + 1e-300), 0.0), flow)
+    return 0.0 if behind.r >= SHUT else (flow if inlet >= SHUT else rest)
 
 
 @kernel
-def passed_last(flow: float, k: Orifices, p_in: float, p_return: float) -> float:
-    """What of the flow that arrives passes the last bypass, to the tank."""
-    return passed_on(flow, k.inlet, p_in, Orifice(k.bypass * k.bypass, p_return))
-
-
-@kernel
-def passed_first(flow: float, inlet: float, p_in: float, behind: Orifice, pump: Pump) -> float:
+def passed_first(flow: float, inlet: float, p_in: float, behind: Outlet, pump: Pump) -> float:
     """What passes the first bypass: no more than the relief pressure drives."""
-    q = _inlet_share(flow, inlet, behind.square, p_in - behind.p_rest)
-    q = min(q, orifice_flow(inlet, pump.relief - p_in))
-    return min(flow - q, sqrt(max(behind.square * (pump.relief - behind.p_rest), 0.0)))
+    at_relief = sqrt(max(pump.relief - behind.p_rest, 0.0) / behind.r)
+    return min(passed_on(flow, inlet, p_in, behind), at_relief)
 
 
 @kernel
@@ -85,13 +104,13 @@ def stepped(old: float, last: float, new: float, limit: float, still: bool) -> M
 
 
 @kernel
-def limited(old: float, last: float, whole: Orifice, pump: Pump, still: bool) -> Moved:
-    """One Newton step of ln(Q / flow) towards the torque limit for a circuit that looks like `whole` at Q."""
-    n, Q = pump.limit_exponent, pump.flow * exp(old)
-    rise = min(Q * Q / (whole.square + 1e-300), 1e15)
+def limited(old: float, last: float, Q: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """One Newton step of ln(Q / flow), `old` so far, towards the torque limit for a circuit that looks like `whole` at Q."""
+    n = pump.limit_exponent
+    rise = min(whole.r * Q * Q, 1e15)
     p = max(whole.p_rest + rise, 1.0)
     off = n * log(p / pump.limit_start) + old
-    change = -off / (1.0 + 2.0 * n * min(rise / p, 1.0))
+    change = -off * p / (p + 2.0 * n * min(rise, p))
     swings = change * last < 0.0 and abs(change) > _SWING * abs(last)
     moves = min(max(old + (0.5 * change if swings else change), pump.log_least), 0.0)
     value = old if still else moves

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
+from polydraulic.machine.pump import Bracket, Pump
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, columns_of, gap_name
 from polydraulic.simulation.layout.expand import Rows
@@ -12,6 +13,31 @@ _SCRATCH = (
     "seen_in", "seen_out", "inlet", "bypass", "outlet", "voltage", "lever_a", "lever_b", "bias", "weight", "old_angle", "old_rate",
     "acceleration",
 )  # fmt: skip
+
+
+_BRACKET = [field for field in Bracket._fields if field != "low_unknown"]
+
+
+class PackedRows(NamedTuple):
+    """Numbers of rows for machines at the torque limit, which are packed together: scratch of one circuit after the other.
+
+    Attributes
+    ----------
+    lane : int
+        From which lane a machine is.
+    pump, bracket : list of int
+        Its pump, and how far its flow is known.
+    valve : list of list of int
+        Inlet, bypass and pressure of each valve.
+    found : list of int
+        Flows and pressures.
+    """
+
+    lane: int
+    pump: list[int]
+    bracket: list[int]
+    valve: list[list[int]]
+    found: list[int]
 
 
 class LaneRows(NamedTuple):
@@ -23,7 +49,8 @@ class LaneRows(NamedTuple):
         Row of each function, in their order, by what the rows hold.
     mass : list of int
     passed : dict
-        Rows for the passes of a circuit, by its name.
+        Rows for the passes of a circuit and what resists them, by its name.
+    packed : PackedRows
     status : dict
         Row for the status of a circuit's flows, by its name.
     force : list of int
@@ -36,6 +63,7 @@ class LaneRows(NamedTuple):
     groups: dict[str, list[int]]
     mass: list[int]
     passed: dict[str, list[int]]
+    packed: PackedRows
     status: dict[str, int]
     force: list[int]
     steps: int
@@ -53,7 +81,7 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
     n_mass : int
         Entries of the mass matrix that are not zero by structure.
     n_passed : mapping
-        Numbers that a pass of a circuit hands on, by the number of its valves, where there are passes.
+        Numbers that a pass of a circuit reads and hands on, by the number of its valves, where there are passes.
     force : bool
         Whether there is a force at the tip.
     """
@@ -69,10 +97,18 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
     groups |= {name: rows(len(machine.names)) for name in _SCRATCH}
     mass = rows(n_mass)
     passed = {c.name: rows(n_passed[len(c.functions)]) for c in machine.circuits if len(c.functions) in n_passed}
+    most = max((len(c.functions) for c in machine.circuits if len(c.functions) not in n_passed), default=0)
+    packed = PackedRows(
+        rows(1)[0],
+        rows(len(Pump._fields)),
+        rows(len(_BRACKET)),
+        [rows(3) for _ in range(most)],
+        rows(2 * most + len(CIRCUIT)),
+    )
     status = {c.name: rows(1)[0] for c in machine.circuits}
     pushes = rows(3) if force else []
     steps, unsettled, met = rows(3)
-    return LaneRows(groups, mass, passed, status, pushes, steps, unsettled, met, end)
+    return LaneRows(groups, mass, passed, packed, status, pushes, steps, unsettled, met, end)
 
 
 def lane_lists(
@@ -87,9 +123,9 @@ def lane_lists(
     masses : sequence of str
         Fields of the mass matrix.
     passed : mapping
-        Fields of the passes of a circuit, by the number of its valves.
+        Fields of the passes of a circuit, then of its path, by the number of its valves.
     """
-    place, names = columns_of(machine).place, machine.names
+    place, names, packed = columns_of(machine).place, machine.names, rows.packed
     lists: dict[str, Rows] = {
         "GROUPS": [{"G": group} for group in rows.groups],
         "FORCE_ROWS": [{"P": len(names) + k, "R": row * LANES} for k, row in enumerate(rows.force)],
@@ -107,30 +143,57 @@ def lane_lists(
             }
             for c in machine.circuits
         ],
-        "SHORT_CIRCUITS": [
-            {"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed
-        ],
-        "LONG_CIRCUITS": [
-            {"C": c.name, "N": str(len(c.functions)), "T": f"Passed{len(c.functions)}"}
-            for c in machine.circuits
-            if len(c.functions) in passed
-        ],
+        "PUMP_ROWS": _numbered("X", Pump._fields, packed.pump),
+        "BRACKET_ROWS": _numbered("X", _BRACKET, packed.bracket),
+        "PACKED_ROWS": [{"R": row * LANES} for of in packed.valve for row in of],
     }
+    circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
+    lists["SHORT_CIRCUITS"] = [
+        {**named, "P": place[f"{c.name}.p_pump"] * LANES} for c, n, named in circuits if n not in passed
+    ]
+    lists["LONG_CIRCUITS"] = [
+        {**named, "T": f"Passed{n}", "U": f"Path{n}", "STATUS": rows.status[c.name] * LANES}
+        for c, n, named in circuits
+        if n in passed
+    ]
     lists |= {
         f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)]
         for group, of in rows.groups.items()
     }
-    for c in machine.circuits:
-        n = len(c.functions)
-        lists[f"INLET_ROWS_OF_{c.name}"] = [
-            {"I": str(k), "R": place[f"{f}.q_in"] * LANES} for k, f in enumerate(c.functions, 1)
+    for c, n, _ in circuits:
+        valves, gaps = [str(k) for k in range(1, n + 1)], [str(k) for k in range(1, n)]
+        words = [word for word, _ in CIRCUIT]
+        found = [
+            *(place[f"{f}.q_in"] for f in c.functions),
+            *(place[gap_name(c.name, k, n)] for k in range(1, n)),
+            *(place[f"{c.name}.{word}"] for word in words),
         ]
-        lists[f"WORD_ROWS_OF_{c.name}"] = [{"W": word, "R": place[f"{c.name}.{word}"] * LANES} for word, _ in CIRCUIT]
-        lists[f"GAP_ROWS_OF_{c.name}"] = [
-            {"I": str(k), "R": place[gap_name(c.name, k, n)] * LANES} for k in range(1, n)
-        ]
+        lists[f"INLET_ROWS_OF_{c.name}"] = _numbered("I", valves, found[:n])
+        lists[f"GAP_ROWS_OF_{c.name}"] = _numbered("I", gaps, found[n : 2 * n - 1])
+        lists[f"WORD_ROWS_OF_{c.name}"] = _numbered("W", words, found[2 * n - 1 :])
         if n in passed:
-            lists[f"PASSED_ROWS_OF_{c.name}"] = [
-                {"X": field, "R": row * LANES} for field, row in zip(passed[n], rows.passed[c.name], strict=True)
-            ]
+            fields, of, n_path = passed[n], rows.passed[c.name], 2 * n
+            lists[f"PASSED_ROWS_OF_{c.name}"] = _numbered("X", fields[:-n_path], of[:-n_path])
+            lists[f"PATH_ROWS_OF_{c.name}"] = _numbered("X", fields[-n_path:], of[-n_path:])
+            continue
+        read = [rows.groups[group][names.index(f)] for f in c.functions for group in ("inlet", "bypass", "seen_in")]
+        packing = [row for of in packed.valve[:n] for row in of]
+        lists[f"TO_PACK_OF_{c.name}"] = _moved(read, packing)
+        lists[f"PACKED_OF_{c.name}"] = [
+            {letter: row * LANES for letter, row in zip("ABP", of, strict=True)} for of in packed.valve[:n]
+        ]
+        lists[f"PACKED_INLETS_OF_{c.name}"] = _numbered("I", valves, packed.found[:n])
+        lists[f"PACKED_GAPS_OF_{c.name}"] = _numbered("I", gaps, packed.found[n : 2 * n - 1])
+        lists[f"PACKED_WORDS_OF_{c.name}"] = _numbered("W", words, packed.found[2 * n - 1 : 2 * n - 1 + len(words)])
+        lists[f"FROM_PACK_OF_{c.name}"] = _moved(packed.found[: len(found)], found)
     return lists
+
+
+def _numbered(letter: str, values: Sequence[str], rows: Sequence[int]) -> Rows:
+    """Values of a letter, each with its row R."""
+    return [{letter: value, "R": row * LANES} for value, row in zip(values, rows, strict=True)]
+
+
+def _moved(sources: Sequence[int], targets: Sequence[int]) -> Rows:
+    """Rows S that become rows R."""
+    return [{"S": a * LANES, "R": b * LANES} for a, b in zip(sources, targets, strict=True)]

@@ -25,14 +25,15 @@ _IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OK",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
+    "from polydraulic.elementary import exp",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports",
     "from polydraulic.machine.joints import passes_stop, turned_joint",
     "from polydraulic.machine.pilot import PilotStep, pilot_step",
-    "from polydraulic.flow.lanes import LANES, at",
-    "from polydraulic.machine.pump import Circuit, Pump, limits",
-    "from polydraulic.machine.series_short import free_series_1, free_series_2, series_1, series_2",
+    "from polydraulic.flow.lanes import GROUP, LANES, at",
+    "from polydraulic.machine.pump import LIMIT_PASSES, Bracket, Circuit, Pump, limits, unlimited",
+    "from polydraulic.machine.series_short import limit_series_1, limit_series_2, series_1, series_1_at, series_2, series_2_at",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.parameters.schema import Friction, Stops",
@@ -80,7 +81,7 @@ def _text(machine: LayoutMachine, force: bool) -> str:
     imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
-    passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
+    passed = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
     rows = lane_rows(machine, len(masses), {n: len(fields) for n, fields in passed.items()}, force)
     lists = page_lists(machine, tip, force) | lane_lists(machine, rows, masses, passed)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
@@ -89,6 +90,7 @@ def _text(machine: LayoutMachine, force: bool) -> str:
         "\n".join(imports),
         f"N_FUNCTION, N_RECORD = {len(machine.names)}, {len(columns_of(machine).columns)}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
+        f"PACKED_LANE_ROW = {rows.packed.lane * LANES}",
         expanded(first, lists),
         "Joints = Functions",
         motion,
