@@ -50,48 +50,49 @@ def settled(largest: float, flow: float) -> bool:
 
 
 @kernel
-def tangent(flow: float, inlet: float, p_in: float, behind: Outlet) -> Outlet:
-    """An inlet of resistance `inlet` and what lies behind the bypass as one outlet at a flow; where nothing flows, the one that opens first.
+def tangent(flow: float, inlet: float, p_in: float, beyond: Outlet) -> Outlet:
+    """An inlet of resistance `inlet` and what lies beyond the bypass as one outlet at a flow; where nothing flows, the one that opens first.
 
     Its share of the flow is n / d, the rest m / d, in closed form: no pressure, and no sum of like numbers. One of both
     that is negative passes nothing.
     """
-    gap = p_in - behind.p_rest
-    n = behind.r * flow * flow - gap
-    root = sqrt(max(inlet * n + behind.r * gap, 0.0))
-    d, m = behind.r * flow + root, flow * root + gap
-    by_inlet, by_bypass = inlet * max(n, 0.0), behind.r * max(m, 0.0)
+    gap = p_in - beyond.p_rest
+    n = beyond.r * flow * flow - gap
+    root = sqrt(max(inlet * n + beyond.r * gap, 0.0))
+    d, m = beyond.r * flow + root, flow * root + gap
+    by_inlet, by_bypass = inlet * max(n, 0.0), beyond.r * max(m, 0.0)
     both = flow * (by_inlet + by_bypass)
     inverse = 1.0 / (d * both + 1e-300)
     q, rest, r = max(n, 0.0) * both * inverse, max(m, 0.0) * both * inverse, by_inlet * by_bypass * inverse
-    p = p_in + inlet * q * q if inlet <= behind.r else behind.p_rest + behind.r * rest * rest
+    p = p_in + inlet * q * q if inlet <= beyond.r else beyond.p_rest + beyond.r * rest * rest
     p_rest = p - r * flow * flow
-    inlet_alone = behind.r >= SHUT or m <= 0.0
-    r = inlet if inlet_alone else (behind.r if n <= 0.0 else r)
-    p_rest = p_in if inlet_alone else (behind.p_rest if n <= 0.0 else p_rest)
-    return Outlet(behind.r if inlet >= SHUT else r, behind.p_rest if inlet >= SHUT else p_rest)
+    inlet_alone = beyond.r >= SHUT or m <= 0.0
+    r = inlet if inlet_alone else (beyond.r if n <= 0.0 else r)
+    p_rest = p_in if inlet_alone else (beyond.p_rest if n <= 0.0 else p_rest)
+    return Outlet(beyond.r if inlet >= SHUT else r, beyond.p_rest if inlet >= SHUT else p_rest)
 
 
 @kernel
-def through(bypass: float, behind: Outlet) -> Outlet:
-    """A bypass and what lies behind it as one outlet."""
-    return Outlet(bypass + behind.r, behind.p_rest)
+def behind(flow: float, inlet: float, p_in: float, beyond: Outlet, bypass: float) -> Outlet:
+    """A bypass of resistance `bypass`, then the next valve's inlet and what lies `beyond` its own bypass, as one outlet at a flow."""
+    tail = tangent(flow, inlet, p_in, beyond)
+    return Outlet(bypass + tail.r, tail.p_rest)
 
 
 @kernel
-def passed_on(flow: float, inlet: float, p_in: float, behind: Outlet) -> float:
+def passed_on(flow: float, inlet: float, p_in: float, beyond: Outlet) -> float:
     """What of the flow that arrives passes the bypass."""
-    gap = p_in - behind.p_rest
-    root = sqrt(max(inlet * (behind.r * flow * flow - gap) + behind.r * gap, 0.0))
-    rest = min(max((flow * root + gap) / (behind.r * flow + root + 1e-300), 0.0), flow)
-    return 0.0 if behind.r >= SHUT else (flow if inlet >= SHUT else rest)
+    gap = p_in - beyond.p_rest
+    root = sqrt(max(inlet * (beyond.r * flow * flow - gap) + beyond.r * gap, 0.0))
+    rest = min(max((flow * root + gap) / (beyond.r * flow + root + 1e-300), 0.0), flow)
+    return 0.0 if beyond.r >= SHUT else (flow if inlet >= SHUT else rest)
 
 
 @kernel
-def passed_first(flow: float, inlet: float, p_in: float, behind: Outlet, pump: Pump) -> float:
+def passed_first(flow: float, inlet: float, p_in: float, beyond: Outlet, pump: Pump) -> float:
     """What passes the first bypass: no more than the relief pressure drives."""
-    at_relief = sqrt(max(pump.relief - behind.p_rest, 0.0) / behind.r)
-    return min(passed_on(flow, inlet, p_in, behind), at_relief)
+    at_relief = sqrt(max(pump.relief - beyond.p_rest, 0.0) / beyond.r)
+    return min(passed_on(flow, inlet, p_in, beyond), at_relief)
 
 
 @kernel

@@ -1,9 +1,9 @@
 """Text of the circuit of n valves in series on a pump: named tuples and straight-line kernels around those written by hand.
 
 Valves are counted from the pump. `series_n` solves a circuit: passes until they settle, the certificate, the march for what that refuses.
-Lanes call its parts, so that the loop over passes stands outside the loop over lanes: `series_n_path`, `series_n_begin`, then until all
-have settled, at most `PASSES` times, `series_n_pass`, and `series_n_end`; if a pump has a torque limit `series_n_limit_pass` and
-`series_n_limit_end`; and `series_n_repair` where the status is not `PROVED`. Once a circuit has settled a pass leaves it as it is, and a pass with torque limit
+Lanes have the same order of the same kernels: `series_n_path`, `series_n_begin`, then until all have settled, at most `PASSES` times, what
+`series_n_pass`, or if a pump has a torque limit `series_n_limit_pass`, calls, each in a loop over lanes of its own; `series_n_end`; and
+`series_n_repair` where the status is not `PROVED`. Once a circuit has settled a pass leaves it as it is, and a pass with torque limit
 does to a pump without one what the other does, so that lanes have the bits of single circuits.
 """
 
@@ -17,8 +17,8 @@ SERIES_IMPORTS = (
     "from polydraulic.machine.circuits.series_check import FAR, PROVED, UNPROVED, Junction, delivers, first_node, node, status_of",
     "from polydraulic.machine.circuits.series_march import HALVINGS, Climb, asks_too_much, before_bypass, before_outlet, climbed",
     "from polydraulic.machine.circuits.series_march import delivers_at, highest_root, joined, lowest_root, march_status, reached_at, unreached",
-    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, limited, passed_first, passed_on",
-    "from polydraulic.machine.circuits.series_pass import resistance, settled, stepped, tangent, through",
+    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, behind, limited, passed_first",
+    "from polydraulic.machine.circuits.series_pass import passed_on, resistance, settled, stepped, tangent",
     "from polydraulic.machine.pump import Circuit",
     "from polydraulic.machine.valve import orifice_flow",
 )
@@ -125,11 +125,9 @@ def _largest(n: int) -> str:
 
 
 def _backwards(n: int) -> str:
-    inner = """    behind_~ = through(path.b_~, tail)
-    tail = tangent(x.w_~-, path.a_~, p_~, behind_~)
-"""
-    return f"""    tail = tangent(x.w_{n - 1}, path.a_{n}, p_{n}, Outlet(path.b_{n}, pump.p_return))
-{repeated(inner, range(n - 1, 1, -1))}    behind_1 = through(path.b_1, tail)""".replace("\n\n", "\n")
+    line = "    behind_~ = behind(x.w_~, path.a_~+, p_~+, behind_~+, path.b_~)"
+    return f"""    behind_{n} = Outlet(path.b_{n}, pump.p_return)
+{repeated(line, range(n - 1, 0, -1))}"""
 
 
 def _forwards(n: int, flow: str) -> str:

@@ -49,7 +49,8 @@ class LaneRows(NamedTuple):
         Row of each function, in their order, by what the rows hold.
     mass : list of int
     passed : dict
-        Rows for the passes of a circuit and what resists them, by its name.
+        Rows for the passes of a circuit, by its name and theirs: fields of its passes and path; r_i and rest_i of what lies behind valve i, or
+        of all for 0; and whether it is still.
     packed : PackedRows
     status : dict
         Row for the status of a circuit's flows, by its name.
@@ -62,7 +63,7 @@ class LaneRows(NamedTuple):
 
     groups: dict[str, list[int]]
     mass: list[int]
-    passed: dict[str, list[int]]
+    passed: dict[str, dict[str, int]]
     packed: PackedRows
     status: dict[str, int]
     force: list[int]
@@ -72,7 +73,7 @@ class LaneRows(NamedTuple):
     n_row: int
 
 
-def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], force: bool = False) -> LaneRows:
+def lane_rows(machine: LayoutMachine, n_mass: int, passes: Mapping[int, Sequence[str]], force: bool = False) -> LaneRows:
     """Give every value a row.
 
     Parameters
@@ -80,8 +81,8 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
     machine : LayoutMachine
     n_mass : int
         Entries of the mass matrix that are not zero by structure.
-    n_passed : mapping
-        Numbers that a pass of a circuit reads and hands on, by the number of its valves, where there are passes.
+    passes : mapping
+        Fields of the passes of a circuit, then of its path, by the number of its valves, where there are passes.
     force : bool
         Whether there is a force at the tip.
     """
@@ -96,8 +97,13 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
 
     groups |= {name: rows(len(machine.names)) for name in _SCRATCH}
     mass = rows(n_mass)
-    passed = {c.name: rows(n_passed[len(c.functions)]) for c in machine.circuits if len(c.functions) in n_passed}
-    most = max((len(c.functions) for c in machine.circuits if len(c.functions) not in n_passed), default=0)
+    passed = {}
+    for c in machine.circuits:
+        n = len(c.functions)
+        if n in passes:
+            fields = [*passes[n], *(f"{word}_{i}" for i in range(n + 1) for word in ("r", "rest")), "still"]
+            passed[c.name] = dict(zip(fields, rows(len(fields)), strict=True))
+    most = max((len(c.functions) for c in machine.circuits if len(c.functions) not in passes), default=0)
     packed = PackedRows(
         rows(1)[0],
         rows(len(Pump._fields)),
@@ -112,7 +118,7 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
 
 
 def lane_lists(
-    machine: LayoutMachine, rows: LaneRows, masses: Sequence[str], passed: Mapping[int, Sequence[str]]
+    machine: LayoutMachine, rows: LaneRows, masses: Sequence[str], passes: Mapping[int, Sequence[str]]
 ) -> dict[str, Rows]:
     """Lists of the page of lanes; P, B, R and STATUS are places of rows in the flat array of a block.
 
@@ -122,8 +128,8 @@ def lane_lists(
     rows : LaneRows
     masses : sequence of str
         Fields of the mass matrix.
-    passed : mapping
-        Fields of the passes of a circuit, then of its path, by the number of its valves.
+    passes : mapping
+        As for `lane_rows`.
     """
     place, names, packed = columns_of(machine).place, machine.names, rows.packed
     lists: dict[str, Rows] = {
@@ -149,12 +155,18 @@ def lane_lists(
     }
     circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
     lists["SHORT_CIRCUITS"] = [
-        {**named, "P": place[f"{c.name}.p_pump"] * LANES} for c, n, named in circuits if n not in passed
+        {**named, "P": place[f"{c.name}.p_pump"] * LANES} for c, n, named in circuits if n not in passes
     ]
     lists["LONG_CIRCUITS"] = [
-        {**named, "T": f"Passed{n}", "U": f"Path{n}", "STATUS": rows.status[c.name] * LANES}
+        {
+            **named,
+            "T": f"Passed{n}",
+            "U": f"Path{n}",
+            "STATUS": rows.status[c.name] * LANES,
+            "STILL": rows.passed[c.name]["still"] * LANES,
+        }
         for c, n, named in circuits
-        if n in passed
+        if n in passes
     ]
     lists |= {
         f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)]
@@ -171,10 +183,9 @@ def lane_lists(
         lists[f"INLET_ROWS_OF_{c.name}"] = _numbered("I", valves, found[:n])
         lists[f"GAP_ROWS_OF_{c.name}"] = _numbered("I", gaps, found[n : 2 * n - 1])
         lists[f"WORD_ROWS_OF_{c.name}"] = _numbered("W", words, found[2 * n - 1 :])
-        if n in passed:
-            fields, of, n_path = passed[n], rows.passed[c.name], 2 * n
-            lists[f"PASSED_ROWS_OF_{c.name}"] = _numbered("X", fields[:-n_path], of[:-n_path])
-            lists[f"PATH_ROWS_OF_{c.name}"] = _numbered("X", fields[-n_path:], of[-n_path:])
+        if n in passes:
+            ports = [rows.groups["seen_in"][names.index(f)] for f in c.functions]
+            lists |= _pass_lists(c.name, n, rows.passed[c.name], passes[n], ports)
             continue
         read = [rows.groups[group][names.index(f)] for f in c.functions for group in ("inlet", "bypass", "seen_in")]
         packing = [row for of in packed.valve[:n] for row in of]
@@ -187,6 +198,34 @@ def lane_lists(
         lists[f"PACKED_WORDS_OF_{c.name}"] = _numbered("W", words, packed.found[2 * n - 1 : 2 * n - 1 + len(words)])
         lists[f"FROM_PACK_OF_{c.name}"] = _moved(packed.found[: len(found)], found)
     return lists
+
+
+def _pass_lists(name: str, n: int, of: Mapping[str, int], fields: Sequence[str], ports: Sequence[int]) -> dict[str, Rows]:
+    """Lists of the passes of a circuit of n valves, whose rows `of` are named; ports are rows of pressures."""
+
+    def at(**letters: str | int) -> dict[str, str | int]:
+        return {letter: (of[row] if isinstance(row, str) else row) * LANES for letter, row in letters.items()}
+
+    def valve(i: int) -> dict[str, str | int]:
+        return at(A=f"a_{i}", P=ports[i - 1], R=f"r_{i}", S=f"rest_{i}")
+
+    def passed(i: int) -> dict[str, str | int]:
+        return at(Q=f"w_{i - 1}" if i > 1 else "q_pump", W=f"w_{i}", D=f"dw_{i}") | valve(i)
+
+    n_path, inner = 2 * n, range(1, n)
+    found: dict[str, Rows] = {
+        "PASSED_ROWS": _numbered("X", fields[:-n_path], [of[x] for x in fields[:-n_path]]),
+        "PATH_ROWS": _numbered("X", fields[-n_path:], [of[x] for x in fields[-n_path:]]),
+        "TANK": [at(B=f"b_{n}", R=f"r_{n}", S=f"rest_{n}")],
+        "BACKWARDS": [
+            {"I": str(i)} | at(W=f"w_{i}", B=f"b_{i}", X=f"r_{i}", Y=f"rest_{i}") | valve(i + 1) for i in reversed(inner)
+        ],
+        "PUMP": [at(Q="q_pump", Y="y", E="dy", V="r_0", X="rest_0") | valve(1)],
+        "FIRST": [passed(1)],
+        "FORWARDS": [{"I": str(i)} | passed(i) for i in inner if i > 1],
+        "CHANGES": [{"D": f"dw_{i}"} for i in inner],
+    }
+    return {f"{key}_OF_{name}": rows for key, rows in found.items()}
 
 
 def _numbered(letter: str, values: Sequence[str], rows: Sequence[int]) -> Rows:

@@ -81,9 +81,9 @@ def _text(machine: LayoutMachine, force: bool) -> str:
     imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
-    passed = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
-    rows = lane_rows(machine, len(masses), {n: len(fields) for n, fields in passed.items()}, force)
-    lists = page_lists(machine, tip, force) | lane_lists(machine, rows, masses, passed)
+    passes = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
+    rows = lane_rows(machine, len(masses), passes, force)
+    lists = page_lists(machine, tip, force) | lane_lists(machine, rows, masses, passes)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
     parts = [
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
