@@ -11,7 +11,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.elementary import log
+from polydraulic.elementary import exp, log
 from polydraulic.machine.circuits.series_check import LEAST
 from polydraulic.machine.pump import Pump
 
@@ -56,20 +56,23 @@ def tangent(flow: float, inlet: float, p_in: float, beyond: Outlet) -> Outlet:
     Its share of the flow is n / d, the rest m / d, in closed form: no pressure, and no sum of like numbers. One of both
     that is negative passes nothing.
     """
-    gap = p_in - beyond.p_rest
-    n = beyond.r * flow * flow - gap
-    root = sqrt(max(inlet * n + beyond.r * gap, 0.0))
-    d, m = beyond.r * flow + root, flow * root + gap
-    by_inlet, by_bypass = inlet * max(n, 0.0), beyond.r * max(m, 0.0)
-    both = flow * (by_inlet + by_bypass)
-    inverse = 1.0 / (d * both + 1e-300)
-    q, rest, r = max(n, 0.0) * both * inverse, max(m, 0.0) * both * inverse, by_inlet * by_bypass * inverse
-    p = p_in + inlet * q * q if inlet <= beyond.r else beyond.p_rest + beyond.r * rest * rest
-    p_rest = p - r * flow * flow
-    inlet_alone = beyond.r >= SHUT or m <= 0.0
-    r = inlet if inlet_alone else (beyond.r if n <= 0.0 else r)
-    p_rest = p_in if inlet_alone else (beyond.p_rest if n <= 0.0 else p_rest)
-    return Outlet(beyond.r if inlet >= SHUT else r, beyond.p_rest if inlet >= SHUT else p_rest)
+    r, p_rest = beyond.r, beyond.p_rest
+    if inlet < SHUT and beyond.r >= SHUT:
+        r, p_rest = inlet, p_in
+    elif inlet < SHUT:
+        gap = p_in - beyond.p_rest
+        n = beyond.r * flow * flow - gap
+        root = sqrt(max(inlet * n + beyond.r * gap, 0.0))
+        d, m = beyond.r * flow + root, flow * root + gap
+        by_inlet, by_bypass = inlet * max(n, 0.0), beyond.r * max(m, 0.0)
+        both = flow * (by_inlet + by_bypass)
+        inverse = 1.0 / (d * both + 1e-300)
+        q, rest, r_both = max(n, 0.0) * both * inverse, max(m, 0.0) * both * inverse, by_inlet * by_bypass * inverse
+        p = p_in + inlet * q * q if inlet <= beyond.r else beyond.p_rest + beyond.r * rest * rest
+        p_rest = p - r_both * flow * flow
+        r = inlet if m <= 0.0 else (beyond.r if n <= 0.0 else r_both)
+        p_rest = p_in if m <= 0.0 else (beyond.p_rest if n <= 0.0 else p_rest)
+    return Outlet(r, p_rest)
 
 
 @kernel
@@ -82,10 +85,12 @@ def behind(flow: float, inlet: float, p_in: float, beyond: Outlet, bypass: float
 @kernel
 def passed_on(flow: float, inlet: float, p_in: float, beyond: Outlet) -> float:
     """What of the flow that arrives passes the bypass."""
-    gap = p_in - beyond.p_rest
-    root = sqrt(max(inlet * (beyond.r * flow * flow - gap) + beyond.r * gap, 0.0))
-    rest = min(max((flow * root + gap) / (beyond.r * flow + root + 1e-300), 0.0), flow)
-    return 0.0 if beyond.r >= SHUT else (flow if inlet >= SHUT else rest)
+    passed = 0.0 if beyond.r >= SHUT else flow
+    if inlet < SHUT and beyond.r < SHUT:
+        gap = p_in - beyond.p_rest
+        root = sqrt(max(inlet * (beyond.r * flow * flow - gap) + beyond.r * gap, 0.0))
+        passed = min(max((flow * root + gap) / (beyond.r * flow + root + 1e-300), 0.0), flow)
+    return passed
 
 
 @kernel
@@ -107,12 +112,20 @@ def stepped(old: float, last: float, new: float, limit: float, still: bool) -> M
 @kernel
 def limited(old: float, last: float, Q: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
     """One Newton step of ln(Q / flow), `old` so far, towards the torque limit for a circuit that looks like `whole` at Q."""
-    n = pump.limit_exponent
     rise = min(whole.r * Q * Q, 1e15)
-    p = max(whole.p_rest + rise, 1.0)
-    off = n * log(p / pump.limit_start) + old
-    change = -off * p / (p + 2.0 * n * min(rise, p))
-    swings = change * last < 0.0 and abs(change) > _SWING * abs(last)
-    moves = min(max(old + (0.5 * change if swings else change), pump.log_least), 0.0)
-    value = old if still else moves
+    p, value = max(whole.p_rest + rise, 1.0), old
+    if not still and (p > pump.limit_start or old < 0.0):
+        n = pump.limit_exponent
+        change = -(n * log(p / pump.limit_start) + old) * p / (p + 2.0 * n * min(rise, p))
+        swings = change * last < 0.0 and abs(change) > _SWING * abs(last)
+        value = min(max(old + (0.5 * change if swings else change), pump.log_least), 0.0)
     return Moved(value, value - old)
+
+
+@kernel
+def flow_at(y: float, pump: Pump) -> float:
+    """Flow of a pump whose ln(Q / flow) is y."""
+    flow = pump.flow
+    if y < 0.0:
+        flow = pump.flow * exp(y)
+    return flow

@@ -13,12 +13,11 @@ from polydraulic.machine.circuits.wording import definitions, each, repeated, va
 SERIES_IMPORTS = (
     "from typing import NamedTuple",
     "from polydraulic._kernel import kernel",
-    "from polydraulic.elementary import exp",
     "from polydraulic.machine.circuits.series_check import FAR, PROVED, UNPROVED, Junction, delivers, first_node, node, status_of",
     "from polydraulic.machine.circuits.series_march import HALVINGS, Climb, asks_too_much, before_bypass, before_outlet, climbed",
     "from polydraulic.machine.circuits.series_march import delivers_at, highest_root, joined, lowest_root, march_status, reached_at, unreached",
-    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, behind, limited, passed_first",
-    "from polydraulic.machine.circuits.series_pass import passed_on, resistance, settled, stepped, tangent",
+    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, behind, flow_at, limited",
+    "from polydraulic.machine.circuits.series_pass import passed_first, passed_on, resistance, settled, stepped, tangent",
     "from polydraulic.machine.pump import Circuit",
     "from polydraulic.machine.valve import orifice_flow",
 )
@@ -103,7 +102,7 @@ def series_{n}_limit_pass(x, path, {_ports(n)}):
     still = series_{n}_limit_settled(x)
 {_backwards(n)}
     y = limited(x.y, x.dy, x.q_pump, tangent(x.q_pump, path.a_1, p_1, behind_1), pump, still)
-    q_pump = x.q_pump if still else pump.flow * exp(y.value)
+    q_pump = flow_at(y.value, pump)
 {_forwards(n, "q_pump")}
 {_result(n, "q_pump", "y.value, y.change")}
 '''
