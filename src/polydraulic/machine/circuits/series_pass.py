@@ -110,22 +110,51 @@ def stepped(old: float, last: float, new: float, limit: float, still: bool) -> M
 
 
 @kernel
-def limited(old: float, last: float, Q: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
-    """One Newton step of ln(Q / flow), `old` so far, towards the torque limit for a circuit that looks like `whole` at Q."""
-    rise = min(whole.r * Q * Q, 1e15)
-    p, value = max(whole.p_rest + rise, 1.0), old
-    if not still and (p > pump.limit_start or old < 0.0):
-        n = pump.limit_exponent
-        change = -(n * log(p / pump.limit_start) + old) * p / (p + 2.0 * n * min(rise, p))
-        swings = change * last < 0.0 and abs(change) > _SWING * abs(last)
-        value = min(max(old + (0.5 * change if swings else change), pump.log_least), 0.0)
-    return Moved(value, value - old)
+def least_flow(pump: Pump) -> float:
+    """What a pump delivers at least, in m3/s."""
+    return pump.flow * exp(pump.log_least)
 
 
 @kernel
-def flow_at(y: float, pump: Pump) -> float:
-    """Flow of a pump whose ln(Q / flow) is y."""
-    flow = pump.flow
-    if y < 0.0:
-        flow = pump.flow * exp(y)
-    return flow
+def _towards(off: float, Q: float, last: float, least: float, p: float, rise: float, pump: Pump) -> Moved:
+    """One Newton step of ln Q at the pressure p; `off` is how far n ln p + ln Q is from the torque limit."""
+    step = -off * p / (p + 2.0 * pump.limit_exponent * min(rise, p))
+    step = 0.5 * step if step * last < 0.0 and abs(step) > _SWING * abs(last) else step
+    step = min(max(step, -1.0), 1.0)
+    value = min(max(Q * (2.0 + step) / (2.0 - step), least), pump.flow)
+    return Moved(value, value / Q - 1.0)
+
+
+@kernel
+def limited_power(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """A step from Q towards the torque limit of a pump of constant power whose circuit looks like `whole` at Q; the change is a share.
+
+    No logarithm is needed: the one in its place has the same root, and the same slope there.
+    """
+    rise = min(whole.r * Q * Q, 1e15)
+    p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
+    if not still and (p > pump.limit_start or Q < pump.flow):
+        z = p * Q / (pump.limit_start * pump.flow)
+        moved = _towards(2.0 * (z - 1.0) / (z + 1.0), Q, last, least, p, rise, pump)
+    return moved
+
+
+@kernel
+def limited_law(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """The same for any exponent."""
+    rise = min(whole.r * Q * Q, 1e15)
+    p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
+    if not still and (p > pump.limit_start or Q < pump.flow):
+        off = pump.limit_exponent * log(p / pump.limit_start) + log(Q / pump.flow)
+        moved = _towards(off, Q, last, least, p, rise, pump)
+    return moved
+
+
+@kernel
+def limited(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """The one or the other."""
+    if pump.limit_exponent == 1.0:
+        moved = limited_power(Q, last, least, whole, pump, still)
+    else:
+        moved = limited_law(Q, last, least, whole, pump, still)
+    return moved

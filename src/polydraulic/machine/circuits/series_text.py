@@ -16,7 +16,7 @@ SERIES_IMPORTS = (
     "from polydraulic.machine.circuits.series_check import FAR, PROVED, UNPROVED, Junction, delivers, first_node, node, status_of",
     "from polydraulic.machine.circuits.series_march import HALVINGS, Climb, asks_too_much, before_bypass, before_outlet, climbed",
     "from polydraulic.machine.circuits.series_march import delivers_at, highest_root, joined, lowest_root, march_status, reached_at, unreached",
-    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, behind, flow_at, limited",
+    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, behind, least_flow, limited",
     "from polydraulic.machine.circuits.series_pass import passed_first, passed_on, resistance, settled, stepped, tangent",
     "from polydraulic.machine.pump import Circuit",
     "from polydraulic.machine.valve import orifice_flow",
@@ -50,11 +50,11 @@ class Path{n}(NamedTuple):
 
 
 class Passed{n}(NamedTuple):
-    """Between two passes: the pump's flow and ln of its share, what passes each valve; last changes."""
+    """Between two passes: the pump's flow, its least, what passes each valve; last changes, the pump's as a share."""
 
     q_pump: float  # m3/s
-    y: float
-    dy: float
+    least: float  # m3/s
+    dq: float
 {repeated("    w_~: float  # m3/s", range(1, n))}
 {repeated("    dw_~: float  # m3/s", range(1, n))}
 '''
@@ -72,7 +72,7 @@ def series_{n}_path({each("k_~", 1, n)}):
 def series_{n}_begin(pump):
     """Where passes start: most of the flow passes all valves."""
     flow = pump.flow
-    return Passed{n}(flow, 0.0, AT_FIRST, {", ".join(f"{1.0 - 0.1 * i:.1f} * flow" for i in range(1, n))}, {each("AT_FIRST", 2, n)})
+    return Passed{n}(flow, least_flow(pump), AT_FIRST, {", ".join(f"{1.0 - 0.1 * i:.1f} * flow" for i in range(1, n))}, {each("AT_FIRST", 2, n)})
 
 
 @kernel
@@ -87,13 +87,13 @@ def series_{n}_pass(x, path, {_ports(n)}):
     still = series_{n}_settled(x)
 {_backwards(n)}
 {_forwards(n, "x.q_pump")}
-{_result(n, "x.q_pump", "x.y, x.dy")}
+{_result(n, "x.q_pump", "x.dq")}
 
 
 @kernel
 def series_{n}_limit_settled(x):
     """Whether the last pass left nothing to do, the pump's flow included."""
-    return settled(max(abs(x.dy) * x.q_pump, {_largest(n)}), x.q_pump)
+    return settled(max(abs(x.dq) * x.q_pump, {_largest(n)}), x.q_pump)
 
 
 @kernel
@@ -101,10 +101,10 @@ def series_{n}_limit_pass(x, path, {_ports(n)}):
     """One pass, and between its halves a step of the pump's flow towards the torque limit."""
     still = series_{n}_limit_settled(x)
 {_backwards(n)}
-    y = limited(x.y, x.dy, x.q_pump, tangent(x.q_pump, path.a_1, p_1, behind_1), pump, still)
-    q_pump = flow_at(y.value, pump)
-{_forwards(n, "q_pump")}
-{_result(n, "q_pump", "y.value, y.change")}
+    whole = tangent(x.q_pump, path.a_1, p_1, behind_1)
+    q = limited(x.q_pump, x.dq, x.least, whole, pump, still)
+{_forwards(n, "q.value")}
+{_result(n, "q.value", "q.change")}
 '''
 
 
@@ -112,8 +112,8 @@ def _ports(n: int) -> str:
     return f"{each('p_~', 1, n)}, pump"
 
 
-def _result(n: int, flow: str, y: str) -> str:
-    return f"    return Passed{n}({flow}, {y}, {each('to_~.value', 1, n - 1)}, {each('to_~.change', 1, n - 1)})"
+def _result(n: int, flow: str, change: str) -> str:
+    return f"    return Passed{n}({flow}, x.least, {change}, {each('to_~.value', 1, n - 1)}, {each('to_~.change', 1, n - 1)})"
 
 
 def _largest(n: int) -> str:

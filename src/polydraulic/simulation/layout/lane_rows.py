@@ -220,7 +220,7 @@ def _pass_lists(name: str, n: int, of: Mapping[str, int], fields: Sequence[str],
         "BACKWARDS": [
             {"I": str(i)} | at(W=f"w_{i}", B=f"b_{i}", X=f"r_{i}", Y=f"rest_{i}") | valve(i + 1) for i in reversed(inner)
         ],
-        "PUMP": [at(Q="q_pump", Y="y", E="dy", V="r_0", X="rest_0") | valve(1)],
+        "PUMP": [at(Q="q_pump", Y="least", E="dq", V="r_0", X="rest_0") | valve(1)],
         "FIRST": [passed(1)],
         "FORWARDS": [{"I": str(i)} | passed(i) for i in inner if i > 1],
         "CHANGES": [{"D": f"dw_{i}"} for i in inner],

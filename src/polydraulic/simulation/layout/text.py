@@ -39,6 +39,7 @@ _IMPORTS = (
     "from polydraulic.parameters.schema import Friction, Stops",
     "from polydraulic.simulation.loop import DIVERGED, FASTEST, rest_outlet",
 )
+_LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
 
 
 def layout_text(machine: LayoutMachine, *, force: bool = False) -> str:
@@ -78,7 +79,7 @@ def _text(machine: LayoutMachine, force: bool) -> str:
     motion = motion_text(tree_of(machine), points=[tip])
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
-    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ())])
+    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *((*SERIES_IMPORTS, *_LONG_IMPORTS) if longer else ())])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passes = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
