@@ -55,9 +55,9 @@ def repair_all{loop}        put(series_{n}_repair({valves}), i, out)
 
 
 @driver
-def pass_all{loop}        path, x = series_{n}_path({listed('Orifices(inlets[i, {i}], bypasses[i, {i}], 0.0)', n)}), series_{n}_begin(pump)
+def pass_all{loop}        path, x = series_{n}_path({listed("Orifices(inlets[i, {i}], bypasses[i, {i}], 0.0)", n)}), series_{n}_begin(pump)
         for _ in range(PASSES):
-            x = series_{n}_limit_pass(x, path, {listed('ports[i, {i}]', n)}, pump)
+            x = series_{n}_limit_pass(x, path, {listed("ports[i, {i}]", n)}, pump)
         put(series_{n}_limit_end(x, path, {valves}), i, out)
 """
 

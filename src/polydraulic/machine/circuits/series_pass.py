@@ -16,9 +16,9 @@ from polydraulic.machine.circuits.series_check import LEAST
 from polydraulic.machine.pump import Pump
 
 PASSES = 12  # what they leave is repaired
-AT_FIRST = 1e300  # m3/s; the last change of a flow that has not moved yet
+AT_FIRST = 1e100  # m3/s; the last change of a flow that has not moved yet
 SHUT = 1e59  # Pa s2/m6; below the resistance of the narrowest orifice, 1e60
-_REST = 1e-8  # share of pump flow; errors fall with its square from there, to rounding
+_SMALL, _REST = 1e-8, 1e-13  # shares of pump flow: the last change may be small, the next one rounding
 _SWING = 0.3  # of its last change: a flow that turns back by more moves by half
 
 
@@ -44,9 +44,9 @@ def resistance(conductance: float) -> float:
 
 
 @kernel
-def settled(largest: float, flow: float) -> bool:
-    """Whether the largest change of a pass leaves nothing to do."""
-    return largest <= _REST * flow
+def settled(largest: float, before: float, flow: float) -> bool:
+    """Whether the largest change of a pass is small, and leaves nothing to do if changes go on falling by the factor since `before`."""
+    return largest <= _SMALL * flow and largest * largest <= _REST * flow * before
 
 
 @kernel
@@ -133,7 +133,7 @@ def limited_power(Q: float, last: float, least: float, whole: Outlet, pump: Pump
     """
     rise = min(whole.r * Q * Q, 1e15)
     p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
-    if not still and (p > pump.limit_start or Q < pump.flow):
+    if not still and (p > pump.limit_start or pump.flow > Q):
         z = p * Q / (pump.limit_start * pump.flow)
         moved = _towards(2.0 * (z - 1.0) / (z + 1.0), Q, last, least, p, rise, pump)
     return moved
@@ -144,7 +144,7 @@ def limited_law(Q: float, last: float, least: float, whole: Outlet, pump: Pump, 
     """The same for any exponent."""
     rise = min(whole.r * Q * Q, 1e15)
     p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
-    if not still and (p > pump.limit_start or Q < pump.flow):
+    if not still and (p > pump.limit_start or pump.flow > Q):
         off = pump.limit_exponent * log(p / pump.limit_start) + log(Q / pump.flow)
         moved = _towards(off, Q, last, least, p, rise, pump)
     return moved

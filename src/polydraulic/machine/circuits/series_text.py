@@ -50,13 +50,15 @@ class Path{n}(NamedTuple):
 
 
 class Passed{n}(NamedTuple):
-    """Between two passes: the pump's flow, its least, what passes each valve; last changes, the pump's as a share."""
+    """Between two passes: the pump's flow, its least, what passes each valve; last changes, the pump's as a share; whether all has settled."""
 
     q_pump: float  # m3/s
     least: float  # m3/s
     dq: float
 {repeated("    w_~: float  # m3/s", range(1, n))}
 {repeated("    dw_~: float  # m3/s", range(1, n))}
+    largest: float  # m3/s
+    still: bool
 '''
 
 
@@ -72,38 +74,28 @@ def series_{n}_path({each("k_~", 1, n)}):
 def series_{n}_begin(pump):
     """Where passes start: most of the flow passes all valves."""
     flow = pump.flow
-    return Passed{n}(flow, least_flow(pump), AT_FIRST, {", ".join(f"{1.0 - 0.1 * i:.1f} * flow" for i in range(1, n))}, {each("AT_FIRST", 2, n)})
-
-
-@kernel
-def series_{n}_settled(x):
-    """Whether the last pass at a given flow of the pump left nothing to do."""
-    return settled({_largest(n)}, x.q_pump)
+    return Passed{n}(flow, least_flow(pump), AT_FIRST, {", ".join(f"{1.0 - 0.1 * i:.1f} * flow" for i in range(1, n))}, {each("AT_FIRST", 1, n)}, False)
 
 
 @kernel
 def series_{n}_pass(x, path, {_ports(n)}):
     """One pass at a given flow of the pump: tangents from the last valve to the first, then shares back."""
-    still = series_{n}_settled(x)
+    still = x.still
 {_backwards(n)}
 {_forwards(n, "x.q_pump")}
+    largest = {_largest(n)}
 {_result(n, "x.q_pump", "x.dq")}
-
-
-@kernel
-def series_{n}_limit_settled(x):
-    """Whether the last pass left nothing to do, the pump's flow included."""
-    return settled(max(abs(x.dq) * x.q_pump, {_largest(n)}), x.q_pump)
 
 
 @kernel
 def series_{n}_limit_pass(x, path, {_ports(n)}):
     """One pass, and between its halves a step of the pump's flow towards the torque limit."""
-    still = series_{n}_limit_settled(x)
+    still = x.still
 {_backwards(n)}
     whole = tangent(x.q_pump, path.a_1, p_1, behind_1)
     q = limited(x.q_pump, x.dq, x.least, whole, pump, still)
 {_forwards(n, "q.value")}
+    largest = max(abs(q.change) * q.value, {_largest(n)})
 {_result(n, "q.value", "q.change")}
 '''
 
@@ -113,13 +105,15 @@ def _ports(n: int) -> str:
 
 
 def _result(n: int, flow: str, change: str) -> str:
-    return f"    return Passed{n}({flow}, x.least, {change}, {each('to_~.value', 1, n - 1)}, {each('to_~.change', 1, n - 1)})"
+    values, changes = each("to_~.value", 1, n - 1), each("to_~.change", 1, n - 1)
+    still = f"settled(largest, x.largest, {flow})"
+    return f"    return Passed{n}({flow}, x.least, {change}, {values}, {changes}, largest, {still})"
 
 
 def _largest(n: int) -> str:
-    largest = "abs(x.dw_1)"
+    largest = "abs(to_1.change)"
     for i in range(2, n):
-        largest = f"max({largest}, abs(x.dw_{i}))"
+        largest = f"max({largest}, abs(to_{i}.change))"
     return largest
 
 
@@ -180,13 +174,13 @@ def series_{n}({valves(n)}):
     if pump.log_least < 0.0:
         for _ in range(PASSES):
             x = series_{n}_limit_pass(x, path, {_ports(n)})
-            if series_{n}_limit_settled(x):
+            if x.still:
                 break
         s = series_{n}_limit_end(x, path, {valves(n)})
     else:
         for _ in range(PASSES):
             x = series_{n}_pass(x, path, {_ports(n)})
-            if series_{n}_settled(x):
+            if x.still:
                 break
         s = series_{n}_end(x, path, {valves(n)})
     return s if s.status == PROVED else series_{n}_repair({valves(n)})

@@ -50,7 +50,7 @@ class LaneRows(NamedTuple):
     mass : list of int
     passed : dict
         Rows for the passes of a circuit, by its name and theirs: fields of its passes and path; r_i and rest_i of what lies behind valve i, or
-        of all for 0; and whether it is still.
+        of all for 0.
     packed : PackedRows
     status : dict
         Row for the status of a circuit's flows, by its name.
@@ -73,7 +73,9 @@ class LaneRows(NamedTuple):
     n_row: int
 
 
-def lane_rows(machine: LayoutMachine, n_mass: int, passes: Mapping[int, Sequence[str]], force: bool = False) -> LaneRows:
+def lane_rows(
+    machine: LayoutMachine, n_mass: int, passes: Mapping[int, Sequence[str]], force: bool = False
+) -> LaneRows:
     """Give every value a row.
 
     Parameters
@@ -101,7 +103,7 @@ def lane_rows(machine: LayoutMachine, n_mass: int, passes: Mapping[int, Sequence
     for c in machine.circuits:
         n = len(c.functions)
         if n in passes:
-            fields = [*passes[n], *(f"{word}_{i}" for i in range(n + 1) for word in ("r", "rest")), "still"]
+            fields = [*passes[n], *(f"{word}_{i}" for i in range(n + 1) for word in ("r", "rest"))]
             passed[c.name] = dict(zip(fields, rows(len(fields)), strict=True))
     most = max((len(c.functions) for c in machine.circuits if len(c.functions) not in passes), default=0)
     packed = PackedRows(
@@ -200,7 +202,9 @@ def lane_lists(
     return lists
 
 
-def _pass_lists(name: str, n: int, of: Mapping[str, int], fields: Sequence[str], ports: Sequence[int]) -> dict[str, Rows]:
+def _pass_lists(
+    name: str, n: int, of: Mapping[str, int], fields: Sequence[str], ports: Sequence[int]
+) -> dict[str, Rows]:
     """Lists of the passes of a circuit of n valves, whose rows `of` are named; ports are rows of pressures."""
 
     def at(**letters: str | int) -> dict[str, str | int]:
@@ -214,16 +218,18 @@ def _pass_lists(name: str, n: int, of: Mapping[str, int], fields: Sequence[str],
 
     n_path, inner = 2 * n, range(1, n)
     found: dict[str, Rows] = {
-        "PASSED_ROWS": _numbered("X", fields[:-n_path], [of[x] for x in fields[:-n_path]]),
+        "MOVED_ROWS": _numbered("X", fields[: -n_path - 1], [of[x] for x in fields[: -n_path - 1]]),
         "PATH_ROWS": _numbered("X", fields[-n_path:], [of[x] for x in fields[-n_path:]]),
         "TANK": [at(B=f"b_{n}", R=f"r_{n}", S=f"rest_{n}")],
         "BACKWARDS": [
-            {"I": str(i)} | at(W=f"w_{i}", B=f"b_{i}", X=f"r_{i}", Y=f"rest_{i}") | valve(i + 1) for i in reversed(inner)
+            {"I": str(i)} | at(W=f"w_{i}", B=f"b_{i}", X=f"r_{i}", Y=f"rest_{i}") | valve(i + 1)
+            for i in reversed(inner)
         ],
         "PUMP": [at(Q="q_pump", Y="least", E="dq", V="r_0", X="rest_0") | valve(1)],
         "FIRST": [passed(1)],
         "FORWARDS": [{"I": str(i)} | passed(i) for i in inner if i > 1],
-        "CHANGES": [{"D": f"dw_{i}"} for i in inner],
+        "SETTLED": [at(Q="q_pump", E="dq", L="largest")],
+        "CHANGES": [at(D=f"dw_{i}") for i in inner],
     }
     return {f"{key}_OF_{name}": rows for key, rows in found.items()}
 
