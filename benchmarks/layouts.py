@@ -65,7 +65,11 @@ def arranged_layout(name):
     scenario = random_operator(1, SECONDS, functions=machine.names)
     inputs = step_inputs(machine, scenario, np.arange(STEPS) * DT)
     rows = np.empty((STEPS + 1, len(columns_of(machine).columns)))
-    return ready.module.run, (ready.valves, ready.plant, ready.start, inputs, 1, rows, counts), rows
+    return (
+        ready.module.run,
+        (ready.valves, np.zeros(ready.n_memory), ready.plant, ready.start, inputs, 1, rows, counts),
+        rows,
+    )
 
 
 def single(name):
@@ -83,7 +87,7 @@ def in_c(name, folder):
     """The same run by the exported C, with the bits of the loop."""
     loop, arguments, rows = arranged_layout(name)
     loop(*arguments)
-    inputs, n = arguments[3], arguments[3].shape[1]
+    inputs, n = arguments[4], arguments[4].shape[1]
     paths = export_machine(machine_of(name), "exact", folder, name="m")
     (folder / "loop.c").write_text(LOOP.replace("3 * k", f"{n} * k"))
     sources = ["loop.c", *(str(path) for path in paths if path.suffix == ".c")]

@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -38,13 +39,20 @@ def _imports(tree):
             yield node.module.partition(".")[0]
 
 
+@cache
+def _distributions():
+    """Distributions by the names that they install; reading what all of them say takes a second."""
+    return packages_distributions()
+
+
 def _undeclared(names, declared):
-    known = packages_distributions()
+    known = _distributions()
     foreign = sorted(set(names) - set(sys.stdlib_module_names) - OWN)
     homes = {name: {_bare(home) for home in known.get(name, [MODULES.get(name, name)])} for name in foreign}
     return [name for name, home in homes.items() if not home & declared]
 
 
+@cache
 def _trees(*folders):
     paths = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
     assert paths
@@ -79,7 +87,7 @@ def test_benchmarks_import_what_is_declared():
 
 def test_every_dependency_is_used():
     names = {name for tree in _trees("src") for name in _imports(tree)}
-    known = packages_distributions()
+    known = _distributions()
     used = {_bare(home) for name in names for home in known.get(name, [name])}
     assert CORE - used == set()
 

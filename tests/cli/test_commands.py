@@ -68,12 +68,16 @@ def test_animate_writes_a_page(call, tmp_path):
 
 def test_a_machine_of_any_layout_is_simulated_plotted_and_animated(call, tmp_path):
     chosen = ("random:3:0.5", "--machine", "cat215b_bucket", "--units", "field")
-    code, out, _ = call("simulate", *chosen, "--plot", tmp_path / "run.svg", "--out", tmp_path / "run.csv")
+    files = ("--plot", tmp_path / "run.svg", "--out", tmp_path / "run.csv")
+    code, out, _ = call("simulate", *chosen, "--forces", *files)
     assert code == 0
     assert re.search(r"bucket [AB] [\d.]+ psi at .* series pump [\d.]+ psi", out)
     assert re.search(r"at the end: swing .* bucket -?[\d.]+ deg; tip at x [\d.]+ in", out)
     assert (tmp_path / "run.svg").stat().st_size > 10_000
-    assert "bucket.angle" in (tmp_path / "run.csv").read_text().partition("\n")[0]
+    header = (tmp_path / "run.csv").read_text().partition("\n")[0]
+    assert "bucket.angle" in header
+    assert "bucket.cylinder_force [N]" in header
+    assert "swing.pin_moment_z [N m]" in header
     code, _, _ = call("animate", *chosen, "--out", tmp_path / "run.html")
     assert code == 0
     assert '"group":"bucket","title":"inlet pressure","unit":"psi"' in (tmp_path / "run.html").read_text()
@@ -297,6 +301,10 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("sample", "--rows", "0", "--out", "{0}/s.csv"), "rows = 0"),
         (("sample", "--circuit", "swing", "--rows", "5", "--out", "{0}/s.csv"), "unknown circuit 'swing'"),
         (("fit", "{0}/none.csv", *FIT), "none.csv: no such file"),
+        (
+            ("fit", "{0}/good.csv", "--inputs", "a", "--outputs", "c", "--out", "{0}/m.txt"),
+            "m.txt: a model file ends in .json",
+        ),
         (("fit", "{0}/nan.csv", *FIT), "column 'b' holds nan in row 2"),
         (("fit", "{0}/flat.csv", *FIT), "column 'b' is 5 in all 30 rows"),
         (("fit", "{0}/short.csv", *FIT), "the table has 2 rows"),

@@ -136,6 +136,7 @@ unit = "bar"
         ("record --sensors map.toml --out log.csv", "a recording needs a scenario"),
         ("record random:1:1 --example --out s.toml", "--example writes sensors; scenarios and --sensors go with"),
         ("record --example --out log.csv", "log.csv: sensors are a .toml file"),
+        ("fit-machine log.csv --out machine.toml", "machine.toml: a model file ends in .json"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(call, files, line, message):
@@ -158,7 +159,7 @@ def machine_files(tmp_path):
 
 
 def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
-    quick = "--regions 2 --rows 1000 --blocks 5 --boxes 2"
+    quick = "--regions 1 --rows 400 --blocks 5 --boxes 2"
     code, out, _ = call(f"fit-machine table.parquet --out machine.json --card machine.html {quick}")
     assert code == 0
     assert "of 4501 rows held out, every fifth block of time" in out
@@ -183,7 +184,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
     ("line", "message"),
     [
         ("fit-machine table.parquet --out m.json --card m.pdf", "m.pdf: a model card ends in .html"),
-        ("fit-machine silent.csv --out m.txt --machine none", "none"),
+        ("fit-machine silent.csv --out m.json --machine none", "unknown parameter set 'none'"),
         ("fit-machine later.parquet --out m.json", "record longer"),
         ("fit-machine bar.parquet --out m.json", "column 'boom.p_a' is in 'bar'"),
         ("replay silent.csv", "no column 'swing.voltage'"),

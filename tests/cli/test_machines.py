@@ -1,5 +1,7 @@
 """`polydraulic machine ...` and other commands with a machine of one's own, as a user calls them."""
 
+from importlib.resources import files
+
 import pytest
 
 from helpers.small_crane import crane_text, write_crane
@@ -30,6 +32,21 @@ def test_all_that_is_wrong_is_printed_in_one_error(call, tmp_path):
     code, out, err = call("machine check crane.toml")
     assert (code, out) == (2, "")
     assert err.startswith("error: crane.toml: links.boom.axis = 'up'")
+
+
+def test_a_scenario_is_no_machine(call, tmp_path):
+    (tmp_path / "s.toml").write_bytes(
+        files("polydraulic").joinpath("parameters", "scenarios", "task.toml").read_bytes()
+    )
+    code, out, err = call("machine check s.toml")
+    assert (code, out) == (2, "")
+    assert err == "error: s.toml: is a scenario, not a machine; run it by `polydraulic simulate s.toml`\n"
+
+
+def test_circuits_offered_are_those_of_the_machine(call, tmp_path):
+    write_crane(tmp_path)
+    code, _, err = call("sample --circuit lift --machine crane.toml --rows 5 --out s.csv")
+    assert (code, err) == (2, "error: unknown circuit 'lift'; choose one of ['main', 'second']\n")
 
 
 def test_a_new_file_is_a_machine_and_overwrites_nothing(call, tmp_path):
@@ -65,9 +82,9 @@ def test_a_machine_of_ones_own_is_simulated_recorded_and_refused_where_it_must_b
     run = read_table(tmp_path / "run.parquet")
     assert run.unit("energy.kinetic") == "J"
     assert run.unit("extend.position") == "m"
-    code, _, err = call("simulate random:3:2 --machine crane.toml --flow iterative")
+    code, _, err = call("simulate random:3:2 --machine crane.toml --flow stiff")
     assert code == 2
-    assert "flow 'iterative' knows the layout of 'cat215b' alone" in err
+    assert "flow 'stiff' knows the layout of 'cat215b' alone" in err
     assert call("record --example --machine crane.toml --out sensors.toml")[0] == 0
     code, out, err = call("record random:3:2 --machine crane.toml --sensors sensors.toml --out log.csv")
     assert code == 0, err

@@ -6,7 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from helpers.small_crane import write_crane
+from helpers.small_crane import crane_text_with_effects, write_crane
 from polydraulic import InputError, load_machine, simulate
 from polydraulic.export import export_machine, export_machine_fmu
 from polydraulic.export.machine import machine_parts
@@ -32,7 +32,11 @@ def run(crane, scenario):
     return simulate(crane, "exact", scenario)
 
 
-def test_the_c_code_has_the_bits_of_a_run(crane, scenario, tmp_path):
+@pytest.mark.parametrize("effects", [False, True])
+def test_the_c_code_has_the_bits_of_a_run(crane, scenario, tmp_path, effects):
+    if effects:
+        (tmp_path / "effects.toml").write_text(crane_text_with_effects(), encoding="utf-8")
+        crane = load_machine(tmp_path / "effects.toml")
     # voltages that arrive late are those of times that rounding shifts by a bit
     crane = crane._replace(functions=tuple(f._replace(pilot=f.pilot._replace(dead_time=0.0)) for f in crane.functions))
     run = simulate(crane, "exact", scenario)
@@ -46,6 +50,7 @@ def test_the_c_code_has_the_bits_of_a_run(crane, scenario, tmp_path):
     assert library.crane_init(memory) == 0
     inputs = step_inputs(crane, scenario, np.arange(600) * 5e-3)
     names = [name for name, _ in parts.outputs]
+    assert ("lift.gap" in names) == effects
     for k in range(600):
         status = library.crane_step(memory, (ctypes.c_double * 6)(*inputs[k]))
         assert status == 0
@@ -90,8 +95,10 @@ def test_the_fmu_runs_and_takes_other_parameters(crane, scenario, run, tmp_path,
 
 
 def test_what_a_layout_cannot_do_is_refused(crane, tmp_path):
-    with pytest.raises(InputError, match="flow 'polynomial' knows the layout of 'cat215b' alone"):
-        export_machine(crane, "polynomial", tmp_path)
+    with pytest.raises(InputError, match="flow 'tlm' knows the layout of 'cat215b' alone"):
+        export_machine(crane, "tlm", tmp_path)
+    with pytest.raises(InputError, match="flow 'lookup' holds .* numbers; a C file takes up to 200000"):
+        export_machine(crane, "lookup", tmp_path)
     with pytest.raises(InputError, match="leave one of"):
         export_machine(crane, "exact", tmp_path, locked=crane.names)
     with pytest.raises(InputError, match="not a function of the machine"):

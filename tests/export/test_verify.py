@@ -25,7 +25,14 @@ def test_all_targets_agree(exported_models):
             assert (a.inside, a.border, a.outside) == (0.0, 0.0, 0.0)
         if not a.exact:
             assert 0.0 < a.inside < 1e-4 * a.size
+        if a.target == "c float":
+            assert 0.01 < a.used <= 1.0
+            assert a.inside <= a.allowance
+            assert a.domain == 0  # borders are those of double precision
+        else:
+            assert (a.allowance, a.used) == (None, None)
     table = agreement_table(found, not_tried)
+    assert table.count("of the proved allowance of") == 3
     assert "fmi3 cs: out put [Pa]" in table
     assert "not tried: sympy, latex" in table
     assert "DIFFERS" not in table
@@ -49,8 +56,27 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
     assert found[0].inside == pytest.approx(1e-6)
     assert agreement_table(found, not_tried).count("DIFFERS") == 1
     assert not_tried["c double"] == "no C compiler is installed"
-    assert not_tried["fmi2 me"] == "needs fmpy: pip install fmpy"
-    assert not_tried["onnx float"] == "needs onnx: pip install onnx"
+    assert not_tried["fmi2 me"] == 'needs fmpy: pip install "polydraulic[verify]"'
+    assert not_tried["onnx float"] == 'needs onnx: pip install "polydraulic[verify]"'
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_single_precision_beyond_what_is_proved_is_told(exported_models, monkeypatch):
+    right = fresh.to_c
+
+    def wrong(whole, *, real):
+        (model,) = whole.models
+        (network,) = model.networks
+        shifted = replace(network, y_mean=network.y_mean + 1e-3)
+        return right(replace(whole, models=(replace(model, networks=(shifted,)),)), real=real)
+
+    monkeypatch.setattr(fresh, "to_c", wrong)
+    targets_of = verify._targets
+    monkeypatch.setattr(verify, "_targets", lambda *two: [one for one in targets_of(*two) if one[0] == "c float"])
+    found, not_tried = verify_models(exported_models["single"], n=300)
+    assert not found[0].holds
+    assert found[0].used > 1.0
+    assert agreement_table(found, not_tried).count("DIFFERS") == 1
 
 
 def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):

@@ -1,13 +1,18 @@
+import numba
+import numpy as np
 import pytest
 
+from helpers.excavator_tree import excavator_tree
 from helpers.flow_steps import PSI, points, states, step, step_all
-from polydraulic import build_flow
+from polydraulic import build_flow, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import (
     NOT_CONVERGED,
     OK,
+    flow_step,
     iterative_flow,
 )
+from polydraulic.simulation.layout.prepare import prepare_layout
 
 
 def test_iteration_settles_near_exact_in_series(machine):
@@ -56,3 +61,40 @@ def test_iteration_is_bounded_and_says_so(machine):
 def test_bad_iteration_settings_are_named(machine, options, message):
     with pytest.raises(InputError, match=message):
         build_flow("iterative", machine, **options)
+
+
+def test_the_excavator_as_a_tree_of_links_has_the_same_bits(machine):
+    tree, memory = excavator_tree(), [np.zeros(3), np.zeros(3)]
+    older, flow = build_flow("iterative", machine), build_flow("iterative", tree)
+    ready = prepare_layout(tree, 5e-3, flow=flow)
+    functions = ready.module.Functions
+    assert ready.n_memory == 3
+    for spool, p_in, p_out in states(machine, 100):
+        wanted = flow_step(older, memory[0], spool, p_in, p_out, 5e-3)
+        found = ready.module.flow_step(
+            ready.valves, memory[1], functions(*spool), functions(*p_in), functions(*p_out), 5e-3
+        )
+        assert tuple(found.q_in) == tuple(wanted.q_in)
+        assert (found.circuit_boom, found.circuit_series) == (wanted.boom, wanted.series)
+        assert (found.between_series_1, found.status) == (wanted.p_between, wanted.status)
+
+
+def test_circuits_of_more_than_two_valves_are_refused_by_name():
+    words = r"is for circuits of at most 2 valves; circuit 'arm' has 3 \(swing, stick, bucket\): use 'exact'"
+    with pytest.raises(InputError, match=words):
+        build_flow("iterative", "excavator_22t")
+    with pytest.raises(InputError, match="eps = 2"):
+        build_flow("iterative", "wheel_loader", eps=2.0)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler to sweep in time")
+def test_closer_sweeps_come_closer_to_the_exact_run_of_any_layout():
+    exact = simulate("wheel_loader", "exact", "wheel_loader_cycle", t_end=2.5)
+    errors = []
+    for eps, relaxation in ((0.05, 0.2), (0.001, 0.05)):
+        model = build_flow("iterative", "wheel_loader", eps=eps, relaxation=relaxation, max_sweeps=2000)
+        run = simulate("wheel_loader", model, "wheel_loader_cycle", t_end=2.5)
+        assert run.info["flow"] == "iterative"
+        assert "work.p_pump" in run.names
+        errors.append(np.abs(exact["lift.angle"] - run["lift.angle"]).max())
+    assert 0.0 < errors[1] < 0.1 * errors[0]

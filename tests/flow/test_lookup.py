@@ -4,12 +4,14 @@ import numba
 import numpy as np
 import pytest
 
-from polydraulic import build_flow
+from helpers.excavator_tree import excavator_tree
+from polydraulic import build_flow, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import FLOW_KINDS, OK, OUT_OF_DOMAIN, exact_flow, flow_step, lookup_flow, neural_flow, table_bytes
 from polydraulic.flow.lookup import pressure_lines, travel_lines
 from polydraulic.flow.sample import sample_flow
 from polydraulic.machine.state import Links
+from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
@@ -44,7 +46,7 @@ def test_grid_points_are_exact(pumped):
     """Both circuits' flows and what the pumps deliver, with spools to either side."""
     n, rng, relief = 7, np.random.default_rng(2), pumped.pumps.relief
     exact, model, full = exact_flow(pumped), lookup_flow(pumped, points=n), pumped.pumps.series_flow
-    lines = [(travel_lines(pumped, m), pressure_lines(relief, m)) for m in (4 * n, n, n)]
+    lines = [(travel_lines(pumped.spool.knots, m), pressure_lines(relief, m)) for m in (4 * n, n, n)]
     for _ in range(100):
         spool = links(*(rng.choice([-1.0, 1.0]) * rng.choice(x) for x, _ in lines))
         p_in = links(*(rng.choice(p) for _, p in lines))
@@ -58,7 +60,7 @@ def test_grid_points_are_exact(pumped):
 
 def test_lines_meet_the_knots(machine):
     for n in (6, 7, 24, 64):
-        lines = travel_lines(machine, n)
+        lines = travel_lines(machine.spool.knots, n)
         assert len(lines) == n
         assert np.all(np.diff(lines) > 0.0)
         assert set(machine.spool.knots) <= set(lines)
@@ -137,7 +139,7 @@ def test_the_usual_tables_are_small_and_near_exact(pumped):
 
 
 def test_bytes_of_tables_are_counted(machine, coarse):
-    floats = 2 * 6 + 12 + 6**4 * 2 + 24**2 + 24 - 6 + 11 + 33 - 12  # lines, both circuits, outlets
+    floats = 3 * 6 + 12 + 6**4 * 2 + 24**2 + 24 - 6 + 11 + 33 - 12  # lines, both circuits, outlets
     assert table_bytes(coarse) == 8 * floats
     assert table_bytes(exact_flow(machine)) == 0
     assert table_bytes(neural_flow(machine)) > 0
@@ -154,3 +156,51 @@ def test_bad_points_are_refused(machine, points):
         InputError, match=f"points = {points!r}: must be a whole number from 6, the spool's knots, to 64"
     ):
         lookup_flow(machine, points=points)
+
+
+def test_tables_of_any_layout_are_exact_at_their_points():
+    """One valve with its torque limit in a table of its own, two valves in another."""
+    tree, points = excavator_tree(), 6
+    c = tree.circuits[0]
+    tree = tree._replace(circuits=(c._replace(pump=c.pump._replace(torque_limit_enabled=True)), *tree.circuits[1:]))
+    ready, exact = (
+        prepare_layout(tree, 5e-3, flow=model) for model in (build_flow("lookup", tree, points=points), None)
+    )
+    knots, relief, rng = tree.functions[0].valve.knots, c.pump.relief, np.random.default_rng(2)
+    lines = {
+        f: (travel_lines(knots, m), pressure_lines(relief, m)) for f, m in zip(tree.names, (6, 24, 6), strict=True)
+    }
+    functions = ready.module.Functions
+    for _ in range(40):
+        spool = functions(*(rng.choice([-1.0, 1.0]) * rng.choice(lines[f][0]) for f in tree.names))
+        p_in = functions(*(rng.choice(lines[f][1]) for f in tree.names))
+        ours = ready.module.flow_step(ready.valves, np.zeros(1), spool, p_in, p_in, 5e-3)
+        true = exact.module.exact_step(exact.valves, exact.module.Functions(*spool), exact.module.Functions(*p_in))
+        assert ours.status == OK
+        assert tuple(ours.q_in) == pytest.approx(tuple(true.q_in), abs=1e-6 * c.pump.flow)
+        assert tuple(ours.k_out) == tuple(true.k_out)
+        assert ours.circuit_boom.q_pump == pytest.approx(true.circuit_boom.q_pump, rel=1e-7)
+    beyond = ready.module.flow_step(ready.valves, np.zeros(1), spool, p_in._replace(stick=1.2 * relief), p_in, 5e-3)
+    assert beyond.status == OUT_OF_DOMAIN
+
+
+def test_circuits_of_more_than_two_valves_are_refused_by_name():
+    with pytest.raises(
+        InputError, match=r"'lookup' is for circuits of at most 2 valves; circuit 'slew_and_reach' has 3"
+    ):
+        build_flow("lookup", "loader_crane")
+    with pytest.raises(
+        InputError, match="points = 65: must be a whole number from 6, the most knots of a spool, to 64"
+    ):
+        build_flow("lookup", "wheel_loader", points=65)
+
+
+@pytest.mark.skipif(PLAIN, reason="needs the compiler to fill the tables in time")
+def test_more_points_come_closer_to_the_exact_run_of_any_layout():
+    exact = simulate("wheel_loader", "exact", "wheel_loader_cycle")
+    errors = []
+    for points in (8, 24):
+        run = simulate("wheel_loader", build_flow("lookup", "wheel_loader", points=points), "wheel_loader_cycle")
+        assert "work.p_pump" not in run.names
+        errors.append(np.abs(exact["lift.angle"] - run["lift.angle"]).max())
+    assert 0.0 < errors[1] < 0.5 * errors[0]

@@ -19,7 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from helpers.mutations import damaged, misspelt, reshaped
+from helpers.can_made import DBC, LONG, LONG_GROUP, bus, in_parts, long_message, write_bus
+from helpers.mutations import damaged, misspelt, repacked, reshaped
 
 TOGETHER = 16  # inputs that share a child process; if it dies, each of the rest gets its own
 SECONDS = 10  # of one processor, for one child
@@ -48,6 +49,25 @@ role = "output"
 unit = "l/min"
 """
 OWN_TIME = '[[channel]]\nsource = "time"\nrole = "time"\nunit = "s"\n'
+BUS_MAP = """raster = "20 ms"
+atmosphere = "1.013 bar"
+""" + "".join(
+    f"""[[channel]]
+source = "{source}"
+name = "{source}"
+role = "{role}"
+unit = "{unit}"
+"""
+    + ('kind = "share"\n' if unit == "%" else "")
+    for source, role, unit in (
+        ("spool", "input", "mm"),
+        ("a", "input", "bar(a)"),
+        ("speed", "input", "rpm"),
+        ("first", "input", "bar(a)"),
+        ("mode", "input", "1"),
+        ("p_head", "output", "bar(a)"),
+    )
+)
 N = 60
 TIME = np.arange(N) * 0.01
 SIGNALS = {"x": 10.0 * np.sin(TIME), "p": 100.0 + np.round(20.0 * np.cos(3.0 * TIME), 1), "q": 50.0 * np.sin(TIME) ** 2}
@@ -78,6 +98,25 @@ def _log(path):
     own.write_text(MAP.format(time=OWN_TIME))
     suggest_channels([path])
     import_log([path], load_channels(own), path.with_name("out.parquet"))
+
+
+def _bus_log(path):
+    (path.parent / "bus.dbc").write_text(DBC)
+    _decoded(path, path.parent / "bus.dbc")
+
+
+def _database(path):
+    _decoded(path.with_name("bus.blf"), path)
+
+
+def _decoded(path, database):
+    from polydraulic.measure import import_log, load_channels, suggest_channels
+
+    own, long = path.with_name("map.toml"), path.with_name("long.dbc")
+    own.write_text(BUS_MAP)
+    long.write_text(LONG)
+    suggest_channels([path], dbc=[database, long])
+    import_log([path], load_channels(own), path.with_name("out.parquet"), dbc=[database, long])
 
 
 def _table(path):
@@ -179,6 +218,30 @@ def _make_mdf(version):
     return make
 
 
+def _frames():
+    long = [frame for k in range(20) for frame in in_parts(0.05 * k, LONG_GROUP, long_message(k))]
+    return sorted(bus(100) + long)
+
+
+def _make_bus(path):
+    write_bus(path, _frames())
+
+
+def _make_blf(path):
+    import can
+
+    with can.BLFWriter(
+        str(path), compression_level=0, max_container_size=4000
+    ) as writer:  # bytes that say what they are
+        for time, frame, extended, data in _frames():
+            writer.on_message_received(can.Message(1.7e9 + time, frame, extended, channel=0, data=data, dlc=len(data)))
+
+
+def _make_database(path):
+    path.write_text(DBC)
+    _make_blf(path.with_name("bus.blf"))
+
+
 def _make_mat5(path):
     from scipy.io import savemat
 
@@ -209,6 +272,10 @@ READERS = {
     "MDF 3": Reader("dat", _make_mdf("3.30"), _log, BYTES),
     "MAT v5": Reader("mat", _make_mat5, _log, BYTES),
     "MAT v7.3": Reader("mat", _make_mat73, _log, BYTES),
+    "BLF": Reader("blf", _make_blf, _bus_log, (damaged, damaged, repacked)),
+    "ASC": Reader("asc", _make_bus, _bus_log, TEXT),
+    "bus log in MDF 4": Reader("mf4", _make_bus, _bus_log, BYTES),
+    "CAN database": Reader("dbc", _make_database, _database, TEXT),
 }
 
 
@@ -290,6 +357,8 @@ def main():
     """Print a line for each input of the readers that are named, or of all."""
     os.environ["ARROW_DEFAULT_MEMORY_POOL"] = "system"  # others reserve more than the limit
     import asammdf  # noqa: F401  # loaded once, and not in every child
+    import can  # noqa: F401
+    import cantools  # noqa: F401
     import h5py  # noqa: F401
     import pint  # noqa: F401
     import pyarrow.csv

@@ -2,6 +2,8 @@
 
 import json
 import re
+import struct
+import zlib
 
 HOSTILE = ["1e308", "-1e308", "1e400", "nan", "-inf", "-1", "0", "-0.0", "1e-320", "0.5", "2147483648", "9223372036854775808", "9" * 400,
            "true", '""', '"x"', '"nan bar"', "[]", "{}", "null", "1979-05-27", "0x10", "[" * 60, '"\\ud800"', '"' + "m" * 3000 + '"']  # fmt: skip
@@ -105,3 +107,15 @@ def reshaped(content, rng):
 
 def _keys(item):
     return list(item) if isinstance(item, dict) else list(range(len(item))) if isinstance(item, list) else []
+
+
+def repacked(content, rng):
+    """BLF: the objects of a container damaged, packed, and put in place of it."""
+    begins = [m.start() for m in re.finditer(rb"LOBJ.{8}\x0a\0\0\0", content, re.DOTALL)]
+    at = rng.choice(begins)
+    (size,) = struct.unpack_from("<L", content, at + 8)
+    inside = damaged(content[at + 32 : at + size], rng)
+    packed = zlib.compress(inside)
+    said, whole = rng.choice([len(inside), len(inside), *WHOLE]) % (1 << 32), 32 + len(packed)
+    head = struct.pack("<4sHHLLH6xL4x", b"LOBJ", 16, 1, whole, 10, 2, said)
+    return (content[:at] + head + packed + bytes(whole % 4) + content[at + size + size % 4 :])[:AT_MOST]

@@ -15,8 +15,9 @@ BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 # amounts of work that a reader waits for and a test need not: the same commands on less
 LESS = {
     "README.md": {"random:42:600": "random:42:20"},
+    "docs/guide.md": {"tolerance=0.5": "tolerance=4.0, rows=300"},
     "docs/flow_models.md": {"--rows 20000": "--rows 4000", "--rows 60000": "--rows 8000"},
-    "docs/measured_logs.md": {":120": ":40"},
+    "docs/measured_logs.md": {":120": ":40", "--regions 6 --layers 3": "--regions 2 --layers 2"},
     "docs/machine_from_a_log.md": {"random:1:1800": "random:1:600", "random:5:600": "random:5:100"},
 }
 

@@ -59,7 +59,10 @@ def climb(t, last, kink, inlet, bypass, port, pump, flows, pressures):
 
 @compiled
 def judged(inlet, bypass, port, pump, out, flows, other, pressures):
-    """Fill `out`: flows of the inlets, to the tank, of the pump, over the relief valve, its pressure; how unsure (share of pump flow)."""
+    """Fill `out`: flows of the inlets, to the tank, of the pump, over the relief valve, its pressure; how unsure (share of pump flow).
+
+    The answer lies between two neighbouring numbers; where the upper one exceeds the relief pressure alone, the relief valve is open.
+    """
     n = inlet.size
     out[:] = 0.0
     zero = (0.0, 0.0)
@@ -82,14 +85,20 @@ def judged(inlet, bypass, port, pump, out, flows, other, pressures):
             else:
                 low = middle
         climb(high, last, kink, inlet, bypass, port, pump, other, pressures)
+        asked, at_relief, high_flow = zero, pressures[0] > pump.relief, delivered((pump.relief, 0.0), pump)
+        for i in range(n + 1):
+            asked = add(asked, (other[i, 0], other[i, 1]))
+        at_relief = at_relief and not above(asked, high_flow)
+        high_flow = high_flow if at_relief else delivered((min(pressures[0], pump.relief), 0.0), pump)
         climb(low, last, kink, inlet, bypass, port, pump, flows, pressures)
         total = zero
         for i in range(n + 1):
             out[i] = flows[i, 0]
             out[n + 4] = max(out[n + 4], abs(other[i, 0] - flows[i, 0]) / pump.flow)
             total = add(total, (flows[i, 0], flows[i, 1]))
-        p = pressures[0]
+        p = pump.relief if at_relief else pressures[0]
         q = delivered((p, 0.0), pump)
+        out[n + 4] = max(out[n + 4], abs(high_flow[0] - q[0]) / pump.flow)
         out[n + 1], out[n + 2], out[n + 3] = q[0], max(add(q, minus(total))[0], 0.0), p
         return
     q = delivered((pump.relief, 0.0), pump)

@@ -1,5 +1,7 @@
 """A small crane in a few lines: a slewing motor and a boom cylinder in series on one pump, a telescope on another."""
 
+from polydraulic.parameters.layout.schema import Effects
+
 CRANE = """
 title = "Small crane"
 gravity = {value = 9.81, unit = "m/s2", source = "standard"}
@@ -141,3 +143,55 @@ def write_crane(folder, old: str = "", new: str = "", name: str = "crane.toml"):
     path = folder / name
     path.write_text(text.replace(old, new) if old else text, encoding="utf-8")
     return path
+
+
+_CROSSOVER = """[circuits.main]
+kind = "crossover"
+functions = ["extend", "slew", "lift"]
+giving.flow = {value = 20, unit = "gpm", source = "made up"}
+GIVING
+taking.flow = {value = 40, unit = "L/min", source = "made up"}
+TAKING
+crossover.conductance = {value = [0, 1, 6, 12], unit = "l/min/bar^0.5", source = "made up"}
+crossover.opening_pressure = {value = 1.5, unit = "bar", source = "made up"}
+"""
+
+
+def crossover_crane_text() -> str:
+    """The crane with both pumps joined: that of the telescope also feeds the boom."""
+    text, circuits = crane_text(), _CROSSOVER
+    for part in ("giving", "taking"):
+        circuits = circuits.replace(part.upper(), _PUMP.replace("pump.", f"{part}."))
+    return text[: text.index("[circuits.main]")] + circuits
+
+
+def write_crossover_crane(folder, old: str = "", new: str = ""):
+    """Write that crane's file, with one text in it replaced, which must be there; returns the path."""
+    text = crossover_crane_text()
+    assert old in text
+    path = folder / "crossover_crane.toml"
+    path.write_text(text.replace(old, new) if old else text, encoding="utf-8")
+    return path
+
+
+_EFFECTS = """
+friction.sticks = {value = true, source = "made up"}
+backlash = {value = 0.3, unit = "UNIT", source = "made up"}
+valve.hysteresis = {value = 0.3, unit = "mm", source = "made up"}
+valve.flow_force.spring_rate = {value = 30, unit = "N/mm", source = "made up"}
+valve.flow_force.density = {value = 870, unit = "kg/m3", source = "made up"}
+valve.flow_force.jet_angle = {value = 69, unit = "deg", source = "made up"}
+"""
+
+
+def crane_text_with_effects() -> str:
+    """The crane with every effect that a function may have, of all its functions."""
+    text = crane_text()
+    for f, unit in (("slew", "deg"), ("lift", "deg"), ("extend", "mm")):
+        text = text.replace(f"[functions.{f}]", f"[functions.{f}]{_EFFECTS.replace('UNIT', unit).rstrip()}")
+    return text
+
+
+def with_effects(machine, **effects):
+    """The machine with these effects, as fields of `Effects`, in all its functions and no others."""
+    return machine._replace(functions=tuple(f._replace(effects=Effects(**effects)) for f in machine.functions))

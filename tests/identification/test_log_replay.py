@@ -23,7 +23,6 @@ from polydraulic.identification.log_replay import (
 from polydraulic.machine.linkage import end_effector
 from polydraulic.tables import Table
 
-LOG = machine_log(20.0, seed=3)
 FLOW = "iterative"  # as good as exact, and no lanes: plain Python fills 64 of them slowly
 
 
@@ -32,8 +31,13 @@ def some(table, keep):
 
 
 @pytest.fixture(scope="module")
-def found(machine):
-    return replay(LOG, machine, FLOW, seconds=5.0)
+def log():
+    return machine_log(20.0, seed=3)
+
+
+@pytest.fixture(scope="module")
+def found(machine, log):
+    return replay(log, machine, FLOW, seconds=5.0)
 
 
 def test_the_machine_follows_its_own_log(found):
@@ -45,16 +49,16 @@ def test_the_machine_follows_its_own_log(found):
         assert drift.moved > 5.0 * drift.median
 
 
-def test_another_machine_does_not(machine, found):
+def test_another_machine_does_not(machine, found, log):
     slow = machine._replace(pumps=machine.pumps._replace(boom_flow=0.7 * machine.pumps.boom_flow))
-    boom = replay(LOG, slow, FLOW, seconds=5.0).drifts[1]
+    boom = replay(log, slow, FLOW, seconds=5.0).drifts[1]
     assert boom.largest > 5.0 * found.drifts[1].largest
 
 
-def test_dead_times_are_those_of_the_log(machine):
+def test_dead_times_are_those_of_the_log(machine, log):
     late = machine._replace(boom=machine.boom._replace(pilot=machine.boom.pilot._replace(dead_time=0.3)))
-    delayed = changed(LOG, boom_voltage=np.interp(LOG["time"] + 0.3, LOG["time"], LOG["boom.voltage"]))
-    here, there = (replay(log, m, FLOW, seconds=5.0).windows[1] for m, log in ((machine, LOG), (late, delayed)))
+    delayed = changed(log, boom_voltage=np.interp(log["time"] + 0.3, log["time"], log["boom.voltage"]))
+    here, there = (replay(log, m, FLOW, seconds=5.0).windows[1] for m, log in ((machine, log), (late, delayed)))
     assert np.allclose(here.run, there.run, atol=2e-3)
 
 
@@ -62,23 +66,23 @@ def begins(log, machine, **options):
     return [float(window.time[0]) for window in replay(log, machine, FLOW, **options).windows]
 
 
-def test_windows_stay_in_the_rows_given_and_out_of_gaps(machine):
-    time = LOG["time"]
+def test_windows_stay_in_the_rows_given_and_out_of_gaps(machine, log):
+    time = log["time"]
     allowed = (time > 6.0) & (time < 13.0)
-    assert begins(LOG, machine, seconds=3.0, rows=allowed) == pytest.approx([6.02, 9.02])
-    gap = some(LOG, (time < 2.0) | (time > 2.3))
+    assert begins(log, machine, seconds=3.0, rows=allowed) == pytest.approx([6.02, 9.02])
+    gap = some(log, (time < 2.0) | (time > 2.3))
     assert begins(gap, machine, seconds=8.0) == pytest.approx([2.3, 10.3])
-    bridged = some(LOG, (time < 2.0) | (time > 2.05))
+    bridged = some(log, (time < 2.0) | (time > 2.05))
     assert begins(bridged, machine, seconds=8.0)[0] == 0.0
     with pytest.raises(InputError, match="table: no piece of 60 s without a gap; choose shorter windows"):
-        replay(LOG, machine, FLOW, seconds=60.0)
+        replay(log, machine, FLOW, seconds=60.0)
 
 
-def test_why_it_is_not_known(machine):
-    everything = np.ones(len(LOG), dtype=bool)
-    without = Table({name: values for name, values in LOG.columns.items() if name != "boom.angle"}, LOG.units)
+def test_why_it_is_not_known(machine, log):
+    everything = np.ones(len(log), dtype=bool)
+    without = Table({name: values for name, values in log.columns.items() if name != "boom.angle"}, log.units)
     assert against_log(machine, FLOW, without, everything) == ("not run against the log: it has no boom.angle", [])
-    told, drift = against_log(machine, FLOW, LOG, LOG["time"] < 6.0)
+    told, drift = against_log(machine, FLOW, log, log["time"] < 6.0)
     assert (told.startswith("not run against the log: no piece of 10 s"), drift) == (True, [])
 
 
@@ -91,9 +95,9 @@ def test_how_far_it_drifts_is_said(found):
     assert "rad" in found.text("si").splitlines()[3]
 
 
-def test_models_go_with_flow_models_of_networks(machine):
+def test_models_go_with_flow_models_of_networks(machine, log):
     with pytest.raises(InputError, match="models go with the flow models 'polynomial' and 'neural', not with 'exact'"):
-        replay(LOG, machine, "exact", models=[])
+        replay(log, machine, "exact", models=[])
 
 
 def test_the_picture_shows_joints_and_drift(found):
@@ -110,35 +114,42 @@ def test_the_picture_shows_joints_and_drift(found):
     assert str(dated.axes[0].lines[0].get_xdata()[0]) == "2023-11-14T22:13:20.000000"
     assert dated.axes[0].lines[0].get_ydata() == pytest.approx(found.windows[0].measured[:, 0])
     assert len(figure.axes[1].lines) == 3 * len(found.windows)
+    assert figure.axes[0].get_title(loc="left") == "all 4 windows"
+
+
+def test_the_picture_says_how_many_windows_it_does_not_show(found):
+    figure = plot_replay(replace(found, windows=4 * found.windows))
+    assert figure.axes[0].get_title(loc="left") == "the first 6 of 16 windows"
+    assert len(figure.axes[1].lines) == 3 * 6
 
 
 @pytest.mark.parametrize(
-    ("log", "seconds", "message"),
+    ("spoilt", "seconds", "message"),
     [
         (
-            Table(LOG.columns, {**LOG.units, "stick.angle": "deg"}),
+            lambda log: Table(log.columns, {**log.units, "stick.angle": "deg"}),
             5.0,
             "column 'stick.angle' is in 'deg'; a machine runs in SI",
         ),
-        (some(LOG, slice(None, None, -1)), 5.0, "column 'time' does not rise"),
-        (Table({"time": LOG["time"]}, {}), 5.0, "no column 'swing.voltage'"),
-        (LOG, 0.0, "a window of 0 s: must be finite and two time steps"),
-        (LOG, float("nan"), "a window of nan s"),
+        (lambda log: some(log, slice(None, None, -1)), 5.0, "column 'time' does not rise"),
+        (lambda log: Table({"time": log["time"]}, {}), 5.0, "no column 'swing.voltage'"),
+        (lambda log: log, 0.0, "a window of 0 s: must be finite and two time steps"),
+        (lambda log: log, float("nan"), "a window of nan s"),
     ],
 )
-def test_bad_logs_are_named(machine, log, seconds, message):
+def test_bad_logs_are_named(machine, log, spoilt, seconds, message):
     with pytest.raises(InputError, match=message):
-        replay(log, machine, FLOW, seconds=seconds)
+        replay(spoilt(log), machine, FLOW, seconds=seconds)
 
 
-def test_no_window_goes_over_the_end_of_one_of_several_logs(machine):
-    half = len(LOG) // 2  # files that a logger cut without losing a row
-    parts = [some(LOG, np.arange(len(LOG)) < half), some(LOG, np.arange(len(LOG)) >= half)]
-    assert begins(LOG, machine, seconds=8.0) == pytest.approx([0.0, 8.0])
-    assert begins(parts, machine, seconds=8.0) == pytest.approx([0.0, LOG["time"][half]])
-    anew = Table({**parts[1].columns, "time": parts[1]["time"] - parts[1]["time"][0]}, LOG.units)
+def test_no_window_goes_over_the_end_of_one_of_several_logs(machine, log):
+    half = len(log) // 2  # files that a logger cut without losing a row
+    parts = [some(log, np.arange(len(log)) < half), some(log, np.arange(len(log)) >= half)]
+    assert begins(log, machine, seconds=8.0) == pytest.approx([0.0, 8.0])
+    assert begins(parts, machine, seconds=8.0) == pytest.approx([0.0, log["time"][half]])
+    anew = Table({**parts[1].columns, "time": parts[1]["time"] - parts[1]["time"][0]}, log.units)
     windows = replay([parts[0], anew], machine, FLOW, seconds=8.0).windows
-    assert windows[1].time[0] == pytest.approx(LOG["time"][half - 1] + 60.0)
+    assert windows[1].time[0] == pytest.approx(log["time"][half - 1] + 60.0)
     assert windows[1].run == pytest.approx(replay(parts[1], machine, FLOW, seconds=8.0).windows[0].run, abs=1e-3)
 
 
@@ -209,13 +220,13 @@ def test_the_state_at_the_start_is_measured_and_its_rates_are_those_of_a_parabol
 
 
 @pytest.mark.parametrize(("seconds", "allowed"), [(0.0099, False), (0.01, True)])
-def test_a_window_is_two_steps_of_5_ms_at_least(machine, seconds, allowed):
-    nowhere = np.zeros(len(LOG), dtype=bool)
+def test_a_window_is_two_steps_of_5_ms_at_least(machine, seconds, allowed, log):
+    nowhere = np.zeros(len(log), dtype=bool)
     if allowed:
-        assert replayed(machine, FLOW, LOG, seconds=seconds, rows=nowhere) == []
+        assert replayed(machine, FLOW, log, seconds=seconds, rows=nowhere) == []
     else:
         with pytest.raises(InputError, match="must be finite and two time steps of 0.005 s at least"):
-            replayed(machine, FLOW, LOG, seconds=seconds, rows=nowhere)
+            replayed(machine, FLOW, log, seconds=seconds, rows=nowhere)
 
 
 def window(run, measured=((0.0, 0.5, -1.0), (0.1, 0.5, -1.0))):

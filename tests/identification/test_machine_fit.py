@@ -47,7 +47,7 @@ def learnt(machine, said):
     def tell(*step):
         said.append(step)
 
-    return fit_machine(silent(), machine, max_regions=2, max_rows=1000, progress=tell)
+    return fit_machine(silent(), machine, max_regions=2, max_rows=400, progress=tell)
 
 
 def test_errors_are_those_of_networks_that_have_not_seen_the_blocks(learnt, log, known, said):

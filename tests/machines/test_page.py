@@ -11,6 +11,7 @@ from polydraulic.parameters.layout.schema import (
     POINT,
     TRAVEL,
     CylinderSize,
+    FlowForce,
     FourBar,
     LayoutMachine,
     LinkParameters,
@@ -29,7 +30,7 @@ PAGE = (ROOT / "docs" / "your_machine.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (\w+) \| `(\w+)`(?: or `(\w+)`)? \| ([^|]+?) \|", re.MULTILINE)
 PARTS = {
     "tank": (Tank,), "motor": (SwingMotor,), "cylinder": (CylinderSize,), "pilot": (Pilot,), "line": (Line,), "pump": (PumpParameters,),
-    "friction": (Friction, SlideFriction), "stops": (Stops, SlideStops), "initial": (Initial, SlideInitial),
+    "flow_force": (FlowForce,), "friction": (Friction, SlideFriction), "stops": (Stops, SlideStops), "initial": (Initial, SlideInitial),
 }  # fmt: skip
 
 
@@ -47,6 +48,7 @@ def described():
             keys, measured = zip(*alike, strict=True)
             rows.add((table, *dict.fromkeys(keys), " or ".join(dict.fromkeys(measured))))
     rows |= {("valve", key, TRAVEL.unit if key == "knots" else CONDUCTANCE.unit) for key in ValveCurves._fields}
+    rows |= {("friction", "sticks", "text"), ("functions", "backlash", "rad or m"), ("valve", "hysteresis", "m")}
     special = {"at": POINT.unit, "cg": POINT.unit, "mass": MASS.unit, "inertia": MOMENT.unit}
     rows |= {("links", key, special.get(key, "text")) for key in LinkParameters._fields if key != "name"}
     rows |= {("functions", key, "text") for key in ("moves", "actuator")}
@@ -80,5 +82,6 @@ def test_no_part_of_the_schema_is_left_out():
         "friction",
         "stops",
         "initial",
+        "effects",
     }
     assert set(LayoutMachine._fields) == {"title", "gravity", "tank", "links", "functions", "circuits", "tip"}

@@ -13,7 +13,7 @@ from helpers.mechanical_energy import joint_columns, joint_power, mechanical_ene
 from polydraulic import load_machine, random_operator, simulate, simulate_batch
 from polydraulic.export import export_machine, export_machine_fmu
 from polydraulic.export.machine import machine_parts
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import Effects, FlowForce, LayoutMachine
 from polydraulic.parameters.layout.usual import unusual
 from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import Scenario, scenario_names
@@ -70,7 +70,10 @@ def test_pump_flow_is_inlets_bypass_and_relief(plant, runs):
         assert run.info["steps_not_converged"] == 0
         for c in plant.circuits:
             inlets = sum(run[f"{f}.q_in"] for f in c.functions)
-            gap = run[f"{c.name}.q_pump"] - inlets - run[f"{c.name}.q_bypass"] - run[f"{c.name}.q_relief"]
+            given = sum(run[f"{x.giving}.q_cross"] for x in plant.crossovers if x.giving == c.name)
+            taken = sum(run[f"{x.giving}.q_cross"] for x in plant.crossovers if x.taking == c.name)
+            out = inlets + run[f"{c.name}.q_bypass"] + run[f"{c.name}.q_relief"] + given
+            gap = run[f"{c.name}.q_pump"] + taken - out
             assert np.abs(gap).max() <= 1e-9 * c.pump.flow
 
 
@@ -215,6 +218,28 @@ def test_lanes_have_the_bits_of_single_runs(plant):
     for place in (0, 31, 63, 64, 69):
         run = simulate(plant, "exact", operators[place])
         assert batch.rows[place].tobytes() == np.column_stack([run[name] for name in batch.names]).tobytes()
+
+
+@pytest.mark.slow
+def test_with_friction_that_holds_play_hysteresis_and_flow_forces(plant, run_of):
+    """All effects that a function may have: the bits of lanes, losses that are none, and something that differs."""
+    force = FlowForce(5e4, 870.0, np.radians(69.0))
+    plays = {f.name: 1e-3 if plant.link(f.moves).joint == "prismatic" else 2e-3 for f in plant.functions}
+    worn = plant._replace(
+        functions=tuple(f._replace(effects=Effects(True, plays[f.name], 2e-4, force)) for f in plant.functions)
+    )
+    operators = [random_operator(seed, SECONDS, functions=plant.names) for seed in (1, 2)]
+    run = simulate(worn, "exact", operators[0], energy=True, forces=True)
+    assert all(np.isfinite(run[name]).all() for name in run.names)
+    assert all(run[f"{f}.friction_power"].min() >= 0.0 for f in plant.names)
+    assert all(np.abs(run[f"{f}.gap"]).max() <= 0.5 * plays[f] for f in plant.names)
+    smooth = run_of(f"random:1:{SECONDS}")
+    last = plant.names[-1]
+    assert max(np.abs(run[f"{f}.spool"] - smooth[f"{f}.spool"]).max() for f in plant.names) >= 1e-4
+    assert np.array_equal(run[f"{last}.voltage"], smooth[f"{last}.voltage"])
+    batch = simulate_batch(worn, "exact", operators, keep=["rows"])
+    again = simulate(worn, "exact", operators[1])
+    assert batch.rows[1].tobytes() == np.column_stack([again[name] for name in batch.names]).tobytes()
 
 
 # What a full lever does, as data sheets of the classes say it: seconds from stop to stop, or revolutions in a minute.

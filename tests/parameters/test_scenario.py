@@ -202,8 +202,27 @@ def test_columns_that_are_no_link_are_named(tmp_path):
     (tmp_path / "r.csv").write_text(RECORDED)
     assert load_scenario(tmp_path / "r.csv").title == "Recording of 2 s; not used: engine"
     (tmp_path / "r.csv").write_text("time,boom,stik\n0,0.1,0\n1,0.2,0\n")
-    with pytest.raises(InputError, match=r"no column 'swing'; .* of which \['stik'\] are not links; leave these out"):
+    with pytest.raises(
+        InputError, match=r"no column 'swing'; .* moved by swing, boom, stick; name columns .*leave out stik"
+    ):
         load_scenario(tmp_path / "r.csv")
+
+
+def test_columns_named_by_links_are_told_what_moves_them(tmp_path):
+    """The links of a crane go by other names than its functions."""
+    (tmp_path / "r.csv").write_text("time,column,arm\n0,0.1,0\n1,0.2,0\n")
+    with pytest.raises(InputError, match="the machine is moved by slew, lift, extend; name columns by these") as error:
+        load_scenario(tmp_path / "r.csv", functions=("slew", "lift", "extend"))
+    assert "leave out" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["cat215b", "loader_crane"])
+def test_a_machine_is_no_scenario(tmp_path, name):
+    (tmp_path / "m.toml").write_text(machine_text(name))
+    with pytest.raises(
+        InputError, match=r"m.toml: is a machine, not a scenario; try it by `polydraulic machine check .*m.toml`"
+    ):
+        load_scenario(tmp_path / "m.toml")
 
 
 @pytest.mark.parametrize(

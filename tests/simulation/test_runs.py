@@ -231,7 +231,7 @@ def test_reference_meets_corners_of_the_voltage(machine):
     assert np.degrees(np.abs(tight["boom.angle"] - loop["boom.angle"]).max()) < 0.02
 
 
-def test_full_strokes_of_a_random_operator(machine):
+def test_full_strokes_of_a_random_operator(machine, build):
     """No model may leave its bounds under inputs that nobody knew in advance."""
     rng = np.random.default_rng(2)
     times = np.arange(0.0, 6.0, 0.3)
@@ -239,7 +239,7 @@ def test_full_strokes_of_a_random_operator(machine):
         "operator", 6.0, {"boom": Piecewise(times, rng.uniform(-1.1, 1.1, times.size))}, ("swing", "stick")
     )
     for name in MODELS:
-        run = simulate(machine, build_flow(name, machine), scenario)
+        run = simulate(machine, build(name, machine), scenario)
         assert np.all(np.isfinite(run["boom.rate"]))
         assert run["boom.p_a"].max() <= machine.boom.line.relief
     assert Sine(1.0, 2.0)(np.array([0.0]))[0] == 0.0

@@ -1,6 +1,7 @@
 """Runs of all three links: bounds, balances, energy, the reference, the thesis' events, hours of random input."""
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,15 +27,20 @@ def with_limit(machine):
     return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
 
 
+@pytest.fixture(scope="module")
+def run_of(machine):
+    """A scenario with a flow model, run once."""
+    return cache(lambda name, flow="exact": simulate(machine, flow, load_scenario(name)))
+
+
 @pytest.fixture(scope="module", params=[(name, flow) for name in SCENARIOS for flow in ("exact", "iterative")], ids=str)
-def run(request, machine):
-    name, flow = request.param
-    return simulate(machine, flow, load_scenario(name))
+def run(request, run_of):
+    return run_of(*request.param)
 
 
 @pytest.fixture(scope="module", params=SCENARIOS)
-def exact(request, machine):
-    return simulate(machine, "exact", load_scenario(request.param))
+def exact(request, run_of):
+    return run_of(request.param)
 
 
 def test_flow_of_both_pumps_is_shared_out_at_every_step(run, machine):
@@ -138,14 +144,12 @@ def test_energy_balance_closes_with_the_step(machine, name):
     assert 0.0 <= impact < 0.2 * work
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
-def test_oil_throttles_and_never_gives_energy(machine, name):
+def test_oil_throttles_and_never_gives_energy(exact):
     """Power of the pumps less what the actuators take is lost in valves, relief and leakage: never negative."""
-    run = simulate(machine, "exact", load_scenario(name))
     for circuit, links in (("boom", ["boom"]), ("series", ["swing", "stick"])):
-        given = run[f"{circuit}.q_pump"] * run[f"{circuit}.p_pump"]
+        given = exact[f"{circuit}.q_pump"] * exact[f"{circuit}.p_pump"]
         # rows hold the line pressures after the step: those that the valve saw stand one row before
-        taken = sum(run[f"{link}.q_in"][1:] * seen_by_valve(run, link) for link in links)
+        taken = sum(exact[f"{link}.q_in"][1:] * seen_by_valve(exact, link) for link in links)
         assert np.all(given[1:] - taken >= -1e-9 * given[1:])
 
 
@@ -206,8 +210,8 @@ def opens(run, link, machine, number=0):
     return run["time"][np.flatnonzero(is_open[1:] & ~is_open[:-1])[number] + 1]
 
 
-def test_events_of_the_step_scenario(machine):
-    run = simulate(machine, "exact", load_scenario("step"))
+def test_events_of_the_step_scenario(machine, run_of):
+    run = run_of("step")
     assert opens(run, "stick", machine) == pytest.approx(0.195, abs=0.0051)
     assert opens(run, "swing", machine) == pytest.approx(0.395, abs=0.0051)
     row = 79  # 0.395 s
@@ -223,8 +227,8 @@ def test_events_of_the_step_scenario(machine):
     assert 0.210 <= from_si(run["boom.spool"][-1], "in") <= 0.30
 
 
-def test_events_of_the_sine_scenario(machine):
-    run = simulate(machine, "exact", load_scenario("sine"))
+def test_events_of_the_sine_scenario(machine, run_of):
+    run = run_of("sine")
     assert opens(run, "stick", machine) == pytest.approx(2.50, abs=0.0051)
     assert opens(run, "stick", machine, 1) == pytest.approx(9.005, abs=0.0101)
     assert from_si(run["swing.q_in"][500], "in3/s") == pytest.approx(16.76, abs=0.05)
@@ -232,13 +236,13 @@ def test_events_of_the_sine_scenario(machine):
     assert from_si(run["series.p_pump"][positive].max(), "psi") == pytest.approx(1368.0, abs=5.0)
 
 
-def test_events_of_task_and_pulse(machine):
-    task = simulate(machine, "exact", load_scenario("task"))
+def test_events_of_task_and_pulse(machine, run_of):
+    task = run_of("task")
     assert opens(task, "swing", machine) == pytest.approx(0.41, abs=0.0051)
     assert opens(task, "swing", machine, 1) == pytest.approx(10.41, abs=0.0051)
     assert opens(task, "stick", machine) == pytest.approx(3.515, abs=0.0051)
     assert opens(task, "stick", machine, 1) == pytest.approx(7.565, abs=0.0051)
-    pulse = simulate(machine, "exact", load_scenario("pulse"))
+    pulse = run_of("pulse")
     assert pulse["boom.angle"].max() == machine.boom.stops.high
     assert pulse["stick.angle"].max() < machine.stick.stops.high
 
@@ -321,9 +325,8 @@ def test_an_hour_of_a_random_operator(machine, flow, limit):
         assert angle.min() == stops.low or angle.max() == stops.high
 
 
-def test_torque_limit_changes_the_sine_little(machine):
-    scenario = load_scenario("sine")
-    free, limited = simulate(machine, "exact", scenario), simulate(with_limit(machine), "exact", scenario)
+def test_torque_limit_changes_the_sine_little(machine, run_of):
+    free, limited = run_of("sine"), simulate(with_limit(machine), "exact", load_scenario("sine"))
     assert 0.1 < np.degrees(np.abs(free["boom.angle"] - limited["boom.angle"]).max()) < 2.0
     assert limited["boom.q_pump"].min() < 0.95 * machine.pumps.boom_flow
     power = limited["boom.q_pump"] * limited["boom.p_pump"]

@@ -192,8 +192,9 @@ def fit_machine(
     """
     from polydraulic.identification.machine_fit import fit_machine as fit
     from polydraulic.identification.model_card import card_ending, write_card
-    from polydraulic.networks.model.model_file import save_models
+    from polydraulic.networks.model.model_file import model_ending, save_models
 
+    model_ending(out)
     if card is not None:
         card_ending(card)
     with progress_bar("fit-machine") as progress:
@@ -234,7 +235,7 @@ def replay(
 
     What comes next: where joints drift apart, correct masses and friction in the parameter set, or learn from a longer log.
     """
-    from polydraulic.identification.log_replay import plot_replay
+    from polydraulic.identification.log_replay import plot_replay, shown_windows
     from polydraulic.identification.log_replay import replay as run
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.plotting.run_figure import picture_ending, save_figure
@@ -251,3 +252,5 @@ def replay(
             progress(f"draw {plot}", 0, 1)
             save_figure(plot_replay(found, units=units), plot)
     print(found.text(units))
+    if plot is not None:
+        print(f"{plot}: {shown_windows(found)}")

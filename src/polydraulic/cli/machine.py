@@ -31,8 +31,8 @@ OwnMachineOption = Annotated[
 ScenarioArgument = Annotated[
     str,
     typer.Argument(
-        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links; cat215b_bucket_dig, excavator_22t_dig, "
-        "loader_crane_lift, wheel_loader_cycle: those machines), a TOML file, "
+        help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links; cat215b_bucket_dig, cat215b_crossover_dig, "
+        "excavator_22t_dig, loader_crane_lift, wheel_loader_cycle: those machines), a TOML file, "
         "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS.",
         autocompletion=_scenario_names,
     ),
@@ -69,6 +69,10 @@ def simulate(
             "--energy", help="Add the energy account as columns: powers of pumps, losses, joints, friction; energies."
         ),
     ] = False,
+    forces: Annotated[
+        bool,
+        typer.Option("--forces", help="Add forces as columns: of cylinders and motors, friction, and joint pins."),
+    ] = False,
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
 ) -> None:
@@ -97,7 +101,6 @@ def simulate(
     from polydraulic.parameters.scenario import load_scenario, scenario_machine
     from polydraulic.parameters.schema import Machine
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
-    from polydraulic.simulation.layout.runs import check_flow
     from polydraulic.simulation.runs import simulate as run
     from polydraulic.simulation.summary import run_summary
     from polydraulic.simulation.trajectory import compare
@@ -113,32 +116,26 @@ def simulate(
         picture_ending(plot)
     plant = load_machine(machine or scenario_machine(scenario))
     what = load_scenario(scenario, functions=function_names(plant))
-    if not isinstance(plant, Machine):
-        check_flow(flow)
+    if arrangement and not isinstance(plant, Machine):
+        raise InputError(
+            "--arrangement is of the networks for cat215b; those of other machines say it by what they read"
+        )
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
+    settings: Any = {"dt": dt, "raster": raster, "method": method, "energy": energy, "forces": forces}
     runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
     with progress_bar("simulate") as progress:
         progress(f"flow model {flow}", 0, pieces)
-        # networks and tables are built for the layout of cat215b; `simulate` says what other layouts run with
-        chosen = build_flow(flow, plant, **options) if isinstance(plant, Machine) else flow
+        chosen = build_flow(flow, plant, **options)
         for number, name in enumerate(names):
             used = chosen if name == flow else name
             progress(f"compile for {name} (once after an installation)", 2 * number + 1, pieces)
-            run(
-                plant,
-                used,
-                what,
-                dt=dt,
-                t_end=min(dt if raster is None else raster, what.duration),
-                raster=raster,
-                method=method,
-                energy=energy,
-            )
+            first_row = min(dt if raster is None else raster, what.duration)
+            run(plant, used, what, t_end=first_row, **settings)
             progress(name, 2 * number + 2, pieces)
             begun = time.perf_counter()
-            runs[name] = run(plant, used, what, dt=dt, raster=raster, method=method, energy=energy)
+            runs[name] = run(plant, used, what, **settings)
             seconds = time.perf_counter() - begun
         if out is not None:
             progress(f"write {out}", pieces - 2, pieces)
@@ -235,7 +232,13 @@ def scenarios() -> None:
 def sample(
     rows: Annotated[int, typer.Option(help="Number of rows.")],
     out: Annotated[Path, typer.Option(help="Table to write, .parquet or .csv (SI).")],
-    circuit: Annotated[str, typer.Option(help="boom, or series: swing and stick, which share a pump.")] = "boom",
+    circuit: Annotated[
+        str | None,
+        typer.Option(
+            help="A circuit of the machine, which may be left out if there is one alone; of cat215b boom (if not given), or series: swing and stick, "
+            "which share a pump."
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
     relief: Annotated[bool, typer.Option(help="With the pump's relief valve, or the ideal circuit without.")] = True,
     machine: MachineOption = "cat215b",
@@ -246,19 +249,20 @@ def sample(
 
     - Swing and stick in series: `polydraulic sample --circuit series --rows 50000 --out series.parquet`
 
+    - Of a machine of any layout: `polydraulic sample --circuit lift --rows 50000 --out lift.parquet --machine loader_crane`
+
     What comes next: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json`.
     """
     import numpy as np
 
-    from polydraulic.flow.database import SAMPLERS
-    from polydraulic.parameters.load import as_excavator
+    from polydraulic.flow.database import circuit_database
+    from polydraulic.parameters.load import load_machine
     from polydraulic.tables import write_table
 
-    if circuit not in SAMPLERS:
-        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(SAMPLERS)}")
+    plant = load_machine(machine)
     with progress_bar("sample") as progress:
-        progress(f"{rows} points of the {circuit} circuit", 0, 2)
-        table = SAMPLERS[circuit](as_excavator(machine), rows, rng=np.random.default_rng(seed), relief=relief)
+        progress(f"{rows} points of the circuit", 0, 2)
+        table = circuit_database(plant, circuit, rows, rng=np.random.default_rng(seed), relief=relief)
         progress(f"write {out}", 1, 2)
         write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
@@ -266,27 +270,62 @@ def sample(
 
 @app.command()
 def train(
-    out: Annotated[Path, typer.Option(help="Folder to write the model files to.")],
+    out: Annotated[
+        Path, typer.Option(help="Model file to write, .json; for the layout of cat215b a folder of model files.")
+    ],
     machine: MachineOption = "cat215b",
+    circuit: Annotated[
+        list[str] | None, typer.Option(help="A circuit to learn; repeat for more; all if not given.")
+    ] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Largest error to look for, as a share of the pump's flow; 0.001 if not given.")
+    ] = None,
+    regions: Annotated[
+        int | None, typer.Option(help="Most regions of a network; 64 if not given. Fewer are learnt sooner.")
+    ] = None,
 ) -> None:
-    """Train the networks of a whole machine from its exact flow model: those that come with the package are made by this command.
+    """Train the networks of a whole machine from its exact flow model.
 
-    Writes outlets.json, neural.json, inlets.json, cascade.json, limited.json and direct.json; the same versions give the same files. It
-    takes long; each file is written as soon as its networks are learnt.
+    Of a machine that is described by links, functions and circuits all networks go into one file: of each circuit what enters its valves
+    and what leaves the actuators. It prints the largest error that was found of each, as a share of the pump's flow or of the widest orifice.
 
-    Example: `polydraulic train --out networks --machine mine.toml`
+    Example: `polydraulic train --out loader.json --machine wheel_loader`
 
-    What comes next: `polydraulic simulate task --machine mine.toml --flow polynomial --model networks/outlets.json --model
-    networks/inlets.json --model networks/cascade.json`
+    - In seconds, for a first look: `polydraulic train --out loader.json --machine wheel_loader --regions 9 --tolerance 0.02`
+
+    For the layout of cat215b it writes outlets.json, neural.json, inlets.json, cascade.json, limited.json and direct.json, which come with the
+    package; the same versions give the same files. It takes long; each file is written as soon as its networks are learnt.
+
+    What comes next: `polydraulic simulate wheel_loader_cycle --flow polynomial --model loader.json`.
     """
+    from polydraulic.flow.training.layout_models import TrainingEffort, train_layout
     from polydraulic.flow.training.train import train_networks
-    from polydraulic.parameters.load import as_excavator
+    from polydraulic.networks.model.model_file import save_models
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.parameters.schema import Machine
 
-    plant = as_excavator(machine)
+    plant = load_machine(machine)
+    given = {"tolerance": tolerance, "regions": regions}
+    settings: Any = {name: value for name, value in given.items() if value is not None}
+    if isinstance(plant, Machine):
+        if settings or circuit:
+            raise InputError("--circuit, --tolerance and --regions are for machines that are described by links")
+        with progress_bar("train") as progress:
+            written = train_networks(plant, out, progress=progress)
+        for path in written:
+            print(path)
+        return
+    if out.suffix.lower() != ".json":
+        raise InputError(f"--out {out}: the networks of this machine go into one file, for example {out.name}.json")
     with progress_bar("train") as progress:
-        written = train_networks(plant, out, progress=progress)
-    for path in written:
-        print(path)
+        models = train_layout(plant, circuits=circuit or None, effort=TrainingEffort(**settings), progress=progress)
+        save_models(models, out)
+    flows = {f: c.pump.flow for c in plant.circuits for f in (c.name, *c.functions)}
+    for model in models:
+        largest: Any = model.training["largest_error"]
+        whole = flows[model.output.name.split(".")[0]] if model.output.unit == "m3/s" else model.networks[0].y_high
+        print(f"{model.output.name:32s} {len(model.networks):3d} regions, largest error {largest / whole:.2%}")
+    print(out)
 
 
 @app.command()
@@ -294,6 +333,12 @@ def export_machine(
     out: Annotated[Path, typer.Option(help="Folder to write C to, or an .fmu file.")],
     to: Annotated[str, typer.Option(help="c, fmi2 or fmi3.")] = "fmi3",
     flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
+    model: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Model file for polynomial or neural, for machines that are described by links; repeat for more."
+        ),
+    ] = None,
     name: Annotated[str, typer.Option(help="Name of the export, a C identifier.")] = "machine",
     dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
     cross: Annotated[
@@ -315,21 +360,37 @@ def export_machine(
 
     - C99 for a controller or a test bench: `polydraulic export-machine --to c --out excavator`
 
+    - With networks that `train` has learnt: `polydraulic export-machine --machine wheel_loader --flow polynomial --model loader.json --out
+    loader.fmu`
+
     What comes next: import the FMU into Simulink, Modelica tools or FMPy; `docs/export_machine.md` shows how to call the C code.
     """
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
+    from polydraulic.flow.dispatch import build_flow
+    from polydraulic.flow.layout.model import LayoutFlow
+    from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
     plant = load_machine(machine)
+    chosen: str | LayoutFlow = flow
+    if model:
+        if flow not in ("polynomial", "neural"):
+            raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
+        built = build_flow(flow, plant, models=[found for path in model for found in load_models(path)])
+        if not isinstance(built, LayoutFlow):
+            raise InputError(
+                "--model is for machines that are described by links; for that of cat215b use `export_machine` in Python"
+            )
+        chosen = built
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":
-            written = write_c(plant, flow, out, name=name, dt=dt, force=force)
+            written = write_c(plant, chosen, out, name=name, dt=dt, force=force)
         else:
             written = export_machine_fmu(
-                plant, flow, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
+                plant, chosen, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
             )
     print(written)

@@ -91,8 +91,9 @@ def fit(
     from polydraulic.identification.model_card import card_ending, write_card
     from polydraulic.identification.table_fit import fit_table
     from polydraulic.networks.growth.regressor import AbductiveRegressor
-    from polydraulic.networks.model.model_file import save_models
+    from polydraulic.networks.model.model_file import model_ending, save_models
 
+    model_ending(out)
     names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
     if card is not None:
         card_ending(card)
@@ -216,7 +217,8 @@ def export(
 
     - C99, outputs with exact slopes: `polydraulic export q_in.json --to c --out c`
 
-    - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`
+    - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`; how far it can be from
+    double precision at most is proved, and stands in the header.
 
     What comes next: `polydraulic verify` compares all of these with the package.
     """
@@ -241,7 +243,7 @@ def verify(
     """Export a model to every target that can be built here, and compare them with the package at thousands of points.
 
     Prints the largest difference of every output in its unit, of slopes and of the domain, and what was not tried. The exit
-    code is 1 if a target of double precision does not agree to rounding.
+    code is 1 if a target of double precision does not agree to rounding, or C in single precision not within what is proved of it.
 
     Example: `polydraulic verify q_in.json`
 

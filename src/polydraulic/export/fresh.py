@@ -101,7 +101,7 @@ def run_onnx(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> Answers:
 
 def _need(package: str) -> None:
     if find_spec(package) is None:
-        raise NotHereError(f"needs {package}: pip install {package}")
+        raise NotHereError(f'needs {package}: pip install "polydraulic[verify]"')
 
 
 def _compiler() -> list[str]:

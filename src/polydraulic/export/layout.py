@@ -2,57 +2,73 @@
 
 from collections.abc import Collection
 from math import ceil
-from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.export.machine_parts import MachineParts
+from polydraulic.flow.dispatch import FlowModel, layout_flow
+from polydraulic.flow.lookup import table_bytes
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.runs import check_flow
 
 FORCE = ("tip.force_x", "tip.force_y", "tip.force_z")  # N, along the axes of the ground
 
 
 def layout_parts(
-    machine: LayoutMachine, flow: Any, *, dt: float, locked: Collection[str], force: bool = False
+    machine: LayoutMachine,
+    flow: str | FlowModel,
+    *,
+    dt: float,
+    locked: Collection[str],
+    force: bool = False,
+    most_numbers: int = 200_000,
 ) -> MachineParts:
     """Parts of a machine of any layout.
 
     Parameters
     ----------
     machine : LayoutMachine
-    flow : str
-        ``"exact"``, the one that knows all layouts.
+    flow : str or flow model
+        ``"exact"``, or networks of this machine.
     dt : float, s
     locked : collection of str
         Functions whose joints are held.
     force : bool
         Whether a force at the tip is among the inputs.
+    most_numbers : int
+        That tables of the flow model may hold.
 
     Raises
     ------
     InputError
-        Another flow model, unknown functions, or none left to move.
+        A flow model that does not serve a function that is free, or is too large for a C file; unknown functions, or none left to move.
     """
-    check_flow(flow)
+    model = layout_flow(flow, machine)
     if set(locked) >= set(machine.names):
         raise InputError(f"locked = {sorted(locked)}: leave one of {list(machine.names)} free")
-    ready = prepare_layout(machine, dt, locked, force=force)
+    missing = [f for f in machine.names if f not in (*locked, *model.served)]
+    if missing:
+        raise InputError(f"flow {model.name!r} does not serve {', '.join(missing)}; give locked={missing}")
+    numbers_held = table_bytes(model.parts) // 8
+    if numbers_held > most_numbers:
+        raise InputError(
+            f"flow {model.name!r} holds {numbers_held} numbers; a C file takes up to {most_numbers}: make it smaller"
+        )
+    ready = prepare_layout(machine, dt, locked, force=force, flow=model)
     module = ready.module
     numbers = module.Prepared(
         ready.valves, ready.plant, getattr(module.from_vector, "py_func", module.from_vector)(ready.start.tolist())
     )
     columns = columns_of(machine).columns
     return MachineParts(
-        "exact",
+        model.name,
         machine.names,
         (*(f"{f}.voltage" for f in machine.names), *(FORCE if force else ())),
         (*((column.name, column.unit) for column in columns), *((name, "m") for name in EFFECTOR)),
         numbers,
         module.machine_start,
         module.machine_advance,
-        1,
+        ready.n_memory,
         tuple(ceil(f.pilot.dead_time / dt - 1e-9) for f in machine.functions),
     )

@@ -39,7 +39,7 @@ def machine_parts(
     """Kernels and numbers of a machine, from the same preparation as `simulate`; arguments as for `machine_c`."""
     machine = as_machine(machine)
     if isinstance(machine, LayoutMachine):
-        return layout_parts(machine, flow, dt=dt, locked=locked, force=force)
+        return layout_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers)
     if force:
         raise InputError("a force at the tip is for machines that are described by links, for example 'cat215b_bucket'")
     return excavator_parts(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
@@ -61,8 +61,8 @@ def machine_c(
     ----------
     machine : Machine or LayoutMachine, or name or path of a parameter set
     flow : str or flow model
-        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; ``"exact"``
-        for machines that are described by links.
+        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; for machines
+        that are described by links ``"exact"``, ``"iterative"``, or networks from `build_flow`.
     name : str
         Of the machine, before all names that the linker sees.
     dt : float, s

@@ -8,10 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.export.c.allowance import model_allowance
+from polydraulic.export.c.network import input_limits
+from polydraulic.export.c.text import FLOAT
 from polydraulic.export.fresh import Answers, FailedError, NotHereError, run_c, run_fmu, run_onnx, run_python
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import Scratch
 from polydraulic.networks.model.model import Model
+from polydraulic.networks.model.partition import region_of
 from polydraulic.progress import Progress, quiet
 
 ROUNDING = 1e-9  # of an output's size: what double precision may differ by
@@ -36,6 +40,10 @@ class Agreement(NamedTuple):
         Largest magnitude of the output.
     exact : bool
         Whether the target computes in double precision.
+    allowance : float or None
+        Proved largest difference in the domain, in the output's unit; of C in single precision alone.
+    used : float or None
+        Largest difference that was found there, as a part of it.
     """
 
     target: str
@@ -47,12 +55,19 @@ class Agreement(NamedTuple):
     domain: int | None
     size: float
     exact: bool
+    allowance: float | None = None
+    used: float | None = None
 
     @property
     def holds(self) -> bool:
-        """Whether a target of double precision agrees to rounding; that of single precision is for the reader to judge."""
+        """Whether a target of double precision agrees to rounding, and C in single precision within what is proved of it.
+
+        Other targets of single precision are for the reader to judge.
+        """
+        if not self.exact:
+            return self.used is None or self.used <= 1.0
         largest = max(self.inside, self.border, self.outside, (self.slopes or 0.0) * self.size)
-        return not self.exact or (largest <= ROUNDING * self.size and not self.domain)
+        return largest <= ROUNDING * self.size and not self.domain
 
 
 def verify_models(
@@ -109,7 +124,8 @@ def verify_models(
             except FailedError as reason:  # written, but it does not run: no number
                 not_tried[target] = f"fails: {reason}"
                 answers = Answers(np.full_like(expected.y, np.nan))
-            found += _compared(whole, target, exact, expected, answers)
+            compared = _compared(whole, target, exact, expected, answers)
+            found += _judged(whole, X, expected, answers, compared) if target == "c float" else compared
     return found, not_tried
 
 
@@ -131,8 +147,13 @@ def agreement_table(found: Sequence[Agreement], not_tried: dict[str, str]) -> st
         domain = "-" if a.domain is None else "agrees" if a.domain == 0 else f"{a.domain} differ"
         numbers = "".join(f"{value:12.2g}" for value in (a.inside, a.border, a.outside))
         lines.append(f"{name:{width}s}{numbers}{slopes:>12s}{domain:>12s}{'' if a.holds else '  DIFFERS'}")
-    if any(not a.exact for a in found):
-        lines.append("single precision rounds borders too: next to one it may answer for the other side")
+    lines += [
+        f"{name}: {a.used:.2g} of the proved allowance of {a.allowance:.2g} used, borders included"
+        for name, a in zip(names, found, strict=True)
+        if a.used is not None
+    ]
+    if any(a.target == "onnx float" for a in found):
+        lines.append("onnx float rounds borders too: next to one it may answer for the other side")
     lines += [f"not tried: {target}: {why}" for target, why in not_tried.items()]
     return "\n".join(lines)
 
@@ -168,6 +189,28 @@ def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, foun
             slopes = float(np.where(np.isnan(off), np.inf, off).max())
         inside, border, outside = (float(part[k]) for part in parts)
         yield Agreement(target, str(output), inside, border, outside, slopes, domain, float(size[k]) or 1.0, exact)
+
+
+def _judged(
+    whole: Bundle, X: np.ndarray, expected: _Expected, found: Answers, compared: Iterator[Agreement]
+) -> Iterator[Agreement]:
+    """The same with what is proved of C in single precision, for inputs in the domain of the network that answers."""
+    for k, agreement in enumerate(compared):
+        model, place = whole.models[k], list(whole.places[k])
+        try:
+            allowance = model_allowance(model).error
+        except InputError:  # which is why it could not be tried
+            allowance = np.inf
+        ends = np.array([input_limits(network, FLOAT) for network in model.networks])[
+            region_of(model.partition, X[:, place])
+        ]
+        inside = np.all((ends[..., 0] <= X[:, place]) & (ends[..., 1] >= X[:, place]), axis=1)
+        off = np.abs(found.y[inside, k] - expected.y[inside, k])
+        if not np.isfinite(allowance) or not off.size:
+            yield agreement
+            continue
+        used = float(np.where(np.isnan(off), np.inf, off).max())
+        yield agreement._replace(allowance=allowance, used=used / allowance if allowance else used and np.inf)
 
 
 def _targets(whole: Bundle, folder: Path) -> Iterator[tuple[str, bool, Callable[[np.ndarray], Answers]]]:

@@ -1,13 +1,16 @@
-from .database import boom_table, sample_boom, sample_series
+from .database import boom_table, circuit_database, sample_boom, sample_series
 from .dispatch import FLOW_KINDS, FlowKind, FlowModel, flow_name, flow_step, served_links
 from .exact import exact_flow
 from .interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN, Flows
 from .iterative import iterative_flow
+from .layout.database import sample_circuit
+from .layout.model import LayoutFlow
 from .lookup import lookup_flow, table_bytes
 from .polynomial import neural_flow, polynomial_flow
 from .pressure import pressure_flow
 from .stiff import stiff_flow
 from .tlm import tlm_flow
+from .training.layout_models import TrainingEffort, train_layout
 
 __all__ = [
     "FLOW_KINDS",
@@ -17,7 +20,10 @@ __all__ = [
     "FlowKind",
     "FlowModel",
     "Flows",
+    "LayoutFlow",
+    "TrainingEffort",
     "boom_table",
+    "circuit_database",
     "exact_flow",
     "flow_name",
     "flow_step",
@@ -27,9 +33,11 @@ __all__ = [
     "polynomial_flow",
     "pressure_flow",
     "sample_boom",
+    "sample_circuit",
     "sample_series",
     "served_links",
     "stiff_flow",
     "table_bytes",
     "tlm_flow",
+    "train_layout",
 ]

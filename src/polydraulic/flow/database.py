@@ -8,12 +8,13 @@ import numpy as np
 from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import exact_flow
+from polydraulic.flow.layout.database import Column, database_table, sample_circuit, valve_columns
 from polydraulic.flow.sample import FlowSample, sample_flow
-from polydraulic.parameters.load import as_excavator
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_excavator, as_machine
 from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
 from polydraulic.tables import Table
 
-Column = tuple[np.ndarray, str]  # values and their unit
 PRESSURE_HIGH = units.to_si(4000.0, "psi")  # upper end of the thesis' maps
 
 
@@ -71,10 +72,10 @@ def boom_table(
     machine = as_excavator(machine)
     flow = boom_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
     columns = {
-        **_link_columns(machine, "boom", spool, p_in, p_out, flow.q_in, flow.k_out),
+        **valve_columns("boom", spool, p_in, p_out, flow.q_in, flow.k_out, machine.tank.return_pressure),
         "boom.p_pump": (flow.p_pump, "Pa"),
     }
-    return _table(columns, "boom", relief)
+    return database_table(columns, "boom", relief)
 
 
 def sample_series(
@@ -111,14 +112,47 @@ def sample_series(
     flow = sample_flow(exact_flow(machine, relief=relief), spool, p_in, p_out)
     columns: dict[str, Column] = {}
     for link, k in zip(links, places, strict=True):
-        columns |= _link_columns(machine, link, spool[:, k], p_in[:, k], p_out[:, k], flow.q_in[:, k], flow.k_out[:, k])
+        given = (spool[:, k], p_in[:, k], p_out[:, k], flow.q_in[:, k], flow.k_out[:, k])
+        columns |= valve_columns(link, *given, machine.tank.return_pressure)
     # what passes the swing's valve goes into the stick or, through the last bypass, to the tank
     columns["series.q_passed"] = (flow.q_in[:, LINKS.index("stick")] + flow.q_bypass[:, 1], "m3/s")
     columns["series.p_pump"] = (flow.p_pump[:, 1], "Pa")
-    return _table(columns, "series", relief)
+    return database_table(columns, "series", relief)
 
 
-SAMPLERS = {"boom": sample_boom, "series": sample_series}
+def circuit_database(
+    machine: Machine | LayoutMachine | str | Path,
+    circuit: str | None,
+    n: int,
+    *,
+    rng: np.random.Generator,
+    relief: bool = True,
+) -> Table:
+    """Random database of a circuit of any machine.
+
+    Parameters
+    ----------
+    machine : Machine or LayoutMachine, or name or path of a parameter set
+    circuit : str or None
+        ``"boom"`` (if None) or ``"series"`` for the layout of cat215b; of other machines one of theirs, the only one if None.
+    n, rng, relief
+        As for `sample_boom`.
+
+    Raises
+    ------
+    InputError
+        If there is no such circuit, or several and none is named.
+    """
+    machine = as_machine(machine)
+    if isinstance(machine, LayoutMachine):
+        names = [c.name for c in machine.circuits]
+        if circuit is None and len(names) > 1:
+            raise InputError(f"the machine has the circuits {', '.join(names)}: say which one")
+        return sample_circuit(machine, names[0] if circuit is None else circuit, n, rng=rng, relief=relief)
+    samplers = {"boom": sample_boom, "series": sample_series}
+    if circuit is not None and circuit not in samplers:
+        raise InputError(f"unknown circuit {circuit!r}; choose one of {list(samplers)}")
+    return samplers[circuit or "boom"](machine, n, rng=rng, relief=relief)
 
 
 def boom_flow(model: Any, spool: np.ndarray, p_in: np.ndarray, p_out: np.ndarray) -> FlowSample:
@@ -145,33 +179,3 @@ def _points(
     low, high = (0.0, machine.spool.knots[-1]) if travel is None else travel
     spool = rng.uniform(low, high, n) * rng.choice((-1.0, 1.0), n)
     return spool, rng.uniform(*pressure, n), rng.uniform(*pressure, n)
-
-
-def _link_columns(
-    machine: Machine,
-    link: str,
-    spool: np.ndarray,
-    p_in: np.ndarray,
-    p_out: np.ndarray,
-    q_in: np.ndarray,
-    k_out: np.ndarray,
-) -> dict[str, Column]:
-    root = np.sqrt(np.maximum(p_out - machine.tank.return_pressure, 0.0))
-    return {
-        f"{link}.spool": (spool, "m"),
-        f"{link}.travel": (np.abs(spool), "m"),
-        f"{link}.p_in": (p_in, "Pa"),
-        f"{link}.p_out": (p_out, "Pa"),
-        f"{link}.root_p_out": (root, "Pa^0.5"),
-        f"{link}.q_in": (q_in, "m3/s"),
-        f"{link}.k_out": (k_out, "m3/s/Pa^0.5"),
-        f"{link}.q_out": (k_out * root, "m3/s"),
-    }
-
-
-def _table(columns: dict[str, Column], circuit: str, relief: bool) -> Table:
-    return Table(
-        {name: values for name, (values, _) in columns.items()},
-        {name: unit for name, (_, unit) in columns.items()},
-        {"circuit": circuit, "relief": relief},
-    )

@@ -5,6 +5,7 @@ look-up. To add a model: a NamedTuple, a step kernel, a builder, and one row her
 """
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,8 +17,10 @@ from polydraulic.errors import InputError
 from polydraulic.flow.exact import ExactFlow, exact_flow, exact_slopes, exact_step
 from polydraulic.flow.exact_lanes import exact_lanes
 from polydraulic.flow.interface import Flows, FlowSlopes
-from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_step
-from polydraulic.flow.lookup import LookupFlow, lookup_flow, lookup_step
+from polydraulic.flow.iterative import IterativeFlow, iterative_flow, iterative_layout, iterative_step
+from polydraulic.flow.layout.model import LayoutFlow, check_machine, exact_layout
+from polydraulic.flow.layout.networks import layout_networks
+from polydraulic.flow.lookup import LookupFlow, lookup_flow, lookup_layout, lookup_step
 from polydraulic.flow.polynomial import (
     NeuralFlow,
     PolynomialFlow,
@@ -33,10 +36,20 @@ from polydraulic.flow.stiff import StiffFlow, stiff_flow, stiff_step
 from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.model.table import work_size
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import LINKS, Machine
 
 FlowModel = (
-    ExactFlow | IterativeFlow | StiffFlow | TlmFlow | LookupFlow | PolynomialFlow | NeuralFlow | PressureFlow
+    ExactFlow
+    | IterativeFlow
+    | StiffFlow
+    | TlmFlow
+    | LookupFlow
+    | PolynomialFlow
+    | NeuralFlow
+    | PressureFlow
+    | LayoutFlow
 )  # what builders give and `simulate` takes
 
 
@@ -57,6 +70,7 @@ class FlowKind(NamedTuple):
     lanes : kernel (model, own, rows, whole) that finds the flows of a block of machines side by side; None where a step
         keeps memory or loops as long as its data ask, so that machines must run one by one
     slopes : kernel (model, spool, inside, flows) -> FlowSlopes; None where there is none
+    layout : function (machine, options) -> LayoutFlow, for machines that are described by links; None where there is none
     """
 
     model: type
@@ -70,20 +84,50 @@ class FlowKind(NamedTuple):
     has_state: bool = False
     lanes: Callable[..., None] | None = None
     slopes: Callable[..., FlowSlopes] | None = None
+    layout: Callable[..., LayoutFlow] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
     "exact": FlowKind(
-        ExactFlow, exact_step, exact_flow, lambda model: 1, True, True, LINKS, lanes=exact_lanes, slopes=exact_slopes
+        ExactFlow,
+        exact_step,
+        exact_flow,
+        lambda model: 1,
+        True,
+        True,
+        LINKS,
+        lanes=exact_lanes,
+        slopes=exact_slopes,
+        layout=exact_layout,
     ),
-    "iterative": FlowKind(IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS),
+    "iterative": FlowKind(
+        IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS, layout=iterative_layout
+    ),
     "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
     "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
-    "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS),
+    "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS, layout=lookup_layout),
     "polynomial": FlowKind(
-        PolynomialFlow, polynomial_step, polynomial_flow, scratch, True, False, LINKS, served=networks_serve
+        PolynomialFlow,
+        polynomial_step,
+        polynomial_flow,
+        scratch,
+        True,
+        False,
+        LINKS,
+        served=networks_serve,
+        layout=partial(layout_networks, kind="polynomial"),
     ),
-    "neural": FlowKind(NeuralFlow, neural_step, neural_flow, scratch, True, False, LINKS, served=networks_serve),
+    "neural": FlowKind(
+        NeuralFlow,
+        neural_step,
+        neural_flow,
+        scratch,
+        True,
+        False,
+        LINKS,
+        served=networks_serve,
+        layout=partial(layout_networks, kind="neural"),
+    ),
     "pressure": FlowKind(
         PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)
     ),
@@ -174,31 +218,57 @@ def _flow_lanes_compiled(model: Any, own: Any, rows: Any, whole: Any) -> Any:
     return chosen
 
 
-def build_flow(name: str, machine: Machine | str | Path, **options: Any) -> FlowModel:
+def build_flow(name: str, machine: Machine | LayoutMachine | str | Path, **options: Any) -> FlowModel:
     """Build a flow model by name.
 
     Parameters
     ----------
     name : str
         A key of `FLOW_KINDS`.
-    machine : Machine, or name or path of a parameter set
+    machine : Machine or LayoutMachine, or name or path of a parameter set
     **options
-        Settings of that model's builder.
+        Settings of that model's builder; ``models=[...]``, networks, for ``"polynomial"`` and ``"neural"``.
 
     Raises
     ------
     InputError
-        If there is no such model.
+        If there is no such model, or none for the layout of this machine.
     """
     if name not in FLOW_KINDS:
         raise InputError(f"unknown flow model {name!r}; choose one of {sorted(FLOW_KINDS)}")
-    found: FlowModel = FLOW_KINDS[name].build(machine, **options)
-    return found
+    kind, machine = FLOW_KINDS[name], as_machine(machine)
+    if not isinstance(machine, LayoutMachine):
+        found: FlowModel = kind.build(machine, **options)
+        return found
+    if kind.layout is None:
+        able = [other for other, row in FLOW_KINDS.items() if row.layout is not None]
+        why = ", whose oil between pump and valves it follows" if kind.has_state else ""
+        raise InputError(
+            f"flow {name!r} knows the layout of 'cat215b' alone{why}; machines of other layouts run with one of {able}"
+        )
+    return kind.layout(machine, **options)
 
 
 def as_flow(flow: str | FlowModel, machine: Machine) -> FlowModel:
     """Return a flow model that is given, or build the one of that name."""
+    if isinstance(flow, LayoutFlow):
+        raise InputError(
+            f"the flow model {flow.name!r} is for a machine with the circuits {', '.join(flow.circuits)}, described by links; this one is of the "
+            "older form"
+        )
     return build_flow(flow, machine) if isinstance(flow, str) else flow
+
+
+def layout_flow(flow: str | FlowModel, machine: LayoutMachine) -> LayoutFlow:
+    """`as_flow` for a machine of any layout."""
+    if isinstance(flow, str):
+        flow = build_flow(flow, machine)
+    if not isinstance(flow, LayoutFlow):
+        raise InputError(
+            f"{type(flow).__name__} knows the layout of 'cat215b' alone; build_flow(name, machine, ...) makes one for {machine.title!r}"
+        )
+    check_machine(flow, machine)
+    return flow
 
 
 def flow_name(model: object) -> str:

@@ -1,9 +1,9 @@
 """Iterative flow: the thesis' way, pump pressure -> flows -> pump pressure, until the pressure settles within `eps`.
 
-Boom: a sweep inserts the pressure into Eq. (1), takes the bypass flow from Eq. (3) and the next pressure from Eq. (2). Its slope is
+One valve (the boom's): a sweep inserts the pressure into Eq. (1), takes the bypass flow from Eq. (3) and the next pressure from Eq. (2). Its slope is
 -(Q_e / Q_i)(K a_i / K a_e)^2, so that the plain sweep (relaxation 1) converges only while the bypass is wide; with
-relaxation r it converges while that slope stays above 1 - 2/r. Swing and stick: the same with two pressures, before and
-between the valves, Eqs (8)-(13). The number of sweeps is bounded; a step that reaches the bound reports NOT_CONVERGED and
+relaxation r it converges while that slope stays above 1 - 2/r. Two valves in series (swing and stick): the same with two
+pressures, before and between the valves, Eqs (8)-(13). The number of sweeps is bounded; a step that reaches the bound reports NOT_CONVERGED and
 uses what it has.
 """
 
@@ -16,11 +16,23 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import NOT_CONVERGED, OK, Flows
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
+from polydraulic.machine.circuits.series_check import UNPROVED
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump
+from polydraulic.machine.series_short import Series1, Series2
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
+
+
+class Sweeps(NamedTuple):
+    """How to iterate: largest relative change at which a sweep is the last, share of a change that is made, sweeps at most."""
+
+    eps: float
+    relaxation: float
+    max_sweeps: int
 
 
 class IterativeFlow(NamedTuple):
@@ -29,9 +41,7 @@ class IterativeFlow(NamedTuple):
     valves: Valves
     boom_pump: Pump
     series_pump: Pump
-    eps: float
-    relaxation: float
-    max_sweeps: int
+    sweeps: Sweeps
 
 
 def iterative_flow(
@@ -55,14 +65,40 @@ def iterative_flow(
         If a setting is out of its range.
     """
     machine = as_excavator(machine)
+    boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
+    return IterativeFlow(prepare_valves(machine), boom, series, _checked(eps, relaxation, max_sweeps))
+
+
+def iterative_layout(
+    machine: LayoutMachine, *, eps: float = 0.05, relaxation: float = 0.2, max_sweeps: int = 200
+) -> LayoutFlow:
+    """`iterative_flow` for a machine of any layout whose circuits have one or two valves.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    eps, relaxation, max_sweeps
+        As for `iterative_flow`.
+
+    Raises
+    ------
+    InputError
+        If a setting is out of its range, or a circuit has more valves.
+    """
+    check_circuits(machine, "iterative", most=2)
+    parts = {"sweeps": _checked(eps, relaxation, max_sweeps)}
+    n_memory = sum(len(c.functions) for c in machine.circuits)  # a pressure before each valve
+    return LayoutFlow("iterative", "iterative", circuits_of(machine), machine.names, parts, n_memory, True)
+
+
+def _checked(eps: float, relaxation: float, max_sweeps: int) -> Sweeps:
     if not 0.0 < eps < 1.0:
         raise InputError(f"eps = {eps}: must lie between 0 and 1, for example 0.05")
     if not 0.0 < relaxation <= 1.0:
         raise InputError(f"relaxation = {relaxation}: must lie in (0, 1]")
     if max_sweeps < 1:
         raise InputError(f"max_sweeps = {max_sweeps}: must be at least 1")
-    boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
-    return IterativeFlow(prepare_valves(machine), boom, series, eps, relaxation, max_sweeps)
+    return Sweeps(eps, relaxation, max_sweeps)
 
 
 class _Swept(NamedTuple):
@@ -74,73 +110,81 @@ class _Swept(NamedTuple):
 
 
 @kernel
-def _sweep_boom(k: Orifices, p_in: float, p: float, model: IterativeFlow) -> _Swept:
-    pump = model.boom_pump
+def _sweep_single(k: Orifices, p_in: float, p: float, pump: Pump, how: Sweeps) -> _Swept:
     settled = False
-    for _ in range(model.max_sweeps):
+    for _ in range(how.max_sweeps):
         Q = delivered(p, pump)
         q_in = min(orifice_flow(k.inlet, p - p_in), Q)
         root = (Q - q_in) / k.bypass if k.bypass > 0.0 else Q / (k.inlet + 1e-300)
         p_next = pump.p_return + root * root if k.bypass > 0.0 else p_in + root * root
         p_next = min(p_next, pump.relief)
-        settled = abs(p_next - p) < model.eps * p
-        p = p_next if (settled or k.bypass <= 0.0) else p + model.relaxation * (p_next - p)
+        settled = abs(p_next - p) < how.eps * p
+        p = p_next if (settled or k.bypass <= 0.0) else p + how.relaxation * (p_next - p)
         if settled:
             break
     return _Swept(p, 0.0, settled)
 
 
 @kernel
-def _boom(k: Orifices, p_in: float, p: float, pump: Pump) -> Circuit:
-    """Flows at a pressure that has settled."""
-    Q = delivered(p, pump)
-    surplus = Q - min(orifice_flow(k.inlet, p - p_in), Q)
-    at_relief = p >= pump.relief
-    q_bypass = min(surplus, orifice_flow(k.bypass, p - pump.p_return)) if at_relief else surplus
-    return Circuit(Q, q_bypass, surplus - q_bypass, p, 0.0)
+def iterative_1(k_1: Orifices, p_1: float, p: float, pump: Pump, how: Sweeps) -> Series1:
+    """Flows of one valve, by sweeps from the pump pressure `p` of the step before, 0 at first; the status is 0 if they settle."""
+    found = _sweep_single(k_1, p_1, p if p > 0.0 else pump.p_return, pump, how)
+    Q = delivered(found.p, pump)
+    surplus = Q - min(orifice_flow(k_1.inlet, found.p - p_1), Q)
+    at_relief = found.p >= pump.relief
+    q_bypass = min(surplus, orifice_flow(k_1.bypass, found.p - pump.p_return)) if at_relief else surplus
+    q_relief = surplus - q_bypass
+    circuit = Circuit(Q, q_bypass, q_relief, found.p, 0.0)
+    return Series1(Q - q_bypass - q_relief, circuit, 0 if found.settled else UNPROVED)
 
 
 @kernel
 def _sweep_series(
-    swing: Orifices, stick: Orifices, p_in: Links, p: float, p_between: float, model: IterativeFlow
+    first: Orifices,
+    second: Orifices,
+    p_first: float,
+    p_second: float,
+    p: float,
+    p_between: float,
+    pump: Pump,
+    how: Sweeps,
 ) -> _Swept:
-    pump, r = model.series_pump, model.relaxation
+    r = how.relaxation
     settled = False
-    for _ in range(model.max_sweeps):
+    for _ in range(how.max_sweeps):
         Q = delivered(p, pump)
-        w = Q - min(orifice_flow(swing.inlet, p - p_in.swing), Q) if swing.bypass > 0.0 else 0.0
-        q_bypass = w - min(orifice_flow(stick.inlet, p_between - p_in.stick), w)
-        root = (q_bypass / stick.bypass) if stick.bypass > 0.0 else w / (stick.inlet + 1e-300)
-        between = (pump.p_return if stick.bypass > 0.0 else p_in.stick) + root * root
+        w = Q - min(orifice_flow(first.inlet, p - p_first), Q) if first.bypass > 0.0 else 0.0
+        q_bypass = w - min(orifice_flow(second.inlet, p_between - p_second), w)
+        root = (q_bypass / second.bypass) if second.bypass > 0.0 else w / (second.inlet + 1e-300)
+        between = (pump.p_return if second.bypass > 0.0 else p_second) + root * root
         between = min(between, pump.relief)
-        root = w / swing.bypass if swing.bypass > 0.0 else Q / (swing.inlet + 1e-300)
-        p_next = (between if swing.bypass > 0.0 else p_in.swing) + root * root
+        root = w / first.bypass if first.bypass > 0.0 else Q / (first.inlet + 1e-300)
+        p_next = (between if first.bypass > 0.0 else p_first) + root * root
         p_next = min(p_next, pump.relief)
-        settled = abs(p_next - p) < model.eps * p and abs(between - p_between) < model.eps * p_between
-        p = p_next if (settled or swing.bypass <= 0.0) else p + r * (p_next - p)
-        p_between = between if (settled or stick.bypass <= 0.0) else p_between + r * (between - p_between)
+        settled = abs(p_next - p) < how.eps * p and abs(between - p_between) < how.eps * p_between
+        p = p_next if (settled or first.bypass <= 0.0) else p + r * (p_next - p)
+        p_between = between if (settled or second.bypass <= 0.0) else p_between + r * (between - p_between)
         if settled:
             break
     return _Swept(p, p_between, settled)
 
 
-class _SeriesFlows(NamedTuple):
-    q_swing: float
-    q_stick: float
-    circuit: Circuit
-
-
 @kernel
-def _series(swing: Orifices, stick: Orifices, p_in: Links, found: _Swept, pump: Pump) -> _SeriesFlows:
-    """Flows at pressures that have settled."""
+def iterative_2(
+    k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, p: float, p_between: float, pump: Pump, how: Sweeps
+) -> Series2:
+    """Flows of two valves in series, by sweeps from the pressures of the step before, 0 at first; the status is 0 if they settle."""
+    low = pump.p_return
+    found = _sweep_series(k_1, k_2, p_1, p_2, p if p > 0.0 else low, p_between if p_between > 0.0 else low, pump, how)
     Q = delivered(found.p, pump)
-    q_swing = min(orifice_flow(swing.inlet, found.p - p_in.swing), Q)
-    passing = orifice_flow(swing.bypass, found.p - found.p_between)
-    at_relief = found.p >= pump.relief or swing.bypass <= 0.0
-    w = min(Q - q_swing, passing) if at_relief else Q - q_swing
-    q_stick = min(orifice_flow(stick.inlet, found.p_between - p_in.stick), w)
-    q_stick = w if stick.bypass <= 0.0 else q_stick
-    return _SeriesFlows(q_swing, q_stick, Circuit(Q, w - q_stick, Q - q_swing - w, found.p, 0.0))
+    q_first = min(orifice_flow(k_1.inlet, found.p - p_1), Q)
+    passing = orifice_flow(k_1.bypass, found.p - found.p_between)
+    at_relief = found.p >= pump.relief or k_1.bypass <= 0.0
+    w = min(Q - q_first, passing) if at_relief else Q - q_first
+    q_second = min(orifice_flow(k_2.inlet, found.p_between - p_2), w)
+    q_second = w if k_2.bypass <= 0.0 else q_second
+    circuit = Circuit(Q, w - q_second, Q - q_first - w, found.p, 0.0)
+    return Series2(q_first, q_second, found.p_between, circuit, 0 if found.settled else UNPROVED)
 
 
 @kernel
@@ -151,22 +195,16 @@ def iterative_step(
     k_swing = orifices(spool.swing, model.valves.swing)
     k_boom = orifices(spool.boom, model.valves.boom)
     k_stick = orifices(spool.stick, model.valves.stick)
-    low = model.boom_pump.p_return
-
-    boom = _sweep_boom(k_boom, p_in.boom, memory[0] if memory[0] > 0.0 else low, model)
-    circuit = _boom(k_boom, p_in.boom, boom.p, model.boom_pump)
-    q_boom = circuit.q_pump - circuit.q_bypass - circuit.q_relief
-
-    p, p_between = memory[1] if memory[1] > 0.0 else low, memory[2] if memory[2] > 0.0 else low
-    found = _sweep_series(k_swing, k_stick, p_in, p, p_between, model)
-    series = _series(k_swing, k_stick, p_in, found, model.series_pump)
-
-    memory[0], memory[1], memory[2] = boom.p, found.p, found.p_between
+    boom = iterative_1(k_boom, p_in.boom, memory[0], model.boom_pump, model.sweeps)
+    series = iterative_2(
+        k_swing, k_stick, p_in.swing, p_in.stick, memory[1], memory[2], model.series_pump, model.sweeps
+    )
+    memory[0], memory[1], memory[2] = boom.circuit.p_pump, series.circuit.p_pump, series.p_between_1
     return Flows(
-        Links(series.q_swing, q_boom, series.q_stick),
+        Links(series.q_in_1, boom.q_in_1, series.q_in_2),
         Links(k_swing.outlet, k_boom.outlet, k_stick.outlet),
-        circuit,
+        boom.circuit,
         series.circuit,
-        found.p_between,
-        OK if (boom.settled and found.settled) else NOT_CONVERGED,
+        series.p_between_1,
+        OK if (boom.status < UNPROVED and series.status < UNPROVED) else NOT_CONVERGED,
     )

@@ -8,6 +8,7 @@ with the pressures, where an inlet just opens or the relief valve does, are smea
 with the distance of the lines, elsewhere with its square.
 """
 
+from collections.abc import Sequence
 from math import sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,8 +19,13 @@ from polydraulic._kernel import driver, kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
-from polydraulic.machine.pump import Circuit
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
+from polydraulic.machine.circuits.series_check import UNPROVED
+from polydraulic.machine.pump import Circuit, Pump, limited_pump
+from polydraulic.machine.series_short import Series1, Series2
 from polydraulic.machine.state import Links
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
@@ -27,22 +33,33 @@ MOST_POINTS = 64  # 0.3 GB
 _BOOM_POINTS = 4  # lines an axis of the boom's two, as a multiple of those of the others' four
 
 
-class LookupFlow(NamedTuple):
-    """Grid lines and flows; the last axis of a table holds its values at a point.
+class FlowTable1(NamedTuple):
+    """Grid lines and flows of one valve on a pump; the last axis of a table holds its values at a point.
 
-    The pump's flow is the last of them where a torque limit lowers it, and otherwise known.
+    The pump's flow is the last of them where a torque limit lowers it, and otherwise known. Pressures reach from 0 to relief.
     """
 
-    boom_travel: np.ndarray  # (m,) m
-    boom: np.ndarray  # (m, m, 1 or 2) m3/s of travel, p_in: q_in, the pump's flow
-    travel: np.ndarray  # (n,) m
-    series: np.ndarray  # (n, n, n, n, 2 or 3) m3/s of x_sw, x_st, p_sw, p_st: q_in of swing and stick, the pump's flow
+    travel: np.ndarray  # (m,) m
+    flows: np.ndarray  # (m, m, 1 or 2) m3/s of travel, p_in: q_in, the pump's flow
+
+
+class FlowTable2(NamedTuple):
+    """The same of two valves in series."""
+
+    first: np.ndarray  # (n,) m
+    second: np.ndarray  # (n,) m
+    flows: np.ndarray  # (n, n, n, n, 2 or 3) m3/s of both travels, both p_in: q_in of both, the pump's flow
+
+
+class LookupFlow(NamedTuple):
+    """Tables of the boom, of swing and stick in series, and of the outlets; and the pumps."""
+
+    boom: FlowTable1
+    series: FlowTable2
     spool: np.ndarray  # (k,) m
     outlets: np.ndarray  # (k, 3) m3/s/Pa^0.5, links in the order of LINKS
-    relief: float  # Pa; pressures reach from 0 to here
-    boom_flow: float
-    series_flow: float
-    limited: bool
+    boom_pump: Pump
+    series_pump: Pump
 
 
 def lookup_flow(machine: Machine | str | Path, *, points: int = 24) -> LookupFlow:
@@ -69,9 +86,9 @@ def lookup_flow(machine: Machine | str | Path, *, points: int = 24) -> LookupFlo
             "the table of swing and stick holds points^4 values of each flow"
         )
     exact, relief, limited = exact_flow(machine), machine.pumps.relief, machine.pumps.torque_limit_enabled
-    pressure, travel = pressure_lines(relief, points), travel_lines(machine, points)
+    pressure, travel = pressure_lines(relief, points), travel_lines(machine.spool.knots, points)
     n = _BOOM_POINTS * points
-    boom_pressure, boom_travel = pressure_lines(relief, n), travel_lines(machine, n)
+    boom_pressure, boom_travel = pressure_lines(relief, n), travel_lines(machine.spool.knots, n)
 
     def sampled(*points: Any) -> np.ndarray:
         """Flows where spools and line pressures meet, arrays or floats in the order of `LINKS`; the last axis as `_exact_flows`."""
@@ -89,13 +106,51 @@ def lookup_flow(machine: Machine | str | Path, *, points: int = 24) -> LookupFlo
     knots = np.array(machine.spool.knots)
     spool = np.concatenate([-knots[:0:-1], knots])
     outlets = sampled(spool, spool, spool, 0.0, 0.0, 0.0)[:, 5:]
-    flows = machine.pumps.boom_flow, machine.pumps.series_flow
-    return LookupFlow(boom_travel, boom, travel, series, spool, outlets, relief, *flows, limited)
+    tables = FlowTable1(boom_travel, boom), FlowTable2(travel, travel, series)
+    return LookupFlow(*tables, spool, outlets, exact.boom_pump, exact.series_pump)
 
 
-def travel_lines(machine: Machine, n: int) -> np.ndarray:
-    """Grid lines of spool travel in m, (n,): the knots, and the widest gaps between them cut into equal parts."""
-    knots = np.array(machine.spool.knots)
+def lookup_layout(machine: LayoutMachine, *, points: int = 24) -> LayoutFlow:
+    """`lookup_flow` for a machine of any layout whose circuits have one or two valves; its outlets need no tables.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    points : int
+        Grid lines on each axis of the tables of two valves; those of one have four times as many.
+
+    Raises
+    ------
+    InputError
+        If a circuit has more valves, whose table would be too large; as `lookup_flow`.
+    """
+    check_circuits(machine, "lookup", most=2)
+    least = max(len(f.valve.knots) for f in machine.functions)
+    if not isinstance(points, int) or not least <= points <= MOST_POINTS:
+        raise InputError(
+            f"points = {points!r}: must be a whole number from {least}, the most knots of a spool, to {MOST_POINTS}; "
+            "the table of two valves holds points^4 values of each flow"
+        )
+    parts: dict[str, FlowTable1 | FlowTable2] = {}
+    for c in machine.circuits:
+        valves = [machine.function(f).valve for f in c.functions]
+        pump = limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
+        n = points if len(valves) == 2 else _BOOM_POINTS * points
+        lines = [travel_lines(valve.knots, n) for valve in valves]
+        grid = np.meshgrid(*lines, *[pressure_lines(pump.relief, n)] * len(valves), indexing="ij")
+        columns = np.stack([axis.ravel() for axis in grid], axis=1)
+        sampled = sample_valves(valves, pump, columns[:, : len(valves)], columns[:, len(valves) :])
+        values = [*sampled.q_in.T, *([sampled.q_pump] if pump.log_least < 0.0 else [])]
+        flows = np.stack(values, axis=1).reshape(*grid[0].shape, len(values))
+        parts[f"lookup_{c.name}"] = (
+            FlowTable1(lines[0], flows) if len(valves) == 1 else FlowTable2(lines[0], lines[1], flows)
+        )
+    return LayoutFlow("lookup", "lookup", circuits_of(machine), machine.names, parts, 1, False)
+
+
+def travel_lines(spool: Sequence[float], n: int) -> np.ndarray:
+    """Grid lines of spool travel in m, (n,): the knots of a spool, and the widest gaps between them cut into equal parts."""
+    knots = np.array(spool)
     parts = np.ones(len(knots) - 1, dtype=int)
     for _ in range(n - len(knots)):
         parts[np.argmax(np.diff(knots) / parts)] += 1
@@ -117,6 +172,8 @@ def table_bytes(model: object) -> int:
     """
     if isinstance(model, np.ndarray):
         return model.nbytes
+    if isinstance(model, dict):
+        return table_bytes((*model.values(),))
     return sum(table_bytes(part) for part in model) if isinstance(model, tuple) else 0
 
 
@@ -197,30 +254,43 @@ def _in_four(table: np.ndarray, value: int, a: _Place, b: _Place, c: _Place, d: 
 
 
 @kernel
+def lookup_1(table: FlowTable1, travel: float, p_1: float, pump: Pump) -> Series1:
+    """Flows of one valve; the status is 0 within the pressures of the table."""
+    relief = pump.relief
+    x, p = _find(travel, table.travel), _find_pressure(p_1, relief, table.flows.shape[1])
+    Q = _on_plane(table.flows, 1, x, p) if pump.log_least < 0.0 else pump.flow
+    q = min(max(_on_plane(table.flows, 0, x, p), 0.0), Q)
+    return Series1(q, Circuit(Q, Q - q, 0.0, 0.0, 0.0), 0 if _inside(p_1, relief) else UNPROVED)
+
+
+@kernel
+def lookup_2(table: FlowTable2, travel_1: float, travel_2: float, p_1: float, p_2: float, pump: Pump) -> Series2:
+    """Flows of two valves in series; the status is 0 within the pressures of the table."""
+    relief, n = pump.relief, table.flows.shape[2]
+    x_1, p_first = _find(travel_1, table.first), _find_pressure(p_1, relief, n)
+    x_2, p_second = _find(travel_2, table.second), _find_pressure(p_2, relief, n)
+    Q = _in_four(table.flows, 2, x_1, x_2, p_first, p_second) if pump.log_least < 0.0 else pump.flow
+    q_1 = min(max(_in_four(table.flows, 0, x_1, x_2, p_first, p_second), 0.0), Q)
+    q_2 = min(max(_in_four(table.flows, 1, x_1, x_2, p_first, p_second), 0.0), Q - q_1)
+    inside = _inside(p_1, relief) and _inside(p_2, relief)
+    return Series2(q_1, q_2, 0.0, Circuit(Q, Q - q_1 - q_2, 0.0, 0.0, 0.0), 0 if inside else UNPROVED)
+
+
+@kernel
 def lookup_step(model: LookupFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
     """Interpolate; beyond the pressures of the tables those at their ends are given, and reported."""
-    relief, m, n = model.relief, model.boom.shape[1], model.series.shape[2]
-    x, p = _find(abs(spool.boom), model.boom_travel), _find_pressure(p_in.boom, relief, m)
-    Q_boom = _on_plane(model.boom, 1, x, p) if model.limited else model.boom_flow
-    q_boom = min(max(_on_plane(model.boom, 0, x, p), 0.0), Q_boom)
-
-    x_swing, p_swing = _find(abs(spool.swing), model.travel), _find_pressure(p_in.swing, relief, n)
-    x_stick, p_stick = _find(abs(spool.stick), model.travel), _find_pressure(p_in.stick, relief, n)
-    Q = _in_four(model.series, 2, x_swing, x_stick, p_swing, p_stick) if model.limited else model.series_flow
-    q_swing = min(max(_in_four(model.series, 0, x_swing, x_stick, p_swing, p_stick), 0.0), Q)
-    q_stick = min(max(_in_four(model.series, 1, x_swing, x_stick, p_swing, p_stick), 0.0), Q - q_swing)
-
+    boom = lookup_1(model.boom, abs(spool.boom), p_in.boom, model.boom_pump)
+    series = lookup_2(model.series, abs(spool.swing), abs(spool.stick), p_in.swing, p_in.stick, model.series_pump)
     outlets = Links(
         _on_line(model.outlets, 0, _find(spool.swing, model.spool)),
         _on_line(model.outlets, 1, _find(spool.boom, model.spool)),
         _on_line(model.outlets, 2, _find(spool.stick, model.spool)),
     )
-    inside = _inside(p_in.swing, relief) and _inside(p_in.boom, relief) and _inside(p_in.stick, relief)
     return Flows(
-        Links(q_swing, q_boom, q_stick),
+        Links(series.q_in_1, boom.q_in_1, series.q_in_2),
         outlets,
-        Circuit(Q_boom, Q_boom - q_boom, 0.0, 0.0, 0.0),
-        Circuit(Q, Q - q_swing - q_stick, 0.0, 0.0, 0.0),
+        boom.circuit,
+        series.circuit,
         0.0,
-        OK if inside else OUT_OF_DOMAIN,
+        OK if (boom.status < UNPROVED and series.status < UNPROVED) else OUT_OF_DOMAIN,
     )

@@ -261,13 +261,19 @@ def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.nd
     )
 
 
+def shown_windows(found: Replay) -> str:
+    """Which windows `plot_replay` shows, in words."""
+    n = len(found.windows)
+    return f"the first {_SHOWN} of {n} windows" if n > _SHOWN else f"all {n} windows"
+
+
 def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
     """Measured angles of each joint, above them the runs, restarted in each window, and how far apart they are.
 
     Parameters
     ----------
     found : Replay
-        Its first windows are shown, over dates where the log has dates.
+        Its first six windows are shown, over dates where the log has dates; the figure says of how many.
     units : str
         ``"metric"``, ``"field"`` or ``"si"``.
     """
@@ -287,6 +293,7 @@ def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
             below.plot(time, run - measured, color=_COLORS[place], linewidth=0.9, label=link if number == 0 else None)
         axis.set_ylabel(with_unit(f"{link} angle", unit))
         axis.grid(alpha=0.3)
+    axes[0].set_title(shown_windows(found), loc="left", fontsize="medium")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
     below.set_ylabel(f"run - measured\n[{unit}]")
     below.grid(alpha=0.3)

@@ -56,6 +56,26 @@ def friction_torque(rate: float, f: Friction) -> float:
 
 
 @kernel
+def dry_friction(rate: float, f: Friction) -> float:
+    """Dry friction in N m that opposes a joint rate in rad/s, or, at rest, the most that it can hold."""
+    w = rate / f.stribeck
+    return f.coulomb + (f.static - f.coulomb) * exp(-(w * w))
+
+
+@kernel
+def viscous_torque(rate: float, f: Friction) -> float:
+    """The part of friction in N m that grows with the joint rate in rad/s."""
+    return f.viscous * rate
+
+
+@kernel
+def sliding_torque(rate: float, f: Friction) -> float:
+    """Friction torque in N m of a joint that slides at a rate in rad/s; 0 of one that rests."""
+    dry = dry_friction(rate, f)
+    return (dry if rate > 0.0 else (-dry if rate < 0.0 else 0.0)) + f.viscous * rate
+
+
+@kernel
 def lever_slope(joint: SinCos, arm: float, t: Triangle) -> float:
     """Slope of `lever_arm` over the joint angle, m/rad; `arm` is the lever arm itself."""
     product_cos = t.product_cos * joint.cos - t.direction * t.product_sin * joint.sin

@@ -4,10 +4,11 @@ The tables are linear between the spool's knots. Each segment is written from it
 is exactly zero, without a threshold.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
+from polydraulic.parameters.layout.schema import ValveCurves
 from polydraulic.parameters.schema import Knots, Spool, Valve
 
 
@@ -57,6 +58,14 @@ def prepare_valve(valve: Valve, spool: Spool) -> ValveTables:
 
     tables = (segments(table) for table in valve)
     return ValveTables(*spool.knots[1:], *tables)
+
+
+def spool_edges(valve: ValveCurves) -> tuple[float, float]:
+    """Travel in m at which a valve opens (0 if it never is shut), and at which its bypass is shut (inf if it never is)."""
+    tables = (valve.inlet, valve.outlet_positive, valve.outlet_negative)
+    shut = [knot for k, knot in enumerate(valve.knots) if all(max(table[: k + 1]) == 0.0 for table in tables)]
+    closed = [knot for k, knot in enumerate(valve.knots) if max(valve.bypass[k:]) == 0.0]
+    return shut[-1] if shut else 0.0, closed[0] if closed else inf
 
 
 @kernel

@@ -1,9 +1,14 @@
-"""Which keys a table of a file may hold, and must."""
+"""Which keys a table of a file may hold, and must; and what a file is by its keys."""
 
 from collections.abc import Collection, Mapping
 from typing import Any
 
 from polydraulic.errors import InputError, briefly
+
+
+def is_layout(data: Collection[str]) -> bool:
+    """Whether a parameter file describes links, functions and circuits of its own."""
+    return any(key in data for key in ("links", "functions", "circuits"))
 
 
 def check_keys(data: Any, allowed: Collection[str], needed: Collection[str], where: str = "", file: str = "") -> None:

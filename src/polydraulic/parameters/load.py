@@ -6,7 +6,8 @@ from typing import Any, Literal, NamedTuple, overload
 from polydraulic.errors import InputError
 from polydraulic.parameters.conditions import broken_conditions
 from polydraulic.parameters.entries import build, find, read_toml
-from polydraulic.parameters.layout.load import build_layout, is_layout
+from polydraulic.parameters.keys import is_layout
+from polydraulic.parameters.layout.load import build_layout
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import LINKS, Machine
 
@@ -26,7 +27,7 @@ class Entry(NamedTuple):
 def load_machine(source: Literal["cat215b"]) -> Machine: ...
 @overload
 def load_machine(
-    source: Literal["cat215b_bucket", "excavator_22t", "loader_crane", "wheel_loader"],
+    source: Literal["cat215b_bucket", "cat215b_crossover", "excavator_22t", "loader_crane", "wheel_loader"],
 ) -> LayoutMachine: ...
 @overload
 def load_machine(source: str | Path) -> Machine | LayoutMachine: ...
@@ -52,6 +53,8 @@ def load_machine(source: str | Path) -> Machine | LayoutMachine:
     data = read_toml(path)
     if is_layout(data):
         return build_layout(data, path)
+    if {"duration", "voltage"} <= set(data):
+        raise InputError(f"{path}: is a scenario, not a machine; run it by `polydraulic simulate {path}`")
     machine = build(Machine, data, where="", path=path)
     broken = broken_conditions(machine)
     if broken:

@@ -15,7 +15,7 @@ import numpy as np
 
 from polydraulic.errors import InputError, briefly
 from polydraulic.parameters.entries import build, find, read_quantity, read_toml
-from polydraulic.parameters.keys import check_keys
+from polydraulic.parameters.keys import check_keys, is_layout
 from polydraulic.parameters.loads import Loads, read_loads
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
@@ -98,6 +98,11 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
     if _is_recording(source):
         return _recording(Path(source), functions or LINKS)
     path, data = _read(source)
+    if is_layout(data) or {"pumps", "geometry"} <= set(data):
+        raise InputError(
+            f"{path}: is a machine, not a scenario; try it by `polydraulic machine check {path}`, and run it by "
+            f"`polydraulic simulate random:1:10 --machine {path}`"
+        )
     check_keys(data, _SECTIONS, {"title", "source", "duration", "voltage"}, file=str(path))
     for key in ("title", "source"):
         if not isinstance(data[key], str):
@@ -285,8 +290,9 @@ def _recording(path: Path, functions: Sequence[str]) -> Scenario:
     missing = [link for link in functions if link not in links]
     if missing and (unknown or not links):  # a link misspelt would rest unseen
         raise InputError(
-            f"{path}: no column {missing[0]!r}; the table has {recording.names}, of which {unknown} are not links; leave these out, "
-            'or name columns in a scenario file with kind = "table"'
+            f"{path}: no column {missing[0]!r}; the table has {recording.names}, and the machine is moved by {', '.join(functions)}; name "
+            'columns by these, or in a scenario file with kind = "table"'
+            + (f"; leave out {', '.join(unknown)}" if unknown and links else "")
         )
     signals = _recorded(recording, time, links)
     seconds = signals[0].time - signals[0].time[0]

@@ -49,6 +49,7 @@ def simulate(
     method: str = "semi-implicit",
     rtol: float | None = None,
     energy: bool = False,
+    forces: bool = False,
 ) -> Table:
     """Simulate a scenario.
 
@@ -77,6 +78,8 @@ def simulate(
         Relative tolerance of the last two; 1e-4 and 1e-9 if not given.
     energy : bool
         Whether to add the energy account, see `simulation.layout.energy`; for machines that are described by links.
+    forces : bool
+        Whether to add forces of actuators, friction and joint pins, see `simulation.layout.forces`; for the same machines.
 
     Returns
     -------
@@ -104,11 +107,13 @@ def simulate(
     every = recorded_steps(dt, every, raster)
     if isinstance(machine, LayoutMachine):
         return simulate_layout(
-            machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least, energy=energy
-        )
-    if energy:
+            machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least,
+            energy=energy, forces=forces,
+        )  # fmt: skip
+    if energy or forces:
         raise InputError(
-            "the energy account is of machines that are described by links, functions and circuits; try 'cat215b_bucket'"
+            f"{'the energy account is' if energy else 'forces of pins are'} of machines that are described by links, functions and circuits; "
+            "try 'cat215b_bucket'"
         )
     scenario = as_scenario(scenario)
     arranged = arrange(machine, flow, scenario, dt=dt, t_end=t_end, every=every)

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.export.c.text import FLOAT, block_comment, literal, one_line, string
+from polydraulic.export.c.text import FLOAT, block_comment, inner_ends, literal, one_line, rounded_down, string
 
 
 @pytest.mark.parametrize("value", [0.1, 1e300, -2.5, 5.0, 1e-320, 123456789.0])
@@ -32,3 +34,21 @@ def test_strings_hold_any_bytes():
     assert text == '"a\\042\\134\\077\\303\\266\\012"'
     octal = text[1:-1].encode().decode("unicode_escape").encode("latin-1").decode()
     assert octal == 'a"\\?ö\n'
+
+
+@given(st.floats(-1e30, 1e30), st.floats(0.0, 1e-6))
+def test_a_float_lies_between_the_ends_exactly_if_it_lies_in_the_range(low, width):
+    high = low + width * abs(low)
+    ends = inner_ends(low, high, FLOAT)
+    near = [np.float32(low), np.float32(high)]
+    near += [np.nextafter(value, np.float32(to)) for value in near for to in (-np.inf, np.inf)]
+    inside = [float(value) for value in near if low <= float(value) <= high]
+    if inside:
+        assert [value for value in map(float, near) if ends[0] <= value <= ends[1]] == inside
+        assert all(float(np.float32(end)) == end for end in ends)
+    else:
+        assert ends[0] == ends[1] == float(np.float32(0.5 * low + 0.5 * high))
+    for value in near:
+        assert (float(value) > low) == (float(value) > rounded_down(low, FLOAT))
+    assert inner_ends(low, high) == (low, high)
+    assert inner_ends(0.0, np.finfo(np.float64).max, FLOAT) == (0.0, float(np.finfo(np.float32).max))

@@ -87,7 +87,12 @@ def test_a_recording_without_faults_is_healthy(tmp_path, machine, bench, seed):
     [
         (('unit = "mm"', 'unit = "mn"'), "unit of sensor 'boom.spool': unknown unit|it is in m"),
         (('unit = "mm"', 'unit = "bar"'), "sensor 'boom.spool' = boom.spool in 'bar': it is in m"),
-        (('"boom.spool"', '"boom.spol"'), "the run has no column 'boom.spol'"),
+        (('"boom.spool"', '"boom.spol"'), "the run has no column 'boom.spol'; of boom it has .*boom.spool"),
+        (
+            ('"boom.spool"', '"arm.spool"'),
+            "'arm.spool'; 'arm' is none of its functions and circuits; it has swing.spool, boom.spool, stick.spool",
+        ),
+        (('"boom.spool"', '"arm"'), "the run has no column 'arm'; it has time, "),
         (('raster = "20 ms"', 'raster = "20 mm"'), "raster of sensor 'boom.angle' = '20 mm': must be in s"),
         (('raster = "20 ms"', ""), "missing key 'raster' in sensor 3"),
         (('raster = "20 ms"', 'raster = "20 ms"\nnoize = 1'), "unknown key 'noize' in sensor 3"),

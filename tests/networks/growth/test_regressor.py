@@ -12,9 +12,13 @@ X = RNG.uniform(-1.0, 1.0, size=(200, 2))
 Y = np.exp(X[:, 0]) * X[:, 1]
 
 
+@pytest.fixture(scope="module")
+def plain():
+    return AbductiveRegressor(max_layers=2).fit(X, Y)
+
+
 @given(st.floats(0.1, 1e3), st.floats(-100.0, 100.0), st.floats(0.1, 1e3))
-def test_units_do_not_matter(scale, shift, y_scale):
-    plain = AbductiveRegressor(max_layers=2).fit(X, Y)
+def test_units_do_not_matter(plain, scale, shift, y_scale):
     other = AbductiveRegressor(max_layers=2).fit(X * scale + shift, Y * y_scale)
     assert other.predict(X * scale + shift) / y_scale == pytest.approx(plain.predict(X), abs=1e-5)
 

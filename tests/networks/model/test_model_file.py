@@ -10,7 +10,7 @@ from jsonschema import Draft202012Validator
 from polydraulic import AbductiveRegressor, RegionRegressor, load_models
 from polydraulic.errors import InputError
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.networks import PerceptronRegressor, Variable, dump_models, parse_models
+from polydraulic.networks import PerceptronRegressor, Variable, dump_models, parse_models, save_models
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 Y = np.abs(X[:, 0]) * X[:, 1]
@@ -27,6 +27,12 @@ def test_reading_gives_what_was_written(tmp_path):
     path.write_text(dump_models([MODEL, MODEL]))
     assert load_models(path) == [MODEL, MODEL]
     assert np.array_equal(load_models(path)[0].predict(X), MODEL.predict(X))
+
+
+def test_a_model_file_ends_in_json(tmp_path):
+    with pytest.raises(InputError, match=r"power.txt: a model file ends in .json"):
+        save_models([MODEL], tmp_path / "power.txt")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_files_follow_the_published_schema():

@@ -5,7 +5,7 @@ from typing import Literal, get_args, get_origin, get_overloads, get_type_hints
 
 import pytest
 
-from helpers.small_crane import crane_text, write_crane
+from helpers.small_crane import crane_text, write_crane, write_crossover_crane
 from polydraulic import InputError, load_machine
 from polydraulic.parameters.load import as_excavator, load_layout, machine_names
 
@@ -61,12 +61,83 @@ def test_functions_stand_in_the_order_of_their_links(tmp_path):
         ("inertia.zz = {value = 161", "inertia.zz = {value = 400", "no body has one above the sum of the others"),
         ("pump.relief = {value = 250", "pump.relief = {value = 2", "pump.relief = 2 bar: must be above tank.return_pressure = 3 bar"),
         ("number = {value = 1, ", "number = {value = 1.5, ", "functions.lift.cylinder.number = 1.5: must be a whole number"),
-        ('kind = "series"', 'kind = "parallel"', "circuits.main.kind = 'parallel': must be one of ['series']"),
+        ('kind = "series"', 'kind = "parallel"', "circuits.main.kind = 'parallel': must be one of ['series', 'crossover']"),
         ('link = "arm"', 'link = "hook"', "tip.link = 'hook'"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_named_with_what_is_allowed(tmp_path, old, new, words):
     assert words in refused(tmp_path, old, new)
+
+
+def test_a_loop_is_named_once_with_the_links_that_form_it(tmp_path):
+    """And not what hangs on it, nor that nothing is left for functions and tip to name."""
+    text = refused(tmp_path, 'parent = "ground"', 'parent = "boom"')
+    loop = "'ground' must be above every link"
+    assert text.splitlines()[1:] == [
+        f"  links.column.parent = 'boom': column, boom form a loop; {loop}",
+        f"  links.boom.parent = 'column': boom, column form a loop; {loop}",
+    ]
+    own = refused(tmp_path, 'parent = "ground"', 'parent = "column"')
+    assert own.endswith(f"links.column.parent = 'column': a link is not its own parent; {loop}")
+
+
+def test_links_below_one_whose_parent_is_misspelt_are_good(tmp_path):
+    assert refused(tmp_path, 'parent = "ground"', 'parent = "grund"').endswith(
+        "crane.toml: links.column.parent = 'grund': must be one of ['ground', 'boom', 'arm']"
+    )
+
+
+@pytest.mark.parametrize("table", ["links", "functions"])
+def test_where_a_table_is_misspelt_nothing_is_offered_to_choose_from(tmp_path, table):
+    path = tmp_path / "misspelt.toml"
+    path.write_text(crane_text().replace(f"[{table}.", f"[{table}z."), encoding="utf-8")
+    with pytest.raises(InputError, match=f"unknown key '{table}z'; allowed here") as error:
+        load_machine(path)
+    assert "[]" not in str(error.value)
+
+
+def test_a_crossover_is_two_circuits_and_a_valve_between_them(tmp_path):
+    machine = load_machine(write_crossover_crane(tmp_path))
+    assert [(c.name, c.functions, c.pump_path) for c in machine.circuits] == [
+        ("main_giving", ("extend",), "circuits.main.giving"),
+        ("main_taking", ("slew", "lift"), "circuits.main.taking"),
+    ]
+    (x,) = machine.crossovers
+    assert (x.name, x.giving, x.taking) == ("main", "main_giving", "main_taking")
+    assert x.valve.conductance[3] == pytest.approx(12e-3 / 60 / 1e5**0.5)
+    assert x.valve.opening_pressure == pytest.approx(1.5e5)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"extend", "slew", "lift"', '"slew", "lift"', "circuits.main.functions = ['slew', 'lift']: must be a list of 3 to 4 names"),
+        ("giving.flow = {value = 20", "giving.flow = {value = -20", "circuits.main.giving.flow = -20 gpm"),
+        ("giving.relief = {value = 250", "giving.relief = {value = 2", "circuits.main.giving.relief = 2 bar: must be above"),
+        ("value = [0, 1, 6, 12]", "value = [0, 1, 6]", "circuits.main.crossover.conductance: 3 numbers for the 4 knots of functions.lift.valve"),
+        ("value = [0, 1, 6, 12]", "value = [0, -1, 6, 12]", "circuits.main.crossover.conductance"),
+        ("crossover.opening_pressure", "crossover.cracking", "unknown key 'cracking' in circuits.main.crossover"),
+        ("taking.flow", "pump.flow", "unknown key 'pump' in circuits.main"),
+        ("[circuits.main]", "[circuits.class]", "'class' is a word of Python"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_crossover_is_named(tmp_path, old, new, words):
+    with pytest.raises(InputError) as error:
+        load_machine(write_crossover_crane(tmp_path, old, new))
+    assert words in str(error.value)
+
+
+def test_a_circuit_may_not_be_called_as_a_pump_of_another(tmp_path):
+    path = write_crossover_crane(tmp_path, '"extend", "slew"', '"extend", "extend", "slew"')
+    text = path.read_text(encoding="utf-8")
+    second = crane_text()
+    path.write_text(
+        text + second[second.index("[circuits.second]") :].replace("second", "main_giving"), encoding="utf-8"
+    )
+    with pytest.raises(
+        InputError, match="circuits: 'main_giving' is what a pump of a circuit with crossover is called"
+    ):
+        load_machine(path)
 
 
 def test_all_that_is_wrong_is_said_at_once(tmp_path):

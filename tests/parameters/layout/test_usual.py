@@ -1,6 +1,6 @@
 import pytest
 
-from helpers.small_crane import write_crane
+from helpers.small_crane import write_crane, write_crossover_crane
 from polydraulic import load_machine
 from polydraulic.parameters.layout.usual import unusual
 from polydraulic.parameters.load import load_layout, machine_names
@@ -30,3 +30,17 @@ def test_the_machines_of_the_package_are_usual():
     for name in machine_names():
         if name != "cat215b":
             assert unusual(load_layout(name)) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("value = [0, 1, 6, 12]", "value = [0, 1, 6, 12000]", "circuits.main.crossover.conductance"),
+        ("opening_pressure = {value = 1.5", "opening_pressure = {value = 150", "circuits.main.crossover.opening_pressure = 150 bar"),
+        ("taking.flow = {value = 40", "taking.flow = {value = 40000", "circuits.main.taking.flow = 40000 l/min"),
+    ],
+)  # fmt: skip
+def test_absurd_values_of_a_crossover_are_named(tmp_path, old, new, words):
+    found = unusual(load_machine(write_crossover_crane(tmp_path, old, new)))
+    assert [line for line in found if line.startswith(words)], found
+    assert unusual(load_machine(write_crossover_crane(tmp_path))) == []

@@ -31,3 +31,12 @@ def test_pressures_between_more_than_two_valves_are_numbered():
         "upper.p_between_2",
         "upper.p_between_3",
     ]
+
+
+def test_both_pumps_of_a_crossover_have_columns_and_so_has_what_passes_it(joined_crane):
+    units = dict(columns_of(joined_crane).columns)
+    for circuit in ("main_giving", "main_taking"):
+        assert {f"{circuit}.{what}" for what in ("q_pump", "q_bypass", "q_relief", "p_pump")} <= set(units)
+    assert units["main_giving.q_cross"] == "m3/s"
+    assert units["main_taking.p_between"] == "Pa"
+    assert "main_giving.p_between" not in units

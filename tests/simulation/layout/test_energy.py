@@ -87,3 +87,17 @@ def test_forces_in_lanes_have_the_bits_of_single_runs(crane, loads):
     batch = simulate_batch(crane, "exact", scenarios, keep=["rows"])
     run = simulate(crane, "exact", scenarios[2])
     assert all(np.array_equal(batch[name][2], run[name]) for name in batch.names)
+
+
+def test_what_passes_a_crossover_is_given_by_one_pump_and_gained_by_the_other(joined_crane):
+    run = simulate(joined_crane, "exact", "random:3:8", energy=True)
+    both, left = 0.0, 0.0
+    for c in joined_crane.circuits:
+        both = both + run[f"{c.name}.pump_power"] - run[f"{c.name}.relief_power"] - run[f"{c.name}.throttling_power"]
+        assert run[f"{c.name}.throttling_power"].min() > -1e-6 * c.pump.flow * c.pump.relief
+        left = left + run[f"{c.name}.q_bypass"] * joined_crane.tank.return_pressure
+    given = run["main_giving.cross_power"]
+    assert np.allclose(given, run["main_giving.q_cross"] * run["main_taking.p_between"], rtol=1e-12)
+    assert given.max() > 100.0
+    left = left + sum(run[f"{f}.q_in"] * run[f"{f}.p_in"] for f in joined_crane.names)
+    assert np.allclose(both, left, rtol=0.0, atol=1e-9 * both.max())

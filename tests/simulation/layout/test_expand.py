@@ -66,6 +66,31 @@ def test_calls_that_are_too_long_are_broken_into_arguments():
     compile(text, "page", "exec")
 
 
+def test_definitions_and_conditions_that_are_too_long_are_broken_into_parts():
+    rows = [{"F": f"function_{k}"} for k in range(12)]
+    page = """def f(a_long_argument: float, another_long_argument: float, x: object, one_more_argument: float, the_last_one: float) -> float:
+    y = any([h(x.F, 1.0) or x.F < 0.0 for F in LIST])
+    if all([x.F > 0.0 for F in LIST]):
+        return 1.0
+    return g(y) if y else 0.0
+"""
+    text = expanded(page, {"LIST": rows})
+    assert "    x: object,\n" in text
+    assert "\n) -> float:\n" in text
+    assert "        or (h(x.function_3, 1.0) or x.function_3 < 0.0)\n" in text
+    assert "        and (x.function_3 > 0.0)\n" in text
+    assert max(map(len, text.split("\n"))) <= WIDTH
+    found = {}
+    exec(compile(text, "page", "exec"), {"h": lambda a, b: a > b, "g": float}, found)
+    signs = type("Signs", (), {f"function_{k}": 0.5 for k in range(12)})()
+    assert found["f"](0.0, 0.0, signs, 0.0, 0.0) == 1.0
+    signs.function_7 = 0.0
+    assert found["f"](0.0, 0.0, signs, 0.0, 0.0) == 0.0
+    signs.function_7 = -1.0
+    found["f"].__globals__["g"] = lambda y: 7.0 * y
+    assert found["f"](0.0, 0.0, signs, 0.0, 0.0) == 7.0
+
+
 def test_what_nobody_gives_is_an_error():
     with pytest.raises(ValueError, match="loops over CIRCUITS"):
         expanded("for C in CIRCUITS:\n    x_C = 1\n", FUNCTIONS)

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from polydraulic import InputError, load_machine, load_scenario, simulate
-from polydraulic.parameters.load import load_layout
-from polydraulic.parameters.scenario import random_operator
+from helpers.excavator_tree import excavator_tree
+from polydraulic import InputError, load_machine, load_scenario, simulate, simulate_batch
+from polydraulic.parameters.scenario import Scenario, random_operator
+from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.layout.runs import simulate_layout
 from polydraulic.simulation.summary import run_summary
 
@@ -51,6 +52,56 @@ def test_a_summary_speaks_of_the_machines_own_functions(run):
     assert any(line.startswith("at the end: slew") and "extend" in line for line in lines)
 
 
+@pytest.fixture(scope="module")
+def joined_run(joined_crane):
+    return simulate(joined_crane, "exact", "random:3:20")
+
+
+def test_a_crossover_takes_from_one_pump_what_the_other_circuit_gets(joined_crane, joined_run):
+    run, cross = joined_run, joined_run["main_giving.q_cross"]
+    assert run.info["steps_not_converged"] == 0
+    for c, sign in zip(joined_crane.circuits, (1.0, -1.0), strict=True):
+        used = sum(run[f"{f}.q_in"] for f in c.functions)
+        gap = run[f"{c.name}.q_pump"] - used - run[f"{c.name}.q_bypass"] - run[f"{c.name}.q_relief"] - sign * cross
+        assert np.abs(gap).max() < 1e-12 * c.pump.flow
+        assert run[f"{c.name}.p_pump"].max() <= c.pump.relief * (1 + 1e-12)
+        limited = run[f"{c.name}.p_pump"] > c.pump.torque_limit_start
+        power = run[f"{c.name}.p_pump"] * run[f"{c.name}.q_pump"] / (c.pump.flow * c.pump.torque_limit_start)
+        assert np.allclose(power[limited], 1.0, atol=1e-9)
+    (x,), lift = joined_crane.crossovers, joined_crane.function("lift")
+    conductance = np.interp(np.abs(run["lift.spool"]), lift.valve.knots, x.valve.conductance)
+    drop = run["main_giving.p_pump"] - run["main_taking.p_between"] - x.valve.opening_pressure
+    assert np.allclose(cross, conductance * np.sqrt(np.maximum(drop, 0.0)), rtol=0.0, atol=1e-9 * cross.max())
+    assert 0.1 < np.mean(cross > 0.0) < 0.9
+
+
+def test_a_crossover_that_opens_is_an_event_and_no_warning(joined_run):
+    named = [event[2] for event in joined_run.info["events"] if event[1] == "main"]
+    assert named[:2] == ["crossover opens", "crossover closes"]
+    lines = run_summary(joined_run)
+    assert any("crossover opens" in line for line in lines)
+    assert not any("warning" in line and "crossover" in line for line in lines)
+
+
+def test_the_other_function_moves_faster_with_a_crossover(joined_crane):
+    scenario = Scenario(
+        "up and out", 2.0, {"lift": Constant(0.8), "extend": Constant(0.8)}
+    )  # a centred valve lets the oil pass
+    shut = joined_crane.crossovers[0].valve._replace(conductance=(0.0,) * 4)
+    alone = joined_crane._replace(crossovers=(joined_crane.crossovers[0]._replace(valve=shut),))
+    with_it, without = (simulate(machine, "exact", scenario)["lift.angle"][-1] for machine in (joined_crane, alone))
+    start = joined_crane.function("lift").initial.angle
+    assert with_it - start > 1.1 * (without - start)
+
+
+def test_joined_circuits_in_lanes_have_the_bits_of_single_runs(joined_crane):
+    operators = [random_operator(seed, 1.0, functions=joined_crane.names) for seed in range(3)]
+    batch = simulate_batch(joined_crane, "exact", operators, keep=["rows"])
+    run = simulate(joined_crane, "exact", operators[2])
+    assert "main_giving.q_cross" in batch.names
+    assert all(np.array_equal(batch[name][2], run[name]) for name in batch.names)
+
+
 def test_locked_functions_stand_still_and_keep_their_columns_short(crane):
     run = simulate(crane, "exact", random_operator(5, 3.0, links=("lift",), functions=crane.names))
     assert np.ptp(run["slew.angle"]) == 0.0
@@ -77,8 +128,15 @@ def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
 @pytest.mark.parametrize(
     ("flow", "scenario", "options", "words"),
     [
-        ("polynomial", "random:1:1", {}, "flow 'polynomial' knows the layout of 'cat215b' alone"),
         ("exakt", "random:1:1", {}, "unknown flow model 'exakt'"),
+        (
+            "polynomial",
+            "random:1:1",
+            {},
+            "flow 'polynomial': no networks come with the package for 'Small crane': train them",
+        ),
+        ("iterative", "random:1:1", {"method": "rk4"}, "flow 'iterative' with method 'rk4': machines of other layouts"),
+        ("stiff", "random:1:1", {}, "flow 'stiff' knows the layout of 'cat215b' alone.*run with one of"),
         (
             "exact",
             "task",
@@ -94,25 +152,12 @@ def test_what_a_layout_cannot_do_is_refused_by_name(crane, flow, scenario, optio
 
 
 @pytest.mark.slow
-def test_the_excavator_as_a_tree_moves_like_the_closed_form(excavator_tree):
+def test_the_excavator_as_a_tree_moves_like_the_closed_form():
     older = load_machine("cat215b")
     for name in ("task", "step", "sine", "pulse"):
-        tree, arm = simulate(excavator_tree, "exact", name), simulate(older, "exact", name)
+        tree, arm = simulate(excavator_tree(), "exact", name), simulate(older, "exact", name)
         for link in ("swing", "boom", "stick"):
             assert (
                 np.abs(tree[f"{link}.angle"] - arm[f"{link}.angle"]).max() < 1e-8
             )  # coordinates are rounded to 1e-9 m
         assert [event[1:] for event in tree.info["events"]] == [event[1:] for event in arm.info["events"]]
-
-
-@pytest.fixture
-def excavator_tree():
-    """cat215b_bucket without its bucket: the boom alone on its pump."""
-    machine = load_layout("cat215b_bucket")
-    circuits = tuple(c._replace(functions=tuple(f for f in c.functions if f != "bucket")) for c in machine.circuits)
-    return machine._replace(
-        links=machine.links[:3],
-        functions=machine.functions[:3],
-        circuits=circuits,
-        tip=("stick", machine.link("bucket").at),
-    )

@@ -3,7 +3,7 @@
 import ast
 from collections import Counter
 
-from helpers.small_crane import crane_text
+from helpers.small_crane import crane_text, crane_text_with_effects
 from polydraulic import load_machine
 from polydraulic.parameters.load import load_layout, machine_names
 from polydraulic.simulation.layout.text import fields_of, layout_of, layout_text
@@ -33,6 +33,16 @@ def test_no_name_is_defined_twice():
         assert max(found.values()) == 1
         twice = {key for key, count in Counter(key for key, _ in found).items() if count > 1}
         assert twice == set(), name
+
+
+def test_effects_bring_no_second_meaning(tmp_path):
+    path = tmp_path / "effects.toml"
+    path.write_text(crane_text_with_effects(), encoding="utf-8")
+    text = layout_text(load_machine(path))
+    found = named(text)
+    assert max(found.values()) == 1
+    assert {key for key, count in Counter(key for key, _ in found).items() if count > 1} == set()
+    assert max(map(len, text.split("\n"))) <= 160
 
 
 def test_numbers_are_not_in_the_text(crane, tmp_path):

@@ -6,9 +6,7 @@ compiler that keeps to C99 (no fused multiply-adds) gives the same bits as the p
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from polydraulic.export.c.text import DOUBLE, FLOAT, Real, literal
+from polydraulic.export.c.text import DOUBLE, FLOAT, Real, held_in, inner_ends, literal, rounded_down
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import DOUBLE as TWO
 from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, SIGMOID, SINGLE
@@ -63,7 +61,7 @@ def value_function(name: str, network: Network, place: Sequence[int], n_input: i
     lines += body or ["    (void)x;"]
     y = _unitized(network, last, real)
     if bounded(network):
-        y = f"clamp({y}, {literal(network.y_low, real)}, {literal(network.y_high, real)})"
+        y = f"clamp({y}, {', '.join(_literals(output_limits(network, real), real))})"
     return "\n".join([*lines, f"    return {y};", "}", ""])
 
 
@@ -81,7 +79,7 @@ def slopes_function(name: str, network: Network, place: Sequence[int], n_input: 
     if network.nodes:
         scale = literal(network.y_scale, real)
         if bounded(network):
-            low, high = literal(network.y_low, real), literal(network.y_high, real)
+            low, high = _literals(output_limits(network, real), real)
             scale = f"((y < {low}) || (y > {high})) ? {zero} : {scale}"
         gains[network.n_inputs + len(network.nodes) - 1] = [scale]
     for k in reversed(nodes):
@@ -90,14 +88,15 @@ def slopes_function(name: str, network: Network, place: Sequence[int], n_input: 
         node = network.nodes[k]
         for source, slope in zip(node.inputs, _slopes(node, names, names[slot], real), strict=True):
             gains.setdefault(source, []).append(f"g{k} * ({slope})")
+    domain = input_limits(network, real)
     for i in inputs:
-        low, high = literal(network.x_low[i], real), literal(network.x_high[i], real)
+        low, high = _literals(domain[i], real)
         gain = literal(1.0 / network.x_scale[i], real)
         inside = f"(x[{place[i]}] < {low}) || (x[{place[i]}] > {high})"
         lines.append(f"    dy[{place[i]}] = ({inside}) ? {zero} : ({' + '.join(gains[i])}) * {gain};")
     lines += [f"    dy[{i}] = {zero};" for i in range(n_input) if i not in {place[j] for j in inputs}]
     if bounded(network):
-        y = f"clamp(y, {literal(network.y_low, real)}, {literal(network.y_high, real)})"
+        y = f"clamp(y, {', '.join(_literals(output_limits(network, real), real))})"
     return "\n".join([*lines, f"    return {y};", "}", ""])
 
 
@@ -107,7 +106,7 @@ def choice(partition: Partition, place: Sequence[int], real: Real, indent: str =
         return [f"{indent}return {partition};"]
     deeper = indent + "    "
     return [
-        f"{indent}if (x[{place[partition.axis]}] > {literal(partition.at, real)}) {{",
+        f"{indent}if (x[{place[partition.axis]}] > {literal(rounded_down(partition.at, real), real)}) {{",
         *choice(partition.above, place, real, deeper),
         f"{indent}}} else {{",
         *choice(partition.below, place, real, deeper),
@@ -179,17 +178,40 @@ def _nodes(network: Network, place: Sequence[int], real: Real) -> tuple[list[str
     """Statements for the normalized inputs and the nodes on which the output depends, and the name of the last node."""
     names, lines = _names(network), []
     inputs, nodes = used_slots(network)
+    domain = input_limits(network, real)
     for i in inputs:
-        limits = f"{literal(network.x_low[i], real)}, {literal(network.x_high[i], real)}"
-        mean, gain = network.x_mean[i], literal(1.0 / network.x_scale[i], real)
-        shifted = f"clamp(x[{place[i]}], {limits}) - {literal(mean, real)}"
-        if real is FLOAT and (rest := mean - float(np.float32(mean))):  # else inputs far from zero would lose digits
+        ends = ", ".join(_literals(domain[i], real))
+        mean, rest = offset(network.x_mean[i], real)
+        gain = literal(1.0 / network.x_scale[i], real)
+        shifted = f"clamp(x[{place[i]}], {ends}) - {literal(mean, real)}"
+        if rest:
             shifted = f"({shifted}) - {literal(rest, real)}"
         lines.append(f"    const {real.name} n{i} = ({shifted}) * {gain};")
     for k in nodes:
         node = network.nodes[k]
         lines.append(f"    const {real.name} z{k} = {polynomial(node, names, real)}; /* {KIND_NAMES[node.kind]} */")
     return lines, names[-1]
+
+
+def input_limits(network: Network, real: Real) -> list[tuple[float, float]]:
+    """Domain in the code, by input."""
+    return [inner_ends(low, high, real) for low, high in zip(network.x_low, network.x_high, strict=True)]
+
+
+def output_limits(network: Network, real: Real) -> tuple[float, float]:
+    """Bounds of the output in the code."""
+    return inner_ends(network.y_low, network.y_high, real)
+
+
+def _literals(values: Sequence[float], real: Real) -> list[str]:
+    return [literal(value, real) for value in values]
+
+
+def offset(mean: float, real: Real) -> tuple[float, float]:
+    """Two numbers to subtract one after the other for `mean`: in single precision, inputs far from zero would else lose digits."""
+    first = held_in(mean, real)
+    rest = held_in(mean - first, real)
+    return first, rest if abs(rest) >= real.smallest else 0.0  # what is smaller cannot be written
 
 
 def _unitized(network: Network, last: str, real: Real) -> str:

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.c.network import choice, helpers, slopes_function, value_function
-from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, literal, string
+from polydraulic.export.c.allowance import allowance_lines, model_allowance
+from polydraulic.export.c.network import choice, helpers, input_limits, slopes_function, value_function
+from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, inner_ends, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
 from polydraulic.files import write_texts
@@ -45,12 +46,13 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
     Raises
     ------
     InputError
-        If the models do not go together, a number does not fit into a float, or the folder cannot be written.
+        If the models do not go together, a number or a value does not fit into a float, or the folder cannot be written.
     """
     whole = bundle(models, name=name)
     files = tuple(Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c"))
     write_texts(dict(zip(files, to_c(whole, real=real), strict=True)))
-    return Exported(files, (*whole.name_notes(), *dynamic_notes(models)))
+    proved = allowance_lines(models) if real == "float" else []
+    return Exported(files, (*whole.name_notes(), *dynamic_notes(models), *proved))
 
 
 def to_c(whole: Bundle, *, real: str = "double") -> tuple[str, str]:
@@ -70,7 +72,7 @@ def to_c(whole: Bundle, *, real: str = "double") -> tuple[str, str]:
     Raises
     ------
     InputError
-        If `real` is neither, or a number does not fit into a float.
+        If `real` is neither, or a number or a value does not fit into a float.
     """
     if real not in REALS:
         raise InputError(f"real = {real!r}: must be one of {list(REALS)}")
@@ -83,7 +85,7 @@ def _header(whole: Bundle, real: Real) -> str:
     inputs, outputs = whole.identifiers()
     places = [f"#define {macro}_INPUT_{c.upper()} {i}" for i, c in enumerate(inputs)]
     places += [f"#define {macro}_OUTPUT_{c.upper()} {k}" for k, c in enumerate(outputs)]
-    return f"""{block_comment(_about(whole))}
+    return f"""{block_comment([*_about(whole), *_proved(whole, real)])}
 #ifndef {macro}_H
 #define {macro}_H
 
@@ -134,13 +136,24 @@ def _about(whole: Bundle) -> list[str]:
     return [*lines, "", "Inputs outside of the domain are moved to its border."]
 
 
+def _proved(whole: Bundle, real: Real) -> list[str]:
+    if real is not FLOAT:
+        return []
+    return [
+        "",
+        "Proved of this code, rounded to nearest, with fused multiply-adds or without, for any inputs that are numbers; the distance",
+        "from double precision, exact or as the package computes it, is that at the same inputs in the domain:",
+        *(f"  {line}" for line in allowance_lines(whole.models)),
+    ]
+
+
 def _source(whole: Bundle, real: Real) -> str:
     t, name, macro = real.name, whole.name, whole.name.upper()
     n, m = len(whole.inputs), len(whole.models)
     sigmoids = any(node.kind == SIGMOID for model in whole.models for net in model.networks for node in net.nodes)
     include = f'#include "{name}.h"\n\n#include <float.h>\n' + ("#include <math.h>\n" if sigmoids else "")
     functions = "\n".join(_output(whole, k, real) for k in range(m))
-    low, high = whole.domain().T
+    low, high = np.array([inner_ends(low, high, real) for low, high in whole.domain().tolist()]).T
     constants = "\n".join(
         [f"const char *const {name}_{what}[{len(v)}] = {{{', '.join(map(string, v))}}};" for what, v in (
             ("input_names", [v.name for v in whole.inputs]), ("input_units", [v.unit for v in whole.inputs]),
@@ -222,7 +235,7 @@ def _output(whole: Bundle, k: int, real: Real) -> str:
         parts.append(
             f"static int region_{k}(const {t} x[{n}])\n{{\n{chr(10).join(choice(model.partition, place, real))}\n}}\n"
         )
-    low, high = (np.array([getattr(network, end) for network in model.networks]) for end in ("x_low", "x_high"))
+    low, high = np.moveaxis(np.array([input_limits(network, real) for network in model.networks]), 2, 0)
     size = f"[{len(model.networks)}][{len(place)}]"
     tables = [
         f"static const {t} {what}_{k}{size} = {{{', '.join(_row(row, real) for row in table)}}};"
@@ -286,8 +299,13 @@ def _self_test(whole: Bundle, real: Real) -> str:
     y, slopes, outside = whole.predict(X), whole.slopes(X).reshape(len(X), -1), whole.outside(X) > 0.0
     near_y, near_slopes = (real.digits * np.maximum(np.abs(v).max(axis=0), 1e-30) for v in (y, slopes))
 
+    if real is FLOAT:  # what is proved of it may be less than what is usual
+        proved = [model_allowance(model).error for model in whole.models]
+        near_y = np.maximum(near_y, np.where(np.isfinite(proved), proved, 0.0))
+
     def table(rows: np.ndarray) -> str:
-        return ",\n    ".join(_row(row, real) for row in rows)
+        kept = np.where(np.abs(rows) < real.smallest, 0.0, rows)
+        return ",\n    ".join(_row(row, real) for row in kept)
 
     return f"""#ifdef {macro}_SELF_TEST
 /* Numbers that the package computed. main returns 0, or the number of the first vector that fails. Names begin with own, for

@@ -14,10 +14,11 @@ class Real(NamedTuple):
     suffix: str  # of literals, and of functions of math.h
     largest: str  # macro of float.h
     digits: float  # relative accuracy to expect of a network
+    smallest: float  # of the numbers that keep all their digits
 
 
-DOUBLE = Real("double", "", "DBL_MAX", 1e-10)
-FLOAT = Real("float", "f", "FLT_MAX", 1e-3)
+DOUBLE = Real("double", "", "DBL_MAX", 1e-10, float(np.finfo(np.float64).tiny))
+FLOAT = Real("float", "f", "FLT_MAX", 1e-3, float(np.finfo(np.float32).tiny))
 REALS = {real.name: real for real in (DOUBLE, FLOAT)}
 
 
@@ -30,15 +31,44 @@ def literal(value: float, real: Real = DOUBLE) -> str:
         If a `float` cannot hold it.
     """
     if real is FLOAT:
-        with np.errstate(over="ignore", under="ignore"):
-            single = np.float32(value)
-        if not np.isfinite(single) or (value != 0.0 and abs(single) < np.finfo(np.float32).tiny):
+        single = held_in(value, real)
+        if not np.isfinite(single) or (value != 0.0 and abs(single) < real.smallest):
             raise InputError(f"the number {value!r} does not fit into a float: fit in other units, or export as double")
-        text = str(single)
+        text = str(np.float32(single))
     else:
         text = repr(float(value))
     text = text if any(mark in text for mark in ".en") else f"{text}.0"
     return f"({text}{real.suffix})" if value < 0.0 else f"{text}{real.suffix}"
+
+
+def inner_ends(low: float, high: float, real: Real = DOUBLE) -> tuple[float, float]:
+    """Ends of a range as numbers of `real`, moved inward: a number of `real` lies between them exactly if it lies in the range.
+
+    Where the range holds no such number, both are the one nearest to its middle.
+    """
+    if real is DOUBLE:
+        return low, high
+    ends = 0.0 - rounded_down(-low, real), rounded_down(high, real)
+    nearest = held_in(0.5 * low + 0.5 * high, real)
+    return ends if ends[0] <= ends[1] else (nearest, nearest)
+
+
+def held_in(value: float, real: Real) -> float:
+    """The number of `real` that is nearest to `value`."""
+    if real is DOUBLE:
+        return value
+    with np.errstate(over="ignore", under="ignore"):
+        return float(np.float32(value))
+
+
+def rounded_down(value: float, real: Real = DOUBLE) -> float:
+    """The largest number of `real` that does not exceed `value`: a number of `real` is above both or above neither."""
+    if real is DOUBLE:
+        return value
+    with np.errstate(over="ignore", under="ignore"):
+        single = np.float32(value)
+        below = single if float(single) <= value else np.nextafter(single, np.float32(-np.inf))
+    return float(below) + 0.0  # no negative zero
 
 
 def block_comment(lines: list[str]) -> str:

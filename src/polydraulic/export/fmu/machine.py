@@ -16,6 +16,7 @@ from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.machine import machine_c, machine_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.translate.names import field_name
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.pages.html import document, table
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -27,7 +28,7 @@ _STOP = 13.0
 
 def export_machine_fmu(
     machine: Machine | LayoutMachine | str | Path,
-    flow: str,
+    flow: str | LayoutFlow,
     path: str | Path,
     *,
     version: int = 3,
@@ -43,8 +44,8 @@ def export_machine_fmu(
     Parameters
     ----------
     machine : Machine or LayoutMachine, or name or path of a parameter set
-    flow : str
-        Name of a flow model; see `machine_c`.
+    flow : str or LayoutFlow
+        Name of a flow model, see `machine_c`, or networks of a machine that is described by links.
     path : str or Path
         Ends in .fmu.
     version : int

@@ -8,7 +8,8 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.export.excavator import prepared
 from polydraulic.export.layout import layout_parts
-from polydraulic.flow.dispatch import build_flow
+from polydraulic.flow.dispatch import build_flow, layout_flow
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Machine
@@ -35,7 +36,7 @@ class MachineParameter(NamedTuple):
 
 
 def direct_parameters(
-    machine: Machine | LayoutMachine, flow: str, *, dt: float = 5e-3, locked: Collection[str] = ()
+    machine: Machine | LayoutMachine, flow: str | LayoutFlow, *, dt: float = 5e-3, locked: Collection[str] = ()
 ) -> list[MachineParameter]:
     """Parameters that a step reads as they are; the others enter precomputed numbers, and stay as exported.
 
@@ -45,24 +46,25 @@ def direct_parameters(
     Parameters
     ----------
     machine : Machine or LayoutMachine
-    flow : str
+    flow : str, or networks of a machine that is described by links
     dt : float, s
     locked : collection of str
     """
     if isinstance(machine, LayoutMachine):
-        return _of_layout(machine, dt, locked)
+        return _of_layout(machine, layout_flow(flow, machine), dt, locked)
     quantities = {
         tuple(path.split(".")): leaf.quantity
         for path, leaf in leaves_of(Machine).items()
         if leaf.quantity is not None and not leaf.size
     }
+    name = flow if isinstance(flow, str) else flow.name
     base = prepared(machine, flow, dt=dt, locked=locked)
     before, found = dict(_leaves(base)), []
 
     def after(changed: Machine, rebuild: bool) -> dict[tuple[str, ...], Any]:
         """Numbers of a changed machine; none if the flow model refuses it, being made for the values as they are."""
         try:
-            model = build_flow(flow, changed) if rebuild else base.model
+            model = build_flow(name, changed) if rebuild else base.model
         except InputError:
             return {}
         return dict(_leaves(prepared(changed, model, dt=dt, locked=locked)))
@@ -89,16 +91,20 @@ def direct_parameters(
     return found
 
 
-def _of_layout(machine: LayoutMachine, dt: float, locked: Collection[str]) -> list[MachineParameter]:
-    """The same of a machine of any layout, whose flow model follows from it at once."""
+def _of_layout(machine: LayoutMachine, flow: LayoutFlow, dt: float, locked: Collection[str]) -> list[MachineParameter]:
+    """The same of a machine of any layout, whose equations follow from it at once; networks and tables are made for the pumps as they are."""
+    made = flow.kernels in ("networks", "lookup")
     before = dict(_leaves(_numbers(machine, dt, locked)))
     found = []
     for path, quantity in _quantities(machine):
-        if path[-1].startswith("torque_limit"):
+        smooths = path[-1] == "smoothing" and machine.function(path[1]).effects.sticks  # which nothing reads
+        if path[-1].startswith("torque_limit") or smooths:
             continue
         value = _at(machine, path)
         after = dict(_leaves(_numbers(_replaced(machine, path, _other(value)), dt, locked)))
         places = [place for place, number in after.items() if before[place] != number]
+        if made and any(place[0] == "valves" for place in places):
+            continue
         if places and all(before[place] == value and after[place] == _other(value) for place in places):
             found.append(MachineParameter(".".join(path), value, quantity, places))
     return found

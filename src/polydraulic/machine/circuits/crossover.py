@@ -1,76 +1,160 @@
 """A crossover valve: a check valve and an orifice from one pump's node to the node before the second valve of another pump's two.
 
-Along a path of the giving pump's pressure, and then, once its relief valve is open, of what that takes, everything follows: what the
-giving circuit leaves for the crossover, the pressure behind it, what the taking circuit's first valve passes at this pressure and what the
-second takes. Less and less arrives along the path and more is taken, so that the surplus has one root, which is bracketed. If the check valve
-stays shut, both circuits are as without a crossover. The surplus that is left is a source at a node: no flow is further off than that. Where two
-neighbouring numbers leave more, flows are shared between their answers.
+At a pressure between both valves of the taking circuit everything follows: the giving pump's pressure, at which its flow is what its circuit and the
+crossover take, and the flow of the taking pump's first valve. The higher this pressure, the less arrives and the more the second valve takes, so that the
+surplus has one root. Where it lies above what the giving pump can push against, the check valve is shut.
+
+Roots are bracketed, in twice the machine's precision. What surplus is left is a source at a node: no flow is further off than that.
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
+from polydraulic.machine.circuits.crossover_nodes import (
+    Behind,
+    FinePressure,
+    Giving,
+    drop,
+    first_valve,
+    giving_at,
+    orifice_passes,
+    raised,
+)
 from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, UNPROVED, delivers
-from polydraulic.machine.pump import Circuit, Pump, Single, delivered, series_circuit, single_circuit
-from polydraulic.machine.valve import Orifices, orifice_flow
+from polydraulic.machine.pump import Circuit, Pump, Single
+from polydraulic.machine.series_short import Series1, Series2
+from polydraulic.machine.valve import Orifices
 
-_STEPS = 240  # every fourth one halves
-_REST = 1e-14  # share of both pumps' flows; a smaller surplus is rounding
-
-
-class Crossed(NamedTuple):
-    """Flows with a crossover valve."""
-
-    q_giving: float  # into the actuator of the giving circuit
-    q_cross: float  # from the giving circuit to the taking one
-    q_first: float  # into the actuators of the taking circuit
-    q_second: float
-    p_between: float  # before the second valve
-    giving: Circuit
-    taking: Circuit
-    status: int
+_STEPS = 180  # the first ones along chords, every eighth halves; from `_HALVE` on all do, down to twice the machine's precision
+_HALVE = 48
+_REST = 4e-15  # share of both pumps' flows; a smaller surplus is rounding
+_TO_TANK = 1e3  # m3/s/Pa^0.5; instead of a valve that is not there
 
 
-class _Tried(NamedTuple):
-    """Both circuits at a place of the path, and what is left over before the second valve."""
+class CrossoverOrifice(NamedTuple):
+    """An orifice behind a check valve, which takes its opening pressure of the drop and lets nothing back."""
 
-    q_giving: float
+    conductance: float  # m3/s/Pa^0.5
+    opening_pressure: float  # Pa
+
+
+class Crossed3(NamedTuple):
+    """Flows of one actuator on the giving pump and two on the taking one."""
+
+    giving: Series1
+    taking: Series2
     q_cross: float
-    giving: Circuit
+
+
+class Crossed4(NamedTuple):
+    """Flows of two actuators on each pump."""
+
+    giving: Series2
+    taking: Series2
+    q_cross: float
+
+
+class JoinedPumps(NamedTuple):
+    """Conductances, port pressures and pumps of a whole circuit, the giving pump's valves first."""
+
+    cross: CrossoverOrifice
+    k_1: Orifices
+    k_2: Orifices
+    k_3: Orifices
+    k_4: Orifices
+    p_1: float
+    p_2: float
+    p_3: float
+    p_4: float
+    gives: Pump
+    takes: Pump
+
+
+class Pushed(NamedTuple):
+    """The giving pump's pressure, what flows there, and what passes the crossover."""
+
+    p: FinePressure
+    found: Giving
+    q_cross: float
+
+
+class PressureBracket(NamedTuple):
+    """A bracket: what is left over at its lower end is not negative, at the upper one not positive; which end moved last, -1 or 1."""
+
+    low: FinePressure
+    high: FinePressure
+    off_low: float
+    off_high: float
+    last: int
+
+
+class Tried(NamedTuple):
+    """Both circuits at a pressure before the second valve, and what is left over there."""
+
+    giving: Pushed
     first: Single
     q_second: float
     q_tank: float
-    p: float
+    p: FinePressure
     surplus: float
 
 
 @kernel
-def _tried(
-    place: float,
-    cross: float,
-    giving: Orifices,
-    first: Orifices,
-    second: Orifices,
-    p_giving: float,
-    p_first: float,
-    p_second: float,
-    gives: Pump,
-    takes: Pump,
-) -> _Tried:
-    """At `place`: up to the relief pressure the giving pump's pressure, beyond it what share of the rest that valve takes."""
-    p_pump, to_relief = min(place, gives.relief), max(place / gives.relief - 1.0, 0.0)
-    q_pump = delivered(p_pump, gives)
-    q_giving = orifice_flow(giving.inlet, p_pump - p_giving)
-    q_bypass = orifice_flow(giving.bypass, p_pump - gives.p_return)
-    q_relief = to_relief * max(q_pump - q_giving - q_bypass, 0.0)
-    q_cross = max(q_pump - q_giving - q_bypass - q_relief, 0.0)
-    drop = q_cross / cross
-    p = p_pump - drop * drop
-    behind = Pump(takes.flow, takes.relief, p, takes.limit_start, takes.limit_exponent, takes.log_least)
-    f = single_circuit(first, p_first, behind)
-    q_second, q_tank = orifice_flow(second.inlet, p - p_second), orifice_flow(second.bypass, p - takes.p_return)
-    surplus = q_cross + f.circuit.q_bypass - q_second - q_tank
-    return _Tried(q_giving, q_cross, Circuit(q_pump, q_bypass, q_relief, p_pump, 0.0), f, q_second, q_tank, p, surplus)
+def _next(x: PressureBracket, step: int) -> FinePressure:
+    """A place between the ends: where the chord vanishes, or half way."""
+    width = (x.high.coarse - x.low.coarse) + (x.high.fine - x.low.fine)
+    share = x.off_low / (x.off_low - x.off_high + 1e-300)
+    halves = (step & 7) == 7 or step >= _HALVE or share <= 0.0 or share >= 1.0
+    return raised(x.low, width * (0.5 if halves else share))
+
+
+@kernel
+def _at_end(p: FinePressure, x: PressureBracket) -> bool:
+    """Whether there is no number between both ends any more."""
+    return (p.coarse == x.low.coarse and p.fine == x.low.fine) or (p.coarse == x.high.coarse and p.fine == x.high.fine)
+
+
+@kernel
+def _narrowed(x: PressureBracket, p: FinePressure, off: float) -> PressureBracket:
+    """The bracket with a new end; an end that stays twice counts half, so that the chord does not get stuck."""
+    below = off >= 0.0
+    last = -1 if below else 1
+    stays = 0.5 if last == x.last else 1.0
+    off_low, off_high = (off if below else stays * x.off_low), (stays * x.off_high if below else off)
+    return PressureBracket(p if below else x.low, x.high if below else p, off_low, off_high, last)
+
+
+@kernel
+def _pushed(shuts: FinePressure, lowest: FinePressure, highest: FinePressure, v: JoinedPumps) -> Pushed:
+    """The giving circuit, whose pump's pressure is between two others, if the check valve shuts at a third one."""
+    p, x = highest, PressureBracket(lowest, highest, v.gives.flow, -v.gives.flow, 0)
+    found = Giving(0.0, 0.0, Behind(0.0, 0.0, 0.0, 0.0), 0.0)
+    q_cross = 0.0
+    for step in range(_STEPS):
+        found = giving_at(p, v.k_1, v.k_2, v.p_1, v.p_2, v.gives)
+        over = (p.coarse - shuts.coarse) + (p.fine - shuts.fine)
+        q_cross = v.cross.conductance * sqrt(max(over, 0.0))
+        rest = found.rest - q_cross
+        if (step == 0 and rest >= 0.0) or abs(rest) <= _REST * v.gives.flow:
+            break
+        x = _narrowed(x, p, rest) if step > 0 else PressureBracket(x.low, highest, x.off_low, rest, 0)
+        p = _next(x, step)
+        if _at_end(p, x):
+            break
+    return Pushed(p, found, q_cross)
+
+
+@kernel
+def _tried(p: FinePressure, alone: Pushed, v: JoinedPumps) -> Tried:
+    """Both circuits at a pressure before the second valve."""
+    shuts = raised(p, v.cross.opening_pressure)
+    opens = v.cross.conductance > 0.0 and drop(shuts, alone.p.coarse) < alone.p.fine
+    giving = _pushed(shuts, shuts, alone.p, v) if opens else alone
+    first = first_valve(v.k_3, v.p_3, p, v.takes)
+    q_second, q_tank = orifice_passes(v.k_4.inlet, p, v.p_4), orifice_passes(v.k_4.bypass, p, v.takes.p_return)
+    surplus = giving.q_cross + first.circuit.q_bypass - q_second - q_tank
+    return Tried(giving, first, q_second, q_tank, p, surplus)
 
 
 @kernel
@@ -78,95 +162,148 @@ def _between(a: float, b: float, share: float) -> float:
     return a + share * (b - a)
 
 
+class Found(NamedTuple):
+    """Between the answers at the two ends of a path's bracket."""
+
+    q_1: float
+    q_2: float
+    q_3: float
+    q_4: float
+    q_cross: float
+    p_giving: float
+    p_taking: float
+    giving: Circuit
+    taking: Circuit
+    status: int
+
+
 @kernel
-def _circuit_between(a: Circuit, b: Circuit, share: float) -> Circuit:
-    return Circuit(
-        _between(a.q_pump, b.q_pump, share),
-        _between(a.q_bypass, b.q_bypass, share),
-        _between(a.q_relief, b.q_relief, share),
-        _between(a.p_pump, b.p_pump, share),
+def _bent(a: float, b: float) -> float:
+    """By how much an orifice's flow between two places can differ from the one shared out between its flows there."""
+    return (b - a) * (b - a) / (4.0 * max(a, b) + 1e-300)
+
+
+@kernel
+def _shared(a: Tried, b: Tried, v: JoinedPumps) -> Found:
+    """Flows between those at two neighbouring places, so that nothing is left over."""
+    share = min(max(a.surplus / (a.surplus - b.surplus + 1e-300), 0.0), 1.0) if a.surplus > b.surplus else 0.0
+    x, y, f, g = a.giving.found, b.giving.found, a.first, b.first
+    bent = _bent(x.q_in, y.q_in) + _bent(x.behind.q_in, y.behind.q_in) + _bent(x.behind.q_tank, y.behind.q_tank)
+    bent = bent + _bent(x.behind.passed, y.behind.passed) + _bent(a.giving.q_cross, b.giving.q_cross)
+    bent = bent + _bent(f.q_in, g.q_in) + _bent(f.circuit.q_bypass, g.circuit.q_bypass)
+    bent = bent + _bent(a.q_second, b.q_second) + _bent(a.q_tank, b.q_tank)
+    left = 0.0 if a.surplus >= 0.0 and b.surplus <= 0.0 else min(abs(a.surplus), abs(b.surplus))
+    at_relief = a.giving.p.coarse >= v.gives.relief
+    relief_a, relief_b = max(x.rest - a.giving.q_cross, 0.0), max(y.rest - b.giving.q_cross, 0.0)
+    giving = Circuit(
+        _between(x.q_pump, y.q_pump, share),
+        _between(x.behind.q_tank, y.behind.q_tank, share),
+        _between(relief_a, relief_b, share) if at_relief else 0.0,
+        _between(a.giving.p.coarse, b.giving.p.coarse, share),
         0.0,
     )
-
-
-@kernel
-def _status(off: float, giving: Circuit, taking: Circuit, gives: Pump, takes: Pump) -> int:
-    """Flows are proved if little is left over, and both pumps deliver theirs."""
-    certain = off <= CERTAIN * (gives.flow + takes.flow)
-    return PROVED if certain and delivers(giving, gives) and delivers(taking, takes) else UNPROVED
-
-
-@kernel
-def _shared(a: _Tried, b: _Tried, gives: Pump, takes: Pump) -> Crossed:
-    """Flows between those of two neighbouring pressures, so that nothing is left over."""
-    share = min(max(a.surplus / (a.surplus - b.surplus), 0.0), 1.0) if a.surplus > b.surplus else 0.0
-    spread = abs(b.q_cross - a.q_cross) + abs(b.q_giving - a.q_giving)
-    spread = spread + abs(b.first.q_in - a.first.q_in) + abs(b.q_second - a.q_second)
-    taking_a = Circuit(a.first.circuit.q_pump, a.q_tank, a.first.circuit.q_relief, a.first.circuit.p_pump, 0.0)
-    taking_b = Circuit(b.first.circuit.q_pump, b.q_tank, b.first.circuit.q_relief, b.first.circuit.p_pump, 0.0)
-    off = min(spread, abs(a.surplus), abs(b.surplus))
-    giving, taking = _circuit_between(a.giving, b.giving, share), _circuit_between(taking_a, taking_b, share)
-    return Crossed(
-        _between(a.q_giving, b.q_giving, share),
-        _between(a.q_cross, b.q_cross, share),
-        _between(a.first.q_in, b.first.q_in, share),
+    taking = Circuit(
+        _between(f.circuit.q_pump, g.circuit.q_pump, share),
+        _between(a.q_tank, b.q_tank, share),
+        _between(f.circuit.q_relief, g.circuit.q_relief, share),
+        _between(f.circuit.p_pump, g.circuit.p_pump, share),
+        0.0,
+    )
+    q_1, q_2 = _between(x.q_in, y.q_in, share), _between(x.behind.q_in, y.behind.q_in, share)
+    q_cross = _between(a.giving.q_cross, b.giving.q_cross, share)
+    lost = abs(giving.q_pump - q_1 - q_2 - giving.q_bypass - giving.q_relief - q_cross)
+    known = abs(v.p_1) + abs(v.p_2) + abs(v.p_3) + abs(v.p_4) < FAR
+    certain = known and left + bent + lost <= CERTAIN * min(v.gives.flow, v.takes.flow)
+    return Found(
+        q_1,
+        q_2,
+        _between(f.q_in, g.q_in, share),
         _between(a.q_second, b.q_second, share),
-        _between(a.p, b.p, share),
+        q_cross,
+        _between(x.behind.p, y.behind.p, share),
+        _between(a.p.coarse, b.p.coarse, share),
         giving,
         taking,
-        _status(off, giving, taking, gives, takes),
+        PROVED if certain and delivers(giving, v.gives) and delivers(taking, v.takes) else UNPROVED,
     )
 
 
 @kernel
-def crossover(
-    cross: float,
-    giving: Orifices,
-    first: Orifices,
-    second: Orifices,
-    p_giving: float,
-    p_first: float,
-    p_second: float,
+def _found(v: JoinedPumps) -> Found:
+    """The pressure before the second valve at which nothing is left over."""
+    flow = min(v.gives.flow, v.takes.flow)
+    top, far = FinePressure(v.gives.relief, 0.0), FinePressure(FAR, 0.0)
+    none = FinePressure(min(min(v.p_1, v.p_2), min(v.gives.p_return, v.gives.relief)), 0.0)
+    alone = _pushed(far, none, top, v)
+    lowest = min(v.p_4 if v.k_4.inlet > 0.0 else FAR, v.takes.p_return if v.k_4.bypass > 0.0 else FAR)
+    # first where the check valve shuts: the root is below, or above
+    p = raised(alone.p, -v.cross.opening_pressure)
+    a = _tried(p, alone, v)
+    b, above = a, a.surplus >= 0.0
+    highest = FinePressure(max(v.takes.relief, alone.p.coarse), 0.0)
+    bottom = FinePressure(min(min(lowest, v.takes.relief), p.coarse), 0.0)
+    low, high = (p if above else bottom), (highest if above else p)
+    x = PressureBracket(low, high, a.surplus if above else flow, -flow if above else a.surplus, 0)
+    for step in range(_STEPS):
+        if abs(a.surplus) <= _REST * flow or abs(b.surplus) <= _REST * flow:
+            break
+        p = _next(x, step)
+        if _at_end(p, x):
+            break
+        m = _tried(p, alone, v)
+        x = _narrowed(x, p, m.surplus)
+        a = m if m.surplus >= 0.0 or a.surplus < 0.0 else a
+        b = m if m.surplus < 0.0 or b.surplus >= 0.0 else b
+    b = a if abs(a.surplus) <= _REST * flow else b
+    a = b if abs(b.surplus) <= _REST * flow else a
+    return _shared(a, b, v)
+
+
+@kernel
+def crossover_4(
+    cross: CrossoverOrifice,
+    k_1: Orifices,
+    k_2: Orifices,
+    k_3: Orifices,
+    k_4: Orifices,
+    p_1: float,
+    p_2: float,
+    p_3: float,
+    p_4: float,
     gives: Pump,
     takes: Pump,
-) -> Crossed:
-    """One actuator on a pump that also feeds the second of two on another pump.
+) -> Crossed4:
+    """Two actuators on each of two pumps; the first pump also feeds the second actuator of the other one.
 
     Parameters
     ----------
-    cross : float, m3/s/Pa^0.5
-        Conductance of the crossover; its check valve lets nothing back.
-    giving, first, second : Orifices, m3/s/Pa^0.5
-        Of the giving circuit's valve, and of the two of the taking circuit.
-    p_giving, p_first, p_second : float, Pa
+    cross : CrossoverOrifice
+        Its check valve lets nothing back.
+    k_1, k_2, k_3, k_4 : Orifices, m3/s/Pa^0.5
+        Of the giving circuit's valves and of the taking circuit's.
+    p_1, p_2, p_3, p_4 : float, Pa
         At their pressurised ports.
     gives, takes : Pump
     """
-    g, t = single_circuit(giving, p_giving, gives), series_circuit(first, second, p_first, p_second, takes)
-    flow = gives.flow + takes.flow
-    # what opens first behind the node, and the pressure there without a crossover
-    lowest = min(p_second if second.inlet > 0.0 else FAR, takes.p_return if second.bypass > 0.0 else FAR)
-    arrives = t.q_second + t.circuit.q_bypass > 0.0
-    before = max(t.p_between, lowest) if arrives else lowest
-    if cross <= 0.0 or g.circuit.p_pump <= before:
-        status = _status(0.0, g.circuit, t.circuit, gives, takes)
-        return Crossed(g.q_in, 0.0, t.q_first, t.q_second, t.p_between, g.circuit, t.circuit, status)
-    low = before
-    high = g.circuit.p_pump if g.circuit.p_pump < gives.relief else 2.0 * gives.relief
-    a = _tried(low, cross, giving, first, second, p_giving, p_first, p_second, gives, takes)
-    b = _tried(high, cross, giving, first, second, p_giving, p_first, p_second, gives, takes)
-    off_low, off_high = a.surplus, b.surplus
-    for step in range(_STEPS):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high or abs(a.surplus) <= _REST * flow:
-            break
-        chord = (low * off_high - high * off_low) / (off_high - off_low - 1e-300)
-        place = middle if (step & 3) == 3 or chord <= low or chord >= high else chord
-        m = _tried(place, cross, giving, first, second, p_giving, p_first, p_second, gives, takes)
-        # the end that stays counts half, so that the chord does not get stuck
-        if m.surplus > 0.0 or abs(m.surplus) <= _REST * flow:
-            low, off_low, off_high, a = place, m.surplus, 0.5 * off_high, m
-        else:
-            high, off_high, off_low, b = place, m.surplus, 0.5 * off_low, m
-    b = a if abs(a.surplus) <= _REST * flow else b
-    return _shared(a, b, gives, takes)
+    s = _found(JoinedPumps(cross, k_1, k_2, k_3, k_4, p_1, p_2, p_3, p_4, gives, takes))
+    giving = Series2(s.q_1, s.q_2, s.p_giving, s.giving, s.status)
+    return Crossed4(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)
+
+
+@kernel
+def crossover_3(
+    cross: CrossoverOrifice,
+    k_1: Orifices,
+    k_2: Orifices,
+    k_3: Orifices,
+    p_1: float,
+    p_2: float,
+    p_3: float,
+    gives: Pump,
+    takes: Pump,
+) -> Crossed3:
+    """One actuator on a pump that also feeds the second of two on another pump; see `crossover_4`."""
+    tank = Orifices(0.0, _TO_TANK, 0.0)
+    s = _found(JoinedPumps(cross, k_1, tank, k_2, k_3, p_1, gives.p_return, p_2, p_3, gives, takes))
+    giving = Series1(s.q_1, s.giving, s.status)
+    return Crossed3(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)

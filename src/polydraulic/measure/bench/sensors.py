@@ -1,5 +1,6 @@
 """Sensors of a virtual test bench: what they read of a run, how accurately and how often. A TOML file."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from math import inf
@@ -216,7 +217,7 @@ class Reading:
         """Raise an InputError if the run has no such column, or it is not in this kind of unit."""
         s = self.sensor
         if s.column not in run.names:
-            raise InputError(f"sensor {s.name!r}: the run has no column {s.column!r}; it has {run.names}")
+            raise InputError(f"sensor {s.name!r}: the run has no column {s.column!r}; {_alike(s.column, run.names)}")
         if run.unit(s.column) != self.conversion.si:
             raise InputError(f"sensor {s.name!r} = {s.column} in {s.unit!r}: it is in {run.unit(s.column)}")
 
@@ -258,3 +259,15 @@ class Reading:
                 break
             lost[np.searchsorted(time, begin) : np.searchsorted(time, begin + length)] = True
         return lost
+
+
+def _alike(column: str, names: Sequence[str]) -> str:
+    """Columns of the run that may have been meant: of the same owner, else of the same quantity, else all of them."""
+    owner, _, quantity = column.partition(".")
+    own = [name for name in names if name.partition(".")[0] == owner]
+    same = [name for name in names if "." in name and name.partition(".")[2] == quantity]
+    if own:
+        return f"of {owner} it has {', '.join(own)}"
+    if same:
+        return f"{owner!r} is none of its functions and circuits; it has {', '.join(same)}"
+    return f"it has {', '.join(names)}"

@@ -35,15 +35,23 @@ def dump_models(models: Sequence[Model]) -> str:
     return json.dumps(data, indent=1, allow_nan=False) + "\n"
 
 
+def model_ending(path: str | Path) -> Path:
+    """Path of a model file, or an InputError."""
+    path = Path(path)
+    if path.suffix.lower() != ".json":
+        raise InputError(f"{path}: a model file ends in .json")
+    return path
+
+
 def save_models(models: Sequence[Model], path: str | Path) -> None:
-    """Write `models` to the file `path`, whole or not at all.
+    """Write `models` to the file `path`, which ends in ``.json``, whole or not at all.
 
     Raises
     ------
     InputError
-        If the place cannot be written.
+        Another ending, or a place that cannot be written.
     """
-    write_text(path, dump_models(models))
+    write_text(model_ending(path), dump_models(models))
 
 
 def load_models(path: str | Path) -> list[Model]:

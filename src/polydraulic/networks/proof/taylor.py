@@ -7,15 +7,19 @@ Terms of higher order go into the error bound, and so does rounding, here and in
 Source: K. Makino, M. Berz, "Taylor models and other validated functional inclusion methods", 2003.
 """
 
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from itertools import combinations_with_replacement, pairwise
 from math import comb
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE
 from polydraulic.networks.model.table import Network, Node, used_slots
+
+# How much further from the exact value a slot may be, given the forms of the slots before it and its own derivatives by them.
+Widen = Callable[[int, "dict[int, Form]", "list[Form]"], np.ndarray]
 
 _EPS = float(np.finfo(np.float64).eps)  # two roundings: one is at most half of it
 _TINY = 1e-316  # far above all that underflow can lose in one operation, half of 5e-324 for each product in it
@@ -181,7 +185,7 @@ def enclose_output(network: Network, low: np.ndarray, high: np.ndarray) -> Form:
     """
     if not network.nodes:
         return Form(np.full((1, low.shape[1]), network.y_mean), np.zeros(low.shape[1]), layout(0))
-    values, _ = _slots(network, low, high)
+    values, _ = enclose_slots(network, low, high)
     return network.y_mean + network.y_scale * values[network.n_inputs + len(network.nodes) - 1]
 
 
@@ -190,19 +194,49 @@ def enclose_slopes(network: Network, low: np.ndarray, high: np.ndarray) -> list[
 
     Derivatives are carried from the output back to the inputs, so that one pass gives all of them.
     """
-    inputs, nodes = used_slots(network)
-    n = network.n_inputs
-    _, partials = _slots(network, low, high)
+    _, partials = enclose_slots(network, low, high)
+    gains = enclose_gains(network, partials, network.y_scale)
+    return [gains[i] * (1.0 / network.x_scale[i]) for i in used_slots(network)[0]]
+
+
+def enclose_gains(network: Network, partials: dict[int, list[Form]], factor: float) -> dict[int, Form]:
+    """What the last node, times `factor`, gains from each slot before it.
+
+    Parameters
+    ----------
+    network : Network
+    partials : dict of list of Form
+        From `enclose_slots`.
+    factor : float
+    """
+    n, nodes = network.n_inputs, used_slots(network)[1]
     by_slot: dict[int, Form] = {}
     for number in reversed(nodes):
         for slot, part in zip(network.nodes[number].inputs, partials[number], strict=True):
-            step = by_slot[n + number] * part if n + number in by_slot else network.y_scale * part
+            step = by_slot[n + number] * part if n + number in by_slot else factor * part
             by_slot[slot] = by_slot[slot] + step if slot in by_slot else step
-    return [by_slot[i] * (1.0 / network.x_scale[i]) for i in inputs]
+    return by_slot
 
 
-def _slots(network: Network, low: np.ndarray, high: np.ndarray) -> tuple[dict[int, Form], dict[int, list[Form]]]:
-    """Normalized inputs and node outputs, in the order of operations of `table.evaluate`; and derivatives of nodes."""
+def enclose_slots(
+    network: Network, low: np.ndarray, high: np.ndarray, widen: Widen | None = None
+) -> tuple[dict[int, Form], dict[int, list[Form]]]:
+    """Normalized inputs and node outputs, in the order of operations of `table.evaluate`; and derivatives of nodes.
+
+    Parameters
+    ----------
+    network, low, high
+        As for `enclose_output`.
+    widen : function, optional
+        Adds to the error of each slot as it is found, for values that are rounded more than those of the package.
+
+    Returns
+    -------
+    values : dict of Form
+        By slot.
+    partials : dict of list of Form
+        By node, one for each of its inputs.
+    """
     inputs, nodes = used_slots(network)
     m = low.shape[1]
     at = layout(len(inputs))
@@ -212,26 +246,29 @@ def _slots(network: Network, low: np.ndarray, high: np.ndarray) -> tuple[dict[in
         poly[0] = 0.5 * low[row] + 0.5 * high[row]
         # Reaches both ends in spite of rounding, so that every input of the box has its |e| <= 1.
         poly[1 + row] = np.maximum(high[row] - poly[0], poly[0] - low[row]) * (1.0 + 2.0 * _EPS)
-        values[i] = _fresh((Form(poly, np.zeros(m), at) + -network.x_mean[i]) * (1.0 / network.x_scale[i]))
+        form = (Form(poly, np.zeros(m), at) + -network.x_mean[i]) * (1.0 / network.x_scale[i])
+        values[i] = _fresh(form, widen(i, values, []) if widen else 0.0)
     partials: dict[int, list[Form]] = {}
     for number in nodes:
         node = network.nodes[number]
-        form = _value(node, values)
+        form = node_value(node, values)
         partials[number] = _partials(node, values, form)
         # What the errors of its inputs do to a node is far less than the sum over its terms where these cancel.
         for slot, part in zip(node.inputs, partials[number], strict=True):
             form.local = form.local + part.size * values[slot].error * (1.0 + 32.0 * _EPS)
         form.error = np.fmin(form.error, form.local * (1.0 + 32.0 * _EPS))
-        values[network.n_inputs + number] = _fresh(form)
+        slot = network.n_inputs + number
+        values[slot] = _fresh(form, widen(slot, values, partials[number]) if widen else 0.0)
     return values, partials
 
 
-def _fresh(form: Form) -> Form:
-    """The form as the start of further operations."""
-    return Form(form.poly, form.error, form.layout)
+def _fresh(form: Form, more: np.ndarray | float) -> Form:
+    """The form as the start of further operations, with so much more error."""
+    return Form(form.poly, (form.error + more) * (1.0 + _EPS), form.layout)
 
 
-def _value(node: Node, values: dict[int, Form]) -> Form:
+def node_value(node: Node, values: Mapping[int, Any]) -> Any:
+    """Value of a node, in whatever arithmetic the values of its inputs have; the order of operations is that of `table.evaluate`."""
     c = node.coef
     a = values[node.inputs[0]]
     if node.kind == SINGLE:

@@ -18,10 +18,17 @@ def broken_layout(machine: LayoutMachine) -> list[str]:
     for function in machine.functions:
         broken += _function(function, machine.link(function.moves), machine)
     for circuit in machine.circuits:
-        pump, where = circuit.pump, f"circuits.{circuit.name}.pump"
+        pump, where = circuit.pump, circuit.pump_path
         if pump.relief <= machine.tank.return_pressure:
             broken.append(
                 f"{where}.relief = {_bar(pump.relief)}: must be above tank.return_pressure = {_bar(machine.tank.return_pressure)}"
+            )
+    for x in machine.crossovers:
+        fed = machine.function(machine.circuit(x.taking).functions[-1])
+        if len(x.valve.conductance) != len(fed.valve.knots):
+            broken.append(
+                f"circuits.{x.name}.crossover.conductance: {len(x.valve.conductance)} numbers for the {len(fed.valve.knots)} "
+                f"knots of functions.{fed.name}.valve, whose spool opens it; must be as many"
             )
     if not any(link.mass > 0.0 for link in machine.links):
         broken.append("links: all masses are 0; give at least the last link of each arm a mass")
@@ -78,6 +85,20 @@ def _function(f: MachineFunction, link: LinkParameters, machine: LayoutMachine) 
     for key in ("p_a", "p_b"):
         value = getattr(f.initial, key)
         require(floor <= value <= relief, f"initial.{key} = {_bar(value)}", f"in [{_bar(floor)}, {_bar(relief)}]")
+    play, lag = f.effects.backlash, f.effects.hysteresis
+    if play is not None:
+        room = f.stops.high - f.stops.low
+        require(
+            play < room,
+            f"backlash = {display.amount(play, unit)}",
+            f"below the way between the stops, {display.amount(room, unit)}",
+        )
+    if lag is not None:
+        require(
+            lag < knots[-1],
+            f"valve.hysteresis = {display.amount(lag, 'm')}",
+            f"below the full travel, {display.amount(knots[-1], 'm')}",
+        )
     if f.actuator != "motor":
         require(f.drive.number == int(f.drive.number), f"cylinder.number = {f.drive.number:g}", "a whole number")  # type: ignore[union-attr]
         require(f.drive.rod < f.drive.bore, "cylinder.rod", "below the bore")  # type: ignore[union-attr]

@@ -13,6 +13,7 @@ _ACTUATORS = {
     "ram": "a ram",
 }
 _TURN = 2.0 * pi
+_SHOWN_DROP = 1e6  # Pa
 
 
 def described(machine: LayoutMachine) -> list[str]:
@@ -35,6 +36,15 @@ def described(machine: LayoutMachine) -> list[str]:
         lines.append(
             f"  {c.name}: {amount(c.pump.flow, 'm3/s')}, relief {amount(c.pump.relief, 'Pa')}{limit}; feeds {', then '.join(c.functions)}"
         )
+    for x in machine.crossovers:
+        fed = machine.circuit(x.taking).functions[-1]
+        passes, opens = (
+            amount(max(x.valve.conductance) * _SHOWN_DROP**0.5, "m3/s"),
+            amount(x.valve.opening_pressure, "Pa"),
+        )
+        lines.append(
+            f"  {x.name}: crossover from {x.giving} to before {fed}, at most {passes} at {amount(_SHOWN_DROP, 'Pa')}, opens at {opens}"
+        )
     return lines
 
 
@@ -49,4 +59,6 @@ def _function(f: MachineFunction, machine: LayoutMachine) -> str:
         middle = 0.5 * (f.stops.low + f.stops.high)
         arms = [abs(lever(f, link, angle) or 0.0) for angle in (f.stops.low, middle, f.stops.high)]
         text += f", lever arm {', '.join(amount(arm, 'm') for arm in arms)} (low, middle, high)"
+    if f.effects.declared:
+        text += f"; with {', '.join(f.effects.declared)}"
     return text

@@ -7,6 +7,7 @@ from typing import Any
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import read_quantity
 from polydraulic.parameters.layout.conditions import broken_layout
+from polydraulic.parameters.layout.effects import lacking, read_effects
 from polydraulic.parameters.layout.names import name_trouble
 from polydraulic.parameters.layout.reader import Reader
 from polydraulic.parameters.layout.schema import (
@@ -23,8 +24,11 @@ from polydraulic.parameters.layout.schema import (
     MOST_IN_SERIES,
     MOST_KNOTS,
     MOST_LINKS,
+    OPENING,
     POINT,
     TRAVEL,
+    Crossover,
+    CrossoverValve,
     CylinderSize,
     FourBar,
     LayoutMachine,
@@ -43,7 +47,9 @@ from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 
 CIRCUIT_KINDS = {
-    "series": "1 to 6 valves in series: what passes a valve's bypass reaches the next one, the first has priority"
+    "series": "1 to 6 valves in series: what passes a valve's bypass reaches the next one, the first has priority",
+    "crossover": "two pumps: the giving one feeds 1 or 2 valves in series, the taking one 2, and through an orifice and a check valve "
+    "the giving one feeds the last of these as well",
 }
 _SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
 _LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
@@ -51,11 +57,6 @@ _ACTUATORS = {"motor": SwingMotor, "cylinder": CylinderSize, "four_bar": Cylinde
 _HELD: dict[str, tuple[str, ...]] = {"cylinder": ("base", "rod_pin"), "four_bar": ("base", "hinge", "knee", "pin")}
 _PARTS = ("pilot", "valve", "line", "friction", "stops", "initial")
 _CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
-
-
-def is_layout(data: Mapping[str, Any]) -> bool:
-    """Whether a parameter file describes links, functions and circuits of its own."""
-    return any(key in data for key in ("links", "functions", "circuits"))
 
 
 def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
@@ -87,10 +88,10 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     tank = reader.part(Tank, top, "tank", "")
     links = _ordered([_link(reader, name, item) for name, item in _named(reader, top, "links", MOST_LINKS)], reader)
     functions = _functions(reader, top, links)
-    circuits = _circuits(reader, top)
+    circuits, crossovers = _circuits(reader, top)
     tip = _tip(reader, top, links)
     if not reader.wrong and tank is not None:
-        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip)
+        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip, crossovers)
         reader.wrong += broken_layout(machine)
     if reader.wrong or tank is None:
         lines = list(dict.fromkeys(reader.wrong))
@@ -135,7 +136,7 @@ def _link(reader: Reader, name: str, item: Mapping[str, Any]) -> LinkParameters:
 
 
 def _ordered(links: list[LinkParameters], reader: Reader) -> tuple[LinkParameters, ...]:
-    """Links with parents first, otherwise as in the file; links whose parents cannot be found are named."""
+    """Links with parents first, otherwise as in the file; those whose parent cannot be found, and loops, are named and stand last."""
     done: list[LinkParameters] = []
     known = {GROUND}
     waiting = list(links)
@@ -146,12 +147,20 @@ def _ordered(links: list[LinkParameters], reader: Reader) -> tuple[LinkParameter
         waiting.remove(ready)
         done.append(ready)
         known.add(ready.name)
+    above = {link.name: link.parent for link in links}
     for link in waiting:
-        allowed = [GROUND, *(other.name for other in links if other.name != link.name)]
-        exists = link.parent in allowed
-        reason = "links that form a loop" if exists else f"must be one of {allowed}"
-        reader.require(False, f"links.{link.name}.parent = {link.parent!r}: {reason}")
-    return tuple(done)
+        where = f"links.{link.name}.parent = {link.parent!r}"
+        if link.parent not in above:
+            allowed = [GROUND, *(name for name in above if name != link.name)]
+            reader.require(False, f"{where}: must be one of {allowed}")
+            continue
+        chain = [link.name]
+        while (parent := above[chain[-1]]) in above and parent not in chain:
+            chain.append(parent)
+        if parent == link.name:  # what only hangs on a loop, or on a link without a parent, is good itself
+            what = f"{', '.join(chain)} form a loop" if len(chain) > 1 else "a link is not its own parent"
+            reader.require(False, f"{where}: {what}; {GROUND!r} must be above every link")
+    return (*done, *waiting)
 
 
 def _functions(
@@ -176,8 +185,8 @@ def _function(
     where, before = f"functions.{name}", len(reader.wrong)
     actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
     drive_key = "motor" if actuator == "motor" else "cylinder"
-    needed = ("moves", "actuator", drive_key, *_PARTS)
-    data = reader.table(item, (*needed, *_HELD.get(actuator, ())), (*needed, *_HELD.get(actuator, ())), where)
+    needed = ("moves", "actuator", drive_key, *_PARTS, *_HELD.get(actuator, ()))
+    data = reader.table(item, (*needed, "backlash"), needed, where)
     names = [link.name for link in links]
     moves = reader.word(data, "moves", names, where)
     slides = any(link.name == moves and link.joint == "prismatic" for link in links)
@@ -189,14 +198,16 @@ def _function(
     drive = reader.part(_ACTUATORS[actuator], data, drive_key, where)
     pilot, line = reader.part(Pilot, data, "pilot", where), reader.part(Line, data, "line", where)
     valve = _valve(reader, data, where)
-    friction = reader.part(SlideFriction if slides else Friction, data, "friction", where)
+    dry = lacking(data, "friction", "sticks")
+    friction = reader.part(SlideFriction if slides else Friction, dry, "friction", where)
     stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
-    if len(reader.wrong) > before or None in (drive, pilot, line, valve, friction, stops, initial):
+    effects = read_effects(reader, data, where, slides)
+    if len(reader.wrong) > before or not links or None in (drive, pilot, line, valve, friction, stops, initial):
         return None
     return MachineFunction(  # a prismatic joint's numbers go by the same names
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
-        Friction(*friction), Stops(*stops), Initial(*initial),  # type: ignore[misc]
+        Friction(*friction), Stops(*stops), Initial(*initial), effects,  # type: ignore[misc]
     )  # fmt: skip
 
 
@@ -210,7 +221,8 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves |
     where, before = f"{where}.valve", len(reader.wrong)
     if "valve" not in data:
         return None
-    found = reader.table(data["valve"], ("knots", *_CURVES), ("knots", *_CURVES), where)
+    needed = ("knots", *_CURVES)
+    found = reader.table(data["valve"], (*needed, "hysteresis", "flow_force"), needed, where)
     knots = reader.numbers(found, "knots", TRAVEL, where)
     curves = [reader.numbers(found, key, CONDUCTANCE, where) for key in _CURVES]
     if len(reader.wrong) > before:
@@ -224,28 +236,55 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves |
     return ValveCurves(knots, *curves) if len(reader.wrong) == before else None
 
 
-def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[SupplyCircuit, ...]:
-    found = []
+def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[tuple[SupplyCircuit, ...], tuple[Crossover, ...]]:
+    found: list[SupplyCircuit] = []
+    crossovers = []
     names = list(top["functions"]) if isinstance(top.get("functions"), Mapping) else []
     for name, item in _named(reader, top, "circuits", MOST_FUNCTIONS):
         where = f"circuits.{name}"
-        data = reader.table(item, ("kind", "functions", "pump"), ("kind", "functions", "pump"), where)
-        kind = reader.word(data, "kind", CIRCUIT_KINDS, where)
+        kind = reader.word(item, "kind", tuple(CIRCUIT_KINDS), where)
+        joined = kind == "crossover"
+        keys = ("kind", "functions", *(("giving", "taking", "crossover") if joined else ("pump",)))
+        data = reader.table(item, keys, keys, where)
         fed = data.get("functions", [])
         good = isinstance(fed, list) and all(isinstance(f, str) for f in fed)
-        reader.require(good and 0 < len(fed) <= MOST_IN_SERIES,
-            f"{where}.functions = {fed!r}: must be a list of 1 to {MOST_IN_SERIES} names of functions")  # fmt: skip
+        few, many = (3, 4) if joined else (1, MOST_IN_SERIES)
+        good = reader.require(good and few <= len(fed) <= many,
+            f"{where}.functions = {fed!r}: must be a list of {few} to {many} names of functions") and good  # fmt: skip
         for f in fed if good else []:
             reader.require(f in names or not names, f"{where}.functions: {f!r} is not a function; there are {names}")
-        pump = reader.part(PumpParameters, data, "pump", where)
-        if pump is not None and good:
-            found.append(SupplyCircuit(name, kind, tuple(fed), pump))
+        pumps = [
+            reader.part(PumpParameters, data, key, where) for key in (("giving", "taking") if joined else ("pump",))
+        ]
+        valve = _crossover(reader, data, where) if joined else None
+        if not good or None in pumps or (joined and valve is None):
+            continue
+        if valve is not None:
+            called = f"{name}_giving", f"{name}_taking"
+            crossovers.append(Crossover(name, *called, valve))
+            parts = [(called[0], fed[:-2], pumps[0]), (called[1], fed[-2:], pumps[1])]
+        else:
+            parts = [(name, fed, pumps[0])]
+        found += [SupplyCircuit(part, kind, tuple(of), pump) for part, of, pump in parts]  # type: ignore[arg-type]
+    called_twice = [c.name for c in found]
+    for name in dict.fromkeys(name for name in called_twice if called_twice.count(name) > 1):
+        reader.require(
+            False, f"circuits: {name!r} is what a pump of a circuit with crossover is called; rename one of both"
+        )
     fed_at = [f for circuit in found for f in circuit.functions]
     for name in names:
         count = fed_at.count(name)
         what = "appears in no circuit" if not count else f"appears {count} times in the circuits"
         reader.require(count == 1 or not found, f"functions.{name}: {what}; it must appear once")
-    return tuple(found)
+    return tuple(found), tuple(crossovers)
+
+
+def _crossover(reader: Reader, data: Mapping[str, Any], where: str) -> CrossoverValve | None:
+    where, before, keys = f"{where}.crossover", len(reader.wrong), ("conductance", "opening_pressure")
+    found = reader.table(data.get("crossover", {}), keys, keys if "crossover" in data else (), where)
+    curve = reader.numbers(found, "conductance", CONDUCTANCE, where)
+    opening = reader.number(found, "opening_pressure", OPENING, where)
+    return CrossoverValve(curve, opening) if curve and len(reader.wrong) == before else None
 
 
 def _tip(reader: Reader, top: Mapping[str, Any], links: tuple[LinkParameters, ...]) -> tuple[str, Point]:

@@ -51,9 +51,12 @@ class Reader:
         return {key: data[key] for key in data if key in allowed} if isinstance(data, Mapping) else {}
 
     def word(self, data: Mapping[str, Any], key: str, choices: Collection[str], where: str) -> str:
-        """Return a word that stands in a table, one of `choices`; the first of these if it is none."""
+        """Return a word that stands in a table, one of `choices`; the first of these if it is none.
+
+        Where there is nothing to choose from, a table is missing or wrong, which has been noted.
+        """
         found = data.get(key)
-        if key in data:
+        if key in data and (choices or not self.wrong):
             self.require(found in choices, f"{where}.{key} = {found!r}: must be one of {list(choices)}")
         return str(found) if found in choices else next(iter(choices), "")
 

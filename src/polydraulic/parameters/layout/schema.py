@@ -36,7 +36,9 @@ POINT = Quantity("m")
 MASS = Quantity("kg", low=0.0)
 MOMENT = Quantity("kg m2")
 CONDUCTANCE = Quantity("m3/s/Pa^0.5", low=0.0)
+OPENING = Quantity("Pa", low=0.0)
 TRAVEL = Quantity("m", low=0.0)
+TURN = Quantity("rad", low=0.0)
 
 
 class LinkParameters(NamedTuple):
@@ -132,6 +134,40 @@ class SlideInitial(NamedTuple):
     p_b: Pressure
 
 
+class FlowForce(NamedTuple):
+    """What the oil's jets push a spool back with, against its spring: force sqrt(2 density) cos(jet_angle) K a dp at inlet and outlet."""
+
+    spring_rate: Annotated[float, Quantity("N/m", above=0.0)]
+    density: Annotated[float, Quantity("kg/m3", above=0.0)]
+    jet_angle: Annotated[float, Quantity("rad", low=0.0, high=1.5707963267948966)]
+
+
+class Effects(NamedTuple):
+    """Effects that a function has only if the file declares them; those that it does not declare cost nothing.
+
+    Attributes
+    ----------
+    sticks : bool
+        Whether dry friction holds the joint at rest, instead of being smoothed.
+    backlash : float or None, rad or m
+        How far the joint can move while its actuator stands.
+    hysteresis : float or None, m
+        How far the pilot drives the spool back before the orifices follow.
+    flow_force : FlowForce or None
+    """
+
+    sticks: bool = False
+    backlash: float | None = None
+    hysteresis: float | None = None
+    flow_force: FlowForce | None = None
+
+    @property
+    def declared(self) -> tuple[str, ...]:
+        """Keys of those that are declared, as in a file below the function."""
+        keys = ("friction.sticks", "backlash", "valve.hysteresis", "valve.flow_force")
+        return tuple(key for key, value in zip(keys, self, strict=True) if value is not None and value is not False)
+
+
 class MachineFunction(NamedTuple):
     """What an operator moves with one lever.
 
@@ -148,6 +184,7 @@ class MachineFunction(NamedTuple):
         Where it is held.
     pilot, valve, line, friction, stops, initial
         `Friction`, `Stops` and `Initial` hold N, N s/m, m/s and m for a prismatic joint.
+    effects : Effects
     """
 
     name: str
@@ -161,6 +198,7 @@ class MachineFunction(NamedTuple):
     friction: Friction
     stops: Stops
     initial: Initial
+    effects: Effects = Effects()
 
 
 class PumpParameters(NamedTuple):
@@ -174,12 +212,44 @@ class PumpParameters(NamedTuple):
 
 
 class SupplyCircuit(NamedTuple):
-    """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one."""
+    """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one.
+
+    The two pumps of a circuit with crossover are a circuit each, called ``NAME_giving`` and ``NAME_taking``.
+    """
 
     name: str
     kind: str
     functions: tuple[str, ...]
     pump: PumpParameters
+
+    @property
+    def pump_path(self) -> str:
+        """Where the numbers of its pump stand in a file."""
+        name, _, part = self.name.rpartition("_") if self.kind == "crossover" else (self.name, "", "pump")
+        return f"circuits.{name}.{part}"
+
+
+class CrossoverValve(NamedTuple):
+    """An orifice behind a check valve: Q = conductance sqrt(drop - opening_pressure), and nothing back.
+
+    Attributes
+    ----------
+    conductance : tuple of float, m3/s/Pa^0.5
+        At the knots of the valve that it feeds, whose spool opens it.
+    opening_pressure : float, Pa
+    """
+
+    conductance: tuple[float, ...]
+    opening_pressure: float
+
+
+class Crossover(NamedTuple):
+    """From the pump of one circuit to the node before the last valve of another one."""
+
+    name: str
+    giving: str
+    taking: str
+    valve: CrossoverValve
 
 
 class LayoutMachine(NamedTuple):
@@ -192,6 +262,7 @@ class LayoutMachine(NamedTuple):
     functions: tuple[MachineFunction, ...]
     circuits: tuple[SupplyCircuit, ...]
     tip: tuple[str, Point]  # a link, and a point in its frame
+    crossovers: tuple[Crossover, ...] = ()
 
     def function(self, name: str) -> MachineFunction:
         """The function of that name."""
@@ -200,6 +271,10 @@ class LayoutMachine(NamedTuple):
     def link(self, name: str) -> LinkParameters:
         """The link of that name."""
         return next(link for link in self.links if link.name == name)
+
+    def circuit(self, name: str) -> SupplyCircuit:
+        """The circuit of that name."""
+        return next(c for c in self.circuits if c.name == name)
 
     @property
     def names(self) -> tuple[str, ...]:

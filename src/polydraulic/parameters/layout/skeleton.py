@@ -12,6 +12,14 @@ _HEAD = """\
 #
 # Frames: x forward, y to the left, z upward while all joints are at zero. A link's frame has its origin in its joint.
 # Coordinates that are left out are zero; what is left out everywhere costs no computing time.
+#
+# A function may have more than stands below; without these lines it has not:
+#   friction.sticks = {{ value = true, source = "dry friction holds the joint, instead of being smoothed" }}
+#   backlash = {{ value = 0.1, unit = "deg", source = "how far the link can be moved while its actuator stands" }}
+#   valve.hysteresis = {{ value = 0.2, unit = "mm", source = "how far the spool is driven back before the orifices follow" }}
+#   valve.flow_force.spring_rate = {{ value = 25, unit = "N/mm", source = "of the spring that centres the spool" }}
+#   valve.flow_force.density = {{ value = 870, unit = "kg/m3", source = "of the oil" }}
+#   valve.flow_force.jet_angle = {{ value = 69, unit = "deg", source = "of the jets, at sharp edges" }}
 
 """
 _HINTS = {
@@ -42,6 +50,8 @@ _HINTS = {
     "low": "end stops of the joint, from its zero",
     "angle": "where the joint stands at the start",
     "flow": "displacement of the pump times engine speed: data sheet",
+    "conductance": "of the crossover, over the travel of the spool that it feeds: flow at a pressure drop, divided by the root of the drop; an estimate will do",
+    "opening_pressure": "of the crossover's check valve: data sheet, or 0.3 to 1 bar as an estimate",
     "torque_limit_start": "pressure above which the pump delivers less, so that the engine does not stall",
 }
 

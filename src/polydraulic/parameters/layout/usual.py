@@ -5,7 +5,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from polydraulic.display import amount
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
 from polydraulic.parameters.schema import SwingMotor
 
 
@@ -30,6 +30,13 @@ COMPLIANCE = Usual(1e-14, 1e-9, "m3/Pa")
 DISPLACEMENT = Usual(1e-5, 5e-2, "m3/rad")
 FULL_LEVER = Usual(0.1, 40.0, "V")
 GYRATION = Usual(0.05, 15.0, "m")
+CONDUCTANCE = Usual(0.0, 1e-4, "m3/s/Pa^0.5")
+OPENING = Usual(0.0, 1e6, "Pa")
+HYSTERESIS = Usual(0.0, 2e-3, "m")
+BACKLASH = Usual(0.0, 0.03, "rad")
+SLIDE_BACKLASH = Usual(0.0, 0.01, "m")
+SPRING_RATE = Usual(1e3, 5e5, "N/m")
+DENSITY = Usual(750.0, 1200.0, "kg/m3")
 GRAVITY = Usual(9.7, 9.9, "m/s2")
 
 
@@ -65,6 +72,7 @@ def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
         yield f"{where}.line.relief", f.line.relief, RELIEF
         yield f"{where}.line.compliance_a", f.line.compliance_a, COMPLIANCE
         yield f"{where}.line.compliance_b", f.line.compliance_b, COMPLIANCE
+        yield from _effects(f, where, machine.link(f.moves).joint == "prismatic")
         if isinstance(f.drive, SwingMotor):
             yield (
                 f"{where}.motor: displacement times gear ratio",
@@ -77,6 +85,21 @@ def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
             for c, value in points[1].items():
                 yield f"{where}.{points[0]}.{c}", value, LENGTH
     for circuit in machine.circuits:
-        where = f"circuits.{circuit.name}.pump"
+        where = circuit.pump_path
         yield f"{where}.flow", circuit.pump.flow, FLOW
         yield f"{where}.relief", circuit.pump.relief, RELIEF
+    for crossover in machine.crossovers:
+        where = f"circuits.{crossover.name}.crossover"
+        yield f"{where}.conductance", max(crossover.valve.conductance), CONDUCTANCE
+        yield f"{where}.opening_pressure", crossover.valve.opening_pressure, OPENING
+
+
+def _effects(f: MachineFunction, where: str, slides: bool) -> Iterator[tuple[str, float, Usual]]:
+    of = f.effects
+    if of.backlash is not None:
+        yield f"{where}.backlash", of.backlash, SLIDE_BACKLASH if slides else BACKLASH
+    if of.hysteresis is not None:
+        yield f"{where}.valve.hysteresis", of.hysteresis, HYSTERESIS
+    if of.flow_force is not None:
+        yield f"{where}.valve.flow_force.spring_rate", of.flow_force.spring_rate, SPRING_RATE
+        yield f"{where}.valve.flow_force.density", of.flow_force.density, DENSITY

@@ -17,14 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, flow_name
-from polydraulic.flow.lanes import LANES, P_IN, leaves
+from polydraulic.flow.dispatch import FlowModel
+from polydraulic.flow.lanes import LANES, leaves
 from polydraulic.flow.record import (
     EFFECTOR,
-    N_RECORD,
-    P_A,
-    P_B,
-    SPOOL,
 )
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
@@ -32,9 +28,7 @@ from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
 from polydraulic.simulation.batch.family import Able, Family
-from polydraulic.simulation.batch.lanes import P_OUT
 from polydraulic.simulation.lane_blocks import Kept, LaneBlock
-from polydraulic.simulation.loop import run
 from polydraulic.tables import Table
 
 KEEP = ("rows", "range")
@@ -262,20 +256,20 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
 
 def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
     """Work machine by machine, with the loop of `simulate`."""
-    n_step = cases.voltage.shape[1]
+    n_step, family = cases.voltage.shape[1], cases.family
+    n, run = len(family.functions), family.run
 
     def single(i: int) -> int:
-        kind, rows = cases.kinds[cases.kind[i]], np.empty((n_step + 1, P_OUT + 3))
-        memory = np.zeros(FLOW_KINDS[flow_name(kind.model)].n_memory(kind.model))
-        voltage, states = cases.voltage[cases.signal[i]], np.empty((n_step + 1, N_RECORD))
+        kind, rows = cases.kinds[cases.kind[i]], np.empty((n_step + 1, family.p_out + n))
+        memory = np.zeros(cases.n_memory)
+        voltage, states = cases.voltage[cases.signal[i]], np.empty((n_step + 1, family.n_record))
         counts[i, 0] = run(kind.model, memory, kind.plant, cases.x0[i], voltage, 1, states, counts[i, 1:])
         if counts[i, 0] < n_step:  # the first row holds the step that failed; what it held before is the start
             run(kind.model, np.zeros_like(memory), kind.plant, cases.x0[i], voltage[:0], 1, states[:1], counts[i, 1:])
-        rows[:, :N_RECORD] = states
-        forward = states[:, SPOOL : SPOOL + 3] >= 0.0
-        p_a, p_b = states[:, P_A : P_A + 3], states[:, P_B : P_B + 3]
-        rows[:, P_IN : P_IN + 3] = np.where(forward, p_a, p_b)
-        rows[:, P_OUT : P_OUT + 3] = np.where(forward, p_b, p_a)
+        rows[:, : family.n_record] = states
+        spool, p_a, p_b = (states[:, k * n : (k + 1) * n] for k in range(3))  # as states begin, whatever the layout
+        rows[:, family.p_in : family.p_in + n] = np.where(spool >= 0.0, p_a, p_b)
+        rows[:, family.p_out : family.p_out + n] = np.where(spool >= 0.0, p_b, p_a)
         values, n_column = rows[:, kept.columns], len(kept.columns)
         kept.final[i, :n_column] = values[-1]
         if kept.every:

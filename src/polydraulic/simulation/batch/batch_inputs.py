@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import FlowModel, as_flow, flow_name, served_links
+from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, layout_flow, served_links
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.flow.record import to_vector
 from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import initial_state
@@ -21,7 +22,7 @@ from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.family import Family, family_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.runs import check_flow, step_inputs
+from polydraulic.simulation.layout.runs import check_served, step_inputs
 from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.runs import check_links, step_voltages
 from polydraulic.simulation.steps import n_steps
@@ -36,6 +37,7 @@ class Kind(NamedTuple):
     plant: Any
     model: Any
     start: np.ndarray
+    flow: FlowModel  # of which `model` is what the kernels read
 
 
 class Cases(NamedTuple):
@@ -57,6 +59,8 @@ class Cases(NamedTuple):
         Which voltages each case gets.
     free : tuple of str
         Links that move in one case at least.
+    n_memory : int
+        Floats that a step keeps or uses as scratch.
     """
 
     family: Family
@@ -67,6 +71,7 @@ class Cases(NamedTuple):
     voltage: np.ndarray
     signal: np.ndarray
     free: tuple[str, ...]
+    n_memory: int
 
 
 def arrange_cases(
@@ -119,9 +124,13 @@ def arrange_cases(
         raise InputError(
             "some of the scenarios have a force at the tip and some have none; give all of them one, of 0 N if need be"
         )
-    family = family_of(kinds[0].machine, kinds[0].model, force=forced == {True})
-    flow = "exact" if isinstance(kinds[0].machine, LayoutMachine) else flow_name(kinds[0].model)
-    return Cases(family, flow, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free)
+    family = family_of(kinds[0].machine, kinds[0].flow, force=forced == {True})
+    model = kinds[0].flow
+    if isinstance(model, LayoutFlow):
+        name, n_memory = model.name, model.n_memory
+    else:
+        name, n_memory = flow_name(model), FLOW_KINDS[flow_name(model)].n_memory(model)
+    return Cases(family, name, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free, n_memory)
 
 
 def _functions(machines: Sequence[AnyMachine]) -> tuple[str, ...]:
@@ -147,21 +156,28 @@ def _kind(machine: AnyMachine, scenario: Scenario | None, flow: str | FlowModel,
             f"an array of voltages moves all links, and flow {flow_name(model)!r} serves {', '.join(served_links(model))}; "
             "give scenarios that lock the others"
         )
-    return Kind(mine, plant, model, to_vector(initial_state(mine)))
+    return Kind(mine, plant, model, to_vector(initial_state(mine)), model)
 
 
 def _layout_kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
-    check_flow(flow)
+    model = layout_flow(flow, machine)
     loads = scenario.loads if scenario else Loads()
     if loads.payload is not None and loads.payload.time != (0.0,):
         raise InputError(
             f"scenario {scenario.name if scenario else ''!r}: a payload that changes is for `simulate`; in a batch each machine keeps one from "
             "time 0 on"
         )
+    if scenario:
+        check_served(scenario, model, machine)
+    elif model.served != machine.names:
+        raise InputError(
+            f"an array of voltages moves all functions, and flow {model.name!r} serves {', '.join(model.served)}; give scenarios that lock the "
+            "others"
+        )
     machine = adapted(machine, scenario) if scenario else machine
     machine = machine if loads.payload is None else with_payload(machine, loads.payload.mass[0])
-    ready = prepare_layout(machine, dt, scenario.locked if scenario else (), force=bool(loads.force))
-    return Kind(machine, ready.plant, ready.valves, ready.start)
+    ready = prepare_layout(machine, dt, scenario.locked if scenario else (), force=bool(loads.force), flow=model)
+    return Kind(machine, ready.plant, ready.valves, ready.start, model)
 
 
 def _scenarios(inputs: Any, functions: Sequence[str]) -> list[Scenario]:

@@ -7,14 +7,16 @@ import numpy as np
 
 from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
 from polydraulic.flow.lanes import P_IN
-from polydraulic.flow.record import ANGLE, N_STATE, PLACE, circuit_columns, link_columns, working_circuits
+from polydraulic.flow.layout.model import LayoutFlow
+from polydraulic.flow.record import ANGLE, N_RECORD, N_STATE, PLACE, circuit_columns, link_columns, working_circuits
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, run_block
-from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, columns_of, gap_name
+from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, kept_quantities
 from polydraulic.simulation.layout.module import layout_module
+from polydraulic.simulation.loop import run
 
 Able = dict[str, tuple[int, str]]  # row in a block, and unit, of everything that can be kept
 
@@ -25,12 +27,16 @@ class Family(NamedTuple):
     Attributes
     ----------
     functions : tuple of str
-    n_state, n_row : int
-        Numbers of a state, rows of a block.
+    n_state, n_record, n_row : int
+        Numbers of a state, of a recorded step, rows of a block.
+    p_in, p_out : int
+        First rows of the pressures at pressurised ports and at outlets.
     steps : int
         Row of the steps made.
     unsettled : int or None
         Row of the steps that did not converge, where there can be any.
+    run : driver
+        As `simulation.loop.run`.
     run_block : driver
         As `simulation.batch.lanes.run_block`, or None where the flow model has no lanes.
     columns : function from the functions that move to what can be kept
@@ -43,9 +49,13 @@ class Family(NamedTuple):
 
     functions: tuple[str, ...]
     n_state: int
+    n_record: int
     n_row: int
+    p_in: int
+    p_out: int
     steps: int
     unsettled: int | None
+    run: Callable[..., int]
     run_block: Callable[..., None] | None
     columns: Callable[[Sequence[str]], Able]
     pump_rows: set[int]
@@ -55,12 +65,15 @@ class Family(NamedTuple):
 
 def family_of(machine: Machine | LayoutMachine, model: Any, *, force: bool = False) -> Family:
     """Family of a machine and its flow model, with a force at the tip or without."""
-    return _of_layout(machine, force) if isinstance(machine, LayoutMachine) else _of_excavator(flow_name(model))
+    if isinstance(machine, LayoutMachine):
+        return _of_layout(machine, model, force)
+    return _of_excavator(flow_name(model))
 
 
-def _of_layout(machine: LayoutMachine, force: bool) -> Family:
-    module, of = layout_module(machine, force=force), columns_of(machine)
-    n = len(machine.names)
+def _of_layout(machine: LayoutMachine, flow: LayoutFlow, force: bool) -> Family:
+    module, of = layout_module(machine, flow=flow.kernels, force=force), columns_of(machine)
+    n, p_in = len(machine.names), len(of.columns)
+    lanes = getattr(module, "run_block", None)
 
     def columns(free: Sequence[str]) -> Able:
         found: Able = {}
@@ -73,27 +86,29 @@ def _of_layout(machine: LayoutMachine, force: bool) -> Family:
             if f not in free:
                 add(f"{f}.angle")
                 continue
-            for quantity, _ in (*STATE, *FLOWS):
+            for quantity in kept_quantities(machine.function(f)):
                 add(f"{f}.{quantity}")
-            found[f"{f}.p_in"], found[f"{f}.p_out"] = (
-                (len(of.columns) + place, "Pa"),
-                (len(of.columns) + n + place, "Pa"),
-            )
+            found[f"{f}.p_in"], found[f"{f}.p_out"] = (p_in + place, "Pa"), (p_in + n + place, "Pa")
         for c in machine.circuits:
             if set(c.functions) & set(free):
-                for quantity, _ in CIRCUIT:
-                    add(f"{c.name}.{quantity}")
-                for k in range(1, len(c.functions)):
-                    add(gap_name(c.name, k, len(c.functions)))
+                for key in circuit_keys(c, p_pump=flow.gives_pump_pressure):
+                    add(key)
+        for x in machine.crossovers:
+            if set(machine.circuit(x.giving).functions) & set(free):
+                add(cross_name(x.giving))
         return found
 
     return Family(
         machine.names,
         of.n_state,
-        module.N_ROW,
-        module.STEPS_ROW // module.LANES,
-        module.UNSETTLED_ROW // module.LANES,
-        module.run_block,
+        p_in,
+        module.N_ROW if lanes else p_in + 2 * n,
+        p_in,
+        p_in + n,
+        module.STEPS_ROW // module.LANES if lanes else 0,
+        module.UNSETTLED_ROW // module.LANES if lanes else None,
+        module.run,
+        lanes,
         columns,
         set(),  # they are always found
         tuple(of.columns[of.place[f"{f}.angle"]].name for f in machine.names),
@@ -133,9 +148,13 @@ def _of_excavator(flow: str) -> Family:
     return Family(
         LINKS,
         N_STATE,
+        N_RECORD,
         N_ROW,
+        P_IN,
+        P_OUT,
         STEPS,
         None,
+        run,
         run_block if kind.lanes else None,
         columns,
         {

@@ -6,25 +6,17 @@ the order of the step.
 """
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import Columns
-
-
-class EnergyColumn(NamedTuple):
-    """Name, unit and values of a column."""
-
-    name: str
-    unit: str
-    values: np.ndarray
+from polydraulic.simulation.layout.columns import AddedColumn, Columns, cross_name, gap_name
 
 
 def energy_columns(
     machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, columns: Columns, forces: np.ndarray
-) -> Iterator[EnergyColumn]:
+) -> Iterator[AddedColumn]:
     """Columns of the account.
 
     Parameters
@@ -41,8 +33,9 @@ def energy_columns(
 
     Yields
     ------
-    EnergyColumn
-        ``CIRCUIT.pump_power``, ``.relief_power``, ``.throttling_power`` (over inlets and bypasses), ``FUNCTION.outlet_power`` (over the
+    AddedColumn
+        ``CIRCUIT.pump_power``, ``.relief_power``, ``.throttling_power`` (over inlets, bypasses and crossover), ``.cross_power`` (of what
+        enters the other circuit behind a crossover), ``FUNCTION.outlet_power`` (over the
         outlet), ``.joint_power`` (of oil at the joint), ``.friction_power``, ``tip.push_power`` (of the force), all in W; ``energy.kinetic``, ``energy.potential`` in J.
     """
 
@@ -50,22 +43,29 @@ def energy_columns(
         return rows[:, columns.place[key]]
 
     p_return = machine.tank.return_pressure
+    # what enters the taking circuit behind the crossover
+    crossed = {x.giving: of(cross_name(x.giving)) * of(gap_name(x.taking, 1, 2)) for x in machine.crossovers}
+    gained = {x.taking: crossed[x.giving] for x in machine.crossovers}
     for c in machine.circuits:
         pump, relief = (of(f"{c.name}.p_pump") * of(f"{c.name}.{q}") for q in ("q_pump", "q_relief"))
         passed_on = sum(of(f"{f}.q_in") * _fed(of, f) for f in c.functions) + of(f"{c.name}.q_bypass") * p_return
-        yield EnergyColumn(f"{c.name}.pump_power", "W", pump)
-        yield EnergyColumn(f"{c.name}.relief_power", "W", relief)
-        yield EnergyColumn(f"{c.name}.throttling_power", "W", pump - relief - passed_on)
+        yield AddedColumn(f"{c.name}.pump_power", "W", pump)
+        yield AddedColumn(f"{c.name}.relief_power", "W", relief)
+        given, taken = crossed.get(c.name), gained.get(c.name)
+        passed_on = passed_on + (0.0 if given is None else given) - (0.0 if taken is None else taken)
+        yield AddedColumn(f"{c.name}.throttling_power", "W", pump - relief - passed_on)
+        if given is not None:
+            yield AddedColumn(f"{c.name}.cross_power", "W", given)
     found = np.empty((len(rows), 2 * len(machine.names) + 3))
     module.account(plant, np.ascontiguousarray(rows), forces, found)
     for place, f in enumerate(machine.names):
         drained = np.where(of(f"{f}.spool") >= 0.0, of(f"{f}.p_b"), of(f"{f}.p_a"))
-        yield EnergyColumn(f"{f}.outlet_power", "W", of(f"{f}.q_out") * (drained - p_return))
-        yield EnergyColumn(f"{f}.joint_power", "W", found[:, 2 * place])
-        yield EnergyColumn(f"{f}.friction_power", "W", found[:, 2 * place + 1])
-    yield EnergyColumn("tip.push_power", "W", found[:, -1])
-    yield EnergyColumn("energy.kinetic", "J", found[:, -3])
-    yield EnergyColumn("energy.potential", "J", found[:, -2])
+        yield AddedColumn(f"{f}.outlet_power", "W", of(f"{f}.q_out") * (drained - p_return))
+        yield AddedColumn(f"{f}.joint_power", "W", found[:, 2 * place])
+        yield AddedColumn(f"{f}.friction_power", "W", found[:, 2 * place + 1])
+    yield AddedColumn("tip.push_power", "W", found[:, -1])
+    yield AddedColumn("energy.kinetic", "J", found[:, -3])
+    yield AddedColumn("energy.potential", "J", found[:, -2])
 
 
 def _fed(of: Any, function: str) -> np.ndarray:

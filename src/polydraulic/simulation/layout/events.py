@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
 from polydraulic.simulation.events import MAX_EVENTS
+from polydraulic.simulation.layout.columns import cross_name
 
 Column = Callable[[str], np.ndarray]
 
@@ -33,16 +35,12 @@ def layout_events(
         if not set(c.functions) <= set(locked):
             open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
             found += _changes(c.name, "pump relief opens", "pump relief closes", open_, None, time)
+    for x in machine.crossovers:
+        if not set(machine.circuit(x.giving).functions) <= set(locked):
+            open_ = column(cross_name(x.giving)) > 1e-12
+            found += _changes(x.name, "crossover opens", "crossover closes", open_, None, time)
     found.sort(key=lambda event: event[0])
     return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
-
-
-def spool_edges(f: MachineFunction) -> tuple[float, float]:
-    """Travel in m at which a valve opens, and at which its bypass is shut (inf if it never is)."""
-    tables = (f.valve.inlet, f.valve.outlet_positive, f.valve.outlet_negative)
-    shut = [knot for place, knot in enumerate(f.valve.knots) if all(max(table[: place + 1]) == 0.0 for table in tables)]
-    closed = [knot for place, knot in enumerate(f.valve.knots) if max(f.valve.bypass[place:]) == 0.0]
-    return shut[-1], closed[0] if closed else np.inf
 
 
 def _conditions(
@@ -50,7 +48,7 @@ def _conditions(
 ) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray | None]]:
     """Words, where the condition holds, and the part of the way to the next row at which it changes."""
     travel, angle = np.abs(column(f"{f.name}.spool")), column(f"{f.name}.angle")
-    valve, bypass = spool_edges(f)
+    valve, bypass = spool_edges(f.valve)
     yield ("valve opens", "valve closes"), travel > valve, _share(travel, valve)
     yield ("bypass closes", "bypass opens"), travel >= bypass, _share(travel, bypass)
     yield ("low stop met", "low stop left"), angle <= f.stops.low, None

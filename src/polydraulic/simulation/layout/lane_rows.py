@@ -6,8 +6,18 @@ from typing import NamedTuple
 from polydraulic.flow.lanes import LANES
 from polydraulic.machine.pump import Bracket, Pump
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, columns_of, gap_name
+from polydraulic.simulation.layout.columns import (
+    CIRCUIT,
+    FLOWS,
+    MORE_STATE,
+    STATE,
+    columns_of,
+    cross_name,
+    gap_name,
+    has,
+)
 from polydraulic.simulation.layout.expand import Rows
+from polydraulic.simulation.layout.page_lists import crossover_rows
 
 _SCRATCH = (
     "seen_in", "seen_out", "inlet", "bypass", "outlet", "voltage", "lever_a", "lever_b", "bias", "weight", "old_angle", "old_rate",
@@ -89,7 +99,8 @@ def lane_rows(
         Whether there is a force at the tip.
     """
     columns = columns_of(machine)
-    groups = {q: [columns.place[f"{f}.{q}"] for f in machine.names] for q, _ in (*STATE, *FLOWS)}
+    quantities = [q for q, _ in (*STATE, *MORE_STATE, *FLOWS) if any(has(f, q) for f in machine.functions)]
+    groups = {q: [columns.place[f"{f.name}.{q}"] for f in machine.functions if has(f, q)] for q in quantities}
     end = len(columns.columns)
 
     def rows(n: int) -> list[int]:
@@ -135,7 +146,7 @@ def lane_lists(
     """
     place, names, packed = columns_of(machine).place, machine.names, rows.packed
     lists: dict[str, Rows] = {
-        "GROUPS": [{"G": group} for group in rows.groups],
+        "GROUPS": [{"G": group, "T": _kind(group)} for group in rows.groups],
         "FORCE_ROWS": [{"P": len(names) + k, "R": row * LANES} for k, row in enumerate(rows.force)],
         "MASS_ROWS": [{"M": field, "P": row * LANES} for field, row in zip(masses, rows.mass, strict=True)],
         "FUNCTION_ROWS": [
@@ -154,6 +165,7 @@ def lane_lists(
         "PUMP_ROWS": _numbered("X", Pump._fields, packed.pump),
         "BRACKET_ROWS": _numbered("X", _BRACKET, packed.bracket),
         "PACKED_ROWS": [{"R": row * LANES} for of in packed.valve for row in of],
+        "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
     }
     circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
     lists["SHORT_CIRCUITS"] = [
@@ -171,7 +183,10 @@ def lane_lists(
         if n in passes
     ]
     lists |= {
-        f"ROWS_OF_{group}": [{"F": f, "P": row * LANES} for f, row in zip(names, of, strict=True)]
+        f"ROWS_OF_{group}": [
+            {"F": f.name, "P": row * LANES}
+            for f, row in zip([f for f in machine.functions if has(f, group)], of, strict=True)
+        ]
         for group, of in rows.groups.items()
     }
     for c, n, _ in circuits:
@@ -242,3 +257,8 @@ def _numbered(letter: str, values: Sequence[str], rows: Sequence[int]) -> Rows:
 def _moved(sources: Sequence[int], targets: Sequence[int]) -> Rows:
     """Rows S that become rows R."""
     return [{"S": a * LANES, "R": b * LANES} for a, b in zip(sources, targets, strict=True)]
+
+
+def _kind(group: str) -> str:
+    """Name of the named tuple that a group of rows holds."""
+    return group.title().replace("_", "") if group in dict(MORE_STATE) else "Functions"

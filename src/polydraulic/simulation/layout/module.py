@@ -1,60 +1,12 @@
-"""A layout's text as a module: one real file, named by the digest of its content, which is run only if it still has that digest.
+"""The module of a machine's layout."""
 
-A file is what numba's cache, `inspect` and the translator to C want. Where nothing can be written the text lives in memory, and what
-is compiled of it is not kept. Two processes may write the same file at once: each moves a whole one into its place.
-"""
-
-import hashlib
-import linecache
-import logging
-import sys
-from functools import cache
-from pathlib import Path
 from types import ModuleType
 
-from polydraulic._kernel import cache_folder
-from polydraulic.errors import InputError
-from polydraulic.files import write_text
+from polydraulic.flow.layout.text_module import loaded
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.text import layout_text
 
-_log = logging.getLogger("polydraulic")
 
-
-def layout_module(machine: LayoutMachine, *, force: bool = False) -> ModuleType:
+def layout_module(machine: LayoutMachine, *, flow: str = "exact", force: bool = False) -> ModuleType:
     """Module of the kernels of a machine's layout, with a force at the tip or without; see `layout_text`."""
-    return loaded(layout_text(machine, force=force))
-
-
-@cache
-def loaded(text: str) -> ModuleType:
-    """Run a text as a module.
-
-    Parameters
-    ----------
-    text : str
-        Python source that this package has written.
-    """
-    name = f"polydraulic_layout_{hashlib.sha256(text.encode()).hexdigest()[:24]}"
-    path = _file(text, name)
-    module = ModuleType(name)
-    module.__file__ = str(path)
-    # tracebacks and `inspect` find the text, with or without a file
-    linecache.cache[str(path)] = (len(text), None, text.splitlines(keepends=True), str(path))
-    sys.modules[name] = module  # where numba looks for the types of what it has kept
-    exec(compile(text, str(path), "exec"), module.__dict__)
-    return module
-
-
-def _file(text: str, name: str) -> Path:
-    """A file that holds exactly this text, or a name for it in memory."""
-    folder = cache_folder()
-    if folder is not None:
-        path = Path(folder) / f"{name}.py"
-        try:
-            if not path.is_file() or path.read_bytes() != text.encode():
-                write_text(path, text)
-            return path
-        except (OSError, InputError) as error:
-            _log.warning("%s cannot be written (%s): the layout is compiled anew in each run", path, error)
-    return Path(f"<{name}>")
+    return loaded(layout_text(machine, flow=flow, force=force))

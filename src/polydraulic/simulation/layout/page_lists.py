@@ -1,15 +1,17 @@
 """What a layout has, as the lists that pages loop over."""
 
+from collections.abc import Mapping
+
 from polydraulic.machine.actuator import Triangle
 from polydraulic.machine.drives import Motor, Ram, Rocker
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, STATE, columns_of, gap_name
-from polydraulic.simulation.layout.expand import Rows
+from polydraulic.simulation.layout.columns import CIRCUIT, MORE_STATE, STATE, columns_of, cross_name, gap_name, has
+from polydraulic.simulation.layout.expand import Rows, Value
 
 _CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
 
 
-def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]:
+def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact") -> dict[str, Rows]:
     """Lists of the pages of a single machine, with a force at the tip or without; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
     place = columns_of(machine).place
     circuit_of = {f: (c.name, k) for c in machine.circuits for k, f in enumerate(c.functions, 1)}
@@ -17,13 +19,21 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]
     lists: dict[str, Rows] = {
         "FUNCTIONS": [
             {"F": f.name, "J": number, "D": f.actuator, "A": _CLASSES[f.actuator].__name__, "K": str(len(f.valve.knots)),
-             "C": circuit_of[f.name][0], "I": str(circuit_of[f.name][1])}
+             "C": circuit_of[f.name][0], "I": str(circuit_of[f.name][1]), "S": "driven" if has(f, "driven") else "spool",
+             "R": "viscous_torque" if f.effects.sticks else "friction_torque",
+             "X": "sliding_torque" if f.effects.sticks else "friction_torque"}
             for number, f in enumerate(machine.functions)
         ],
+        "TABLES": [{"F": f.name, "K": str(len(f.valve.knots))} for f in machine.functions if flow != "networks"],
         "CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits],
+        "PLAIN_CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if c.kind != "crossover"],
+        "CROSSOVERS": [{**row, "P": place[cross_name(str(row["G"]))]} for row in crossover_rows(machine)],
         "GAPS": [{"C": c, "I": str(k)} for c, k, _ in gaps],
         "QUANTITIES": [{"Q": quantity} for quantity, _ in STATE],
-        "STATE_PLACES": [{"Q": q, "F": f, "P": place[f"{f}.{q}"]} for q, _ in STATE for f in machine.names],
+        "STATE_PLACES": [
+            {"Q": q, "F": f.name, "P": place[f"{f.name}.{q}"]}
+            for q, _ in (*STATE, *MORE_STATE) for f in machine.functions if has(f, q)
+        ],
         "INLET_PLACES": [{"F": f, "P": place[f"{f}.q_in"]} for f in machine.names],
         "OUTLET_PLACES": [{"F": f, "P": place[f"{f}.q_out"]} for f in machine.names],
         "CIRCUIT_PLACES": [{"C": c.name, "W": q, "P": place[f"{c.name}.{q}"]} for c in machine.circuits for q, _ in CIRCUIT],
@@ -36,6 +46,89 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool) -> dict[str, Rows]
     lists["NO_FORCE"] = [] if force else [{"P": k} for k in range(3)]
     for c in machine.circuits:
         lists[f"FUNCTIONS_OF_{c.name}"] = [{"F": f} for f in c.functions]
-    for quantity, _ in STATE:
-        lists[f"PLACES_OF_{quantity}"] = [{"P": place[f"{f}.{quantity}"]} for f in machine.names]
+    for quantity, _ in (*STATE, *MORE_STATE):
+        of = [f for f in machine.functions if has(f, quantity)]
+        lists[f"PLACES_OF_{quantity}"] = [{"P": place[f"{f.name}.{quantity}"]} for f in of]
+    return lists | _flow_lists(machine, flow) | _effect_lists(machine)
+
+
+def _effect_lists(machine: LayoutMachine) -> dict[str, Rows]:
+    """Functions with an effect and those without, and lists of one row, or none, for what stands there if any has it."""
+    functions = machine.functions
+    holders = {
+        "DRIVEN": [f for f in functions if has(f, "driven")],
+        "SHIFTED": [f for f in functions if has(f, "flow_shift")],
+        "LOOSE": [f for f in functions if has(f, "gap")],
+        "STICKING": [f for f in functions if f.effects.sticks],
+    }
+    lists: dict[str, Rows] = {}
+    for name, of in holders.items():
+        number: dict[str, Mapping[str, Value]] = {
+            f.name: {"F": f.name, "J": j, "K": str(len(f.valve.knots))} for j, f in enumerate(functions)
+        }
+        lists[name] = [number[f.name] for f in of]
+        lists[f"NOT_{name}"] = [number[f.name] for f in functions if f not in of]
+        lists[f"ANY_{name}"] = [{"E": ""}] if of else []
+        lists[f"NONE_{name}"] = [] if of else [{"E": ""}]
+    lists["ANY_VALVE_EFFECT"] = [{"E": ""}] if holders["DRIVEN"] or holders["SHIFTED"] else []
+    lists["NO_VALVE_EFFECT"] = [] if lists["ANY_VALVE_EFFECT"] else [{"E": ""}]
+    held = [(q, [f.name for f in functions if has(f, q)]) for q, _ in MORE_STATE]
+    lists["MORE_QUANTITIES"] = [{"Q": q, "T": q.title().replace("_", "")} for q, of in held if of]
+    lists |= {f"HOLDERS_OF_{q}": [{"F": f} for f in of] for q, of in held}
+    for f in functions:
+        fields = {"half_play": "float"} if has(f, "gap") else {}
+        fields |= {"half_width": "float"} if has(f, "driven") else {}
+        fields |= {"shift": "float"} if has(f, "flow_shift") else {}
+        lists[f"FIELDS_OF_{f.name}"] = [{"Q": field, "T": kind} for field, kind in fields.items()]
     return lists
+
+
+def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
+    """Lists of flow models.
+
+    Of networks: F and G functions, E the first of two; T and P places of travels and pressures as inputs. Of sweeps: P places in memory.
+    """
+    networks, shared = flow == "networks", [c for c in machine.circuits if len(c.functions) > 1]
+    lists: dict[str, Rows] = {
+        "NETWORKS": [{"E": ""}] if networks else [],
+        "NETWORKS_OF_VALVES": [{"F": f} for f in machine.names] if networks else [],
+        "NETWORKS_BETWEEN_VALVES": [{"C": c.name} for c in shared] if networks else [],
+        "FIRST": [{"C": c.name, "F": c.functions[0]} for c in machine.circuits],
+        "SHARED": [{"C": c.name, "F": c.functions[0]} for c in shared],
+        "LATER": [{"C": c.name, "F": f} for c in shared for f in c.functions[1:]],
+    }
+    lists |= {"SWEEPS": [{"E": ""}] if flow == "iterative" else [], "PUMP_MEMORY": [], "GAP_MEMORY": []}
+    lookups: Rows = [{"C": c.name, "T": f"FlowTable{len(c.functions)}"} for c in machine.circuits]
+    lists["LOOKUPS"] = lookups if flow == "lookup" else []
+    kept = 0
+    for c in machine.circuits:
+        n = len(c.functions)
+        lists[f"MEMORY_OF_{c.name}"] = [{"P": kept + k} for k in range(n)]
+        lists["PUMP_MEMORY"] = [*lists["PUMP_MEMORY"], {"C": c.name, "P": kept}]
+        gaps: Rows = [{"C": c.name, "I": str(k), "P": kept + k} for k in range(1, n)]
+        lists["GAP_MEMORY"] = [*lists["GAP_MEMORY"], *gaps]
+        kept += n
+        lists[f"ALL_OF_{c.name}"] = [{"F": f, "T": k, "P": n + k} for k, f in enumerate(c.functions)]
+        lists[f"TRAVELS_OF_{c.name}"] = [{"F": f, "T": k} for k, f in enumerate(c.functions)]
+        lists[f"BEHIND_OF_{c.name}"] = [{"F": f, "P": n + k} for k, f in enumerate(c.functions[1:])]
+        for place, f in enumerate(c.functions):
+            rest = c.functions[place:]
+            lists[f"FROM_{f}"] = [{"G": g, "T": 1 + k, "P": 1 + len(rest) + k} for k, g in enumerate(rest)]
+            lists[f"SECOND_OF_{f}"] = [{"E": c.functions[0]}] if n == 2 and place else []
+    return lists
+
+
+def crossover_rows(machine: LayoutMachine) -> Rows:
+    """X crossover, G giving and T taking circuit, N valves in all, F the function that it feeds, K knots of its valve."""
+    fed = {x.name: machine.function(machine.circuit(x.taking).functions[-1]) for x in machine.crossovers}
+    return [
+        {
+            "X": x.name,
+            "G": x.giving,
+            "T": x.taking,
+            "N": str(len(machine.circuit(x.giving).functions) + 2),
+            "F": fed[x.name].name,
+            "K": str(len(fed[x.name].valve.knots)),
+        }
+        for x in machine.crossovers
+    ]

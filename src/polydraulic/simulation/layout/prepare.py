@@ -1,18 +1,21 @@
 """A machine of any layout and a step size -> the named tuples of numbers that its kernels read."""
 
 from collections.abc import Collection
-from math import isfinite
+from math import exp, isfinite, log1p
 from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.machine.drives import prepare_drive
+from polydraulic.flow.layout.model import LayoutFlow, exact_layout
+from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
+from polydraulic.machine.play import prepare_shift
 from polydraulic.machine.pump import limited_pump
-from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.schema import COORDINATES, Crossover, LayoutMachine, MachineFunction
+from polydraulic.simulation.layout.columns import MORE_STATE, has
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of
 
@@ -24,10 +27,16 @@ class ReadyMachine(NamedTuple):
     valves: Any
     plant: Any
     start: np.ndarray  # (5 n_function,) state
+    n_memory: int  # floats that the flow model keeps or uses as scratch
 
 
 def prepare_layout(
-    machine: LayoutMachine, dt: float, locked: Collection[str] = (), *, force: bool = False
+    machine: LayoutMachine,
+    dt: float,
+    locked: Collection[str] = (),
+    *,
+    force: bool = False,
+    flow: LayoutFlow | None = None,
 ) -> ReadyMachine:
     """Precompute all of a machine that does not change during a run.
 
@@ -39,6 +48,8 @@ def prepare_layout(
         Functions whose joints are held.
     force : bool
         Whether a force at the tip is among the inputs.
+    flow : LayoutFlow, optional
+        Flow model of this machine; the exact one if not given.
 
     Raises
     ------
@@ -50,7 +61,13 @@ def prepare_layout(
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
         raise InputError(f"locked: {unknown[0]!r} is not a function of the machine; there are {list(machine.names)}")
-    module = layout_module(machine, force=force)
+    flow = exact_layout(machine) if flow is None else flow
+    pushed = [f.name for f in machine.functions if f.effects.flow_force is not None]
+    if pushed and flow.kernels == "networks":
+        raise InputError(
+            f"functions.{pushed[0]}.valve.flow_force: flow {flow.name!r} does not know the inlets whose jets push; use 'exact'"
+        )
+    module = layout_module(machine, flow=flow.kernels, force=force)
     parts = {f.name: _part(module, f, machine, dt) for f in machine.functions}
     plant = module.Plant(
         dt=dt,
@@ -59,38 +76,94 @@ def prepare_layout(
         locked=module.Held(*(name in locked for name in machine.names)),
         tip=module.Point(*(machine.tip[1].get(c, 0.0) for c in COORDINATES)),
     )
-    return ReadyMachine(module, valves_of(machine, module), plant, start_vector(machine))
+    return ReadyMachine(module, valves_of(machine, module, flow), plant, start_vector(machine), flow.n_memory)
 
 
-def valves_of(machine: LayoutMachine, module: ModuleType) -> Any:
-    """Orifice tables and pumps."""
-    tables = {f"valve_{f.name}": _tables(module, f) for f in machine.functions}
+def valves_of(machine: LayoutMachine, module: ModuleType, flow: LayoutFlow) -> Any:
+    """Orifice tables, or what a flow model has in their place, and pumps."""
+    tables = flow.kernels != "networks"
+    parts = flow.parts | {f"valve_{f.name}": _tables(module, f) for f in machine.functions if tables}
     pumps = {
         f"pump_{c.name}": limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
         for c in machine.circuits
     }
-    return module.Valves(**tables, **pumps)
+    crossovers = {f"cross_{x.name}": _crossover(module, x, machine) for x in machine.crossovers}
+    return module.Valves(**parts, **pumps, **crossovers)
 
 
 def start_vector(machine: LayoutMachine) -> np.ndarray:
     """State at the start: spools centred, joints at rest, positions and line pressures as in the parameter set."""
     starts = [f.initial for f in machine.functions]
     rest = [0.0] * len(starts)
-    return np.array([*rest, *(s.p_a for s in starts), *(s.p_b for s in starts), *(s.angle for s in starts), *rest])
+    base = [*rest, *(s.p_a for s in starts), *(s.p_b for s in starts), *(s.angle for s in starts), *rest]
+    more = [_begin(f, q, machine) for q, _ in MORE_STATE for f in machine.functions if has(f, q)]
+    return np.array([*base, *more])
+
+
+def _begin(f: MachineFunction, quantity: str, machine: LayoutMachine) -> float:
+    """Centred spools; an actuator with play touches where its pressures push it."""
+    if quantity != "gap":
+        return 0.0
+    drive, play = prepare_drive(f, machine.link(f.moves)), f.effects.backlash or 0.0
+    area_a, area_b = (1.0, 1.0) if isinstance(drive, Motor) else (drive.area_a, drive.area_b)
+    return 0.5 * play * float(np.sign(f.initial.p_a * area_a - f.initial.p_b * area_b))
 
 
 def _part(module: ModuleType, f: MachineFunction, machine: LayoutMachine, dt: float) -> Any:
     pilot = prepare_pilot(f.pilot, f.valve.knots[-1], dt)
     line = prepare_line(f.line, machine.tank, dt)
     drive = prepare_drive(f, machine.link(f.moves))
-    return getattr(module, f"Part_{f.name}")(pilot, line, drive, f.friction, f.stops)
+    more = {"half_play": 0.5 * f.effects.backlash} if f.effects.backlash is not None else {}
+    more |= {"half_width": 0.5 * f.effects.hysteresis} if f.effects.hysteresis is not None else {}
+    more |= {"shift": flow_force_shift(f, machine, dt)} if f.effects.flow_force is not None else {}
+    return getattr(module, f"Part_{f.name}")(pilot, line, drive, f.friction, f.stops, **more)
 
 
 def _tables(module: ModuleType, f: MachineFunction) -> Any:
-    knots, n = f.valve.knots, len(f.valve.knots)
+    knots = f.valve.knots
+    curves = (_segments(module, curve, knots) for curve in f.valve[1:])
+    return getattr(module, f"ValveTables_{len(knots)}")(*knots[1:], *curves)
 
-    def segments(values: tuple[float, ...]) -> Any:
-        slopes = [(values[i + 1] - values[i]) / (knots[i + 1] - knots[i]) for i in range(n - 1)]
-        return getattr(module, f"Segments_{n}")(*values[:-1], *slopes)
 
-    return getattr(module, f"ValveTables_{n}")(*knots[1:], *(segments(curve) for curve in f.valve[1:]))
+def _segments(module: ModuleType, values: tuple[float, ...], knots: tuple[float, ...]) -> Any:
+    n = len(knots)
+    slopes = [(values[i + 1] - values[i]) / (knots[i + 1] - knots[i]) for i in range(n - 1)]
+    return getattr(module, f"Segments_{n}")(*values[:-1], *slopes)
+
+
+def _crossover(module: ModuleType, x: Crossover, machine: LayoutMachine) -> Any:
+    knots = machine.function(machine.circuit(x.taking).functions[-1]).valve.knots
+    made = getattr(module, f"Crossover_{x.name}")
+    return made(_segments(module, x.valve.conductance, knots), x.valve.opening_pressure)
+
+
+def flow_force_shift(f: MachineFunction, machine: LayoutMachine, dt: float) -> float:
+    """Shift of a function's spool for each m3/s sqrt(Pa) of conductance times drop.
+
+    The force of a step acts in the next one. With the shift's slope s over the travel and d = exp(-dt / time constant) an error of the
+    travel becomes d - (1 - d) s times itself in a step, which keeps its sign up to s = d / (1 - d).
+
+    Raises
+    ------
+    InputError
+        If a force may change faster than that at the largest pressures.
+    """
+    assert f.effects.flow_force is not None
+    shift, decay = prepare_shift(f.effects.flow_force), exp(-dt / f.pilot.time_constant)
+    knots = np.array(f.valve.knots)
+
+    def steepest(values: tuple[float, ...]) -> float:
+        return float(np.abs(np.diff(values) / np.diff(knots)).max())
+
+    outlet = max(steepest(f.valve.outlet_positive), steepest(f.valve.outlet_negative))
+    relief = max(c.pump.relief for c in machine.circuits)  # circuits may be joined
+    inside = relief - machine.tank.floor, f.line.relief - machine.tank.return_pressure
+    slope = shift * (steepest(f.valve.inlet) * inside[0] + outlet * inside[1])
+    most = decay / (1.0 - decay)
+    if slope > most:
+        raise InputError(
+            f"functions.{f.name}.valve.flow_force: at the largest pressures the force shifts the spool by {slope:.3g} times its own motion, "
+            f"and steps of {dt:g} s can follow {most:.3g} times with this pilot; use dt = {f.pilot.time_constant * log1p(1.0 / slope):.2g} s "
+            "or less, or check spring_rate and the valve's curves"
+        )
+    return shift

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.flow.dispatch import FLOW_KINDS, flow_name
+from polydraulic.flow.dispatch import FlowModel, layout_flow
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.flow.record import EFFECTOR
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.adapt import adapted
@@ -17,9 +18,17 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.input_check import input_warnings
-from polydraulic.simulation.layout.columns import CIRCUIT, FLOWS, STATE, Columns, columns_of, gap_name
-from polydraulic.simulation.layout.energy import EnergyColumn, energy_columns
+from polydraulic.simulation.layout.columns import (
+    AddedColumn,
+    Columns,
+    circuit_keys,
+    columns_of,
+    cross_name,
+    kept_quantities,
+)
+from polydraulic.simulation.layout.energy import energy_columns
 from polydraulic.simulation.layout.events import layout_events
+from polydraulic.simulation.layout.forces import force_columns
 from polydraulic.simulation.layout.methods.known import Integrate, run_known
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
@@ -39,7 +48,7 @@ class Segment(NamedTuple):
 
 def simulate_layout(
     machine: LayoutMachine,
-    flow: Any,
+    flow: str | FlowModel,
     scenario: Scenario | str | Path,
     *,
     dt: float,
@@ -48,6 +57,7 @@ def simulate_layout(
     method: str,
     rtol: float | None = None,
     energy: bool = False,
+    forces: bool = False,
     piece: int = 20_000,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
@@ -61,28 +71,47 @@ def simulate_layout(
     SimulationError
         If the run diverges, or a solver fails.
     """
-    check_flow(flow)
+    model = layout_flow(flow, machine)
+    if method != "semi-implicit" and model.name != "exact":
+        raise InputError(
+            f"flow {model.name!r} with method {method!r}: machines of other layouts than that of 'cat215b' run with 'semi-implicit', or with "
+            "flow 'exact'"
+        )
+    if method != "semi-implicit" and machine.crossovers:
+        raise InputError(
+            f"method {method!r} needs slopes of all circuits; circuit {machine.crossovers[0].name!r} has a crossover, of which "
+            "'semi-implicit' alone knows"
+        )
+    declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
+    if declared and method != "semi-implicit":
+        raise InputError(f"{declared[0]}: method {method!r} does not know it; use 'semi-implicit', or leave it out")
+    if energy and not model.gives_pump_pressure:
+        raise InputError(
+            f"the energy account needs pressures of pumps, which flow {model.name!r} does not give; use 'exact'"
+        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
+    check_served(scenario, model, machine)
+    added = _added(scenario, energy, forces, dt)
     n_step = n_steps(scenario, dt, t_end, every)
     time = np.arange(n_step // every + 1) * every * dt
-    info: dict[str, object] = {"scenario": scenario.name, "flow": "exact", "method": method, "dt": dt}
+    info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
     full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
     if doubts := input_warnings(scenario, full_lever, t_end):
         info["doubtful_inputs"] = doubts
     info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     if rtol is None:
-        made = _stepped(machine, scenario, time, method, dt, every, n_step, energy, piece)
+        made = _stepped(machine, model, scenario, time, method, dt, every, n_step, added, piece)
     else:
-        made = _integrated(machine, scenario, time, method, rtol, energy)
+        made = _integrated(machine, scenario, time, method, rtol, added)
     more = [
-        EnergyColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
+        AddedColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*made.account, strict=True)
     ]
-    return _table(machine, scenario, time, made.rows, columns_of(machine), info | made.info, more)
+    return _table(machine, scenario, model, time, made.rows, info | made.info, more)
 
 
 class _Made(NamedTuple):
@@ -90,35 +119,53 @@ class _Made(NamedTuple):
 
     rows: np.ndarray
     info: dict[str, object]
-    account: list[list[EnergyColumn]]
+    account: list[list[AddedColumn]]
+
+
+# from a machine, its kernels and numbers, rows and their times to columns that follow from them
+Added = Callable[[LayoutMachine, Any, Any, np.ndarray, np.ndarray], list[AddedColumn]]
+
+
+def _added(scenario: Scenario, energy: bool, forces: bool, dt: float) -> Added | None:
+    """What a run is to have besides, None where nothing is asked for."""
+
+    def columns(
+        machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, time: np.ndarray
+    ) -> list[AddedColumn]:
+        push, of = scenario.loads.forces(time), columns_of(machine)
+        account = energy_columns(machine, module, plant, rows, of, push) if energy else ()
+        begun = plant._replace(dt=dt)  # methods that choose their own steps have none
+        pins = force_columns(machine, module, begun, rows, of, push, scenario.locked) if forces else ()
+        return [*account, *pins]
+
+    return columns if energy or forces else None
 
 
 def _stepped(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int, n_step: int,
-    energy: bool, piece: int,
+    machine: LayoutMachine, model: LayoutFlow, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int,
+    n_step: int, added: Added | None, piece: int,
 ) -> _Made:  # fmt: skip
     """Run a method with fixed steps."""
     columns = columns_of(machine)
     rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
-    account: list[list[EnergyColumn]] = []
+    account: list[list[AddedColumn]] = []
     state: np.ndarray | None = None
+    memory = np.zeros(model.n_memory)
     for part in segments(machine, scenario.loads.payload, dt, n_step):
-        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force))
-        advance = _STEPPERS[method](part.machine, scenario, ready, dt)
+        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force), flow=model)
+        advance = _STEPPERS[method](part.machine, scenario, ready, dt, memory)
         for first in range(part.first, part.end, piece):
             end = min(first + piece, part.end)
             own = np.empty((end - first + 1, len(columns.columns)))
             done = advance(ready.start if state is None else state, first, end, own, counts)
             if done < end - first:
-                raise _diverged(scenario, machine, own[0], columns, (first + done) * dt)
+                raise _diverged(scenario, model.name, machine, own[0], columns, (first + done) * dt)
             state = own[-1, : columns.n_state].copy()
             steps = np.arange(first, end + 1)
             new = (steps % every == 0) & ((steps > first) | (first == 0))
             rows[steps[new] // every] = own[new]
-            if energy and new.any():
-                forces = scenario.loads.forces(steps[new] * dt)
-                of = energy_columns(part.machine, ready.module, ready.plant, own[new], columns, forces)
-                account.append([*of])
+            if added is not None and new.any():
+                account.append(added(part.machine, ready.module, ready.plant, own[new], steps[new] * dt))
     info: dict[str, object] = {"steps": n_step}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
     info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
@@ -126,16 +173,15 @@ def _stepped(
 
 
 def _integrated(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, energy: bool
+    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, added: Added | None
 ) -> _Made:
     """Run a method that chooses its own steps."""
-    run, columns = run_known(machine, scenario, time, rtol, method, _solver(method)), columns_of(machine)
-    account: list[list[EnergyColumn]] = []
-    for part, first, end in run.parts if energy else ():
-        forces = scenario.loads.forces(time[first:end])
+    run = run_known(machine, scenario, time, rtol, method, _solver(method))
+    account: list[list[AddedColumn]] = []
+    for part, first, end in run.parts if added is not None else ():
         module = layout_module(part.machine, force=bool(scenario.loads.force))
-        if end > first:
-            account.append([*energy_columns(part.machine, module, part.plant, run.rows[first:end], columns, forces)])
+        if added is not None and end > first:
+            account.append(added(part.machine, module, part.plant, run.rows[first:end], time[first:end]))
     return _Made(run.rows, {"rtol": rtol, **run.info}, account)
 
 
@@ -152,15 +198,19 @@ def _solver(method: str) -> Integrate:
 Advance = Callable[[np.ndarray, int, int, np.ndarray, np.ndarray], int]
 
 
-def _semi_implicit(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+def _semi_implicit(
+    machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float, memory: np.ndarray
+) -> Advance:
     def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
         inputs = step_inputs(machine, scenario, np.arange(first, end) * dt)
-        return int(ready.module.run(ready.valves, ready.plant, state, inputs, 1, rows, counts))
+        return int(ready.module.run(ready.valves, memory, ready.plant, state, inputs, 1, rows, counts))
 
     return advance
 
 
-def _runge_kutta(machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float) -> Advance:
+def _runge_kutta(
+    machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float, memory: np.ndarray
+) -> Advance:
     force = bool(scenario.loads.force)
     module = methods_module(machine, force=force)
     plant = prepare_layout(machine, 1.0, scenario.locked, force=force).plant
@@ -187,26 +237,23 @@ def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step:
 
 
 def _diverged(
-    scenario: Scenario, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float
+    scenario: Scenario, flow: str, machine: LayoutMachine, row: np.ndarray, columns: Columns, t: float
 ) -> SimulationError:
     rates = {name: row[columns.place[f"{name}.rate"]] for name in machine.names}
     fastest = next(name for name, rate in rates.items() if not abs(rate) < FASTEST)
     return SimulationError(
-        f"{scenario.name} with flow 'exact': diverged, the rate of {fastest} grew without bound at t = {t:g} s; "
+        f"{scenario.name} with flow {flow!r}: diverged, the rate of {fastest} grew without bound at t = {t:g} s; "
         "try a smaller dt or check the parameter set"
     )
 
 
-def check_flow(flow: Any) -> None:
-    """Refuse flow models that know one layout only."""
-    if isinstance(flow, str) and flow not in FLOW_KINDS:
+def check_served(scenario: Scenario, model: LayoutFlow, machine: LayoutMachine) -> None:
+    """Refuse a scenario that moves functions which the flow model does not serve."""
+    missing = [f for f in machine.names if f not in (*scenario.locked, *model.served)]
+    if missing:
         raise InputError(
-            f"unknown flow model {flow!r}; machines of other layouts than that of 'cat215b' run with 'exact'"
-        )
-    if flow != "exact":
-        name = flow if isinstance(flow, str) else flow_name(flow)
-        raise InputError(
-            f"flow {name!r} knows the layout of 'cat215b' alone; machines of other layouts run with 'exact'"
+            f"scenario {scenario.name!r} moves {', '.join(missing)}, for which flow {model.name!r} has no networks; lock them in the "
+            "scenario, or train networks of their circuits, too"
         )
 
 
@@ -228,13 +275,14 @@ def step_inputs(machine: LayoutMachine, scenario: Scenario, t: np.ndarray) -> np
 def _table(
     machine: LayoutMachine,
     scenario: Scenario,
+    model: LayoutFlow,
     time: np.ndarray,
     rows: np.ndarray,
-    columns: Columns,
     info: dict[str, object],
-    more: Sequence[EnergyColumn],
+    more: Sequence[AddedColumn],
 ) -> Table:
     """Name the columns of recorded rows, and add what follows from them, and `more`."""
+    columns = columns_of(machine)
     found: dict[str, np.ndarray] = {"time": time}
     units = {"time": "s"}
 
@@ -251,16 +299,17 @@ def _table(
         if f in scenario.locked:
             continue
         add(f"{f}.voltage", "V", voltages[:, place])
-        of = {quantity: recorded(f"{f}.{quantity}") for quantity, _ in (*STATE, *FLOWS)}
+        of = {quantity: recorded(f"{f}.{quantity}") for quantity in kept_quantities(machine.function(f))}
         forward = of["spool"] >= 0.0
         add(f"{f}.p_in", "Pa", np.where(forward, of["p_a"], of["p_b"]))
         add(f"{f}.p_out", "Pa", np.where(forward, of["p_b"], of["p_a"]))
     for c in machine.circuits:
         if not set(c.functions) <= set(scenario.locked):
-            for quantity, _ in CIRCUIT:
-                recorded(f"{c.name}.{quantity}")
-            for k in range(1, len(c.functions)):
-                recorded(gap_name(c.name, k, len(c.functions)))
+            for key in circuit_keys(c, p_pump=model.gives_pump_pressure):
+                recorded(key)
+    for x in machine.crossovers:
+        if not set(machine.circuit(x.giving).functions) <= set(scenario.locked):
+            recorded(cross_name(x.giving))
     for f in scenario.locked:
         recorded(f"{f}.angle")
     positions = np.column_stack([rows[:, columns.place[f"{f}.angle"]] for f in machine.names])

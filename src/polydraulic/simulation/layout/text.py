@@ -5,7 +5,7 @@ in it, so that machines that differ in numbers alone share it, and what has been
 """
 
 import ast
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from importlib.resources import files
 
 from polydraulic.flow.lanes import LANES
@@ -18,14 +18,26 @@ from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
 from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
-_PAGES = ("values", "flow", "joints", "step", "loop", "energy", "lanes")
+_PAGES = ("joints", "step", "loop", "energy", "forces")
+_FLOWS = {
+    "exact": ("flow", "flow_exact"),
+    "networks": ("flow_networks",),
+    "iterative": ("flow_iterative",),
+    "lookup": ("flow_lookup",),
+}  # pages of flows, by what circuits get
+_LANES = ("lanes", "crossover")  # for exact circuits alone
+_EFFECT_PAGES = {"stops": "NONE_STICKING", "stiction": "ANY_STICKING", "spools": "ANY_VALVE_EFFECT"}  # before "step"
 _IMPORTS = (
     "from typing import NamedTuple",
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
-    "from polydraulic.flow.interface import NOT_CONVERGED, OK",
+    "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
+    "from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks, entering, leaving, network_value, or_less, root_drop",
+    "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
+    "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
     "from polydraulic.elementary import exp",
+    "from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports",
@@ -36,24 +48,31 @@ _IMPORTS = (
     "from polydraulic.machine.series_short import limit_series_1, limit_series_2, series_1, series_1_at, series_2, series_2_at",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.machine.valve import Orifices",
+    "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",
     "from polydraulic.simulation.loop import DIVERGED, FASTEST, rest_outlet",
 )
 _LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
+_EFFECT_IMPORTS = (
+    "from polydraulic.machine.actuator import dry_friction, sliding_torque, viscous_torque",
+    "from polydraulic.machine.play import actuator_rate, felt_torque, followed, jet, pushed_back, taken_up",
+)
 
 
-def layout_text(machine: LayoutMachine, *, force: bool = False) -> str:
+def layout_text(machine: LayoutMachine, *, flow: str = "exact", force: bool = False) -> str:
     """Source of the kernels of a machine's layout; machines that differ in numbers alone have the same.
 
     Parameters
     ----------
     machine : LayoutMachine
+    flow : str
+        What circuits get: ``"exact"`` equations, ``"iterative"`` ones, ``"lookup"`` tables, or ``"networks"``; see `flow.layout.model.LayoutFlow.kernels`.
     force : bool
         Whether a force at the tip is among the inputs; without one it costs nothing.
     """
-    key = layout_of(machine), force
+    key = layout_of(machine), flow, force
     if key not in _written:
-        _written[key] = _text(machine, force)
+        _written[key] = _text(machine, flow, force)
     return _written[key]
 
 
@@ -63,28 +82,33 @@ def layout_of(machine: LayoutMachine) -> Hashable:
         (link.name, link.parent, link.joint, link.axis, link.mass > 0.0, *map(tuple, (link.at, link.cg, link.inertia)))
         for link in machine.links
     )
-    functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots)) for f in machine.functions)
-    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits), machine.tip[0]
+    functions = tuple((f.name, f.moves, f.actuator, len(f.valve.knots), f.effects.declared) for f in machine.functions)
+    crossovers = tuple((x.name, x.giving, x.taking) for x in machine.crossovers)
+    return links, functions, tuple((c.name, c.kind, c.functions) for c in machine.circuits), machine.tip[0], crossovers
 
 
 _written: dict[Hashable, str] = {}
 
 
-def _text(machine: LayoutMachine, force: bool) -> str:
+def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
+    exact = flow == "exact"
+    stages = (*_FLOWS[flow], *_PAGES, *(_LANES if exact else ()))
     pages = {
         name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8")
-        for name in (*_PAGES, "valve")
+        for name in ("values", "valve", *_EFFECT_PAGES, *stages)
     }
     tip = function_of(machine, machine.tip[0])
     motion = motion_text(tree_of(machine), points=[tip])
-    lengths = sorted({len(f.valve.knots) for f in machine.functions})
-    longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
-    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *((*SERIES_IMPORTS, *_LONG_IMPORTS) if longer else ())])
+    lengths = sorted({len(f.valve.knots) for f in machine.functions if flow != "networks"})
+    longer = sorted({len(c.functions) for c in machine.circuits if exact and len(c.functions) > 2})
+    effects = _EFFECT_IMPORTS if any(f.effects.declared for f in machine.functions) else ()
+    more = (*SERIES_IMPORTS, *_LONG_IMPORTS) if longer else ()
+    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *more, *effects])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passes = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
     rows = lane_rows(machine, len(masses), passes, force)
-    lists = page_lists(machine, tip, force) | lane_lists(machine, rows, masses, passes)
+    lists = page_lists(machine, tip, force, flow) | lane_lists(machine, rows, masses, passes)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
     parts = [
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
@@ -98,9 +122,16 @@ def _text(machine: LayoutMachine, force: bool) -> str:
         *circuits.values(),
         *(expanded(pages["valve"], *valve_letters(n)) for n in lengths),
         expanded("class State" + rest, lists),
-        *(expanded(pages[name], lists) for name in _PAGES[1:]),
+        *(expanded(pages[name], lists) for name in _with_effects(stages, lists)),
     ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _with_effects(stages: Sequence[str], lists: Mapping[str, Rows]) -> list[str]:
+    """Pages in their order, with those that the machine's effects need."""
+    effects = [page for page, needed in _EFFECT_PAGES.items() if lists[needed]]
+    place = stages.index("step")
+    return [*stages[:place], *effects, *stages[place:]]
 
 
 def valve_letters(n: int) -> tuple[dict[str, Rows], dict[str, str]]:

@@ -232,3 +232,23 @@ def test_a_damaged_bus_log_is_one_error(tmp_path, ending):
     (tmp_path / f"a.{ending}").write_bytes(b"no log at all\n" * 20)
     with pytest.raises(InputError, match=r"cannot be read as|no frame that"):
         open_log(tmp_path / f"a.{ending}", dbc=[tmp_path / "a.dbc"])
+
+
+@pytest.mark.parametrize(("frame", "extended", "bits"), [(0x900, False, 11), (0x20000100, True, 29)])
+def test_an_identifier_of_too_many_bits_is_not_taken_for_another(tmp_path, frame, extended, bits):
+    (tmp_path / "a.dbc").write_text(DBC)
+    path = write_bus(tmp_path / "a.asc", bus(3))
+    lines = path.read_text().splitlines()
+    assert sum(" 100 " in line for line in lines) == 3
+    path.write_text("\n".join(line.replace(" 100 ", f" {frame:X}{'x' * extended} ") for line in lines))
+    with pytest.raises(InputError, match=f"the identifier {frame:#x} at .* has more than {bits} bits"):
+        open_log(path, dbc=[tmp_path / "a.dbc"])
+
+
+def test_times_that_count_from_the_line_before_are_refused(tmp_path):
+    (tmp_path / "a.dbc").write_text(DBC)
+    path = write_bus(tmp_path / "a.asc", bus(3))
+    assert "timestamps absolute" in path.read_text()
+    path.write_text(path.read_text().replace("timestamps absolute", "timestamps relative"))
+    with pytest.raises(InputError, match="each time of the log counts from the line before it"):
+        open_log(path, dbc=[tmp_path / "a.dbc"])

@@ -14,8 +14,9 @@ from polydraulic.errors import InputError
 from polydraulic.files import Scratch
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.can.bits import unsigned
+from polydraulic.measure.formats.can.blf_objects import left_unread
 from polydraulic.measure.formats.can.database import CanSignal, Message, Messages, Selection, parameter_group
-from polydraulic.measure.formats.can.frames import LONGEST, BusFrames, bus_frames_of, cut_off
+from polydraulic.measure.formats.can.frames import LONGEST, BusFrames, bus_frames_of
 from polydraulic.measure.formats.can.transport import Transport
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal
 from polydraulic.measure.formats.named import GroupName, in_groups
@@ -46,6 +47,7 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
         A file that cannot be read, databases that contradict each other, or no frame that they know.
     """
     messages = Messages(databases)
+    left_out = left_unread(path) if path.suffix.lower() == ".blf" else {}
     scratch = Scratch()
     try:
         spool = _Spool(messages, scratch)
@@ -73,10 +75,11 @@ def open_can(path: Path, databases: Sequence[Path]) -> Log:
             found.append(Signal(signal.name, signal.unit, groups.index(group)))
             of.append(signal)
     signals, twice, also, origin = in_groups(found, names)
-    left_out = cut_off(path) | dict.fromkeys(sorted(spool.unknown), "frames that no database knows")
+    left_out |= dict.fromkeys(sorted(spool.unknown), "frames that no database knows")
     left_out |= dict.fromkeys(sorted(spool.unknown_groups), "messages of several frames that no database knows")
     left_out |= spool.transport.incomplete()
     for message in messages.exact.values():
+        left_out |= {name: reason for name, reason in message.left_out.items() if name not in origin}
         if all(message is not known for known in spool.known.values()):
             for signal in message.signals:
                 if signal.name not in origin:

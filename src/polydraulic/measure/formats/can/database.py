@@ -1,7 +1,10 @@
 """CAN databases (DBC): which message an identifier stands for, and which signals are in it."""
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +16,16 @@ from polydraulic.measure.formats.status_text import StatusText, states
 from polydraulic.measure.log_units import need
 
 _PDU2 = 240  # from this format on a J1939 group has no destination in its identifier
+_LONGEST = 4095  # bytes of a message that a transport protocol carries (ISO 15765-2; of J1939 1785)
+_MOST_VALUES = 1 << 16  # of a multiplexer, in one range
+_REALS = (16, 32, 64)  # bits of numbers of IEEE 754
+_SIZES = (  # numbers that cantools makes lists of so many parts of, and the most that are any
+    (re.compile(r"^\s*BO_\s+\d+\s+(\w+)\s*:\s*(\d+)", re.MULTILINE), "message {} has {} bytes", _LONGEST),
+    (re.compile(r"^\s*SG_\s+(\w+)[^:\n]*:\s*(\d+)\|", re.MULTILINE), "signal {} begins at bit {}", 8 * _LONGEST),
+    (re.compile(r"^\s*SG_\s+(\w+)[^:\n]*:\s*\d+\|(\d+)", re.MULTILINE), "signal {} has {} bits", 8 * _LONGEST),
+)
+_RANGES = re.compile(r"^\s*SG_MUL_VAL_\s+\d+\s+(\w+)\s+\w+\s+([^;]*);", re.MULTILINE)
+_RANGE = re.compile(r"(\d+)\s*-\s*(\d+)")
 ERROR, NOT_AVAILABLE, RESERVED, SPECIFIC = "error", "not available", "reserved", "parameter specific"
 
 
@@ -83,13 +96,14 @@ class CanSignal:
 
 @dataclass(frozen=True)
 class Message:
-    """A message of a database: its signals, its length in bytes, and the file that it is from."""
+    """A message of a database: its signals, its length in bytes, the file that it is from, and why other signals are not numbers."""
 
     name: str
     length: int
     j1939: bool
     signals: tuple[CanSignal, ...]
     source: Path
+    left_out: dict[str, str] = field(default_factory=dict)
 
 
 class Messages:
@@ -155,6 +169,7 @@ def _read(path: Path) -> list[tuple[int, bool, Message]]:
         text = content.decode("utf-8")
     except UnicodeDecodeError:  # what most tools write
         text = content.decode("cp1252", "replace")
+    _check_sizes(text, path)
     try:
         database = cantools.database.load_string(text, database_format="dbc", strict=False)
         protocol = database.dbc.attributes.get("ProtocolType") if database.dbc else None
@@ -168,22 +183,57 @@ def _read(path: Path) -> list[tuple[int, bool, Message]]:
         raise InputError(f"{path}: cannot be read as a CAN database ({error})") from error
 
 
+def _check_sizes(text: str, path: Path) -> None:
+    """Refuse numbers of which cantools would fill the memory."""
+    for pattern, what, most in _SIZES:
+        for name, number in pattern.findall(text):
+            if len(number) > 9 or int(number) > most:
+                raise InputError(f"{path}: {what.format(repr(name), number[:20])}; at most {most}: the file is damaged")
+    for name, ranges in _RANGES.findall(text):
+        for low, high in _RANGE.findall(ranges):
+            if len(high) > 20 or int(high) - int(low[:20]) >= _MOST_VALUES:
+                raise InputError(
+                    f"{path}: signal {name!r} is there for multiplexer values from {low[:20]} to {high[:20]}; a range holds at most "
+                    f"{_MOST_VALUES} values: the file is damaged"
+                )
+
+
 def _message(message: Any, path: Path, bus: bool) -> Message:
     """Take a message over; on a bus of J1939 those with long identifiers are of it, unless they say otherwise themselves."""
     by_name = {signal.name: signal for signal in message.signals}
     own = message.dbc is not None and "VFrameFormat" in message.dbc.attributes
     j1939 = message.protocol == "j1939" or (bus and bool(message.is_extended_frame) and not own)
-    signals = tuple(_signal(signal, by_name, j1939) for signal in message.signals)
-    return Message(message.name, int(message.length), j1939, signals, path)
+    left_out = {signal.name: reason for signal in message.signals if (reason := _no_number(signal, by_name))}
+    signals = tuple(_signal(signal, by_name, j1939) for signal in message.signals if signal.name not in left_out)
+    return Message(message.name, int(message.length), j1939, signals, path, left_out)
+
+
+def _no_number(signal: Any, by_name: dict[str, Any]) -> str:
+    """Why a signal, or a multiplexer that it depends on, is no number; empty if it is one."""
+    for one in _chain(signal, by_name):
+        of = "" if one is signal else f"its multiplexer {one.name!r} "
+        if one.length > 64:
+            return f"{of}has {one.length} bits, as a text has; a number has at most 64"
+        if one.is_float and one.length not in _REALS:
+            return f"{of}is a real number of {one.length} bits; there are those of 16, 32 and 64"
+    if not (isfinite(signal.scale) and isfinite(signal.offset)):
+        return f"its factor {signal.scale:g} or offset {signal.offset:g} is no finite number"
+    return ""
+
+
+def _chain(signal: Any, by_name: dict[str, Any]) -> list[Any]:
+    """The signal, its multiplexer, the multiplexer of that one."""
+    found = [signal]
+    while (above := found[-1].multiplexer_signal) and len(found) <= len(by_name):
+        found.append(by_name[above])
+    return found
 
 
 def _signal(signal: Any, by_name: dict[str, Any], j1939: bool) -> CanSignal:
-    selections: list[Selection] = []
-    below = signal
-    while below.multiplexer_signal and len(selections) < len(by_name):
-        above = by_name[below.multiplexer_signal]
-        selections.append(Selection(_field(above), tuple(int(v) for v in below.multiplexer_ids or ())))
-        below = above
+    chain = _chain(signal, by_name)
+    selections = [
+        Selection(_field(above), tuple(int(v) for v in below.multiplexer_ids or ())) for below, above in pairwise(chain)
+    ]
     unit, length = str(signal.unit or "").strip(), int(signal.length)
     texts = [StatusText(float(value), float(value), str(text)) for value, text in (signal.choices or {}).items()]
     scaled = bool(unit) or (float(signal.scale), float(signal.offset)) != (1.0, 0.0)

@@ -122,16 +122,6 @@ def _columns(time: np.ndarray, found: dict[str, np.ndarray], began: float) -> Bu
     )
 
 
-def cut_off(path: Path) -> dict[str, str]:
-    """What a BLF log says that it has and does not, as of a logger that lost its power; python-can reads on to the end that is there."""
-    if path.suffix.lower() != ".blf":
-        return {}
-    with path.open("rb") as file:
-        said = int(need("can", "can").BLFReader(file).file_size)
-        is_ = path.stat().st_size
-    return {"the end of the log": f"the file is cut off after {is_} of {said} bytes"} if is_ < said else {}
-
-
 def _of_can(path: Path) -> Iterator[BusFrames]:
     can = need("can", "can")
     try:
@@ -141,13 +131,26 @@ def _of_can(path: Path) -> Iterator[BusFrames]:
             began = float(getattr(reader, "start_timestamp", 0.0) or 0.0)
             messages = (m for m in reader if not (m.is_error_frame or m.is_remote_frame))
             while batch := list(islice(messages, _BATCH)):
+                if getattr(reader, "timestamps_format", None) == "relative":  # which python-can reads as times
+                    raise InputError(
+                        f"{path}: each time of the log counts from the line before it (timestamps relative), and lines that are no "
+                        "frames count, too: save it with absolute times"
+                    )
                 yield _messages(batch, began)
+    except InputError:
+        raise
     except Exception as error:  # python-can raises errors of many kinds on damaged files
         raise InputError(f"{path}: cannot be read as a bus log ({error})") from error
 
 
 def _messages(batch: list[Any], began: float) -> BusFrames:
     data = b"".join(bytes(m.data).ljust(LONGEST, b"\0") for m in batch)
+    for m in batch:
+        if not 0 <= m.arbitration_id <= (0x1FFFFFFF if m.is_extended_id else 0x7FF):
+            bits = 29 if m.is_extended_id else 11
+            raise ValueError(
+                f"the identifier {m.arbitration_id:#x} at {m.timestamp - began:g} s has more than {bits} bits"
+            )
     return BusFrames(
         np.array([m.timestamp for m in batch]) - began,
         np.array([m.channel if isinstance(m.channel, int) else 0 for m in batch], dtype=np.int64),

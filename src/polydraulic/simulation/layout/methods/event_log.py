@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver
+from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.events import LINK_CONDITIONS, MAX_EVENTS, PUMP_CONDITION, EventLog
-from polydraulic.simulation.layout.events import spool_edges
 
 N_KIND = len(LINK_CONDITIONS)
 _N_SPOOL = 2  # kinds that look at spools
@@ -29,7 +29,7 @@ class EventLimits(NamedTuple):
 
 def event_limits(machine: LayoutMachine) -> EventLimits:
     """Limits of a machine's functions."""
-    edges = [spool_edges(f) for f in machine.functions]
+    edges = [spool_edges(f.valve) for f in machine.functions]
     rows = [
         (*edge, f.stops.low, f.stops.high, f.line.relief, machine.tank.floor)
         for edge, f in zip(edges, machine.functions, strict=True)

@@ -7,12 +7,13 @@ from collections.abc import Hashable, Sequence
 from importlib.resources import files
 from types import ModuleType
 
+from polydraulic.flow.layout.text_module import loaded
 from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
 from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.motion_slopes_text import MOTION_SLOPES_IMPORTS, motion_slopes_text
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.expand import Rows, expanded
-from polydraulic.simulation.layout.module import layout_module, loaded
+from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.text import fields_of, joined_imports, layout_of, layout_text, valve_letters
 from polydraulic.simulation.layout.tree import function_of, tree_of

@@ -1,0 +1,129 @@
+"""Training databases of a circuit of any layout: its exact equations at random points of its operating box."""
+
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.layout.slots import passed
+from polydraulic.machine.pump import NEVER, limited_pump
+from polydraulic.parameters.layout.schema import LayoutMachine, SupplyCircuit, ValveCurves
+from polydraulic.parameters.load import load_layout
+from polydraulic.tables import Table
+
+Column = tuple[np.ndarray, str]  # values and their unit
+
+
+def sample_circuit(
+    machine: LayoutMachine | str | Path,
+    circuit: str,
+    n: int,
+    *,
+    rng: np.random.Generator,
+    pressure: tuple[float, float] | None = None,
+    relief: bool = True,
+) -> Table:
+    """Random database of a circuit, uniform in spool displacements (both signs) and line pressures.
+
+    Parameters
+    ----------
+    machine : LayoutMachine, or name or path of a machine that is described by links, functions and circuits
+    circuit : str
+        Name of a circuit.
+    n : int
+        Number of rows.
+    rng : numpy Generator
+    pressure : (low, high), Pa, optional
+        From 0 to the setting of the pump's relief valve if not given.
+    relief : bool
+        False for a pump without relief valve.
+
+    Returns
+    -------
+    Table
+        Of each function, for example lift, inputs ``lift.spool``, ``lift.travel`` (its absolute value), ``lift.p_in``, ``lift.p_out``,
+        ``lift.root_p_out`` = sqrt(P_o - P_e), and outputs ``lift.q_in``, ``lift.k_out``, ``lift.q_out``; of the circuit, for example
+        work, what passes a valve to the next one (``work.q_passed``, or ``work.q_passed_1`` and so on), and ``work.p_pump``.
+
+    Raises
+    ------
+    InputError
+        If `n` is not positive, there is no such circuit, or it is not one of valves in series.
+    """
+    machine = machine if isinstance(machine, LayoutMachine) else load_layout(machine)
+    c = series_circuit_of(machine, circuit)
+    if n < 1:
+        raise InputError(f"rows = {n}: must be at least 1")
+    valves = [machine.function(f).valve for f in c.functions]
+    p_return = machine.tank.return_pressure
+    pump = limited_pump(c.pump.flow, c.pump.relief if relief else NEVER, p_return, c.pump)
+    low, high = (0.0, c.pump.relief) if pressure is None else pressure
+    spool = np.column_stack([rng.uniform(-v.knots[-1], v.knots[-1], n) for v in valves])
+    p_in, p_out = rng.uniform(low, high, (2, n, len(valves)))
+    flows = sample_valves(valves, pump, np.abs(spool), p_in)
+    columns: dict[str, Column] = {}
+    for k, (f, v) in enumerate(zip(c.functions, valves, strict=True)):
+        k_out = outlet_at(v, spool[:, k])
+        columns |= valve_columns(f, spool[:, k], p_in[:, k], p_out[:, k], flows.q_in[:, k], k_out, p_return)
+    for k in range(1, len(valves)):
+        columns[passed(c, k).name] = (flows.q_passed[:, k - 1], "m3/s")
+    columns[f"{c.name}.p_pump"] = (flows.p_pump, "Pa")
+    return database_table(columns, c.name, relief)
+
+
+def series_circuit_of(machine: LayoutMachine, name: str) -> SupplyCircuit:
+    """The circuit of that name, of valves in series.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    found = [c for c in machine.circuits if c.name == name]
+    if not found:
+        raise InputError(f"unknown circuit {name!r}; choose one of {[c.name for c in machine.circuits]}")
+    if found[0].kind != "series":
+        raise InputError(
+            f"circuit {name!r} is of the kind {found[0].kind!r}; learning from samples is for valves in series"
+        )
+    return found[0]
+
+
+def outlet_at(valve: ValveCurves, spool: np.ndarray) -> np.ndarray:
+    """Conductance of the outlet at spool displacements (n_point,) in m."""
+    travel = np.abs(spool)
+    sides = (np.interp(travel, valve.knots, side) for side in (valve.outlet_positive, valve.outlet_negative))
+    return np.where(spool >= 0.0, *sides)
+
+
+def valve_columns(
+    name: str,
+    spool: np.ndarray,
+    p_in: np.ndarray,
+    p_out: np.ndarray,
+    q_in: np.ndarray,
+    k_out: np.ndarray,
+    p_return: float,
+) -> dict[str, Column]:
+    """Columns of one valve, inputs and outputs; arrays (n_point,)."""
+    root = np.sqrt(np.maximum(p_out - p_return, 0.0))
+    return {
+        f"{name}.spool": (spool, "m"),
+        f"{name}.travel": (np.abs(spool), "m"),
+        f"{name}.p_in": (p_in, "Pa"),
+        f"{name}.p_out": (p_out, "Pa"),
+        f"{name}.root_p_out": (root, "Pa^0.5"),
+        f"{name}.q_in": (q_in, "m3/s"),
+        f"{name}.k_out": (k_out, "m3/s/Pa^0.5"),
+        f"{name}.q_out": (k_out * root, "m3/s"),
+    }
+
+
+def database_table(columns: dict[str, Column], circuit: str, relief: bool) -> Table:
+    """Table of columns with their units."""
+    return Table(
+        {name: values for name, (values, _) in columns.items()},
+        {name: unit for name, (_, unit) in columns.items()},
+        {"circuit": circuit, "relief": relief},
+    )

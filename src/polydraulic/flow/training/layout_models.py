@@ -1,0 +1,211 @@
+"""Networks of the circuits of any machine, learnt from their exact equations, by the mode of the pump.
+
+As `mode_models`, for any number of valves: what enters the first valve, and what passes it, at constant flow, with the relief valve open
+and at the torque limit; then each valve behind it, from the flow that reaches it. Where the orifices of a valve open and its bypass
+closes is known; all other borders are found.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.layout.database import outlet_at, series_circuit_of
+from polydraulic.flow.layout.slots import inlet, inlet_limited, outlet, passed_at_relief, passed_limited
+from polydraulic.flow.network_slots import Place, k_in
+from polydraulic.machine.pump import NEVER, Pump, limited_pump
+from polydraulic.machine.valve import spool_edges
+from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.regions.learn_from import learn_from
+from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction, SupplyCircuit
+from polydraulic.parameters.load import load_layout
+from polydraulic.progress import Progress, quiet
+
+SEED = 215
+_ALWAYS_OPEN = 1e3  # times its flow, a pump's relief valve is open at any spool travel
+_UP_TO = 16.0  # times its flow, the law of the torque limit goes on below its start: no flow of interest meets that end
+_LEAST = 1e-9  # of a pump's flow: what reaches a valve behind others, at least, so that pressures are known
+
+
+class TrainingEffort(NamedTuple):
+    """How well networks of inlets are learnt.
+
+    Attributes
+    ----------
+    tolerance : float
+        Largest error that is looked for, as a share of the pump's flow.
+    regions : int
+        Maximum number of regions of a network.
+    rows : int
+        Points from which a region learns.
+    """
+
+    tolerance: float = 1e-3
+    regions: int = 64
+    rows: int = 1500
+
+
+class _Target(NamedTuple):
+    """What a network has to learn: a function of points (n_point, n_input) in a box, with borders that are known."""
+
+    place: Place
+    function: Callable[[np.ndarray], np.ndarray]
+    box: list[tuple[float, float]]
+    edges: dict[int, list[float]]
+
+
+def train_layout(
+    machine: LayoutMachine | str | Path,
+    *,
+    circuits: Sequence[str] | None = None,
+    effort: TrainingEffort | None = None,
+    progress: Progress = quiet,
+) -> list[Model]:
+    """Networks for the flow model ``"polynomial"`` of a machine, learnt from its exact circuits.
+
+    Parameters
+    ----------
+    machine : LayoutMachine, or name or path of a machine that is described by links, functions and circuits
+    circuits : sequence of str, optional
+        Which of them; all if not given.
+    effort : TrainingEffort, optional
+        How well they are learnt.
+    progress : Progress, optional
+        Told the output and its largest error so far in m3/s, and how many networks are done.
+
+    Returns
+    -------
+    list of Model
+        The largest error that was found of each stands in its ``training``.
+
+    Raises
+    ------
+    InputError
+        If there is no such circuit, or it is not one of valves in series.
+    """
+    machine = machine if isinstance(machine, LayoutMachine) else load_layout(machine)
+    effort = TrainingEffort() if effort is None else effort
+    names = [c.name for c in machine.circuits] if circuits is None else list(circuits)
+    chosen = [series_circuit_of(machine, name) for name in names]
+    if not chosen:
+        raise InputError(f"circuits = []: name some of {[c.name for c in machine.circuits]}")
+    work: list[tuple[_Target, float, float, AbductiveRegressor, int, int]] = []
+    single = AbductiveRegressor(max_layers=1, kinds=("single",))
+    for c in chosen:
+        for f in (machine.function(name) for name in c.functions):
+            high = max(f.valve.outlet_positive + f.valve.outlet_negative)
+            work.append((_outlet(f), 1e-3 * high, high, single, 300, 64))
+        first = machine.function(c.functions[0])
+        high = max(first.valve.inlet)
+        work.append((_first_conductance(first), 1e-5 * high, high, single, 300, 64))
+        for target in _inlets(machine, c):
+            tolerance = effort.tolerance * c.pump.flow
+            work.append((target, tolerance, c.pump.flow, AbductiveRegressor(max_layers=3), effort.rows, effort.regions))
+    models = []
+    for done, (target, tolerance, high, settings, rows, regions) in enumerate(work):
+        output, inputs = target.place
+
+        def told(what: str, asked: int, most: int, name: str = output.name, done: int = done) -> None:
+            progress(f"{name}: {what}, {asked} points", done, len(work))
+
+        told("begins", 0, 0)
+        models.append(
+            learn_from(
+                target.function, target.box, tolerance=tolerance, edges=_affordable(target.edges, regions), budget=10_000_000,
+                max_regions=regions, rows=rows, estimator=settings.set_params(output_bounds=(0.0, high)), inputs=inputs,
+                output=output, random_state=SEED, progress=told,
+            ).model
+        )  # fmt: skip
+    return models
+
+
+def _affordable(edges: dict[int, list[float]], regions: int) -> dict[int, list[float]]:
+    """Known borders of so many inputs, counted from the pump, that their cells are at most `regions`."""
+    found: dict[int, list[float]] = {}
+    cells = 1
+    for axis, cuts in edges.items():
+        cells *= len(cuts) + 1
+        if cuts and cells <= regions:
+            found[axis] = cuts
+    return found
+
+
+def _cuts(f: MachineFunction, *, closing: bool = True) -> list[float]:
+    """Travels inside the range of a spool at which its valve opens, and at which its bypass closes."""
+    opens, closes = spool_edges(f.valve)
+    return [x for x in (opens, *([closes] if closing else [])) if 0.0 < x < f.valve.knots[-1]]
+
+
+def _outlet(f: MachineFunction) -> _Target:
+    full, cuts = f.valve.knots[-1], _cuts(f)
+    edges = sorted([*(-x for x in cuts), *cuts])
+    return _Target(outlet(f.name)[0], lambda X: outlet_at(f.valve, X[:, 0]), [(-full, full)], {0: edges})
+
+
+def _first_conductance(f: MachineFunction) -> _Target:
+    full = f.valve.knots[-1]
+    return _Target(
+        k_in(f.name), lambda X: np.interp(X[:, 0], f.valve.knots, f.valve.inlet), [(0.0, full)], {0: _cuts(f)}
+    )
+
+
+def _inlets(machine: LayoutMachine, c: SupplyCircuit) -> list[_Target]:
+    functions = [machine.function(name) for name in c.functions]
+    valves, n, flow = [f.valve for f in functions], len(functions), c.pump.flow
+    free, relief, at_limit = _modes(machine, c)
+    travel = [(0.0, f.valve.knots[-1]) for f in functions]
+    pressure = [(0.0, min(f.line.relief, c.pump.relief)) for f in functions]
+    edges = {k: _cuts(f) for k, f in enumerate(functions)}
+    # past the closing of the first bypass nothing is passed on
+    open_travel = [(0.0, min(spool_edges(valves[0])[1], travel[0][1])), *travel[1:]]
+    open_edges = {**edges, 0: _cuts(functions[0], closing=False)}
+
+    def entering(pump: Pump) -> Callable[[np.ndarray], np.ndarray]:
+        return lambda X: np.minimum(sample_valves(valves, pump, X[:, :n], X[:, n:]).q_in[:, 0], flow)
+
+    def passing(pump: Pump) -> Callable[[np.ndarray], np.ndarray]:
+        return lambda X: np.minimum(sample_valves(valves, pump, X[:, :n], X[:, n:]).q_passed[:, 0], flow)
+
+    def behind(X: np.ndarray) -> np.ndarray:
+        """The pressure behind the first valve does not matter while the relief valve is open."""
+        return passing(relief)(np.insert(X, n, 0.0, axis=1))
+
+    found = [_Target(inlet(c, c.functions[0])[-1], entering(free), [*travel, *pressure], edges)]
+    if c.pump.torque_limit_enabled:
+        found.append(_Target(inlet_limited(c, c.functions[0]), entering(at_limit), [*travel, *pressure], edges))
+    if n > 1:
+        found.append(_Target(passed_at_relief(c), behind, [*open_travel, *pressure[1:]], open_edges))
+        if c.pump.torque_limit_enabled:
+            found.append(_Target(passed_limited(c), passing(at_limit), [*open_travel, *pressure], open_edges))
+    for place in range(1, n):
+        rest = n - place
+
+        def fed(X: np.ndarray, place: int = place, rest: int = rest) -> np.ndarray:
+            arriving = np.maximum(X[:, 0], _LEAST * flow)
+            sampled = sample_valves(valves[place:], free, X[:, 1 : 1 + rest], X[:, 1 + rest :], arriving)
+            return np.minimum(sampled.q_in[:, 0], X[:, 0])
+
+        box = [(0.0, flow), *travel[place:], *pressure[place:]]
+        found.append(
+            _Target(
+                inlet(c, c.functions[place])[0], fed, box, {1 + k: _cuts(f) for k, f in enumerate(functions[place:])}
+            )
+        )
+    return found
+
+
+def _modes(machine: LayoutMachine, c: SupplyCircuit) -> tuple[Pump, Pump, Pump]:
+    """A pump that knows constant flow alone, one whose relief valve is always open, and one that is always at its torque limit."""
+    pump, p_return = c.pump, machine.tank.return_pressure
+    constant = pump._replace(torque_limit_enabled=False)
+    start = pump.torque_limit_start / _UP_TO ** (1.0 / pump.torque_limit_exponent)
+    law = pump._replace(torque_limit_enabled=True, torque_limit_start=start)
+    return (
+        limited_pump(pump.flow, NEVER, p_return, constant),
+        limited_pump(_ALWAYS_OPEN * pump.flow, pump.relief, p_return, constant),
+        limited_pump(_UP_TO * pump.flow, NEVER, p_return, law),
+    )

@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from polydraulic import InputError, load_machine
+from polydraulic.flow import circuit_database, sample_boom, sample_circuit
+from polydraulic.flow.layout.database import series_circuit_of
+from polydraulic.identification import fit_table
+
+
+def test_columns_belong_together():
+    plant = load_machine("loader_crane")
+    table = sample_circuit(plant, "slew_and_reach", 500, rng=np.random.default_rng(1))
+    c = plant.circuits[1]
+    full = c.pump.flow
+    for f in c.functions:
+        assert np.array_equal(table[f"{f}.travel"], np.abs(table[f"{f}.spool"]))
+        assert table[f"{f}.q_out"] == pytest.approx(table[f"{f}.k_out"] * table[f"{f}.root_p_out"])
+        valve, at = plant.function(f).valve, table[f"{f}.spool"] < 0.0
+        assert table[f"{f}.k_out"][at] == pytest.approx(
+            np.interp(table[f"{f}.travel"][at], valve.knots, valve.outlet_negative)
+        )
+    first, second = table["slew_and_reach.q_passed_1"], table["slew_and_reach.q_passed_2"]
+    assert np.all(table["reach.q_in"] + second <= first + 1e-9 * full)
+    free = table["slew_and_reach.p_pump"] < c.pump.relief
+    assert (table["slew.q_in"] + first)[free] == pytest.approx(full, rel=1e-9)
+    assert np.all(first[table["slew.travel"] > 0.008] <= 1e-9 * full)  # past the closing of the bypass
+    assert table.unit("slew_and_reach.q_passed_1") == "m3/s"
+    assert table.info["circuit"] == "slew_and_reach"
+
+
+def test_pressures_may_be_chosen_and_the_relief_valve_left_out():
+    table = sample_circuit("wheel_loader", "work", 300, rng=np.random.default_rng(1), pressure=(1e5, 2e5), relief=False)
+    assert table["lift.p_in"].min() >= 1e5
+    assert table["lift.p_in"].max() <= 2e5
+    total = table["tilt.q_in"] + table["work.q_passed"]
+    assert np.ptp(total[table["work.p_pump"] < 1.8e7]) < 1e-12
+
+
+def test_any_machine_has_its_own_circuits(machine):
+    here, there = (np.random.default_rng(3) for _ in range(2))
+    assert np.array_equal(
+        circuit_database(machine, None, 5, rng=here)["boom.q_in"], sample_boom(machine, 5, rng=there)["boom.q_in"]
+    )
+    assert "lift.q_in" in circuit_database("wheel_loader", None, 5, rng=here).names
+    with pytest.raises(InputError, match="the machine has the circuits lift, slew_and_reach: say which one"):
+        circuit_database("loader_crane", None, 5, rng=here)
+
+
+def test_what_cannot_be_sampled_is_named(machine):
+    rng = np.random.default_rng(1)
+    with pytest.raises(InputError, match="rows = 0: must be at least 1"):
+        sample_circuit("wheel_loader", "work", 0, rng=rng)
+    with pytest.raises(InputError, match=r"unknown circuit 'boom'; choose one of \['work'\]"):
+        circuit_database("wheel_loader", "boom", 5, rng=rng)
+    with pytest.raises(InputError, match=r"unknown circuit 'work'; choose one of \['boom', 'series'\]"):
+        circuit_database(machine, "work", 5, rng=rng)
+    plant = load_machine("wheel_loader")
+    other = plant._replace(circuits=(plant.circuits[0]._replace(kind="shared"),))
+    with pytest.raises(InputError, match="circuit 'work' is of the kind 'shared'; learning from samples is for valves"):
+        series_circuit_of(other, "work")
+
+
+def test_a_sampled_table_is_what_fit_takes():
+    table = sample_circuit("wheel_loader", "work", 400, rng=np.random.default_rng(1))
+    found = fit_table(table, ["work.q_passed", "lift.travel", "lift.p_in"], ["lift.q_in"])
+    assert [v.name for v in found.models[0].inputs] == ["work.q_passed", "lift.travel", "lift.p_in"]

@@ -1,0 +1,38 @@
+from polydraulic.flow import network_slots
+from polydraulic.flow.layout import slots
+from polydraulic.parameters.load import load_layout
+
+CIRCUITS = {c.name: c for c in load_layout("cat215b_bucket").circuits}
+ARM = next(c for c in load_layout("excavator_22t").circuits if c.name == "arm")
+
+
+def test_two_valves_have_the_names_of_swing_and_stick():
+    series = CIRCUITS["series"]
+    assert slots.inlet(series, "swing") == [(network_slots.q_in("swing"), network_slots.BOTH)]
+    assert slots.inlet(series, "stick") == [
+        (network_slots.q_in("stick"), network_slots.PASSED),
+        (network_slots.q_in("stick"), network_slots.BOTH),
+    ]
+    assert slots.inlet_limited(series, "stick") == network_slots.STICK_LIMITED
+    assert slots.second_at_relief(series) == network_slots.STICK_RELIEF
+    assert slots.outlet("boom")[1] == network_slots.BOOM_OUT
+
+
+def test_more_valves_read_what_reaches_them_and_what_stands_behind():
+    assert ARM.functions == ("swing", "stick", "bucket")
+    (direct,), (cascade, other) = slots.inlet(ARM, "swing"), slots.inlet(ARM, "stick")
+    assert [v.name for v in direct[1]] == [
+        *("swing.travel", "stick.travel", "bucket.travel"), *("swing.p_in", "stick.p_in", "bucket.p_in"),
+    ]  # fmt: skip
+    assert [v.name for v in cascade[1]] == [
+        *("arm.q_passed_1", "stick.travel", "bucket.travel", "stick.p_in", "bucket.p_in"),
+    ]
+    assert other[1] == direct[1]
+    assert [v.name for v in slots.inlet(ARM, "bucket")[0][1]] == ["arm.q_passed_2", "bucket.travel", "bucket.p_in"]
+
+
+def test_what_passes_the_first_valve_has_modes():
+    output, inputs = slots.passed_at_relief(ARM)
+    assert (output.name, output.unit) == ("arm.q_passed_1_relief", "m3/s")
+    assert "swing.p_in" not in [v.name for v in inputs]
+    assert slots.passed_limited(CIRCUITS["series"])[0].name == "series.q_passed_limited"

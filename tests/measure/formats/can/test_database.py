@@ -1,0 +1,62 @@
+"""Databases that are damaged, or say what no number can be."""
+
+import numpy as np
+import pytest
+
+from helpers.can_made import DBC, bus, write_bus
+from polydraulic.errors import InputError
+from polydraulic.measure import open_log
+from polydraulic.measure.findings import Findings
+from polydraulic.measure.formats.can.database import Messages
+
+
+def database(tmp_path, old, new):
+    assert old in DBC
+    (tmp_path / "a.dbc").write_text(DBC.replace(old, new))
+    return tmp_path / "a.dbc"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("Valve: 8", "Valve: 4096", "message 'Valve' has 4096 bytes; at most 4095"),
+        ("spool : 12|", "spool : 32761|", "signal 'spool' begins at bit 32761; at most 32760"),
+        ("spool : 12|13@", f"spool : 12|{'9' * 400}@", "signal 'spool' has 9{20} bits; at most 32760"),
+        ("2-3, 5-5", "2-65538, 5-5", "signal 'b' is there for multiplexer values from 2 to 65538; a range holds at most"),
+        ("2-3, 5-5", f"2-{'9' * 400}", "signal 'b' is there for multiplexer values from 2 to 9{20}; a range"),
+    ],
+)  # fmt: skip
+def test_sizes_that_would_fill_the_memory_are_refused_before_they_do(tmp_path, old, new, said):
+    with pytest.raises(InputError, match=said):
+        Messages([database(tmp_path, old, new)])
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("Valve: 8", "Valve: 4095"), ("late : 56|8", "late : 80|64"), ("2-3, 5-5", "2-65537")]
+)
+def test_the_largest_sizes_are_taken(tmp_path, old, new):
+    assert Messages([database(tmp_path, old, new)]).exact
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("temp : 40|8@", "temp : 40|65@", "has 65 bits, as a text has; a number has at most 64"),
+        ("VAL_ 256 mode", "SIG_VALTYPE_ 256 temp : 1;\nVAL_ 256 mode", "is a real number of 8 bits"),
+        ("(0.4,-40)", "(1e400,-40)", "its factor inf or offset -40 is no finite number"),
+        ("(0.4,-40)", "(0.4,-1e400)", "its factor 0.4 or offset -inf is no finite number"),
+    ],
+)
+def test_signals_that_are_no_numbers_are_left_out_by_name(tmp_path, old, new, reason):
+    with open_log(write_bus(tmp_path / "a.blf", bus(5)), dbc=[database(tmp_path, old, new)]) as log:
+        assert reason in log.left_out["temp"]
+        assert "temp" not in [signal.name for signal in log.signals]
+        (block,) = log.read(log.signal("spool").group, ["spool"], None, Findings())
+        assert np.isfinite(block.values["spool"]).all()
+
+
+def test_signals_below_a_multiplexer_that_is_no_number_are_left_out_too(tmp_path):
+    path = database(tmp_path, "inner m1M : 4|4@", "inner m1M : 4|65@")
+    with open_log(write_bus(tmp_path / "a.blf", bus(5)), dbc=[path]) as log:
+        assert log.left_out["b"] == "its multiplexer 'inner' has 65 bits, as a text has; a number has at most 64"
+        assert {"page", "a"} <= {signal.name for signal in log.signals}
