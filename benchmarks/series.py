@@ -19,7 +19,7 @@ from polydraulic.machine.valve import orifices, prepare_valve
 from polydraulic.thesis.timing import PAIRED, paired_times
 from show import show
 
-BLOCKS, LANES, ROWS = 100, 64, 40  # numbers of lanes side by side in a flat array, rows of a block
+BLOCKS, LANES, ROWS = 100, 64, 52  # numbers of lanes side by side in a flat array, rows of a block
 
 HAND = """
 
@@ -87,12 +87,19 @@ def repaired(rows, pump):
 @kernel
 def lanes_alone(part, pump):
     for lane in range(LANES):
-        put(part, lane, series_N_begin(VALVES, pump))
+        put(part, lane, series_N_begin(pump))
+        path = series_N_path(ORIFICES)
+PUT_PATH
     for _ in range(PASSES):
+        left = 0
         for lane in range(LANES):
-            put(part, lane, series_N_pass(PassedN(GET), VALVES, pump))
+            x = series_N_pass(PassedN(GET), PathN(GET_PATH), PORTS, pump)
+            put(part, lane, x)
+            left += 0 if x.still else 1
+        if left == 0:
+            break
     for lane in range(LANES):
-        s = series_N_end(PassedN(GET), VALVES, pump)
+        s = series_N_end(PassedN(GET), PathN(GET_PATH), VALVES, pump)
         part[STATUS * LANES + lane] = s.status
         part[RESULT * LANES + lane] = of_all(s)
 
@@ -118,17 +125,24 @@ def lanes(rows, pump):
 
 
 def circuit(name, n, text, folder):
-    """Loops over n valves; a block's rows are conductances and port pressures, what passes leave, status and result."""
-    valves = [f"Orifices(part[{2 * j} * LANES + lane], part[{2 * j + 1} * LANES + lane], 0.0)" for j in range(n)]
-    valves += [f"part[{2 * n + j} * LANES + lane]" for j in range(n)]
-    fields = ["q_pump", "y", "dy", *(f"{letter}_{j}" for letter in ("w", "dw") for j in range(1, n))]
+    """Loops over n valves; a block's rows are conductances and port pressures, what passes leave and read, status and result."""
+    orifices = [f"Orifices(part[{2 * j} * LANES + lane], part[{2 * j + 1} * LANES + lane], 0.0)" for j in range(n)]
+    ports = [f"part[{2 * n + j} * LANES + lane]" for j in range(n)]
+    fields = ["q_pump", "least", "dq", *(f"{letter}_{j}" for letter in ("w", "dw") for j in range(1, n)), "largest"]
+    resistances = [f"{letter}_{j}" for letter in "ab" for j in range(1, n + 1)]
     flows = [*(f"s.q_in_{j}" for j in range(1, n + 1)), *(f"s.p_between_{j}" for j in range(1, n))]
-    places = {field: f"part[{3 * n + i} * LANES + lane]" for i, field in enumerate(fields)}
+    rows = [f"part[{3 * n + i} * LANES + lane]" for i in range(len(fields) + 1 + len(resistances))]
+    places, still = dict(zip(fields, rows, strict=False)), rows[len(fields)]
+    path = dict(zip(resistances, rows[len(fields) + 1 :], strict=True))
     words = {
-        "VALVES": ", ".join(valves),
+        "VALVES": ", ".join([*orifices, *ports]),
+        "ORIFICES": ", ".join(orifices),
+        "PORTS": ", ".join(ports),
+        "PUT_PATH": "\n".join(f"        {place} = path.{field}" for field, place in path.items()),
+        "GET_PATH": ", ".join(path.values()),
         "FLOWS": " + ".join(flows),
-        "PUT": "\n".join(f"    {place} = x.{field}" for field, place in places.items()),
-        "GET": ", ".join(places.values()),
+        "PUT": "\n".join([*(f"    {place} = x.{field}" for field, place in places.items()), f"    {still} = x.still"]),
+        "GET": ", ".join([*places.values(), f"{still} > 0.0"]),
         "BLOCKS": str(BLOCKS),
         "ROWS": str(ROWS),
         "STATUS": str(ROWS - 2),
@@ -137,7 +151,7 @@ def circuit(name, n, text, folder):
     }
     for word, meant in words.items():
         text = re.sub(rf"\b{word}\b", meant, text)
-    text = re.sub(r"(?<=series_)N\b|(?<=series_)N(?=_)|(?<=Passed)N\b", str(n), text)
+    text = re.sub(r"(?<=series_)N\b|(?<=series_)N(?=_)|(?<=Passed)N\b|(?<=Path)N\b", str(n), text)
     imports = [
         *SERIES_IMPORTS,
         "from polydraulic._kernel import driver",

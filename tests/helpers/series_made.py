@@ -55,16 +55,10 @@ def repair_all{loop}        put(series_{n}_repair({valves}), i, out)
 
 
 @driver
-def pass_all{loop}        x = series_{n}_begin({valves})
+def pass_all{loop}        path, x = series_{n}_path({listed("Orifices(inlets[i, {i}], bypasses[i, {i}], 0.0)", n)}), series_{n}_begin(pump)
         for _ in range(PASSES):
-            x = series_{n}_pass(x, {valves})
-        s = series_{n}_end(x, {valves})
-        if limits(s.circuit.p_pump, pump):
-            x = series_{n}_limit_begin(x)
-            for _ in range(PASSES):
-                x = series_{n}_limit_pass(x, {valves})
-            s = series_{n}_limit_end(x, {valves})
-        put(s, i, out)
+            x = series_{n}_limit_pass(x, path, {listed("ports[i, {i}]", n)}, pump)
+        put(series_{n}_limit_end(x, path, {valves}), i, out)
 """
 
 

@@ -12,6 +12,7 @@ from polydraulic.elementary import exp
 from polydraulic.flow.lanes import (
     BYPASS,
     FLOW_SCRATCH,
+    GROUP,
     INLET,
     LANES,
     OUTLET,
@@ -39,7 +40,6 @@ from polydraulic.machine.pump import (
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifices
 
-_GROUP = 16
 # scratch of packed machines: number of the lane, inlet, bypass and pressure of one or two valves, pump, bracket, results
 _LANE, _FIRST, _SECOND = FLOW_SCRATCH, FLOW_SCRATCH + 1, FLOW_SCRATCH + 4
 _PUMP, _BRACKET, _RESULT = FLOW_SCRATCH + 7, FLOW_SCRATCH + 13, FLOW_SCRATCH + 18
@@ -154,8 +154,8 @@ def _begin(rows: np.ndarray, place: int, lane: int, pump: Pump) -> None:
 @kernel
 def _fill_up(rows: np.ndarray, count: int) -> int:
     """Repeat the first packed machine until whole groups are full; how many groups there are."""
-    n_group = (count + _GROUP - 1) // _GROUP
-    for place in range(count, n_group * _GROUP):
+    n_group = (count + GROUP - 1) // GROUP
+    for place in range(count, n_group * GROUP):
         for row in range(_LANE, _RESULT):
             put(rows, row, place, get(rows, row, 0))
     return n_group
@@ -171,12 +171,12 @@ def _limit_boom(model: Any, own: Any, rows: np.ndarray) -> None:
             _pack(rows, count, lane, 1, _FIRST)
             count += 1
     for group in range(_fill_up(rows, count)):
-        part = rows[group * _GROUP :]
+        part = rows[group * GROUP :]
         for i in range(LIMIT_PASSES):
-            for place in range(_GROUP):
+            for place in range(GROUP):
                 x, p = _get_bracket(part, place, i == 0), get(part, _FIRST + 2, place)
                 _put_bracket(part, place, limit_single(x, _packed(part, place, _FIRST), p, _get_pump(part, place)))
-        for place in range(_GROUP):
+        for place in range(GROUP):
             pump, p = _get_pump(part, place), get(part, _FIRST + 2, place)
             Q = pump.flow * exp(get(part, _BRACKET, place))
             found = single_at(Q, _packed(part, place, _FIRST), p, pump)
@@ -200,14 +200,14 @@ def _limit_series(model: Any, own: Any, rows: np.ndarray) -> None:
             _pack(rows, count, lane, 2, _SECOND)
             count += 1
     for group in range(_fill_up(rows, count)):
-        part = rows[group * _GROUP :]
+        part = rows[group * GROUP :]
         for i in range(LIMIT_PASSES):
-            for place in range(_GROUP):
+            for place in range(GROUP):
                 first, second = _packed(part, place, _FIRST), _packed(part, place, _SECOND)
                 p_first, p_second = get(part, _FIRST + 2, place), get(part, _SECOND + 2, place)
                 x = _get_bracket(part, place, i == 0)
                 _put_bracket(part, place, limit_series(x, first, second, p_first, p_second, _get_pump(part, place)))
-        for place in range(_GROUP):
+        for place in range(GROUP):
             first, second, pump = _packed(part, place, _FIRST), _packed(part, place, _SECOND), _get_pump(part, place)
             p_first, p_second = get(part, _FIRST + 2, place), get(part, _SECOND + 2, place)
             found = series_at(pump.flow * exp(get(part, _BRACKET, place)), first, second, p_first, p_second, pump)

@@ -17,6 +17,7 @@ from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices
 
 LANES = 64
+GROUP = 16  # of machines that are packed together, since few of a block need more than the others
 # what the flow stage reads and writes, below the rows of a recorded step
 P_IN, INLET, BYPASS, OUTLET = N_RECORD, N_RECORD + 3, N_RECORD + 6, N_RECORD + 9
 FLOW_SCRATCH = N_RECORD + 12

@@ -2,7 +2,8 @@
 
 One circuit has a closed form. Two valves in series are solved by the same form, five times: at the flow that passes the
 first valve, the second one looks like a single orifice. A torque limit is a root in one unknown, the pump flow, found in
-a fixed number of Newton steps within a bracket. Clamps decide all special cases.
+a bounded number of Newton steps within a bracket; once a step, after the first, changes nothing, neither do the others. Clamps decide
+all special cases.
 """
 
 from math import log as natural_log
@@ -208,8 +209,11 @@ def single_circuit(k: Orifices, p_in: float, pump: Pump) -> Single:
     s = single_at(pump.flow, k, p_in, pump)
     if limits(s.circuit.p_pump, pump):
         x = unlimited(pump)
-        for _ in range(LIMIT_PASSES):
+        for i in range(LIMIT_PASSES):
+            y = x.y
             x = limit_single(x, k, p_in, pump)
+            if i > 0 and x.y == y:
+                break
         s = single_at(pump.flow * exp(x.y), k, p_in, pump)
     return s
 
@@ -299,7 +303,10 @@ def series_circuit(first: Orifices, second: Orifices, p_first: float, p_second: 
     s = series_at(pump.flow, first, second, p_first, p_second, pump)
     if limits(s.circuit.p_pump, pump):
         x = unlimited(pump)
-        for _ in range(LIMIT_PASSES):
+        for i in range(LIMIT_PASSES):
+            y = x.y
             x = limit_series(x, first, second, p_first, p_second, pump)
+            if i > 0 and x.y == y:
+                break
         s = series_at(pump.flow * exp(x.y), first, second, p_first, p_second, pump)
     return s

@@ -3,7 +3,17 @@
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.machine.pump import Circuit, Pump, series_at, series_circuit, single_at, single_circuit
+from polydraulic.machine.pump import (
+    Bracket,
+    Circuit,
+    Pump,
+    limit_series,
+    limit_single,
+    series_at,
+    series_circuit,
+    single_at,
+    single_circuit,
+)
 from polydraulic.machine.valve import Orifices
 
 
@@ -40,14 +50,26 @@ def series_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -
 
 
 @kernel
-def free_series_1(k_1: Orifices, p_1: float, pump: Pump) -> Series1:
-    """`series_1` as if the pump had no torque limit."""
-    found = single_at(pump.flow, k_1, p_1, pump)
+def series_1_at(Q: float, k_1: Orifices, p_1: float, pump: Pump) -> Series1:
+    """`series_1` on a pump that delivers Q."""
+    found = single_at(Q, k_1, p_1, pump)
     return Series1(found.q_in, found.circuit, 0)
 
 
 @kernel
-def free_series_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
-    """`series_2` as if the pump had no torque limit."""
-    found = series_at(pump.flow, k_1, k_2, p_1, p_2, pump)
+def series_2_at(Q: float, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
+    """`series_2` on a pump that delivers Q."""
+    found = series_at(Q, k_1, k_2, p_1, p_2, pump)
     return Series2(found.q_first, found.q_second, found.p_between, found.circuit, 0)
+
+
+@kernel
+def limit_series_1(x: Bracket, k_1: Orifices, p_1: float, pump: Pump) -> Bracket:
+    """One step towards the torque limit of `series_1`."""
+    return limit_single(x, k_1, p_1, pump)
+
+
+@kernel
+def limit_series_2(x: Bracket, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Bracket:
+    """One step towards the torque limit of `series_2`."""
+    return limit_series(x, k_1, k_2, p_1, p_2, pump)

@@ -1,11 +1,26 @@
-"""Batches of machines of other layouts have the bits of single runs."""
+"""Batches of machines of other layouts have the bits of single runs, and lanes that are vector instructions."""
 
+import inspect
+import re
+
+import numba
 import numpy as np
 import pytest
 
 from helpers.small_crane import write_crane
-from polydraulic import InputError, load_machine, simulate, simulate_batch
+from polydraulic import InputError, _kernel, load_machine, simulate, simulate_batch
+from polydraulic.flow.lanes import LANES
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import random_operator
+from polydraulic.simulation.lane_blocks import LaneBlock
+from polydraulic.simulation.layout.prepare import prepare_layout
+
+QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
+LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
+EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
+# stages that call others; those that take few machines, one by one
+WHOLE, FEW = ("flow_stage", "circuit_stage"), ("stop_stage", "repair_stage", "cross_stage")
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +58,79 @@ def test_voltages_and_states_have_the_size_of_the_machine(crane):
 def test_machines_of_different_layouts_do_not_mix(crane):
     with pytest.raises(InputError, match="2 layouts; a batch holds machines of one layout"):
         simulate_batch([crane, "cat215b"], "exact", np.zeros((10, 3)))
+
+
+def limited(machine, **limit):
+    """The machine with other torque limits."""
+    circuits = (c._replace(pump=c.pump._replace(**limit)) for c in machine.circuits)
+    return machine._replace(circuits=tuple(circuits))
+
+
+@pytest.mark.parametrize("name", EACH)
+def test_torque_limits_in_lanes_have_the_bits_of_single_machines(name):
+    """With and without limit, of power and not, in one block."""
+    machine = load_machine(name)
+    start = min(0.5 * c.pump.relief for c in machine.circuits)
+    on = {"torque_limit_enabled": True, "torque_limit_start": start}
+    machines = [
+        limited(machine, torque_limit_enabled=False),
+        limited(machine, **on, torque_limit_exponent=1.0),
+        limited(machine, **on, torque_limit_exponent=0.6),
+    ]
+    scenarios = [random_operator(seed, 2.0, functions=machine.names) for seed in range(2)]
+    for together in ([1], [0, 1, 2]):  # parameters that are shared, and rows of them
+        cases = [(i, scenario) for i in together for scenario in scenarios]
+        batch = simulate_batch([machines[i] for i, _ in cases], "exact", [s for _, s in cases], keep=["rows"])
+        assert batch.not_converged.sum() == 0
+        lowered = 0
+        for place, (i, scenario) in enumerate(cases):
+            run = simulate(machines[i], "exact", scenario)
+            for column in batch.names:
+                assert np.array_equal(batch[column][place], run[column]), (i, column)
+            lowered += sum(run[f"{c.name}.q_pump"].min() < 0.99 * c.pump.flow for c in machine.circuits)
+        assert lowered > 0
+
+
+def assembly(stage, given):
+    """Of a stage, compiled without the cache, which keeps none."""
+    fresh = numba.njit(**_kernel._DRIVER_OPTIONS)(stage.py_func)
+    fresh(*(given[name] for name in inspect.signature(stage.py_func).parameters))
+    return fresh.inspect_asm(fresh.signatures[0])
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
+@pytest.mark.parametrize("name", EACH)
+def test_every_stage_is_vector_instructions(name):
+    """A stage that stays scalar would divide or take roots one by one; what is the same for all lanes is computed once."""
+    machine = load_machine(name)
+    ready = prepare_layout(machine, 5e-3)
+    rows = np.zeros(ready.module.N_ROW * LANES)
+    numbers = np.zeros(LANES, dtype=np.int64)
+    block = LaneBlock(rows, np.arange(LANES), numbers, np.zeros((0, LANES)), np.zeros((0, LANES)))
+    given = {
+        "valves": ready.valves,
+        "plant": ready.plant,
+        "own": None,
+        "rows": rows,
+        "block": block,
+        "limit": True,
+        "power": False,
+    }
+    given |= {"inputs": np.zeros((1, 1, len(machine.names))), "k": 0, "n_step": 1}
+    stages = {
+        stage: function
+        for stage, function in vars(ready.module).items()
+        if re.search(r"_stage(_|$)", stage) and not stage.startswith((*WHOLE, *FEW))
+    }
+    circuits = sum(2 if len(c.functions) < 3 else 3 for c in machine.circuits)
+    assert len(stages) >= circuits + 10
+    texts = {stage: assembly(function, given) for stage, function in stages.items()}
+    if not re.search(r"%[yz]mm", texts["position_stage"]):
+        pytest.skip("this processor has no AVX")
+    divides = 0
+    for stage, text in texts.items():
+        wide = len(re.findall(r"\tv(?:div|sqrt)pd\t[^\n]*%[yz]mm", text))
+        scalar = len(re.findall(r"\tv?(?:div|sqrt)sd\t", text))
+        assert scalar <= min(wide, 1), stage
+        divides += wide > 0
+    assert divides >= len(machine.circuits) + 3  # levers and motion, lines, joints

@@ -6,7 +6,7 @@ from polydraulic.simulation.layout.lane_rows import lane_rows
 def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
     machine = load_layout("cat215b_bucket")
     columns = columns_of(machine)
-    rows = lane_rows(machine, 10, {2: 7})
+    rows = lane_rows(machine, 10, {2: ["q_pump", "w_1", "b_1", "b_2"]})
     scratch = [
         row
         for name, of in rows.groups.items()
@@ -16,7 +16,12 @@ def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
     others = [
         *scratch,
         *rows.mass,
-        *(row for of in rows.passed.values() for row in of),
+        *(row for of in rows.passed.values() for row in of.values()),
+        rows.packed.lane,
+        *rows.packed.pump,
+        *rows.packed.bracket,
+        *(row for of in rows.packed.valve for row in of),
+        *rows.packed.found,
         *rows.status.values(),
         rows.steps,
         rows.unsettled,
@@ -25,4 +30,12 @@ def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
     assert sorted(others) == list(range(len(columns.columns), rows.n_row))
     assert rows.groups["p_a"] == [columns.place[f"{f}.p_a"] for f in machine.names]
     assert set(rows.passed) == {"boom", "series"}
-    assert len(rows.passed["boom"]) == 7
+    assert list(rows.passed["boom"]) == [
+        "q_pump", "w_1", "b_1", "b_2", "r_0", "rest_0", "r_1", "rest_1", "r_2", "rest_2",
+    ]  # fmt: skip
+    assert rows.packed.valve == []  # no circuit is left to be packed
+
+
+def test_circuits_without_passes_are_packed_by_as_many_valves_as_the_longest_has():
+    packed = lane_rows(load_layout("cat215b_bucket"), 10, {}).packed
+    assert [len(of) for of in (packed.pump, packed.bracket, packed.found, *packed.valve)] == [6, 5, 8, 3, 3]

@@ -1,8 +1,10 @@
-"""A pass through valves in series: backwards a tangent orifice for each valve and all behind it, forwards each valve's share.
+"""A pass through valves in series: backwards a tangent outlet for each valve and all behind it, forwards each valve's share.
 
 At the flow that arrives, an inlet and what lies behind its bypass look like one orifice of the same pressure and slope. A pass
 puts these together from the last valve to the first, then shares the pump's flow out from the first to the last. Where orifices
 just open, passes may swing to and fro: a flow that turns back moves by half.
+
+Orifices are resistances here, P = p_rest + r Q^2: those in a row add up. What is shut resists by more than any pressure overcomes.
 """
 
 from math import sqrt
@@ -10,13 +12,21 @@ from typing import NamedTuple
 
 from polydraulic._kernel import kernel
 from polydraulic.elementary import exp, log
-from polydraulic.machine.pump import Orifice, Pump, _as_one, _inlet_share
-from polydraulic.machine.valve import Orifices, orifice_flow
+from polydraulic.machine.circuits.series_check import LEAST
+from polydraulic.machine.pump import Pump
 
-PASSES = 8  # what they leave is repaired
-AT_FIRST = 1e300  # m3/s; the last change of a flow that has not moved yet
-_REST = 1e-12  # share of pump flow; a smaller change of a pass leaves nothing to do
+PASSES = 12  # what they leave is repaired
+AT_FIRST = 1e100  # m3/s; the last change of a flow that has not moved yet
+SHUT = 1e59  # Pa s2/m6; below the resistance of the narrowest orifice, 1e60
+_SMALL, _REST = 1e-8, 1e-13  # shares of pump flow: the last change may be small, the next one rounding
 _SWING = 0.3  # of its last change: a flow that turns back by more moves by half
+
+
+class Outlet(NamedTuple):
+    """What a flow meets: P = p_rest + r Q^2."""
+
+    r: float  # Pa s2/m6
+    p_rest: float  # Pa
 
 
 class Moved(NamedTuple):
@@ -27,52 +37,67 @@ class Moved(NamedTuple):
 
 
 @kernel
-def settled(largest: float, flow: float) -> bool:
-    """Whether the largest change of a pass was rounding."""
-    return largest <= _REST * flow
+def resistance(conductance: float) -> float:
+    """Pa s2/m6 of an orifice; a shut one has more than `SHUT`."""
+    k = max(conductance, LEAST)
+    return 1.0 / (k * k)
 
 
 @kernel
-def tangent(flow: float, inlet: float, p_in: float, behind: Orifice) -> Orifice:
-    """Inlet and what lies behind the bypass as one orifice at a flow; where nothing flows, the one that opens first."""
-    q = _inlet_share(flow, inlet, behind.square, p_in - behind.p_rest)
-    both = _as_one(flow, q, inlet, behind.square, p_in, behind.p_rest)
-    opens = flow <= 0.0 and inlet > 0.0 and (p_in < behind.p_rest or behind.square <= 0.0)
-    return Orifice(inlet * inlet if opens else both.square, p_in if opens else both.p_rest)
+def settled(largest: float, before: float, flow: float) -> bool:
+    """Whether the largest change of a pass is small, and leaves nothing to do if changes go on falling by the factor since `before`."""
+    return largest <= _SMALL * flow and largest * largest <= _REST * flow * before
 
 
 @kernel
-def last_tangent(flow: float, k: Orifices, p_in: float, p_return: float) -> Orifice:
-    """Inlet and bypass of the last valve as one orifice."""
-    return tangent(flow, k.inlet, p_in, Orifice(k.bypass * k.bypass, p_return))
+def tangent(flow: float, inlet: float, p_in: float, beyond: Outlet) -> Outlet:
+    """An inlet of resistance `inlet` and what lies beyond the bypass as one outlet at a flow; where nothing flows, the one that opens first.
+
+    Its share of the flow is n / d, the rest m / d, in closed form: no pressure, and no sum of like numbers. One of both
+    that is negative passes nothing.
+    """
+    r, p_rest = beyond.r, beyond.p_rest
+    if inlet < SHUT and beyond.r >= SHUT:
+        r, p_rest = inlet, p_in
+    elif inlet < SHUT:
+        gap = p_in - beyond.p_rest
+        n = beyond.r * flow * flow - gap
+        root = sqrt(max(inlet * n + beyond.r * gap, 0.0))
+        d, m = beyond.r * flow + root, flow * root + gap
+        by_inlet, by_bypass = inlet * max(n, 0.0), beyond.r * max(m, 0.0)
+        both = flow * (by_inlet + by_bypass)
+        inverse = 1.0 / (d * both + 1e-300)
+        q, rest, r_both = max(n, 0.0) * both * inverse, max(m, 0.0) * both * inverse, by_inlet * by_bypass * inverse
+        p = p_in + inlet * q * q if inlet <= beyond.r else beyond.p_rest + beyond.r * rest * rest
+        p_rest = p - r_both * flow * flow
+        r = inlet if m <= 0.0 else (beyond.r if n <= 0.0 else r_both)
+        p_rest = p_in if m <= 0.0 else (beyond.p_rest if n <= 0.0 else p_rest)
+    return Outlet(r, p_rest)
 
 
 @kernel
-def through(bypass: float, behind: Orifice) -> Orifice:
-    """A bypass and what lies behind it as one orifice."""
-    b = bypass * bypass
-    return Orifice(b * behind.square / (b + behind.square + 1e-300), behind.p_rest)
+def behind(flow: float, inlet: float, p_in: float, beyond: Outlet, bypass: float) -> Outlet:
+    """A bypass of resistance `bypass`, then the next valve's inlet and what lies `beyond` its own bypass, as one outlet at a flow."""
+    tail = tangent(flow, inlet, p_in, beyond)
+    return Outlet(bypass + tail.r, tail.p_rest)
 
 
 @kernel
-def passed_on(flow: float, inlet: float, p_in: float, behind: Orifice) -> float:
+def passed_on(flow: float, inlet: float, p_in: float, beyond: Outlet) -> float:
     """What of the flow that arrives passes the bypass."""
-    rest = flow - _inlet_share(flow, inlet, behind.square, p_in - behind.p_rest)
-    return rest if behind.square > 0.0 else 0.0
+    passed = 0.0 if beyond.r >= SHUT else flow
+    if inlet < SHUT and beyond.r < SHUT:
+        gap = p_in - beyond.p_rest
+        root = sqrt(max(inlet * (beyond.r * flow * flow - gap) + beyond.r * gap, 0.0))
+        passed = min(max((flow * root + gap) / (beyond.r * flow + root + 1e-300), 0.0), flow)
+    return passed
 
 
 @kernel
-def passed_last(flow: float, k: Orifices, p_in: float, p_return: float) -> float:
-    """What of the flow that arrives passes the last bypass, to the tank."""
-    return passed_on(flow, k.inlet, p_in, Orifice(k.bypass * k.bypass, p_return))
-
-
-@kernel
-def passed_first(flow: float, inlet: float, p_in: float, behind: Orifice, pump: Pump) -> float:
+def passed_first(flow: float, inlet: float, p_in: float, beyond: Outlet, pump: Pump) -> float:
     """What passes the first bypass: no more than the relief pressure drives."""
-    q = _inlet_share(flow, inlet, behind.square, p_in - behind.p_rest)
-    q = min(q, orifice_flow(inlet, pump.relief - p_in))
-    return min(flow - q, sqrt(max(behind.square * (pump.relief - behind.p_rest), 0.0)))
+    at_relief = sqrt(max(pump.relief - beyond.p_rest, 0.0) / beyond.r)
+    return min(passed_on(flow, inlet, p_in, beyond), at_relief)
 
 
 @kernel
@@ -85,14 +110,51 @@ def stepped(old: float, last: float, new: float, limit: float, still: bool) -> M
 
 
 @kernel
-def limited(old: float, last: float, whole: Orifice, pump: Pump, still: bool) -> Moved:
-    """One Newton step of ln(Q / flow) towards the torque limit for a circuit that looks like `whole` at Q."""
-    n, Q = pump.limit_exponent, pump.flow * exp(old)
-    rise = min(Q * Q / (whole.square + 1e-300), 1e15)
-    p = max(whole.p_rest + rise, 1.0)
-    off = n * log(p / pump.limit_start) + old
-    change = -off / (1.0 + 2.0 * n * min(rise / p, 1.0))
-    swings = change * last < 0.0 and abs(change) > _SWING * abs(last)
-    moves = min(max(old + (0.5 * change if swings else change), pump.log_least), 0.0)
-    value = old if still else moves
-    return Moved(value, value - old)
+def least_flow(pump: Pump) -> float:
+    """What a pump delivers at least, in m3/s."""
+    return pump.flow * exp(pump.log_least)
+
+
+@kernel
+def _towards(off: float, Q: float, last: float, least: float, p: float, rise: float, pump: Pump) -> Moved:
+    """One Newton step of ln Q at the pressure p; `off` is how far n ln p + ln Q is from the torque limit."""
+    step = -off * p / (p + 2.0 * pump.limit_exponent * min(rise, p))
+    step = 0.5 * step if step * last < 0.0 and abs(step) > _SWING * abs(last) else step
+    step = min(max(step, -1.0), 1.0)
+    value = min(max(Q * (2.0 + step) / (2.0 - step), least), pump.flow)
+    return Moved(value, value / Q - 1.0)
+
+
+@kernel
+def limited_power(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """A step from Q towards the torque limit of a pump of constant power whose circuit looks like `whole` at Q; the change is a share.
+
+    No logarithm is needed: the one in its place has the same root, and the same slope there.
+    """
+    rise = min(whole.r * Q * Q, 1e15)
+    p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
+    if not still and (p > pump.limit_start or pump.flow > Q):
+        z = p * Q / (pump.limit_start * pump.flow)
+        moved = _towards(2.0 * (z - 1.0) / (z + 1.0), Q, last, least, p, rise, pump)
+    return moved
+
+
+@kernel
+def limited_law(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """The same for any exponent."""
+    rise = min(whole.r * Q * Q, 1e15)
+    p, moved = max(whole.p_rest + rise, 1.0), Moved(Q, 0.0)
+    if not still and (p > pump.limit_start or pump.flow > Q):
+        off = pump.limit_exponent * log(p / pump.limit_start) + log(Q / pump.flow)
+        moved = _towards(off, Q, last, least, p, rise, pump)
+    return moved
+
+
+@kernel
+def limited(Q: float, last: float, least: float, whole: Outlet, pump: Pump, still: bool) -> Moved:
+    """The one or the other."""
+    if pump.limit_exponent == 1.0:
+        moved = limited_power(Q, last, least, whole, pump, still)
+    else:
+        moved = limited_law(Q, last, least, whole, pump, still)
+    return moved

@@ -1,9 +1,10 @@
 """Text of the circuit of n valves in series on a pump: named tuples and straight-line kernels around those written by hand.
 
 Valves are counted from the pump. `series_n` solves a circuit: passes until they settle, the certificate, the march for what that refuses.
-Lanes call its parts, so that the loop over passes stands outside the loop over lanes: `series_n_begin`, `series_n_pass` (`PASSES` times),
-`series_n_end`; where `limits` says so `series_n_limit_begin`, `_pass` and `_end`; `series_n_repair` where the status is not `PROVED`.
-Once a circuit has settled, a pass leaves it as it is, so that lanes have the bits of single circuits.
+Lanes have the same order of the same kernels: `series_n_path`, `series_n_begin`, then until all have settled, at most `PASSES` times, what
+`series_n_pass`, or if a pump has a torque limit `series_n_limit_pass`, calls, each in a loop over lanes of its own; `series_n_end`; and
+`series_n_repair` where the status is not `PROVED`. Once a circuit has settled a pass leaves it as it is, and a pass with torque limit
+does to a pump without one what the other does, so that lanes have the bits of single circuits.
 """
 
 from polydraulic.machine.circuits.series_march_text import march_text
@@ -12,13 +13,12 @@ from polydraulic.machine.circuits.wording import definitions, each, repeated, va
 SERIES_IMPORTS = (
     "from typing import NamedTuple",
     "from polydraulic._kernel import kernel",
-    "from polydraulic.elementary import exp",
     "from polydraulic.machine.circuits.series_check import FAR, PROVED, UNPROVED, Junction, delivers, first_node, node, status_of",
     "from polydraulic.machine.circuits.series_march import HALVINGS, Climb, asks_too_much, before_bypass, before_outlet, climbed",
     "from polydraulic.machine.circuits.series_march import delivers_at, highest_root, joined, lowest_root, march_status, reached_at, unreached",
-    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, last_tangent, limited, passed_first",
-    "from polydraulic.machine.circuits.series_pass import passed_last, passed_on, settled, stepped, tangent, through",
-    "from polydraulic.machine.pump import Circuit, limits",
+    "from polydraulic.machine.circuits.series_pass import AT_FIRST, PASSES, Moved, Outlet, behind, least_flow, limited",
+    "from polydraulic.machine.circuits.series_pass import passed_first, passed_on, resistance, settled, stepped, tangent",
+    "from polydraulic.machine.pump import Circuit",
     "from polydraulic.machine.valve import orifice_flow",
 )
 
@@ -28,7 +28,7 @@ def series_text(n: int) -> str:
 
     Two are for comparison, since `series_circuit` is written by hand.
     """
-    return definitions((_tuples(n), _passes(n), _limits(n), _ends(n), march_text(n), _solved(n)))
+    return definitions((_tuples(n), _passes(n), _ends(n), march_text(n), _solved(n)))
 
 
 def _tuples(n: int) -> str:
@@ -42,93 +42,91 @@ class Series{n}(NamedTuple):
     status: int  # 0: proved, 1: repaired, 2: not to be trusted
 
 
+class Path{n}(NamedTuple):
+    """Resistances of inlets and bypasses, Pa s2/m6."""
+
+{repeated("    a_~: float", range(1, n + 1))}
+{repeated("    b_~: float", range(1, n + 1))}
+
+
 class Passed{n}(NamedTuple):
-    """Between two passes: the pump's flow and ln of its share, what passes each valve; last changes."""
+    """Between two passes: the pump's flow, its least, what passes each valve; last changes, the pump's as a share; whether all has settled."""
 
     q_pump: float  # m3/s
-    y: float
-    dy: float
+    least: float  # m3/s
+    dq: float
 {repeated("    w_~: float  # m3/s", range(1, n))}
 {repeated("    dw_~: float  # m3/s", range(1, n))}
+    largest: float  # m3/s
+    still: bool
 '''
-
-
-def _result(n: int, flow: str, y: str) -> str:
-    return f"    return Passed{n}({flow}, {y}, {each('to_~.value', 1, n - 1)}, {each('to_~.change', 1, n - 1)})"
 
 
 def _passes(n: int) -> str:
     return f'''
 @kernel
-def series_{n}_begin({valves(n)}):
-    """Where passes start: all actuators take the same."""
-    share = pump.flow / {n}.0
-    return Passed{n}(pump.flow, 0.0, AT_FIRST, {", ".join(f"{n - i}.0 * share" for i in range(1, n))}, {each("AT_FIRST", 2, n)})
+def series_{n}_path({each("k_~", 1, n)}):
+    """What resists the flow; the same in all passes."""
+    return Path{n}({each("resistance(k_~.inlet)", 1, n)}, {each("resistance(k_~.bypass)", 1, n)})
 
 
 @kernel
-def series_{n}_settled(x):
-    """Whether the last pass changed no more than rounding does."""
-    return settled({_largest(n)}, x.q_pump)
+def series_{n}_begin(pump):
+    """Where passes start: most of the flow passes all valves."""
+    flow = pump.flow
+    return Passed{n}(flow, least_flow(pump), AT_FIRST, {", ".join(f"{1.0 - 0.1 * i:.1f} * flow" for i in range(1, n))}, {each("AT_FIRST", 1, n)}, False)
 
 
 @kernel
-def series_{n}_pass(x, {valves(n)}):
+def series_{n}_pass(x, path, {_ports(n)}):
     """One pass at a given flow of the pump: tangents from the last valve to the first, then shares back."""
-    still = series_{n}_settled(x)
+    still = x.still
 {_backwards(n)}
 {_forwards(n, "x.q_pump")}
-{_result(n, "x.q_pump", "x.y, x.dy")}
+    largest = {_largest(n)}
+{_result(n, "x.q_pump", "x.dq")}
+
+
+@kernel
+def series_{n}_limit_pass(x, path, {_ports(n)}):
+    """One pass, and between its halves a step of the pump's flow towards the torque limit."""
+    still = x.still
+{_backwards(n)}
+    whole = tangent(x.q_pump, path.a_1, p_1, behind_1)
+    q = limited(x.q_pump, x.dq, x.least, whole, pump, still)
+{_forwards(n, "q.value")}
+    largest = max(abs(q.change) * q.value, {_largest(n)})
+{_result(n, "q.value", "q.change")}
 '''
 
 
+def _ports(n: int) -> str:
+    return f"{each('p_~', 1, n)}, pump"
+
+
+def _result(n: int, flow: str, change: str) -> str:
+    values, changes = each("to_~.value", 1, n - 1), each("to_~.change", 1, n - 1)
+    still = f"settled(largest, x.largest, {flow})"
+    return f"    return Passed{n}({flow}, x.least, {change}, {values}, {changes}, largest, {still})"
+
+
 def _largest(n: int) -> str:
-    largest = "abs(x.dw_1)"
+    largest = "abs(to_1.change)"
     for i in range(2, n):
-        largest = f"max({largest}, abs(x.dw_{i}))"
+        largest = f"max({largest}, abs(to_{i}.change))"
     return largest
 
 
 def _backwards(n: int) -> str:
-    inner = """    behind_~ = through(k_~.bypass, tail)
-    tail = tangent(x.w_~-, k_~.inlet, p_~, behind_~)
-"""
-    return f"""    tail = last_tangent(x.w_{n - 1}, k_{n}, p_{n}, pump.p_return)
-{repeated(inner, range(n - 1, 1, -1))}    behind_1 = through(k_1.bypass, tail)""".replace("\n\n", "\n")
+    line = "    behind_~ = behind(x.w_~, path.a_~+, p_~+, behind_~+, path.b_~)"
+    return f"""    behind_{n} = Outlet(path.b_{n}, pump.p_return)
+{repeated(line, range(n - 1, 0, -1))}"""
 
 
 def _forwards(n: int, flow: str) -> str:
-    inner = (
-        """    to_~ = stepped(x.w_~, x.dw_~, passed_on(to_~-.value, k_~.inlet, p_~, behind_~), to_~-.value, still)"""
-    )
-    first = f"    to_1 = stepped(x.w_1, x.dw_1, passed_first({flow}, k_1.inlet, p_1, behind_1, pump), {flow}, still)"
+    inner = """    to_~ = stepped(x.w_~, x.dw_~, passed_on(to_~-.value, path.a_~, p_~, behind_~), to_~-.value, still)"""
+    first = f"    to_1 = stepped(x.w_1, x.dw_1, passed_first({flow}, path.a_1, p_1, behind_1, pump), {flow}, still)"
     return "\n".join([first, *(repeated(inner, [i]) for i in range(2, n))])
-
-
-def _limits(n: int) -> str:
-    return f'''
-@kernel
-def series_{n}_limit_begin(x):
-    """Where passes with torque limit start: from flows without it."""
-    return Passed{n}(x.q_pump, 0.0, AT_FIRST, {each("x.w_~", 1, n - 1)}, {each("AT_FIRST", 2, n)})
-
-
-@kernel
-def series_{n}_limit_settled(x):
-    """Whether the last pass changed no more than rounding does, the pump's flow included."""
-    return settled(max(abs(x.dy) * x.q_pump, {_largest(n)}), x.q_pump)
-
-
-@kernel
-def series_{n}_limit_pass(x, {valves(n)}):
-    """One pass, and between its halves a step of the pump's flow towards the torque limit."""
-    still = series_{n}_limit_settled(x)
-{_backwards(n)}
-    y = limited(x.y, x.dy, tangent(x.q_pump, k_1.inlet, p_1, behind_1), pump, still)
-    q_pump = x.q_pump if still else pump.flow * exp(y.value)
-{_forwards(n, "q_pump")}
-{_result(n, "q_pump", "y.value, y.change")}
-'''
 
 
 def _ends(n: int) -> str:
@@ -148,19 +146,19 @@ def series_{n}_seen(q_pump, {each("q_~", 1, n)}, {each("w_~", 1, n)}, {valves(n)
 
 
 @kernel
-def series_{n}_end(x, {valves(n)}):
+def series_{n}_end(x, path, {valves(n)}):
     """Flows after the passes, with pressures and certificate."""
     q_1 = min(x.q_pump - x.w_1, orifice_flow(k_1.inlet, pump.relief - p_1))
 {repeated("    q_~ = x.w_~- - x.w_~", range(2, n))}
-    w_{n} = passed_last(x.w_{n - 1}, k_{n}, p_{n}, pump.p_return)
+    w_{n} = passed_on(x.w_{n - 1}, path.a_{n}, p_{n}, Outlet(path.b_{n}, pump.p_return))
     q_{n} = x.w_{n - 1} - w_{n}
     return series_{n}_seen(x.q_pump, {each("q_~", 1, n)}, {each("x.w_~", 1, n - 1)}, w_{n}, {valves(n)}, PROVED)
 
 
 @kernel
-def series_{n}_limit_end(x, {valves(n)}):
+def series_{n}_limit_end(x, path, {valves(n)}):
     """The same after passes with torque limit, to which the certificate then extends."""
-    s = series_{n}_end(x, {valves(n)})
+    s = series_{n}_end(x, path, {valves(n)})
     status = s.status if delivers(s.circuit, pump) else UNPROVED
     return Series{n}({each("s.q_in_~", 1, n)}, {each("s.p_between_~", 1, n - 1)}, s.circuit, status)
 '''
@@ -171,18 +169,19 @@ def _solved(n: int) -> str:
 @kernel
 def series_{n}({valves(n)}):
     """{n} actuators on a pump, the first with priority: conductances in m3/s/Pa^0.5, port pressures in Pa."""
-    x = series_{n}_begin({valves(n)})
-    for _ in range(PASSES):
-        x = series_{n}_pass(x, {valves(n)})
-        if series_{n}_settled(x):
-            break
-    s = series_{n}_end(x, {valves(n)})
-    if limits(s.circuit.p_pump, pump):
-        x = series_{n}_limit_begin(x)
+    path = series_{n}_path({each("k_~", 1, n)})
+    x = series_{n}_begin(pump)
+    if pump.log_least < 0.0:
         for _ in range(PASSES):
-            x = series_{n}_limit_pass(x, {valves(n)})
-            if series_{n}_limit_settled(x):
+            x = series_{n}_limit_pass(x, path, {_ports(n)})
+            if x.still:
                 break
-        s = series_{n}_limit_end(x, {valves(n)})
+        s = series_{n}_limit_end(x, path, {valves(n)})
+    else:
+        for _ in range(PASSES):
+            x = series_{n}_pass(x, path, {_ports(n)})
+            if x.still:
+                break
+        s = series_{n}_end(x, path, {valves(n)})
     return s if s.status == PROVED else series_{n}_repair({valves(n)})
 '''

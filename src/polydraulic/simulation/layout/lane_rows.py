@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
+from polydraulic.machine.pump import Bracket, Pump
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import (
     CIRCUIT,
@@ -24,6 +25,31 @@ _SCRATCH = (
 )  # fmt: skip
 
 
+_BRACKET = [field for field in Bracket._fields if field != "low_unknown"]
+
+
+class PackedRows(NamedTuple):
+    """Numbers of rows for machines at the torque limit, which are packed together: scratch of one circuit after the other.
+
+    Attributes
+    ----------
+    lane : int
+        From which lane a machine is.
+    pump, bracket : list of int
+        Its pump, and how far its flow is known.
+    valve : list of list of int
+        Inlet, bypass and pressure of each valve.
+    found : list of int
+        Flows and pressures.
+    """
+
+    lane: int
+    pump: list[int]
+    bracket: list[int]
+    valve: list[list[int]]
+    found: list[int]
+
+
 class LaneRows(NamedTuple):
     """Numbers of rows.
 
@@ -33,7 +59,9 @@ class LaneRows(NamedTuple):
         Row of each function, in their order, by what the rows hold.
     mass : list of int
     passed : dict
-        Rows for the passes of a circuit, by its name.
+        Rows for the passes of a circuit, by its name and theirs: fields of its passes and path; r_i and rest_i of what lies behind valve i, or
+        of all for 0.
+    packed : PackedRows
     status : dict
         Row for the status of a circuit's flows, by its name.
     force : list of int
@@ -45,7 +73,8 @@ class LaneRows(NamedTuple):
 
     groups: dict[str, list[int]]
     mass: list[int]
-    passed: dict[str, list[int]]
+    passed: dict[str, dict[str, int]]
+    packed: PackedRows
     status: dict[str, int]
     force: list[int]
     steps: int
@@ -54,7 +83,9 @@ class LaneRows(NamedTuple):
     n_row: int
 
 
-def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], force: bool = False) -> LaneRows:
+def lane_rows(
+    machine: LayoutMachine, n_mass: int, passes: Mapping[int, Sequence[str]], force: bool = False
+) -> LaneRows:
     """Give every value a row.
 
     Parameters
@@ -62,8 +93,8 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
     machine : LayoutMachine
     n_mass : int
         Entries of the mass matrix that are not zero by structure.
-    n_passed : mapping
-        Numbers that a pass of a circuit hands on, by the number of its valves, where there are passes.
+    passes : mapping
+        Fields of the passes of a circuit, then of its path, by the number of its valves, where there are passes.
     force : bool
         Whether there is a force at the tip.
     """
@@ -79,15 +110,28 @@ def lane_rows(machine: LayoutMachine, n_mass: int, n_passed: Mapping[int, int], 
 
     groups |= {name: rows(len(machine.names)) for name in _SCRATCH}
     mass = rows(n_mass)
-    passed = {c.name: rows(n_passed[len(c.functions)]) for c in machine.circuits if len(c.functions) in n_passed}
+    passed = {}
+    for c in machine.circuits:
+        n = len(c.functions)
+        if n in passes:
+            fields = [*passes[n], *(f"{word}_{i}" for i in range(n + 1) for word in ("r", "rest"))]
+            passed[c.name] = dict(zip(fields, rows(len(fields)), strict=True))
+    most = max((len(c.functions) for c in machine.circuits if len(c.functions) not in passes), default=0)
+    packed = PackedRows(
+        rows(1)[0],
+        rows(len(Pump._fields)),
+        rows(len(_BRACKET)),
+        [rows(3) for _ in range(most)],
+        rows(2 * most + len(CIRCUIT)),
+    )
     status = {c.name: rows(1)[0] for c in machine.circuits}
     pushes = rows(3) if force else []
     steps, unsettled, met = rows(3)
-    return LaneRows(groups, mass, passed, status, pushes, steps, unsettled, met, end)
+    return LaneRows(groups, mass, passed, packed, status, pushes, steps, unsettled, met, end)
 
 
 def lane_lists(
-    machine: LayoutMachine, rows: LaneRows, masses: Sequence[str], passed: Mapping[int, Sequence[str]]
+    machine: LayoutMachine, rows: LaneRows, masses: Sequence[str], passes: Mapping[int, Sequence[str]]
 ) -> dict[str, Rows]:
     """Lists of the page of lanes; P, B, R and STATUS are places of rows in the flat array of a block.
 
@@ -97,10 +141,10 @@ def lane_lists(
     rows : LaneRows
     masses : sequence of str
         Fields of the mass matrix.
-    passed : mapping
-        Fields of the passes of a circuit, by the number of its valves.
+    passes : mapping
+        As for `lane_rows`.
     """
-    place, names = columns_of(machine).place, machine.names
+    place, names, packed = columns_of(machine).place, machine.names, rows.packed
     lists: dict[str, Rows] = {
         "GROUPS": [{"G": group, "T": _kind(group)} for group in rows.groups],
         "FORCE_ROWS": [{"P": len(names) + k, "R": row * LANES} for k, row in enumerate(rows.force)],
@@ -118,16 +162,26 @@ def lane_lists(
             }
             for c in machine.circuits
         ],
+        "PUMP_ROWS": _numbered("X", Pump._fields, packed.pump),
+        "BRACKET_ROWS": _numbered("X", _BRACKET, packed.bracket),
+        "PACKED_ROWS": [{"R": row * LANES} for of in packed.valve for row in of],
         "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
-        "SHORT_CIRCUITS": [
-            {"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if len(c.functions) not in passed
-        ],
-        "LONG_CIRCUITS": [
-            {"C": c.name, "N": str(len(c.functions)), "T": f"Passed{len(c.functions)}"}
-            for c in machine.circuits
-            if len(c.functions) in passed
-        ],
     }
+    circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
+    lists["SHORT_CIRCUITS"] = [
+        {**named, "P": place[f"{c.name}.p_pump"] * LANES} for c, n, named in circuits if n not in passes
+    ]
+    lists["LONG_CIRCUITS"] = [
+        {
+            **named,
+            "T": f"Passed{n}",
+            "U": f"Path{n}",
+            "STATUS": rows.status[c.name] * LANES,
+            "STILL": rows.passed[c.name]["still"] * LANES,
+        }
+        for c, n, named in circuits
+        if n in passes
+    ]
     lists |= {
         f"ROWS_OF_{group}": [
             {"F": f.name, "P": row * LANES}
@@ -135,20 +189,74 @@ def lane_lists(
         ]
         for group, of in rows.groups.items()
     }
-    for c in machine.circuits:
-        n = len(c.functions)
-        lists[f"INLET_ROWS_OF_{c.name}"] = [
-            {"I": str(k), "R": place[f"{f}.q_in"] * LANES} for k, f in enumerate(c.functions, 1)
+    for c, n, _ in circuits:
+        valves, gaps = [str(k) for k in range(1, n + 1)], [str(k) for k in range(1, n)]
+        words = [word for word, _ in CIRCUIT]
+        found = [
+            *(place[f"{f}.q_in"] for f in c.functions),
+            *(place[gap_name(c.name, k, n)] for k in range(1, n)),
+            *(place[f"{c.name}.{word}"] for word in words),
         ]
-        lists[f"WORD_ROWS_OF_{c.name}"] = [{"W": word, "R": place[f"{c.name}.{word}"] * LANES} for word, _ in CIRCUIT]
-        lists[f"GAP_ROWS_OF_{c.name}"] = [
-            {"I": str(k), "R": place[gap_name(c.name, k, n)] * LANES} for k in range(1, n)
+        lists[f"INLET_ROWS_OF_{c.name}"] = _numbered("I", valves, found[:n])
+        lists[f"GAP_ROWS_OF_{c.name}"] = _numbered("I", gaps, found[n : 2 * n - 1])
+        lists[f"WORD_ROWS_OF_{c.name}"] = _numbered("W", words, found[2 * n - 1 :])
+        if n in passes:
+            ports = [rows.groups["seen_in"][names.index(f)] for f in c.functions]
+            lists |= _pass_lists(c.name, n, rows.passed[c.name], passes[n], ports)
+            continue
+        read = [rows.groups[group][names.index(f)] for f in c.functions for group in ("inlet", "bypass", "seen_in")]
+        packing = [row for of in packed.valve[:n] for row in of]
+        lists[f"TO_PACK_OF_{c.name}"] = _moved(read, packing)
+        lists[f"PACKED_OF_{c.name}"] = [
+            {letter: row * LANES for letter, row in zip("ABP", of, strict=True)} for of in packed.valve[:n]
         ]
-        if n in passed:
-            lists[f"PASSED_ROWS_OF_{c.name}"] = [
-                {"X": field, "R": row * LANES} for field, row in zip(passed[n], rows.passed[c.name], strict=True)
-            ]
+        lists[f"PACKED_INLETS_OF_{c.name}"] = _numbered("I", valves, packed.found[:n])
+        lists[f"PACKED_GAPS_OF_{c.name}"] = _numbered("I", gaps, packed.found[n : 2 * n - 1])
+        lists[f"PACKED_WORDS_OF_{c.name}"] = _numbered("W", words, packed.found[2 * n - 1 : 2 * n - 1 + len(words)])
+        lists[f"FROM_PACK_OF_{c.name}"] = _moved(packed.found[: len(found)], found)
     return lists
+
+
+def _pass_lists(
+    name: str, n: int, of: Mapping[str, int], fields: Sequence[str], ports: Sequence[int]
+) -> dict[str, Rows]:
+    """Lists of the passes of a circuit of n valves, whose rows `of` are named; ports are rows of pressures."""
+
+    def at(**letters: str | int) -> dict[str, str | int]:
+        return {letter: (of[row] if isinstance(row, str) else row) * LANES for letter, row in letters.items()}
+
+    def valve(i: int) -> dict[str, str | int]:
+        return at(A=f"a_{i}", P=ports[i - 1], R=f"r_{i}", S=f"rest_{i}")
+
+    def passed(i: int) -> dict[str, str | int]:
+        return at(Q=f"w_{i - 1}" if i > 1 else "q_pump", W=f"w_{i}", D=f"dw_{i}") | valve(i)
+
+    n_path, inner = 2 * n, range(1, n)
+    found: dict[str, Rows] = {
+        "MOVED_ROWS": _numbered("X", fields[: -n_path - 1], [of[x] for x in fields[: -n_path - 1]]),
+        "PATH_ROWS": _numbered("X", fields[-n_path:], [of[x] for x in fields[-n_path:]]),
+        "TANK": [at(B=f"b_{n}", R=f"r_{n}", S=f"rest_{n}")],
+        "BACKWARDS": [
+            {"I": str(i)} | at(W=f"w_{i}", B=f"b_{i}", X=f"r_{i}", Y=f"rest_{i}") | valve(i + 1)
+            for i in reversed(inner)
+        ],
+        "PUMP": [at(Q="q_pump", Y="least", E="dq", V="r_0", X="rest_0") | valve(1)],
+        "FIRST": [passed(1)],
+        "FORWARDS": [{"I": str(i)} | passed(i) for i in inner if i > 1],
+        "SETTLED": [at(Q="q_pump", E="dq", L="largest")],
+        "CHANGES": [at(D=f"dw_{i}") for i in inner],
+    }
+    return {f"{key}_OF_{name}": rows for key, rows in found.items()}
+
+
+def _numbered(letter: str, values: Sequence[str], rows: Sequence[int]) -> Rows:
+    """Values of a letter, each with its row R."""
+    return [{letter: value, "R": row * LANES} for value, row in zip(values, rows, strict=True)]
+
+
+def _moved(sources: Sequence[int], targets: Sequence[int]) -> Rows:
+    """Rows S that become rows R."""
+    return [{"S": a * LANES, "R": b * LANES} for a, b in zip(sources, targets, strict=True)]
 
 
 def _kind(group: str) -> str:

@@ -36,21 +36,23 @@ _IMPORTS = (
     "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
     "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
+    "from polydraulic.elementary import exp",
     "from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports",
     "from polydraulic.machine.joints import passes_stop, turned_joint",
     "from polydraulic.machine.pilot import PilotStep, pilot_step",
-    "from polydraulic.flow.lanes import LANES, at",
-    "from polydraulic.machine.pump import Circuit, Pump, limits",
-    "from polydraulic.machine.series_short import free_series_1, free_series_2, series_1, series_2",
+    "from polydraulic.flow.lanes import GROUP, LANES, at",
+    "from polydraulic.machine.pump import LIMIT_PASSES, Bracket, Circuit, Pump, limits, unlimited",
+    "from polydraulic.machine.series_short import limit_series_1, limit_series_2, series_1, series_1_at, series_2, series_2_at",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",
     "from polydraulic.simulation.loop import DIVERGED, FASTEST, rest_outlet",
 )
+_LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
 _EFFECT_IMPORTS = (
     "from polydraulic.machine.actuator import dry_friction, sliding_torque, viscous_torque",
     "from polydraulic.machine.play import actuator_rate, felt_torque, followed, jet, pushed_back, taken_up",
@@ -100,18 +102,20 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     lengths = sorted({len(f.valve.knots) for f in machine.functions if flow != "networks"})
     longer = sorted({len(c.functions) for c in machine.circuits if exact and len(c.functions) > 2})
     effects = _EFFECT_IMPORTS if any(f.effects.declared for f in machine.functions) else ()
-    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *(SERIES_IMPORTS if longer else ()), *effects])
+    more = (*SERIES_IMPORTS, *_LONG_IMPORTS) if longer else ()
+    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *more, *effects])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
-    passed = {n: fields_of(text, f"Passed{n}") for n, text in circuits.items()}
-    rows = lane_rows(machine, len(masses), {n: len(fields) for n, fields in passed.items()}, force)
-    lists = page_lists(machine, tip, force, flow) | lane_lists(machine, rows, masses, passed)
+    passes = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
+    rows = lane_rows(machine, len(masses), passes, force)
+    lists = page_lists(machine, tip, force, flow) | lane_lists(machine, rows, masses, passes)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
     parts = [
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
         "\n".join(imports),
         f"N_FUNCTION, N_RECORD = {len(machine.names)}, {len(columns_of(machine).columns)}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
+        f"PACKED_LANE_ROW = {rows.packed.lane * LANES}",
         expanded(first, lists),
         "Joints = Functions",
         motion,
