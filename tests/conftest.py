@@ -1,4 +1,8 @@
+import os
 import sys
+
+if "PYTEST_XDIST_WORKER" in os.environ:  # before NumPy is loaded: one worker per processor, one thread per worker
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import settings
