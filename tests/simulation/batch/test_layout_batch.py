@@ -70,7 +70,7 @@ def limited(machine, **limit):
 def test_torque_limits_in_lanes_have_the_bits_of_single_machines(name):
     """With and without limit, of power and not, in one block."""
     machine = load_machine(name)
-    start = min(0.5 * c.pump.relief for c in machine.circuits)
+    start = min(0.1 * c.pump.relief for c in machine.circuits)
     on = {"torque_limit_enabled": True, "torque_limit_start": start}
     machines = [
         limited(machine, torque_limit_enabled=False),
