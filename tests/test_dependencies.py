@@ -1,6 +1,8 @@
 """What is imported is declared, where it is used; the package itself needs no extra to be imported."""
 
 import ast
+import importlib
+import importlib.util
 import re
 import sys
 import tomllib
@@ -83,6 +85,23 @@ def test_what_is_around_the_package_imports_what_is_declared(folder, declared):
 
 def test_benchmarks_import_what_is_declared():
     assert _undeclared([name for tree in _trees("benchmarks") for name in _imports(tree)], ALL | PEERS) == []
+
+
+@pytest.mark.parametrize("folder", ["benchmarks", "examples", "tools"])
+def test_what_is_taken_from_the_package_is_there(folder):
+    """Benchmarks run for hours, and seldom: a name that has gone would stop them half-way."""
+    taken = {
+        (node.module, alias.name)
+        for tree in _trees(folder)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module.partition(".")[0] == "polydraulic"
+        for alias in node.names
+    }
+
+    def there(module, name):
+        return hasattr(importlib.import_module(module), name) or importlib.util.find_spec(f"{module}.{name}")
+
+    assert [names for names in sorted(taken) if not there(*names)] == []
 
 
 def test_every_dependency_is_used():

@@ -1,5 +1,6 @@
 import dataclasses
 
+import numba
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from polydraulic.units import to_si
 
 NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("neural", {})]
 RMS = {"polynomial": 0.01, "neural": 0.03}
+N = 2_000 if numba.config.DISABLE_JIT else 20_000  # points of the map, of which plain Python makes few in a second
 
 
 def test_pressures_beyond_training_are_reported(machine):
@@ -59,7 +61,7 @@ def test_networks_of_both_circuits_are_near_exact(machine, name, options):
     assert np.all(np.sqrt(np.mean(np.square(errors), axis=0)) < RMS[name])
 
 
-def over_the_map(machine, section, n=20_000):
+def over_the_map(machine, section, n=N):
     """Travels and pressures at random in the box of the circuits, up to relief; half of them on faces and in corners.
 
     In section D both valves of the series circuit are open, and the first still passes something on.
@@ -85,13 +87,13 @@ def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, limit, secti
     spool, p_in = over_the_map(machine, section)
     ours, true = (sample_flow(build_flow(name, machine), spool, p_in, 0.0 * p_in) for name in ("polynomial", "exact"))
     open_relief = true.p_pump >= machine.pumps.relief * (1.0 - 1e-12)
-    assert np.all(open_relief.sum(axis=0) > 200)  # of both pumps
+    assert np.all(open_relief.sum(axis=0) > 0.01 * N)  # of both pumps
     assert np.all(np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[limit, section]))
 
 
 @pytest.mark.parametrize("arrangement", ARRANGEMENTS)
 def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, arrangement):
-    spool, p_in = over_the_map(machine, "D", 2000)
+    spool, p_in = over_the_map(machine, "D", min(N // 4, 2000))
 
     def flows(name, machine, **options):
         return sample_flow(build_flow(name, machine, **options), spool, p_in, 0.0 * p_in).q_in
