@@ -7,6 +7,7 @@ import pytest
 from helpers.made_runs import small_crane
 from polydraulic import load_machine
 from polydraulic.errors import InputError
+from polydraulic.parameters.load import machine_names
 from polydraulic.plotting import draw_machine
 
 
@@ -33,6 +34,12 @@ def test_a_joint_that_slides_is_told_by_its_lengths():
     assert "1100 mm" in found
     found = texts(draw_machine(small_crane(), units="field"))
     assert "moves extension, 0 in to 43.31 in, begins at 7.874 in" in found
+
+
+def test_no_range_runs_off_the_page():
+    for name in machine_names():
+        figure = draw_machine(name)
+        assert all(text.get_window_extent().x1 <= figure.bbox.width for text in figure.texts)
 
 
 @pytest.mark.parametrize("units", ["metric", "field"])

@@ -74,10 +74,15 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     figure.text(0.02, 0.955, title, fontweight="bold", fontsize=12)
     figure.text(0.02, 0.018, _NOTE, fontsize=8.5, color="0.4")
     indent = 0.012 + 0.0062 * max(len(name) for name in drawing.names)
+    ranges = []
     for place, (name, text) in enumerate(_ranges(drawing, units)):
         row = 0.295 - 0.024 * place
         figure.text(0.715, row, name, fontsize=8.5, fontweight="bold", color=FIRST_EDGE)
-        figure.text(0.715 + indent, row, text, fontsize=8.5)
+        ranges.append(figure.text(0.715 + indent, row, text, fontsize=8.5))
+    left = 0.715 + indent
+    right = max(shown.get_window_extent().x1 for shown in ranges) / figure.bbox.width
+    for shown in ranges:
+        shown.set_fontsize(8.5 * min(1.0, (0.99 - left) / (right - left)))  # none runs off the page
     return figure
 
 
