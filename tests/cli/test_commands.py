@@ -81,9 +81,9 @@ def test_a_machine_of_any_layout_is_simulated_plotted_and_animated(call, tmp_pat
     code, _, _ = call("animate", *chosen, "--out", tmp_path / "run.html")
     assert code == 0
     assert '"group":"bucket","title":"inlet pressure","unit":"psi"' in (tmp_path / "run.html").read_text()
-    code, _, error = call("simulate", *chosen, "--flow", "iterative", "--plot", tmp_path / "other.svg")
+    code, _, error = call("simulate", *chosen, "--flow", "stiff", "--plot", tmp_path / "other.svg")
     assert code == 2
-    assert "flow 'iterative' knows the layout of 'cat215b' alone" in error
+    assert "flow 'stiff' knows the layout of 'cat215b' alone" in error
     assert not (tmp_path / "other.svg").exists()
 
 

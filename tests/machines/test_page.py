@@ -8,8 +8,10 @@ from polydraulic.parameters.layout.schema import (
     CONDUCTANCE,
     MASS,
     MOMENT,
+    OPENING,
     POINT,
     TRAVEL,
+    CrossoverValve,
     CylinderSize,
     FlowForce,
     FourBar,
@@ -53,6 +55,9 @@ def described():
     rows |= {("links", key, special.get(key, "text")) for key in LinkParameters._fields if key != "name"}
     rows |= {("functions", key, "text") for key in ("moves", "actuator")}
     rows |= {("functions", key, POINT.unit) for key in ("rod_pin", *FourBar._fields)}
+    rows |= {
+        ("crossover", key, CONDUCTANCE.unit if key == "conductance" else OPENING.unit) for key in CrossoverValve._fields
+    }
     rows |= {("circuits", key, "text") for key in SupplyCircuit._fields if key not in ("name", "pump")}
     return rows | {
         ("top", "title", "text"),
@@ -84,4 +89,13 @@ def test_no_part_of_the_schema_is_left_out():
         "initial",
         "effects",
     }
-    assert set(LayoutMachine._fields) == {"title", "gravity", "tank", "links", "functions", "circuits", "tip"}
+    assert set(LayoutMachine._fields) == {
+        "title",
+        "gravity",
+        "tank",
+        "links",
+        "functions",
+        "circuits",
+        "tip",
+        "crossovers",
+    }
