@@ -4,6 +4,7 @@ import time
 import pytest
 
 from polydraulic import terminal
+from polydraulic.simulation.trajectory import Difference
 
 
 @pytest.fixture
@@ -67,3 +68,24 @@ def test_an_error_ends_the_progress(terminals):
     terminals(True, 3.0)
     with pytest.raises(ValueError, match="mine"), terminal.progress_bar("work"):
         raise ValueError("mine")
+
+
+def test_differences_go_by_the_functions_and_circuits_of_the_machine(capsys):
+    units = {
+        "slew.angle": "rad",
+        "slew.spool": "m",
+        "reach.position": "m",
+        "reach.p_in": "Pa",
+        "arm.p_pump": "Pa",
+        "effector.distance": "m",
+    }
+    terminal.print_differences({name: Difference(unit, 1.0, 0.5, 0.1, 0.2) for name, unit in units.items()}, "metric")
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[2:]]
+    named = [(row[0], row[-1]) for row in rows if len(row) > 2]
+    assert named == [
+        ("slew.angle", "deg"),
+        ("reach.position", "mm"),
+        ("reach.p_in", "bar"),
+        ("arm.p_pump", "bar"),
+        ("tip", "mm"),
+    ]

@@ -71,13 +71,13 @@ def _bar(title: str, *, transient: bool) -> Iterator[Progress]:
 
 
 def print_differences(differences: "Mapping[str, Difference]", units: str) -> None:
-    """What a run differs by from the exact one: every link that moves, the pumps and the tip."""
+    """What a run differs by from the exact one: every function that moves, the pumps and the tip."""
     from polydraulic.display import as_shown, shown_unit
     from polydraulic.pages.text import text_table
-    from polydraulic.parameters.schema import LINKS
 
-    names = [f"{link}.{quantity}" for link in LINKS for quantity in ("angle", "rate", "q_in", "p_in")]
-    names += ["boom.p_pump", "series.p_pump", "effector.distance"]
+    parts = list(dict.fromkeys(name.partition(".")[0] for name in differences))
+    names = [f"{part}.{quantity}" for part in parts for quantity in ("angle", "position", "rate", "q_in", "p_in")]
+    names += [*(f"{part}.p_pump" for part in parts), "effector.distance"]
     rows = []
     for name in (name for name in names if name in differences):
         d = differences[name]

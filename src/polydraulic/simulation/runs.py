@@ -84,10 +84,10 @@ def simulate(
     Returns
     -------
     Table
-        In SI. ``time``; of each link that moves ``boom.voltage``, ``boom.spool``, ``boom.p_a``, ``boom.p_b``, ``boom.angle``,
-        ``boom.rate``, ``boom.q_in``, ``boom.q_out``, ``boom.p_in``, ``boom.p_out`` (of a locked one its angle alone); of
-        the circuits ``boom`` and ``series`` ``boom.q_pump``, ``boom.q_bypass``, ``boom.q_relief``, ``boom.p_pump``, and
-        between the valves of swing and stick ``series.p_between``; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
+        In SI. ``time``; of each function that moves, by its name, ``boom.voltage``, ``boom.spool``, ``boom.p_a``, ``boom.p_b``,
+        ``boom.angle`` (``position`` where it slides), ``boom.rate``, ``boom.q_in``, ``boom.q_out``, ``boom.p_in``, ``boom.p_out``
+        (of a locked one its angle alone); of each circuit ``series.q_pump``, ``series.q_bypass``, ``series.q_relief``, ``series.p_pump``, and
+        between two valves ``series.p_between``; ``effector.x``, ``effector.y``, ``effector.z``. `info` counts the steps
         that did not converge and those outside the flow model's domain, and lists the ``events`` (see `events`).
 
     Raises
