@@ -51,7 +51,10 @@ TESTED_ELSEWHERE = {
     "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
     "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
     "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
-    "identification/run_plot.py": ("identification/test_runs.py", "pictures of the runs made there"),
+    "identification/run_plot.py": (
+        "identification/test_runs.py",
+        "pictures of the runs made there, and in test_log_replay.py",
+    ),
     "machine/circuits/series_march_text.py": (
         "machine/circuits/test_series_text.py",
         "the march is held to the judge of the whole circuit",

@@ -8,10 +8,11 @@ import pytest
 from helpers.can_made import DBC, bus, write_bus
 from helpers.logs_made import MAP, healthy, write_csv
 from helpers.machine_log import machine_log
-from polydraulic.identification.log_replay import DRIVEN
+from polydraulic.identification.log_replay import driven
 from polydraulic.identification.machine_log import MEASURED
 from polydraulic.measure.bench import sensors
 from polydraulic.measure.bench.sensors import load_sensors
+from polydraulic.parameters.load import load_machine
 from polydraulic.tables import Table, write_table
 
 
@@ -42,7 +43,7 @@ def test_sensors_to_begin_with_read_all_that_a_machine_is_learnt_from_and_run_ag
     assert (tmp_path / "s.toml").read_text() == out
     read = {sensor.column for sensor in load_sensors(tmp_path / "s.toml").sensors}
     learnt = {f"{link}.{what}" for link in ("swing", "boom", "stick") for what in MEASURED}
-    assert read == learnt | set(DRIVEN)
+    assert read == learnt | set(driven(load_machine("cat215b")))
 
 
 def test_sensors_to_begin_with_explain_every_key(call):

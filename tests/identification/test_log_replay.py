@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from helpers.machine_log import changed, machine_log
+from helpers.small_crane import with_effects, write_crane
+from polydraulic import build_flow, load_machine, random_operator, simulate
 from polydraulic.errors import InputError
 from polydraulic.identification import plot_replay, replay
 from polydraulic.identification.log_replay import (
@@ -18,6 +20,8 @@ from polydraulic.identification.log_replay import (
     against_log,
     drift_rows,
     drifts,
+    driven,
+    joints_of,
     replayed,
 )
 from polydraulic.machine.linkage import end_effector
@@ -207,14 +211,14 @@ def test_rows_of_another_part_say_nothing_about_the_start():
         assert _near(time, row, own).tolist() == list(expected)
 
 
-def test_the_state_at_the_start_is_measured_and_its_rates_are_those_of_a_parabola():
+def test_the_state_at_the_start_is_measured_and_its_rates_are_those_of_a_parabola(machine):
     t = 0.02 * np.arange(40) - 0.4
     names = [f"{link}.{what}" for what in ("spool", "p_a", "p_b") for link in ("swing", "boom", "stick")]
     columns = {name: np.full(40, 1.0 + place) for place, name in enumerate(names)}
     columns["boom.spool"][20], columns["swing.p_a"][20], columns["stick.p_b"][20] = -2.0, -3.0, -4.0
     for place, link in enumerate(("swing", "boom", "stick")):
         columns[f"{link}.angle"] = place + (0.1 + place) * t + 5.0 * t**2
-    found = _state(Table({"time": t + 3.0, **columns}, {}), 20, slice(0, 40))
+    found = _state(Table({"time": t + 3.0, **columns}, {}), 20, slice(0, 40), joints_of(machine))
     assert found[:9].tolist() == [1.0, -2.0, 3.0, 0.0, 5.0, 6.0, 7.0, 8.0, 0.0]  # a pressure is none below 0
     assert found[9:] == pytest.approx([0.0, 1.0, 2.0, 0.1, 1.1, 2.1], abs=1e-9)
 
@@ -266,3 +270,104 @@ def test_a_run_that_diverges_drifts_without_bound(machine):
     assert drift_rows([Drift("boom", "rad", 0.01, 0.02, 0.5)], "si") == [
         ["boom", "0.0100 rad", "0.0200 rad", "0.5000 rad"]
     ]
+
+
+@pytest.fixture(scope="module")
+def crane(tmp_path_factory):
+    return load_machine(write_crane(tmp_path_factory.mktemp("crane")))
+
+
+def noiseless(crane, seconds=7.0):
+    """Every step of a run from when the boom, which begins out of balance, has stopped to shake: a parabola knows no shaking."""
+    run = simulate(crane, "exact", random_operator(3, seconds, functions=crane.names), dt=5e-3)
+    return some(Table({name: run[name] for name in ("time", *driven(crane))}, run.units), run["time"] >= 1.0)
+
+
+@pytest.fixture(scope="module")
+def crane_log(crane):
+    return noiseless(crane)
+
+
+@pytest.fixture(scope="module")
+def of_crane(crane, crane_log):
+    return replay(crane_log, crane, "exact", seconds=2.0)
+
+
+def test_columns_go_by_the_functions_of_the_machine(crane):
+    assert [joint[:3] for joint in joints_of(crane)] == [
+        ("slew", "slew.angle", "rad"),
+        ("lift", "lift.angle", "rad"),
+        ("extend", "extend.position", "m"),
+    ]
+    assert driven(crane)[4:8] == ["extend.voltage", "extend.position", "slew.spool", "slew.p_a"]
+
+
+def test_a_machine_of_another_layout_follows_its_own_log(of_crane):
+    assert [(d.name, d.unit) for d in of_crane.drifts] == [
+        ("slew", "rad"), ("lift", "rad"), ("extend", "m"), ("tip", "m"),
+    ]  # fmt: skip
+    assert len(of_crane.windows) == 3
+    for drift in of_crane.drifts:  # what is left is the parabola's
+        assert drift.median <= drift.largest < 0.01 * drift.moved
+    assert [row.split()[0] for row in str(of_crane).splitlines()[2:]] == ["slew", "lift", "extend", "tip"]
+    assert str(of_crane).splitlines()[4].endswith(" mm")
+    assert str(of_crane).splitlines()[3].endswith(" deg")
+
+
+@pytest.mark.parametrize(("circuit", "told"), [("main", [0, 1]), ("second", [2])])
+def test_a_machine_with_another_pump_is_told_apart_by_the_functions_of_that_pump(
+    crane, crane_log, of_crane, circuit, told
+):
+    pumps = tuple(
+        c._replace(pump=c.pump._replace(flow=0.8 * c.pump.flow)) if c.name == circuit else c for c in crane.circuits
+    )
+    found = replay(crane_log, crane._replace(circuits=pumps), "exact", seconds=2.0).drifts
+    for place in told:
+        assert found[place].largest > 10.0 * of_crane.drifts[place].largest
+        assert found[place].largest > 0.05 * found[place].moved
+
+
+def test_effects_begin_as_pressures_and_spools_suggest(crane):
+    loose = with_effects(crane, sticks=True, backlash=0.005, hysteresis=3e-4)
+    log = noiseless(loose, 5.0)
+    own, other = (replay(log, m, "exact", seconds=2.0).drifts for m in (loose, crane))
+    for drift, without in zip(own, other, strict=True):
+        assert drift.largest < 0.05 * drift.moved
+        assert drift.largest < 0.5 * without.largest
+
+
+def test_what_a_log_of_another_machine_lacks_is_named(crane, crane_log, log):
+    without = {name: values for name, values in crane_log.columns.items() if name != "extend.position"}
+    with pytest.raises(
+        InputError,
+        match=r"^table: no column 'extend.position'; a replay needs time and, of each of slew, lift, extend, voltage",
+    ):
+        replay(Table(without, crane_log.units), crane, FLOW)
+    with pytest.raises(InputError, match="'lift.angle', 'extend.voltage', 'extend.position' and 9 more; a replay"):
+        replay(log, crane, FLOW)
+    with pytest.raises(InputError, match="column 'extend.position' is in 'mm'; a machine runs in SI, this in 'm'"):
+        replay(Table(crane_log.columns, {**crane_log.units, "extend.position": "mm"}), crane, FLOW)
+
+
+def test_a_flow_model_serves_all_functions(crane, crane_log):
+    some_of_it = build_flow(FLOW, crane)._replace(served=("slew", "lift"))
+    with pytest.raises(InputError, match="flow 'iterative' has no networks for extend; train networks of their"):
+        replay(crane_log, crane, some_of_it)
+    with pytest.raises(InputError, match="no networks come with the package for 'Small crane'"):
+        replay(crane_log, crane)
+
+
+def test_the_picture_has_an_axis_of_drift_for_each_unit(of_crane):
+    figure = plot_replay(of_crane)
+    assert [axis.get_ylabel() for axis in figure.axes] == [
+        "slew angle [deg]",
+        "lift angle [deg]",
+        "extend\nposition [mm]",
+        "run - measured\n[deg]",
+        "run - measured\n[mm]",
+    ]
+    assert [len(axis.lines) for axis in figure.axes[3:]] == [6, 3]
+    window = of_crane.windows[0]
+    apart = 1e3 * (window.run - window.measured)[:, 2]
+    assert figure.axes[4].lines[0].get_ydata() == pytest.approx(apart, abs=1e-9)
+    assert figure.axes[-1].get_xlabel() == "time [s]"

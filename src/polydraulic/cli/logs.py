@@ -210,7 +210,7 @@ def replay(
     table: Annotated[
         list[str],
         typer.Argument(
-            help="Imported table with LINK.voltage, .angle, .spool, .p_a, .p_b of all links; several tables, or a pattern in quotes."
+            help="Imported table with NAME.voltage, .angle (.position where it slides), .spool, .p_a, .p_b of all functions; several tables, or a pattern in quotes."
         ),
     ],
     flow: Annotated[str, typer.Option(help="Flow model, as for simulate.")] = "polynomial",
@@ -227,16 +227,19 @@ def replay(
     """Run a machine against a log of the real one, and say how far joints and tip drift.
 
     The joysticks of the log drive the machine over windows, each restarted from the measured state; nothing else of a window
-    is read. It judges flow model and parameter set (masses, friction, lines) together, and needs no exact model.
+    is read. It judges flow model and parameter set (masses, friction, lines) together, and needs no exact model. Columns go by the functions
+    of the machine, whatever its layout.
 
     Example: `polydraulic replay later.parquet --model machine.json --plot replay.svg`
 
     - The error that the sensors alone cause, on a log of `record`: `polydraulic replay later.parquet --flow exact`
 
+    - A machine of your own: `polydraulic replay day.parquet --machine my_crane.toml --flow exact`
+
     What comes next: where joints drift apart, correct masses and friction in the parameter set, or learn from a longer log.
     """
-    from polydraulic.identification.log_replay import plot_replay, shown_windows
     from polydraulic.identification.log_replay import replay as run
+    from polydraulic.identification.run_plot import plot_replay, shown_windows
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.plotting.run_figure import picture_ending, save_figure
 

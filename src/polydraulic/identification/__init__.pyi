@@ -1,11 +1,11 @@
 from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic
 from .judging import Errors, HeldOut, OutputFit
-from .log_replay import Drift, Replay, Window, plot_replay, replay
+from .log_replay import Drift, Replay, Window, replay
 from .machine_card import Covered, machine_coverage
 from .machine_fit import MachineFit, fit_machine
 from .model_card import write_card
 from .model_check import Check, check_models
-from .run_plot import plot_runs
+from .run_plot import plot_replay, plot_runs
 from .runs import DynamicRun, ModelRuns, run_models
 from .table_fit import TableFit, fit_table
 from .validity import Validity

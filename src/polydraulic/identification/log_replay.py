@@ -7,39 +7,59 @@ flow model and parameter set (masses, friction, lines) together.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, as_shown, shown_unit, time_axis, with_unit
+from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.identification.arguments import models_of, parts_of, table_of
 from polydraulic.identification.machine_log import UNITS
+from polydraulic.machine.frames import link_frames, placed
 from polydraulic.machine.linkage import end_effector
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
-from polydraulic.parameters.load import as_excavator
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine, function_names
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
+from polydraulic.simulation.layout.columns import function_column
+from polydraulic.simulation.layout.prepare import start_from
 from polydraulic.tables import Table, began
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SECONDS = 10.0
 DRIFT_HEADS = ("joint", "median", "largest", "moved")
 COMPARED = tuple(f"{link}.{what}" for link in LINKS for what in ("voltage", "angle"))
-DRIVEN = (*COMPARED, *(f"{link}.{what}" for link in LINKS for what in ("spool", "p_a", "p_b")))
-_UNITS = UNITS | {"voltage": "V", "angle": "rad"}
+_UNITS = UNITS | {"voltage": "V", "angle": "rad", "position": "m"}
 _DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
 _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
 _ROWS_NEAR = 5
 _DECIMALS = {"deg": 2, "rad": 4, "mm": 0, "in": 1, "m": 3}
-_SHOWN = 6  # windows of the picture
-_COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5")  # of swing, boom, stick
+_NAMED = 6  # columns in an error
+
+
+class Joint(NamedTuple):
+    """Where a function's joint stands in a log.
+
+    Attributes
+    ----------
+    function : str
+    column : str
+        ``NAME.angle``, or ``NAME.position`` of a joint that slides.
+    unit : str
+        Rad or m.
+    dead_time : float, s
+        Of the pilot.
+    """
+
+    function: str
+    column: str
+    unit: str
+    dead_time: float
 
 
 class Window(NamedTuple):
@@ -49,8 +69,8 @@ class Window(NamedTuple):
     ----------
     time : (n_row,) array, s
         Of the log.
-    measured, run : (n_row, 3) array, rad
-        Angles, links in the order of `LINKS`; nan from where a run diverges.
+    measured, run : (n_row, n_function) array, rad or m
+        Positions of joints in the order of the functions; nan from where a run diverges.
     """
 
     time: np.ndarray
@@ -87,7 +107,7 @@ class Replay:
     ----------
     windows : list of Window
     drifts : list of Drift
-        Of swing, boom, stick and the tip.
+        Of each function's joint, and of the tip.
     seconds : float
         Length of a window.
     began : float, s since 1970
@@ -113,7 +133,7 @@ class Replay:
 
 def replay(
     log: Table | str | Path | Sequence[Table | str | Path],
-    machine: Machine | str | Path = "cat215b",
+    machine: Machine | LayoutMachine | str | Path = "cat215b",
     flow: str | FlowModel = "polynomial",
     *,
     models: Sequence[Model] | str | Path | None = None,
@@ -129,14 +149,17 @@ def replay(
     Parameters
     ----------
     log : Table, str, Path or sequence of them
-        Or its file: ``time`` and ``LINK.voltage``, ``LINK.angle``, ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b`` of all three links, in SI.
+        Or its file: ``time`` and ``NAME.voltage``, ``NAME.angle`` (``NAME.position`` of a joint that slides), ``NAME.spool``, ``NAME.p_a``,
+        ``NAME.p_b`` of every function, in SI.
         Of several tables, or a pattern such as ``day*.parquet``, no window crosses the end of one.
-    machine : Machine, str or Path
-        Or a parameter set by its name or file.
+    machine : Machine, LayoutMachine, str or Path
+        Or a parameter set by its name or file. What declared effects keep and no sensor reads (play, hysteresis) begins as
+        pressures and spools suggest.
     flow : str or flow model
-        As for `simulate`.
+        As for `simulate`; it must serve all functions.
     models : sequence of Model, str or Path, optional
-        Networks for the flow models ``"polynomial"`` and ``"neural"``, or their file; those of the package if not given.
+        Networks for the flow models ``"polynomial"`` and ``"neural"``, or their file; if not given those of the package, which are for the
+        layout of cat215b.
     seconds : float
         Length of a window.
     rows : (n_row,) array of bool, optional
@@ -151,22 +174,49 @@ def replay(
     ------
     InputError
         A column is missing or in another unit, times that do not rise, a window of no length, no piece of the log as long as a window,
-        or models of another flow model.
+        models of another flow model, or a flow model that does not serve all functions.
     """
     if models is not None and flow not in ("polynomial", "neural"):
         raise InputError(f"models go with the flow models 'polynomial' and 'neural', not with {flow!r}")
-    table, source = table_of(log, ["time", *DRIVEN])
-    plant = as_excavator(machine)
+    plant = as_machine(machine)
+    needed = driven(plant)
+    table, source = table_of(log, ["time"], needed)
+    if missing := [name for name in needed if name not in table.names]:
+        more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
+        raise InputError(
+            f"{source}: no column {', '.join(map(repr, missing[:_NAMED]))}{more}; a replay needs time and, of each of "
+            f"{', '.join(function_names(plant))}, voltage, angle (position of a joint that slides), spool, p_a and p_b"
+        )
     if isinstance(flow, str):
         flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
+    if isinstance(flow, LayoutFlow) and (idle := [f for f in function_names(plant) if f not in flow.served]):
+        raise InputError(
+            f"flow {flow.name!r} has no networks for {', '.join(idle)}; train networks of their circuits, too"
+        )
     windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
     if not windows:
         raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
     return Replay(windows, drifts(plant, windows), seconds, began(table))
 
 
+def joints_of(machine: Machine | LayoutMachine) -> list[Joint]:
+    """Joints of a machine's functions, in their order."""
+    if isinstance(machine, Machine):
+        return [Joint(link, f"{link}.angle", "rad", getattr(machine, link).pilot.dead_time) for link in LINKS]
+    return [
+        Joint(f.name, *function_column(machine, f.name, "angle", "rad"), f.pilot.dead_time) for f in machine.functions
+    ]
+
+
+def driven(machine: Machine | LayoutMachine) -> list[str]:
+    """Columns besides ``time`` that a machine is run against."""
+    joints = joints_of(machine)
+    compared = [name for joint in joints for name in (f"{joint.function}.voltage", joint.column)]
+    return [*compared, *(f"{joint.function}.{what}" for joint in joints for what in ("spool", "p_a", "p_b"))]
+
+
 def replayed(
-    machine: Machine,
+    machine: Machine | LayoutMachine,
     flow: str | FlowModel,
     log: Table,
     *,
@@ -175,7 +225,7 @@ def replayed(
     progress: Progress = quiet,
 ) -> list[Window]:
     """Windows of `replay`; none where no piece of the log is long enough."""
-    for name in ("time", *DRIVEN):
+    for name in ("time", *driven(machine)):
         si = _UNITS[name.split(".")[-1]]
         if len(log[name]) and log.unit(name) not in ("", si):
             raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine runs in SI, this in {si!r}")
@@ -187,42 +237,51 @@ def replayed(
     begins = _begins(time, np.ones(len(time), dtype=bool) if rows is None else rows, seconds, parts_of(log))
     if not begins:
         return []
-    n_step = round(seconds / _DT)
-    voltage, x0 = np.empty((len(begins), n_step, 3)), np.empty((len(begins), 15))
+    joints, n_step = joints_of(machine), round(seconds / _DT)
+    voltage, x0 = np.empty((len(begins), n_step, len(joints))), []
     for number, begin in enumerate(begins):
         at = time[begin] + np.arange(n_step) * _DT
         own = _part_with(parts_of(log), begin)
-        for place, link in enumerate(LINKS):
-            late = at - getattr(machine, link).pilot.dead_time
-            voltage[number, :, place] = np.interp(late, time[own], log[f"{link}.voltage"][own])
-        x0[number] = _state(log, begin, own)
-    columns = [f"{link}.angle" for link in LINKS]
+        for place, joint in enumerate(joints):
+            voltage[number, :, place] = np.interp(
+                at - joint.dead_time, time[own], log[f"{joint.function}.voltage"][own]
+            )
+        state = _state(log, begin, own, joints)
+        x0.append(start_from(machine, state) if isinstance(machine, LayoutMachine) else state)
+    columns = [joint.column for joint in joints]
     batch = simulate_batch(
-        machine, flow, voltage, dt=_DT, x0=x0, keep=["rows"], columns=columns, progress=progress
+        machine, flow, voltage, dt=_DT, x0=np.array(x0), keep=["rows"], columns=columns, progress=progress
     )  # after the dead time
     windows = []
     for number, begin in enumerate(begins):
         inside = slice(begin, int(np.searchsorted(time, time[begin] + seconds - 0.5 * _DT)))
-        angles = [np.interp(time[inside] - time[begin], batch.time, batch[name][number]) for name in columns]
-        windows.append(Window(time[inside], log.matrix(columns)[inside], np.column_stack(angles)))
+        run = [np.interp(time[inside] - time[begin], batch.time, batch[name][number]) for name in columns]
+        windows.append(Window(time[inside], log.matrix(columns)[inside], np.column_stack(run)))
     return windows
 
 
-def drifts(machine: Machine, windows: list[Window]) -> list[Drift]:
-    """How far joints (rad) and tip (m) drift in windows."""
+def drifts(machine: Machine | LayoutMachine, windows: list[Window]) -> list[Drift]:
+    """How far joints (rad, m) and tip (m) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
-    tips = [[end_effector(angles, machine.geometry) for angles in (w.measured, w.run)] for w in windows]
+    tips = [[_tips(machine, positions) for positions in (w.measured, w.run)] for w in windows]
     tip_apart = [np.linalg.norm(run - measured, axis=1).max() for measured, run in tips]
     tip_moved = [np.linalg.norm(measured - measured[0], axis=1).max() for measured, _ in tips]
     found = []
     for name, unit, far, way in [
-        *((link, "rad", np.array(apart)[:, place], np.array(moved)[:, place]) for place, link in enumerate(LINKS)),
+        *((j.function, j.unit, np.array(apart)[:, k], np.array(moved)[:, k]) for k, j in enumerate(joints_of(machine))),
         ("tip", "m", np.array(tip_apart), np.array(tip_moved)),
     ]:
         far = np.nan_to_num(far, nan=np.inf)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
+
+
+def _tips(machine: Machine | LayoutMachine, positions: np.ndarray) -> np.ndarray:
+    """Where the tip is, (n_row, 3) in m."""
+    if isinstance(machine, Machine):
+        return end_effector(positions, machine.geometry)
+    return placed(link_frames(machine, positions), *machine.tip)
 
 
 def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
@@ -261,49 +320,6 @@ def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.nd
     )
 
 
-def shown_windows(found: Replay) -> str:
-    """Which windows `plot_replay` shows, in words."""
-    n = len(found.windows)
-    return f"the first {_SHOWN} of {n} windows" if n > _SHOWN else f"all {n} windows"
-
-
-def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
-    """Measured angles of each joint, above them the runs, restarted in each window, and how far apart they are.
-
-    Parameters
-    ----------
-    found : Replay
-        Its first six windows are shown, over dates where the log has dates; the figure says of how many.
-    units : str
-        ``"metric"``, ``"field"`` or ``"si"``.
-    """
-    from matplotlib.figure import Figure
-
-    unit, label = shown_unit("rad", units), ""
-    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
-    *axes, below = figure.subplots(4, 1, sharex=True)
-    for place, (axis, link) in enumerate(zip(axes, LINKS, strict=True)):
-        for number, window in enumerate(found.windows[:_SHOWN]):
-            time, label = time_axis(window.time, found.began)
-            measured, run = (as_shown(angles[:, place], "rad", units) for angles in (window.measured, window.run))
-            names = ("measured", "run", "restarted") if number == 0 else (None, None, None)
-            axis.plot(time, measured, color="#9ec5e8", linewidth=3.5, label=names[0])
-            axis.plot(time, run, color="#e07a1f", linewidth=1.1, label=names[1])
-            axis.plot(time[:1], run[:1], "o", color="#e07a1f", markersize=4.0, label=names[2])
-            below.plot(time, run - measured, color=_COLORS[place], linewidth=0.9, label=link if number == 0 else None)
-        axis.set_ylabel(with_unit(f"{link} angle", unit))
-        axis.grid(alpha=0.3)
-    axes[0].set_title(shown_windows(found), loc="left", fontsize="medium")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
-    below.set_ylabel(f"run - measured\n[{unit}]")
-    below.grid(alpha=0.3)
-    below.legend(
-        ncols=3, fontsize="small", frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1
-    )
-    below.set_xlabel(label)
-    return figure
-
-
 def _begins(time: np.ndarray, rows: np.ndarray, seconds: float, parts: Sequence[int]) -> list[int]:
     """First rows of windows that follow each other in pieces without a long gap, each in one of the parts, numbers of rows."""
     allowed = np.flatnonzero(rows)
@@ -337,11 +353,11 @@ def _near(time: np.ndarray, row: int, own: slice) -> np.ndarray:
     return np.arange(low, high) + own.start
 
 
-def _state(log: Table, row: int, own: slice) -> np.ndarray:
-    """Measured state in a row, (15,), from rows of the part of the log that it is in."""
+def _state(log: Table, row: int, own: slice, joints: Sequence[Joint]) -> np.ndarray:
+    """Measured state in a row, (5 n_function,), from rows of the part of the log that it is in."""
     near = _near(log["time"], row, own)
     t = log["time"][near] - log["time"][row]
-    fits = [np.polyfit(t, log[f"{link}.angle"][near], 2) for link in LINKS]
-    values = [log[f"{link}.{what}"][row] for what in ("spool", "p_a", "p_b") for link in LINKS]
-    values[3:] = [max(value, 0.0) for value in values[3:]]
+    fits = [np.polyfit(t, log[joint.column][near], 2) for joint in joints]
+    values = [log[f"{joint.function}.{what}"][row] for what in ("spool", "p_a", "p_b") for joint in joints]
+    values[len(joints) :] = [max(value, 0.0) for value in values[len(joints) :]]
     return np.array([*values, *(fit[2] for fit in fits), *(fit[1] for fit in fits)])

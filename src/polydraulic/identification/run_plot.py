@@ -1,10 +1,11 @@
-"""Free runs drawn: measured and simulated over time, one panel per output."""
+"""Runs on logs drawn, of models and of machines: measured and simulated over time, one panel per output or joint."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, as_drawn, time_axis
+from polydraulic.display import DEFAULT, as_drawn, as_shown, shown_unit, time_axis, with_unit
+from polydraulic.identification.log_replay import Replay
 from polydraulic.identification.runs import DynamicRun, ModelRuns
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.shown_model import shown_model
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MEASURED, _ON_ITS_OWN = "#9ec5e8", "#e07a1f"  # as runs of the machine are drawn
-_SHOWN = 6  # runs that have a panel of their own
+_SHOWN = 6  # runs that have a panel of their own, windows of a replay
+_LABEL = 18  # letters that fit beside a panel of a joint
+_COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5", "#c98a12", "#1f8fa8", "#7a5230")  # of joints in their order, then dashed
 
 
 def plot_runs(found: ModelRuns, *, units: str = DEFAULT) -> "Figure":
@@ -56,6 +59,58 @@ def plot_separately(model: Model, run: DynamicRun) -> "Figure":
         axis.set_ylabel(as_drawn(str(model.output)), fontsize="small")
     axes[-1].set_xlabel(label)
     _legend(figure, axes[0])
+    return figure
+
+
+def shown_windows(found: Replay) -> str:
+    """Which windows `plot_replay` shows, in words."""
+    n = len(found.windows)
+    return f"the first {_SHOWN} of {n} windows" if n > _SHOWN else f"all {n} windows"
+
+
+def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
+    """Measured angles of each joint, above them the runs, restarted in each window, and how far apart they are.
+
+    Parameters
+    ----------
+    found : Replay
+        Its first six windows are shown, over dates where the log has dates; the figure says of how many.
+    units : str
+        ``"metric"``, ``"field"`` or ``"si"``.
+    """
+    from matplotlib.figure import Figure
+
+    joints = found.drifts[:-1]  # the last one is the tip's
+    kinds, label = list(dict.fromkeys(joint.unit for joint in joints)), ""
+    n, n_all = len(joints), len(joints) + len(kinds)
+    figure = Figure(figsize=(7.0, 1.5 * n_all), layout="constrained")
+    axes = figure.subplots(n_all, 1, sharex=True)
+    apart = dict(zip(kinds, axes[n:], strict=True))
+    for place, (axis, joint) in enumerate(zip(axes[:n], joints, strict=True)):
+        below, line = apart[joint.unit], "-" if place < len(_COLORS) else "--"
+        for number, window in enumerate(found.windows[:_SHOWN]):
+            time, label = time_axis(window.time, found.began)
+            measured, run = (as_shown(of[:, place], joint.unit, units) for of in (window.measured, window.run))
+            names = ("measured", "run", "restarted") if number == 0 else (None, None, None)
+            axis.plot(time, measured, color=_MEASURED, linewidth=3.5, label=names[0])
+            axis.plot(time, run, color=_ON_ITS_OWN, linewidth=1.1, label=names[1])
+            axis.plot(time[:1], run[:1], "o", color=_ON_ITS_OWN, markersize=4.0, label=names[2])
+            color, name = _COLORS[place % len(_COLORS)], joint.name if number == 0 else None
+            below.plot(time, run - measured, line, color=color, linewidth=0.9, label=name)
+        text = with_unit(
+            f"{joint.name} {'angle' if joint.unit == 'rad' else 'position'}", shown_unit(joint.unit, units)
+        )
+        axis.set_ylabel(text if len(text) <= _LABEL else text.replace(" ", "\n", 1))
+        axis.grid(alpha=0.3)
+    axes[0].set_title(shown_windows(found), loc="left", fontsize="medium")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
+    for unit, below in apart.items():
+        below.set_ylabel(f"run - measured\n[{shown_unit(unit, units)}]")
+        below.grid(alpha=0.3)
+        below.legend(
+            ncols=6, fontsize="small", frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1
+        )
+    axes[-1].set_xlabel(label)
     return figure
 
 

@@ -81,7 +81,7 @@ def as_excavator(machine: Machine | LayoutMachine | str | Path) -> Machine:
     given = f"{found.title!r}" if isinstance(machine, LayoutMachine) else f"{machine}"
     raise InputError(
         f"{given} has the functions {', '.join(found.names)}; this works for the layout of 'cat215b' alone (swing, boom and stick on "
-        "two pumps). Machines of other layouts can be checked, drawn, simulated, animated, recorded and exported"
+        "two pumps). Machines of other layouts can be checked, drawn, simulated, animated, recorded, replayed and exported"
     )
 
 

@@ -18,7 +18,7 @@ from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.schema import Friction
 from polydraulic.parameters.signals import Constant, Sine
 from polydraulic.simulation.layout.columns import columns_of
-from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.prepare import prepare_layout, start_from, start_vector
 from polydraulic.simulation.layout.text import layout_text
 
 NOTHING = FlowForce(1e20, 870.0, 0.5 * np.pi)  # jets that leave at right angles
@@ -228,3 +228,27 @@ def test_plain_python_has_the_bits_of_compiled_code(file, full, tmp_path):
     subprocess.run([sys.executable, "-c", PLAIN, str(file), str(there)], check=True, env=environment)
     run = simulate(full, "exact", random_operator(2, 2.0, functions=full.names))
     assert np.load(there).tobytes() == np.column_stack([run[name] for name in run.names]).tobytes()
+
+
+def test_a_state_that_is_measured_begins_as_a_run_does(full):
+    start, place = start_vector(full), columns_of(full).place
+    assert start_from(full, start[:15]).tolist() == start.tolist()
+    moving = start[:15].copy()
+    moving[0], moving[7], moving[12] = 2e-3, 5e6, 0.1  # slew's spool, lift's pressure at B, slew's rate
+    begun = start_from(full, moving)
+    assert begun[:15].tolist() == moving.tolist()
+    assert (begun[place["slew.driven"]], begun[place["lift.driven"]]) == (2e-3, 0.0)
+    assert begun[place["lift.gap"]] == -0.5 * full.function("lift").effects.backlash  # pushed the other way
+    assert begun[place["slew.flow_shift"]] == 0.0
+
+
+def test_a_batch_goes_on_from_states_with_what_effects_keep(full):
+    volts = np.full((40, 3), 0.7)
+    whole = simulate_batch(full, "exact", volts, keep=["rows"])
+    columns = [column.name for column in columns_of(full).columns[: columns_of(full).n_state]]
+    middle = np.array([whole[name][0, 20] for name in columns])
+    after = simulate_batch(full, "exact", volts[20:], x0=middle, keep=["rows"])
+    for name in after.names:
+        assert np.array_equal(after[name][0, 1:], whole[name][0, 21:]), name
+    with pytest.raises(InputError, match=rf"x0 has shape \(15,\): .* \({len(middle)},\)"):
+        simulate_batch(full, "exact", volts, x0=middle[:15])

@@ -124,8 +124,9 @@ def simulate_batch(
     dt : float, s
     t_end : float, s, optional
         Instead of the duration of the scenarios, which otherwise must be equal, or of the whole array.
-    x0 : (5 n_function,) or (n_machine, 5 n_function) array, optional
-        States at the start: spools, pressures at A and B, positions and rates of all functions; by default those of scenarios and machines.
+    x0 : (n_state,) or (n_machine, n_state) array, optional
+        States at the start: spools, pressures at A and B, positions and rates of all functions, then what declared effects keep (``driven``,
+        ``flow_shift``, ``gap``); by default those of scenarios and machines.
     keep : collection of str
         Of ``"rows"`` (recorded every `every` steps) and ``"range"`` (lowest and highest value over all steps). Final
         values are always kept.

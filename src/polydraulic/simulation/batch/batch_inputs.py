@@ -10,7 +10,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, layout_flow, served_links
 from polydraulic.flow.layout.model import LayoutFlow
-from polydraulic.flow.record import to_vector
+from polydraulic.flow.record import N_STATE, to_vector
 from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import initial_state
 from polydraulic.parameters.layout.adapt import adapted
@@ -21,6 +21,7 @@ from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.family import Family, family_of
+from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import check_served, step_inputs
 from polydraulic.simulation.layout.text import layout_of
@@ -53,7 +54,7 @@ class Cases(NamedTuple):
         The machines that differ.
     kind : (n,) array of int
         Kind of each case.
-    x0 : (n, 15) array
+    x0 : (n, n_state) array
     voltage : (n_signal, n_step, 3) array, V
     signal : (n,) array of int
         Which voltages each case gets.
@@ -95,7 +96,7 @@ def arrange_cases(
     functions = _functions(given)
     scenarios = _scenarios(inputs, functions)
     voltage = None if scenarios else _voltages(inputs, functions)
-    starts = None if x0 is None else _starts(x0, 5 * len(functions))
+    starts = None if x0 is None else _starts(x0, _n_state(given[0]))
     lengths = {"machines": len(given), "inputs": len(voltage) if voltage is not None else len(scenarios)}
     if starts is not None:
         lengths["initial states"] = len(starts)
@@ -204,6 +205,10 @@ def _voltages(inputs: Any, functions: Sequence[str]) -> np.ndarray:
             f"the {functions[link]} voltage in step {step} of machine {machine} is {value}; it must be finite"
         )
     return voltage
+
+
+def _n_state(machine: AnyMachine) -> int:
+    return columns_of(machine).n_state if isinstance(machine, LayoutMachine) else N_STATE
 
 
 def _starts(x0: np.ndarray, n_state: int) -> np.ndarray:

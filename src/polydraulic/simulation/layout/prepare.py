@@ -100,6 +100,32 @@ def start_vector(machine: LayoutMachine) -> np.ndarray:
     return np.array([*base, *more])
 
 
+def start_from(machine: LayoutMachine, measured: np.ndarray) -> np.ndarray:
+    """State of which sensors read spools, pressures at A and B, positions and rates; the rest is what effects need.
+
+    Spools are where their pilots drive them, nothing pushes them back yet, and an actuator with play touches where its pressures push it.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    measured : (5 n_function,) array, m, Pa, rad or m, rad/s or m/s
+        Quantity by quantity, functions in their order.
+
+    Returns
+    -------
+    (n_state,) array
+        In the order of `columns_of`.
+    """
+    spool, p_a, p_b, *_ = measured.reshape(5, len(machine.functions)).tolist()
+    more = []
+    for quantity, _ in MORE_STATE:
+        for f, travel, a, b in zip(machine.functions, spool, p_a, p_b, strict=True):
+            if has(f, quantity):
+                here = f._replace(initial=f.initial._replace(p_a=a, p_b=b))
+                more.append(travel if quantity == "driven" else _begin(here, quantity, machine))
+    return np.array([*measured, *more])
+
+
 def _begin(f: MachineFunction, quantity: str, machine: LayoutMachine) -> float:
     """Centred spools; an actuator with play touches where its pressures push it."""
     if quantity != "gap":
