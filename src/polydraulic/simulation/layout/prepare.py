@@ -1,7 +1,7 @@
 """A machine of any layout and a step size -> the named tuples of numbers that its kernels read."""
 
 from collections.abc import Collection
-from math import exp, isfinite, log1p
+from math import exp, floor, isfinite, log1p, log10
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -148,9 +148,24 @@ def flow_force_shift(f: MachineFunction, machine: LayoutMachine, dt: float) -> f
     InputError
         If a force may change faster than that at the largest pressures.
     """
+    shift, slope = _shift_and_slope(f, machine)
+    decay = exp(-dt / f.pilot.time_constant)
+    most = decay / (1.0 - decay)
+    if slope > most:
+        forced = [g for g in machine.functions if g.effects.flow_force is not None]
+        longest = min(g.pilot.time_constant * log1p(1.0 / _shift_and_slope(g, machine)[1]) for g in forced)
+        digit = 10.0 ** (floor(log10(longest)) - 1)
+        raise InputError(
+            f"functions.{f.name}.valve.flow_force: at the largest pressures the force shifts the spool by {slope:.3g} times its own motion, "
+            f"and steps of {dt:g} s can follow {most:.3g} times with this pilot; use dt = {floor(longest / digit) * digit:.2g} s "
+            "or less, which all functions can follow, or check spring_rate and the valve's curves"
+        )
+    return shift
+
+
+def _shift_and_slope(f: MachineFunction, machine: LayoutMachine) -> tuple[float, float]:
     assert f.effects.flow_force is not None
-    shift, decay = prepare_shift(f.effects.flow_force), exp(-dt / f.pilot.time_constant)
-    knots = np.array(f.valve.knots)
+    shift, knots = prepare_shift(f.effects.flow_force), np.array(f.valve.knots)
 
     def steepest(values: tuple[float, ...]) -> float:
         return float(np.abs(np.diff(values) / np.diff(knots)).max())
@@ -158,12 +173,4 @@ def flow_force_shift(f: MachineFunction, machine: LayoutMachine, dt: float) -> f
     outlet = max(steepest(f.valve.outlet_positive), steepest(f.valve.outlet_negative))
     relief = max(c.pump.relief for c in machine.circuits)  # circuits may be joined
     inside = relief - machine.tank.floor, f.line.relief - machine.tank.return_pressure
-    slope = shift * (steepest(f.valve.inlet) * inside[0] + outlet * inside[1])
-    most = decay / (1.0 - decay)
-    if slope > most:
-        raise InputError(
-            f"functions.{f.name}.valve.flow_force: at the largest pressures the force shifts the spool by {slope:.3g} times its own motion, "
-            f"and steps of {dt:g} s can follow {most:.3g} times with this pilot; use dt = {f.pilot.time_constant * log1p(1.0 / slope):.2g} s "
-            "or less, or check spring_rate and the valve's curves"
-        )
-    return shift
+    return shift, shift * (steepest(f.valve.inlet) * inside[0] + outlet * inside[1]) + 1e-300
