@@ -1,7 +1,7 @@
 """A machine of any layout and a step size -> the named tuples of numbers that its kernels read."""
 
 from collections.abc import Collection
-from math import exp, floor, isfinite, log1p, log10
+from math import exp, floor, log1p, log10
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from polydraulic.flow.layout.model import LayoutFlow, exact_layout
 from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
+from polydraulic.machine.plant import check_time_step
 from polydraulic.machine.play import prepare_shift
 from polydraulic.machine.pump import limited_pump
 from polydraulic.parameters.layout.schema import COORDINATES, Crossover, LayoutMachine, MachineFunction
@@ -56,8 +57,7 @@ def prepare_layout(
     InputError
         If `dt` is not a positive time, or a function is locked that the machine does not have.
     """
-    if not (isfinite(dt) and dt > 0.0):
-        raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
+    check_time_step(dt)
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
         raise InputError(f"locked: {unknown[0]!r} is not a function of the machine; there are {list(machine.names)}")
