@@ -18,6 +18,12 @@ def test_runs_without_steps_are_refused(t_end, every, words):
         n_steps(load_scenario("random:1:5"), 0.005, t_end, every)
 
 
+@pytest.mark.parametrize("dt", [0.0, -0.005, float("nan"), float("inf")])
+def test_a_step_must_be_a_positive_time(dt):
+    with pytest.raises(InputError, match="time step must be positive"):
+        n_steps(load_scenario("random:1:5"), dt, None)
+
+
 def test_a_raster_must_be_whole_steps_and_not_given_twice():
     with pytest.raises(InputError, match="whole number of time steps"):
         recorded_steps(0.005, 1, 0.007)

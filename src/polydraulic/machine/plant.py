@@ -43,6 +43,12 @@ class Plant(NamedTuple):
     locked: Held
 
 
+def check_time_step(dt: float) -> None:
+    """Raise InputError unless `dt` is a positive, finite time in s."""
+    if not (isfinite(dt) and dt > 0.0):
+        raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
+
+
 def prepare(machine: Machine, dt: float, locked: Collection[str] = ()) -> Plant:
     """Precompute all of a `machine` that does not change during a run.
 
@@ -58,8 +64,7 @@ def prepare(machine: Machine, dt: float, locked: Collection[str] = ()) -> Plant:
     InputError
         If `dt` is not a positive time.
     """
-    if not (isfinite(dt) and dt > 0.0):
-        raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
+    check_time_step(dt)
 
     def arm(link: Arm, direction: float) -> ArmPlant:
         return ArmPlant(

@@ -3,6 +3,7 @@
 from math import isfinite
 
 from polydraulic.errors import InputError
+from polydraulic.machine.plant import check_time_step
 from polydraulic.parameters.scenario import Scenario
 
 MOST_STEPS = 1_000_000_000  # in a run
@@ -14,8 +15,9 @@ def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) 
     Raises
     ------
     InputError
-        If there is none or more than `MOST_STEPS`, or `every` is no positive whole number.
+        If there is none or more than `MOST_STEPS`, `dt` is not a positive time, or `every` is no positive whole number.
     """
+    check_time_step(dt)
     duration = scenario.duration if t_end is None else t_end
     if not (isfinite(duration) and duration >= dt):
         raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")

@@ -50,6 +50,7 @@ def test_nothing_is_declared_by_itself(tmp_path):
         ('valve.flow_force.density = {value = 870, unit = "kg/m3", source = "made up"}\n', "", "missing key 'density' in functions.slew.valve.flow_force"),
         ('valve.flow_force.density', "valve.flow_force.thickness", "unknown key 'thickness'"),
         ('jet_angle = {value = 69', 'jet_angle = {value = 91', "slew.valve.flow_force.jet_angle = 91 deg"),
+        ("friction.sticks", "friction.stiks", "unknown key 'stiks' in functions.slew.friction; allowed here: ['coulomb', 'smoothing', 'static', 'sticks', "),
         ("friction.static = {value = 600.0", "friction.static = {value = 300.0", "slew.friction.static = 300: must be at least coulomb"),
     ],
 )  # fmt: skip

@@ -1,7 +1,7 @@
 from polydraulic import load_machine
 from polydraulic.flow.record import COLUMNS
 from polydraulic.parameters.load import load_layout
-from polydraulic.simulation.layout.columns import columns_of, gap_name
+from polydraulic.simulation.layout.columns import columns_of, fed_functions, gap_name
 
 
 def test_columns_are_named_by_functions_and_circuits_with_the_joints_units(crane):
@@ -40,3 +40,9 @@ def test_both_pumps_of_a_crossover_have_columns_and_so_has_what_passes_it(joined
     assert units["main_giving.q_cross"] == "m3/s"
     assert units["main_taking.p_between"] == "Pa"
     assert "main_giving.p_between" not in units
+
+
+def test_a_pump_feeds_its_own_functions_and_the_one_behind_its_crossover(joined_crane):
+    giving, taking = joined_crane.circuits
+    assert fed_functions(joined_crane, giving.name) == {*giving.functions, taking.functions[-1]}
+    assert fed_functions(joined_crane, taking.name) == set(taking.functions)

@@ -111,6 +111,18 @@ def test_a_flow_force_that_a_step_cannot_follow_is_refused(neutral):
         prepare_layout(soft, 1.1 * most)
 
 
+def test_the_step_that_a_flow_force_asks_for_is_followed_by_all_functions(neutral):
+    softer = changed(neutral, "extend", {"flow_force": FlowForce(2e2, 870.0, np.radians(69.0))})
+    for rate in (2e3, 3e2, 2.9e2, 2.8e2):
+        soft = changed(softer, "slew", {"flow_force": FlowForce(rate, 870.0, np.radians(69.0))})
+        with pytest.raises(InputError, match="which all functions can follow") as error:
+            prepare_layout(soft, 0.1)
+        said = float(re.search(r"use dt = (\S+) s", str(error.value))[1])
+        prepare_layout(soft, said)
+        with pytest.raises(InputError, match="flow_force"):
+            prepare_layout(soft, 1.1 * said)
+
+
 def test_what_does_not_know_an_effect_says_which(crane):
     sticky = changed(crane, "lift", {"sticks": True})
     for method in ("rk4", "rosenbrock", "reference"):

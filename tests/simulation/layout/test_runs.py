@@ -171,6 +171,18 @@ def test_the_method_that_needs_slopes_refuses_a_crossover(joined_crane):
         simulate(joined_crane, "exact", "random:1:1", method="rosenbrock")
 
 
+@pytest.mark.parametrize("method", ["semi-implicit", "reference"])
+def test_a_pump_whose_own_functions_are_locked_is_seen_while_it_feeds_another_through_a_crossover(joined_crane, method):
+    scenario = Scenario("lift", 2.0, {"lift": Constant(0.8)}, locked=joined_crane.circuit("main_giving").functions)
+    run = simulate(joined_crane, "exact", scenario, method=method)
+    assert run["main_giving.q_cross"].max() > 0.0
+    assert run["main_giving.q_pump"].min() > 0.0
+    assert ["main", "crossover opens"] in [event[1:] for event in run.info["events"]]
+    if method == "semi-implicit":
+        batch = simulate_batch(joined_crane, "exact", [scenario], keep=("rows",))
+        assert np.array_equal(batch.table(0)["main_giving.q_cross"], run["main_giving.q_cross"])
+
+
 def test_flow_models_of_valves_in_series_refuse_a_crossover(joined_crane):
     with pytest.raises(InputError, match="circuit 'main_giving' is of the kind 'crossover'"):
         simulate(joined_crane, "iterative", "random:1:1")

@@ -32,14 +32,6 @@ def read_effects(reader: Reader, data: Mapping[str, Any], where: str, slides: bo
     return Effects(sticks, backlash, hysteresis, reader.part(FlowForce, valve, "flow_force", f"{where}.valve"))
 
 
-def lacking(data: Mapping[str, Any], table: str, *keys: str) -> Mapping[str, Any]:
-    """The table of a function, where one of its parts lacks some keys."""
-    part = data.get(table)
-    if not isinstance(part, Mapping):
-        return data
-    return {**data, table: {key: value for key, value in part.items() if key not in keys}}
-
-
 def _table(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     found = data.get(key)
     return found if isinstance(found, Mapping) else {}

@@ -7,7 +7,7 @@ from typing import Any
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import read_quantity
 from polydraulic.parameters.layout.conditions import broken_layout
-from polydraulic.parameters.layout.effects import lacking, read_effects
+from polydraulic.parameters.layout.effects import read_effects
 from polydraulic.parameters.layout.names import name_trouble
 from polydraulic.parameters.layout.reader import Reader
 from polydraulic.parameters.layout.schema import (
@@ -198,8 +198,7 @@ def _function(
     drive = reader.part(_ACTUATORS[actuator], data, drive_key, where)
     pilot, line = reader.part(Pilot, data, "pilot", where), reader.part(Line, data, "line", where)
     valve = _valve(reader, data, where)
-    dry = lacking(data, "friction", "sticks")
-    friction = reader.part(SlideFriction if slides else Friction, dry, "friction", where)
+    friction = reader.part(SlideFriction if slides else Friction, data, "friction", where, ("sticks",))
     stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
     effects = read_effects(reader, data, where, slides)

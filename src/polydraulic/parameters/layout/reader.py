@@ -81,14 +81,16 @@ class Reader:
         found = self.table(data.get(key, {}), allowed, (), here)
         return {name: self.number(found, name, quantity, here) for name in allowed if name in found}
 
-    def part(self, cls: type[Tree], data: Mapping[str, Any], key: str, where: str) -> Tree | None:
-        """Return a named tuple of quantities and switches, None where one of them is wrong."""
+    def part(
+        self, cls: type[Tree], data: Mapping[str, Any], key: str, where: str, also: Collection[str] = ()
+    ) -> Tree | None:
+        """Return a named tuple of quantities and switches, None where one of them is wrong; `also` are keys that are read elsewhere."""
         here = f"{where}.{key}".lstrip(".")
         if key not in data:
             return None
         hints = get_type_hints(cls, include_extras=True)
         before = len(self.wrong)
-        found = self.table(data[key], hints, hints, here)
+        found = self.table(data[key], (*hints, *also), hints, here)
         values: dict[str, Any] = {}
         for name, hint in hints.items():
             leaf = leaf_of(hint)

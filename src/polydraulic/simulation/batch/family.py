@@ -14,7 +14,7 @@ from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import LINKS, Geometry, Machine
 from polydraulic.simulation.batch.lanes import N_ROW, P_OUT, STEPS, run_block
-from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, kept_quantities
+from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, fed_functions, kept_quantities
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.loop import run
 
@@ -90,11 +90,11 @@ def _of_layout(machine: LayoutMachine, flow: LayoutFlow, force: bool) -> Family:
                 add(f"{f}.{quantity}")
             found[f"{f}.p_in"], found[f"{f}.p_out"] = (p_in + place, "Pa"), (p_in + n + place, "Pa")
         for c in machine.circuits:
-            if set(c.functions) & set(free):
+            if fed_functions(machine, c.name) & set(free):
                 for key in circuit_keys(c, p_pump=flow.gives_pump_pressure):
                     add(key)
         for x in machine.crossovers:
-            if set(machine.circuit(x.giving).functions) & set(free):
+            if fed_functions(machine, x.giving) & set(free):
                 add(cross_name(x.giving))
         return found
 

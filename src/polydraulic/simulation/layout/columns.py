@@ -95,6 +95,12 @@ def circuit_keys(circuit: SupplyCircuit, *, p_pump: bool) -> list[str]:
     return found + ([gap_name(circuit.name, k, n) for k in range(1, n)] if p_pump else [])
 
 
+def fed_functions(machine: LayoutMachine, circuit: str) -> set[str]:
+    """Functions that a circuit's pump feeds, its own and the one behind its crossover."""
+    behind = [machine.circuit(x.taking).functions[-1] for x in machine.crossovers if x.giving == circuit]
+    return {*machine.circuit(circuit).functions, *behind}
+
+
 def cross_name(giving: str) -> str:
     """Name of the flow from a circuit through its crossover."""
     return f"{giving}.q_cross"

@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
 from polydraulic.simulation.events import MAX_EVENTS
-from polydraulic.simulation.layout.columns import cross_name
+from polydraulic.simulation.layout.columns import cross_name, fed_functions
 
 Column = Callable[[str], np.ndarray]
 
@@ -32,11 +32,11 @@ def layout_events(
         for f, ((begins, ends), holds, share) in zip(moving, alike, strict=True):
             found += _changes(f.name, begins, ends, holds, share, time)
     for c in machine.circuits:
-        if not set(c.functions) <= set(locked):
+        if not fed_functions(machine, c.name) <= set(locked):
             open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
             found += _changes(c.name, "pump relief opens", "pump relief closes", open_, None, time)
     for x in machine.crossovers:
-        if not set(machine.circuit(x.giving).functions) <= set(locked):
+        if not fed_functions(machine, x.giving) <= set(locked):
             open_ = column(cross_name(x.giving)) > 1e-12
             found += _changes(x.name, "crossover opens", "crossover closes", open_, None, time)
     found.sort(key=lambda event: event[0])

@@ -1,7 +1,7 @@
 """A machine of any layout and a step size -> the named tuples of numbers that its kernels read."""
 
 from collections.abc import Collection
-from math import exp, isfinite, log1p
+from math import exp, floor, log1p, log10
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from polydraulic.flow.layout.model import LayoutFlow, exact_layout
 from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
+from polydraulic.machine.plant import check_time_step
 from polydraulic.machine.play import prepare_shift
 from polydraulic.machine.pump import limited_pump
 from polydraulic.parameters.layout.schema import COORDINATES, Crossover, LayoutMachine, MachineFunction
@@ -56,8 +57,7 @@ def prepare_layout(
     InputError
         If `dt` is not a positive time, or a function is locked that the machine does not have.
     """
-    if not (isfinite(dt) and dt > 0.0):
-        raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
+    check_time_step(dt)
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
         raise InputError(f"locked: {unknown[0]!r} is not a function of the machine; there are {list(machine.names)}")
@@ -174,9 +174,24 @@ def flow_force_shift(f: MachineFunction, machine: LayoutMachine, dt: float) -> f
     InputError
         If a force may change faster than that at the largest pressures.
     """
+    shift, slope = _shift_and_slope(f, machine)
+    decay = exp(-dt / f.pilot.time_constant)
+    most = decay / (1.0 - decay)
+    if slope > most:
+        forced = [g for g in machine.functions if g.effects.flow_force is not None]
+        longest = min(g.pilot.time_constant * log1p(1.0 / _shift_and_slope(g, machine)[1]) for g in forced)
+        digit = 10.0 ** (floor(log10(longest)) - 1)
+        raise InputError(
+            f"functions.{f.name}.valve.flow_force: at the largest pressures the force shifts the spool by {slope:.3g} times its own motion, "
+            f"and steps of {dt:g} s can follow {most:.3g} times with this pilot; use dt = {floor(longest / digit) * digit:.2g} s "
+            "or less, which all functions can follow, or check spring_rate and the valve's curves"
+        )
+    return shift
+
+
+def _shift_and_slope(f: MachineFunction, machine: LayoutMachine) -> tuple[float, float]:
     assert f.effects.flow_force is not None
-    shift, decay = prepare_shift(f.effects.flow_force), exp(-dt / f.pilot.time_constant)
-    knots = np.array(f.valve.knots)
+    shift, knots = prepare_shift(f.effects.flow_force), np.array(f.valve.knots)
 
     def steepest(values: tuple[float, ...]) -> float:
         return float(np.abs(np.diff(values) / np.diff(knots)).max())
@@ -184,12 +199,4 @@ def flow_force_shift(f: MachineFunction, machine: LayoutMachine, dt: float) -> f
     outlet = max(steepest(f.valve.outlet_positive), steepest(f.valve.outlet_negative))
     relief = max(c.pump.relief for c in machine.circuits)  # circuits may be joined
     inside = relief - machine.tank.floor, f.line.relief - machine.tank.return_pressure
-    slope = shift * (steepest(f.valve.inlet) * inside[0] + outlet * inside[1])
-    most = decay / (1.0 - decay)
-    if slope > most:
-        raise InputError(
-            f"functions.{f.name}.valve.flow_force: at the largest pressures the force shifts the spool by {slope:.3g} times its own motion, "
-            f"and steps of {dt:g} s can follow {most:.3g} times with this pilot; use dt = {f.pilot.time_constant * log1p(1.0 / slope):.2g} s "
-            "or less, or check spring_rate and the valve's curves"
-        )
-    return shift
+    return shift, shift * (steepest(f.valve.inlet) * inside[0] + outlet * inside[1]) + 1e-300

@@ -24,6 +24,7 @@ from polydraulic.simulation.layout.columns import (
     circuit_keys,
     columns_of,
     cross_name,
+    fed_functions,
     kept_quantities,
 )
 from polydraulic.simulation.layout.energy import energy_columns
@@ -299,11 +300,11 @@ def _table(
         add(f"{f}.p_in", "Pa", np.where(forward, of["p_a"], of["p_b"]))
         add(f"{f}.p_out", "Pa", np.where(forward, of["p_b"], of["p_a"]))
     for c in machine.circuits:
-        if not set(c.functions) <= set(scenario.locked):
+        if not fed_functions(machine, c.name) <= set(scenario.locked):
             for key in circuit_keys(c, p_pump=model.gives_pump_pressure):
                 recorded(key)
     for x in machine.crossovers:
-        if not set(machine.circuit(x.giving).functions) <= set(scenario.locked):
+        if not fed_functions(machine, x.giving) <= set(scenario.locked):
             recorded(cross_name(x.giving))
     for f in scenario.locked:
         recorded(f"{f}.angle")

@@ -11,6 +11,7 @@ from polydraulic._kernel import driver
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.events import CROSSOVER_CONDITION, LINK_CONDITIONS, MAX_EVENTS, PUMP_CONDITION, EventLog
+from polydraulic.simulation.layout.columns import fed_functions
 
 N_KIND = len(LINK_CONDITIONS)
 _N_SPOOL = 2  # kinds that look at spools
@@ -113,8 +114,8 @@ def listed_events(log: EventLog, machine: LayoutMachine, locked: tuple[str, ...]
     words: list[tuple[str, tuple[str, str], set[str]]] = [
         (name, words, {name}) for words in LINK_CONDITIONS for name in machine.names
     ]
-    words += [(c.name, PUMP_CONDITION, set(c.functions)) for c in machine.circuits]
-    words += [(x.name, CROSSOVER_CONDITION, set(machine.circuit(x.giving).functions)) for x in machine.crossovers]
+    words += [(c.name, PUMP_CONDITION, fed_functions(machine, c.name)) for c in machine.circuits]
+    words += [(x.name, CROSSOVER_CONDITION, fed_functions(machine, x.giving)) for x in machine.crossovers]
     rows: list[list[Any]] = []
     for k in np.argsort(log.time[:kept], kind="stable"):
         code = int(log.code[k])
