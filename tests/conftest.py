@@ -12,7 +12,7 @@ from polydraulic import build_flow, cli, load_machine, load_scenario, simulate
 
 
 def compiled_untraced(compile_it):
-    """Compilation without the tracer of `make coverage`, which would take half as long again: nothing of the package runs in it."""
+    """Compilation without the tracer of `make coverage`, which takes a third longer: nothing of the package runs in it."""
 
     def compile_signature(dispatcher, signature):
         tracer = sys.gettrace()
