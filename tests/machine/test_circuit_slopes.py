@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
-from polydraulic.machine.pump import prepare_pump, series_circuit, single_circuit
-from polydraulic.machine.valve import orifice_slopes, orifices, prepare_valve
+from polydraulic.machine.pump import Circuit, prepare_pump, series_circuit, single_circuit
+from polydraulic.machine.valve import Orifices, orifice_slopes, orifices, prepare_valve
 
 SPOOL, PRESSURE = 1e-8, 100.0  # m, Pa; steps of differences
 
@@ -77,3 +77,15 @@ def test_slopes_of_two_valves_in_series_are_their_differences(machine, limited):
         assert_near(by[:2], spools, pump.flow / knots[-1])
         assert_near(by[2:], pressures, pump.flow / machine.pumps.relief)
     assert compared > 50
+
+
+def test_a_rounding_left_over_at_a_closed_orifice_makes_no_slope(machine):
+    """A bypass that has just closed, on a segment on which it would open, while a rounding of the other flows is left for it."""
+    pump = pump_of(machine, machine.pumps.boom_flow, False)
+    closed = Orifices(inlet=1e-6, bypass=0.0, outlet=0.0)
+    opening = Orifices(inlet=1e-4, bypass=1e-3, outlet=0.0)
+    q = pump.flow / 2.0
+    circuit = Circuit(q_pump=pump.flow, q_bypass=3e-20, q_relief=0.0, p_pump=2e7, q_stored=0.0)
+    both = series_slopes(closed._replace(bypass=1e-6), closed, opening, opening, q, q, circuit, pump)
+    alone = single_slopes(closed, opening, pump.flow, circuit, pump)
+    assert max(abs(slope) for slope in (*both, *alone)) < 1e3

@@ -13,6 +13,7 @@ from polydraulic.machine.valve import Orifices
 
 _FIRM = 1e30  # conductance of an open relief valve, m3/s/Pa
 _FAINT = 1e-40  # and of a node that nothing leaves
+_STEEPEST = 1e5  # root of a drop in Pa^0.5 that no circuit has
 
 
 class SingleSlopes(NamedTuple):
@@ -41,8 +42,8 @@ def _conductance(k: float, q: float) -> float:
 
 @kernel
 def _source(k: float, slope: float, q: float) -> float:
-    """Change of flow over the spool at the same drop."""
-    return slope * q / (k + 1e-300) if q > 0.0 else 0.0
+    """Change of flow over the spool at the same drop; none through a closed orifice, whose flow is a rounding of others."""
+    return slope * min(q / (k + 1e-300), _STEEPEST) if q > 0.0 and k > 0.0 else 0.0
 
 
 @kernel
