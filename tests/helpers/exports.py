@@ -38,18 +38,24 @@ def made() -> dict[str, list[Model]]:
 NAMES = ("single", "linear", "regions", "constant", "perceptron", "raw units", "several", "shipped")
 
 
-@st.composite
-def networks(draw) -> Network:
-    n_input = draw(st.integers(1, 3))
-    number = st.floats(-2.0, 2.0)
+def drawn_nodes(draw, n_input, coefficient) -> tuple[Node, ...]:
+    """Up to four nodes of any kind behind inputs, each on earlier slots."""
     nodes = []
     for slot in range(n_input, n_input + draw(st.integers(1, 4))):
         kind = draw(st.integers(0, 4))
         size = draw(st.integers(1, slot)) if kind >= LINEAR else kind + 1
         slots = tuple(draw(st.lists(st.integers(0, slot - 1), min_size=size, max_size=size)))
         n_term = len(terms(kind, size))
-        nodes.append(Node(kind, slots, tuple(draw(st.lists(number, min_size=n_term, max_size=n_term)))))
+        nodes.append(Node(kind, slots, tuple(draw(st.lists(coefficient, min_size=n_term, max_size=n_term)))))
+    return tuple(nodes)
+
+
+@st.composite
+def networks(draw) -> Network:
+    n_input = draw(st.integers(1, 3))
+    number = st.floats(-2.0, 2.0)
+    nodes = drawn_nodes(draw, n_input, number)
     mean = tuple(draw(st.lists(number, min_size=n_input, max_size=n_input)))
     scale = tuple(draw(st.lists(st.floats(0.5, 3.0), min_size=n_input, max_size=n_input)))
     low, high = (-1.0,) * n_input, (1.0,) * n_input
-    return Network(tuple(nodes), mean, scale, low, high, draw(number), draw(number), -50.0, 50.0)
+    return Network(nodes, mean, scale, low, high, draw(number), draw(number), -50.0, 50.0)

@@ -18,8 +18,8 @@ from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import NOT_CONVERGED, OK, Flows
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.machine.circuits.series_check import UNPROVED
+from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump
-from polydraulic.machine.series_short import Series1, Series2
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
 from polydraulic.parameters.layout.schema import LayoutMachine

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from helpers.exact import exact_output
-from helpers.exports import NAMES
+from helpers.exports import NAMES, drawn_nodes
 from helpers.float_c import float_c, ways
 from polydraulic.errors import InputError
 from polydraulic.export import bundle, to_c
@@ -18,7 +18,7 @@ from polydraulic.export.c import allowance
 from polydraulic.export.c.allowance import allowance_lines, model_allowance
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks import Model, Network, Node, Variable
-from polydraulic.networks.model.nodes import LINEAR, SIGMOID, SINGLE, terms
+from polydraulic.networks.model.nodes import LINEAR, SIGMOID, SINGLE
 from polydraulic.networks.model.partition import Split, region_of
 from polydraulic.networks.model.table import UNBOUNDED
 
@@ -63,13 +63,7 @@ coefficient = st.floats(-2.0, 2.0).filter(lambda v: v == 0.0 or abs(v) > 1e-9)
 def scaled_networks(draw):
     """Networks over domains and with outputs of any size, and of any offset."""
     n_input = draw(st.integers(1, 3))
-    nodes = []
-    for slot in range(n_input, n_input + draw(st.integers(1, 4))):
-        kind = draw(st.integers(0, 4))
-        size = draw(st.integers(1, slot)) if kind >= LINEAR else kind + 1
-        slots = tuple(draw(st.lists(st.integers(0, slot - 1), min_size=size, max_size=size)))
-        n_term = len(terms(kind, size))
-        nodes.append(Node(kind, slots, tuple(draw(st.lists(coefficient, min_size=n_term, max_size=n_term)))))
+    nodes = drawn_nodes(draw, n_input, coefficient)
     powers = [
         draw(st.integers(-20, 20)) for _ in range(n_input + 1)
     ]  # of inputs and output, whose slopes fit into a float
@@ -80,7 +74,7 @@ def scaled_networks(draw):
     y_scale = draw(st.floats(0.5, 3.0)) * 10.0 ** powers[-1]
     bounds = draw(st.sampled_from([(-UNBOUNDED, UNBOUNDED), (-3.1 * y_scale, 2.7 * y_scale), (0.0, UNBOUNDED)]))
     y_mean = y_scale * draw(st.sampled_from([0.0, 1.1, -7.3]))
-    return Network(tuple(nodes), tuple(mean), tuple(scale), low, high, y_mean, y_scale, *bounds)
+    return Network(nodes, tuple(mean), tuple(scale), low, high, y_mean, y_scale, *bounds)
 
 
 @pytest.mark.slow

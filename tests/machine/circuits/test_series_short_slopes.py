@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from polydraulic.machine.circuits.series_short import series_1, series_2
 from polydraulic.machine.circuits.series_short_slopes import series_1_slopes, series_2_slopes
 from polydraulic.machine.pump import prepare_pump
-from polydraulic.machine.series_short import series_1, series_2
 from polydraulic.machine.valve import Orifices
 
 

@@ -19,7 +19,7 @@ _IMPORTS = (
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.machine.pump import Pump",
-    "from polydraulic.machine.series_short import series_1, series_2",
+    "from polydraulic.machine.circuits.series_short import series_1, series_2",
     "from polydraulic.machine.valve import Orifices",
 )
 

@@ -22,8 +22,8 @@ from polydraulic.machine.circuits.crossover_nodes import (
     raised,
 )
 from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, UNPROVED, delivers
+from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.pump import Circuit, Pump, Single
-from polydraulic.machine.series_short import Series1, Series2
 from polydraulic.machine.valve import Orifices
 
 _STEPS = 180  # the first ones along chords, every eighth halves; from `_HALVE` on all do, down to twice the machine's precision

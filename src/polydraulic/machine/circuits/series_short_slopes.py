@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 from polydraulic._kernel import kernel
 from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
+from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.pump import Pump
-from polydraulic.machine.series_short import Series1, Series2
 from polydraulic.machine.valve import Orifices
 
 

@@ -45,7 +45,7 @@ _IMPORTS = (
     "from polydraulic.machine.pilot import PilotStep, pilot_step",
     "from polydraulic.flow.lanes import GROUP, LANES, at",
     "from polydraulic.machine.pump import LIMIT_PASSES, Bracket, Circuit, Pump, limits, unlimited",
-    "from polydraulic.machine.series_short import limit_series_1, limit_series_2, series_1, series_1_at, series_2, series_2_at",
+    "from polydraulic.machine.circuits.series_short import limit_series_1, limit_series_2, series_1, series_1_at, series_2, series_2_at",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.networks.model.table import NetworkTable",

@@ -29,7 +29,7 @@ _IMPORTS = (
     "from polydraulic.machine.circuits.series_short_slopes import Slopes1, Slopes2, series_1_slopes, series_2_slopes",
     "from polydraulic.machine.drives import drive_cylinder_slopes, drive_four_bar_slopes, drive_motor_slopes, drive_ram_slopes",
     "from polydraulic.machine.pilot import spool_target",
-    "from polydraulic.machine.series_short import Series1, Series2",
+    "from polydraulic.machine.circuits.series_short import Series1, Series2",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.simulation.events import EventLog",
     "from polydraulic.simulation.layout.methods.event_log import EventLimits, fill_flags, observe_flags",

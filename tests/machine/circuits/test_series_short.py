@@ -3,8 +3,7 @@
 import numpy as np
 
 from polydraulic.elementary import exp
-from polydraulic.machine.pump import LIMIT_PASSES, Pump, limits, series_circuit, single_circuit, unlimited
-from polydraulic.machine.series_short import (
+from polydraulic.machine.circuits.series_short import (
     limit_series_1,
     limit_series_2,
     series_1,
@@ -12,6 +11,7 @@ from polydraulic.machine.series_short import (
     series_2,
     series_2_at,
 )
+from polydraulic.machine.pump import LIMIT_PASSES, Pump, limits, series_circuit, single_circuit, unlimited
 from polydraulic.machine.valve import Orifices
 
 PUMP = Pump(2.8e-3, 3.1e7, 3e5, 2.2e7, 1.0, -0.35)
