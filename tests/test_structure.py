@@ -30,7 +30,8 @@ TESTED_ELSEWHERE = {
     "parameters/entries.py": ("parameters/test_load.py", "entries are read as parts of files"),
     "parameters/layout/conditions.py": ("parameters/layout/test_load.py", "conditions refuse files"),
     "parameters/layout/reader.py": ("parameters/layout/test_load.py", "parts are read as parts of files"),
-    "parameters/layout/schema.py": ("parameters/layout/test_load.py", "records that files become"),
+    "parameters/layout/parts.py": ("parameters/layout/test_load.py", "records that files become"),
+    "parameters/layout/schema.py": ("parameters/layout/test_values.py", "the record of a machine and its values"),
     "simulation/batch/family.py": ("simulation/batch/test_layout_batch.py", "batches of every layout"),
     "simulation/lane_blocks.py": ("simulation/batch/test_batch.py", "what batches keep"),
     "simulation/layout/events.py": (

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from polydraulic import load_machine
-from polydraulic.parameters.layout.schema import LinkParameters, Pins
+from polydraulic.parameters.layout.parts import LinkParameters, Pins
 from polydraulic.parameters.schema import Initial, Stops
 from polydraulic.tables import Table
 

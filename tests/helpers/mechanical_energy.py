@@ -6,7 +6,7 @@ import numpy as np
 
 from polydraulic.machine.frames import link_frames, vector
 from polydraulic.parameters.layout.geometry import lever
-from polydraulic.parameters.layout.schema import COORDINATES, GROUND
+from polydraulic.parameters.layout.parts import COORDINATES, GROUND
 from polydraulic.parameters.schema import SwingMotor
 
 

@@ -1,6 +1,6 @@
 """A small crane in a few lines: a slewing motor and a boom cylinder in series on one pump, a telescope on another."""
 
-from polydraulic.parameters.layout.schema import Effects
+from polydraulic.parameters.layout.parts import Effects
 
 CRANE = """
 title = "Small crane"

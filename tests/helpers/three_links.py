@@ -2,9 +2,8 @@
 
 from math import cos, sin
 
-from polydraulic.parameters.layout.schema import (
+from polydraulic.parameters.layout.parts import (
     CylinderSize,
-    LayoutMachine,
     LinkParameters,
     MachineFunction,
     Pins,
@@ -12,6 +11,7 @@ from polydraulic.parameters.layout.schema import (
     SupplyCircuit,
     ValveCurves,
 )
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 
 def as_links(machine):

@@ -8,7 +8,7 @@ import pytest
 from polydraulic.machine.hose import LineStep, Pressures
 from polydraulic.machine.pilot import PilotStep
 from polydraulic.machine.play import actuator_rate, felt_torque, followed, jet, prepare_shift, pushed_back, taken_up
-from polydraulic.parameters.layout.schema import FlowForce
+from polydraulic.parameters.layout.parts import FlowForce
 
 DT = 5e-3
 LINE = LineStep(DT / 3e-12, DT / 2e-12, 0.0, 3e7, 0.0, 3e5)

@@ -4,7 +4,7 @@ import re
 from typing import get_type_hints
 
 from helpers.pages import ROOT
-from polydraulic.parameters.layout.schema import (
+from polydraulic.parameters.layout.parts import (
     CONDUCTANCE,
     MASS,
     MOMENT,
@@ -15,7 +15,6 @@ from polydraulic.parameters.layout.schema import (
     CylinderSize,
     FlowForce,
     FourBar,
-    LayoutMachine,
     LinkParameters,
     MachineFunction,
     PumpParameters,
@@ -25,6 +24,7 @@ from polydraulic.parameters.layout.schema import (
     SupplyCircuit,
     ValveCurves,
 )
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.quantity import leaf_of
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 

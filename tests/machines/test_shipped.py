@@ -13,7 +13,8 @@ from helpers.mechanical_energy import joint_columns, joint_power, mechanical_ene
 from polydraulic import load_machine, random_operator, simulate, simulate_batch
 from polydraulic.export import export_machine, export_machine_fmu
 from polydraulic.export.machine import machine_parts
-from polydraulic.parameters.layout.schema import Effects, FlowForce, LayoutMachine
+from polydraulic.parameters.layout.parts import Effects, FlowForce
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.layout.usual import unusual
 from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import Scenario, scenario_names

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.parameters.layout.schema import LinkParameters
+from polydraulic.parameters.layout.parts import LinkParameters
 from polydraulic.plotting.travel import joint_stops
 
 

@@ -11,7 +11,7 @@ from polydraulic._kernel import kernel
 from polydraulic.elementary import SinCos
 from polydraulic.machine.actuator import Triangle, lever_arm, lever_slope, motor_displacement
 from polydraulic.parameters.layout import geometry
-from polydraulic.parameters.layout.schema import CylinderSize, FourBar, LinkParameters, MachineFunction, Pins
+from polydraulic.parameters.layout.parts import CylinderSize, FourBar, LinkParameters, MachineFunction, Pins
 from polydraulic.parameters.schema import SwingMotor
 
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import COORDINATES, GROUND, LayoutMachine, LinkParameters, Point
+from polydraulic.parameters.layout.parts import COORDINATES, GROUND, LinkParameters, Point
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 Frames = Mapping[str, tuple[np.ndarray, np.ndarray]]  # link -> (..., 3, 3) turn, (..., 3) origin in m

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.machine.hose import LineStep, Pressures
 from polydraulic.machine.pilot import PilotStep
-from polydraulic.parameters.layout.schema import FlowForce
+from polydraulic.parameters.layout.parts import FlowForce
 
 
 class LooseLine(NamedTuple):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.elementary import exp, log
 from polydraulic.machine.valve import Orifices, orifice_flow
-from polydraulic.parameters.layout.schema import PumpParameters
+from polydraulic.parameters.layout.parts import PumpParameters
 from polydraulic.parameters.schema import Machine, Pumps
 
 LIMIT_PASSES = 10

@@ -8,7 +8,7 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.parameters.layout.schema import ValveCurves
+from polydraulic.parameters.layout.parts import ValveCurves
 from polydraulic.parameters.schema import Knots, Spool, Valve
 
 

@@ -126,6 +126,8 @@ def machine_entries(source: str | Path) -> list[Entry]:
 
     def walk(tree: dict[str, Any], where: str) -> None:
         for key, item in tree.items():
+            if not isinstance(item, dict):
+                continue  # words such as a title
             if "value" in item:
                 found.append(Entry(where + key, item["value"], item.get("unit", ""), item["source"]))
             else:

@@ -51,6 +51,7 @@ class LeafKind(NamedTuple):
 
     quantity: Quantity | None
     size: int = 0  # 0: a single number
+    resizes: bool = False  # whether another value may have more or fewer of them
 
 
 def leaf_of(hint: Any) -> LeafKind | None:

@@ -1,7 +1,7 @@
 """Single values of a parameter tree, by paths such as ``boom.body.mass`` or ``spool.knots[2]``."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from functools import cache
 from typing import Any, TypeVar, get_type_hints
@@ -16,8 +16,30 @@ _PATH = re.compile(r"(?P<name>[^\[\]]+)(?:\[(?P<place>\d+)\])?")
 
 def replaced(machine: Tree, values: Mapping[str, Any]) -> Tree:
     """Return a machine with other values; see `Machine.with_values`."""
-    known, wrong = leaves_of(type(machine)), list[str]()
+    changes, wrong = checked_values(values, leaves_of(type(machine)), lambda path: _at(machine, path))
+    if not wrong:
+        found = _put(machine, changes)
+        wrong = broken_conditions(found)
+    if wrong:
+        raise InputError("a machine with these values cannot be made: " + "; ".join(wrong))
+    return found
+
+
+def checked_values(
+    values: Mapping[str, Any], known: Mapping[str, LeafKind], now: Callable[[str], Any]
+) -> tuple[dict[str, Any], list[str]]:
+    """Values by their whole paths, tables complete, and what is wrong with them.
+
+    Parameters
+    ----------
+    values : mapping from path to value in SI
+    known : mapping from path to LeafKind
+        All paths that there are.
+    now : callable
+        Gives what stands at one of these.
+    """
     changes: dict[str, Any] = {}
+    wrong: list[str] = []
     for path, value in values.items():
         match = _PATH.fullmatch(str(path))
         name = match["name"] if match else str(path)
@@ -26,24 +48,18 @@ def replaced(machine: Tree, values: Mapping[str, Any]) -> Tree:
             continue
         leaf, place = known[name], match["place"]
         if place is not None:
-            if int(place) >= leaf.size:
-                wrong.append(
-                    f"{path}: {f'the last one is {name}[{leaf.size - 1}]' if leaf.size else 'is a single value'}"
-                )
+            size = len(changes[name]) if name in changes and leaf.size else leaf.size
+            if int(place) >= size:
+                wrong.append(f"{path}: {f'the last one is {name}[{size - 1}]' if size else 'is a single value'}")
                 continue
             leaf = LeafKind(leaf.quantity)
         refusals = _refusals(str(path), value, leaf)
         wrong += refusals
         if place is not None:
-            changes.setdefault(name, list(_at(machine, name)))[int(place)] = value
+            changes.setdefault(name, list(now(name)))[int(place)] = value
         elif not refusals:
             changes[name] = list(value) if leaf.size else value
-    if not wrong:
-        found = _put(machine, changes)
-        wrong = broken_conditions(found)
-    if wrong:
-        raise InputError("a machine with these values cannot be made: " + "; ".join(wrong))
-    return found
+    return changes, wrong
 
 
 @cache
@@ -61,8 +77,8 @@ def _refusals(path: str, value: Any, leaf: LeafKind) -> list[str]:
     if leaf.quantity is None:
         return [] if isinstance(value, bool) else [f"{path} = {briefly(value)}: must be True or False"]
     if leaf.size:
-        if not _is_list(value) or len(value) != leaf.size:
-            return [f"{path} = {briefly(value)}: must be {leaf.size} numbers"]
+        if not _is_list(value) or (len(value) != leaf.size and not leaf.resizes) or len(value) == 0:
+            return [f"{path} = {briefly(value)}: must be {'a list of' if leaf.resizes else leaf.size} numbers"]
         one = LeafKind(leaf.quantity)
         return [line for i, item in enumerate(value) for line in _refusals(f"{path}[{i}]", item, one)]
     if not is_number(value):
@@ -89,6 +105,11 @@ def _at(tree: Any, path: str) -> Any:
     return tree
 
 
+def of_kind(value: Any, before: Any) -> Any:
+    """A value as what stood there before it: a float, a switch, or a tuple of floats."""
+    return tuple(map(float, value)) if isinstance(before, tuple) else type(before)(value)
+
+
 def _put(tree: Any, changes: Mapping[str, Any], where: str = "") -> Any:
     """A tree with changed values, as plain floats, tuples of them, and switches."""
     parts = []
@@ -96,7 +117,6 @@ def _put(tree: Any, changes: Mapping[str, Any], where: str = "") -> Any:
         if hasattr(part, "_fields"):
             part = _put(part, changes, f"{where}{name}.")
         elif where + name in changes:
-            value = changes[where + name]
-            part = tuple(map(float, value)) if isinstance(part, tuple) else type(part)(value)
+            part = of_kind(changes[where + name], part)
         parts.append(part)
     return type(tree)(*parts)

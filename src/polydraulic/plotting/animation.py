@@ -12,7 +12,8 @@ from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.machine.frames import vector
-from polydraulic.parameters.layout.schema import GROUND, LayoutMachine, LinkParameters
+from polydraulic.parameters.layout.parts import GROUND, LinkParameters
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.schema import Machine
 from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, DrawnMotion, Spot, motion_of, view_limits

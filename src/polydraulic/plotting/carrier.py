@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import GROUND
+from polydraulic.parameters.layout.parts import GROUND
 from polydraulic.plotting.drawing import PLANE, Outline, Spot
 
 INK, UPPER, CAB, GLASS, TRACK = "#34495e", "#e3e6ea", "#f4f6f8", "#d5e6f3", "#c9ced6"

@@ -12,7 +12,7 @@ import numpy as np
 
 from polydraulic.machine.frames import Frames, tree_frames, vector
 from polydraulic.parameters.layout.geometry import BucketLinkage, knee_at
-from polydraulic.parameters.layout.schema import LinkParameters
+from polydraulic.parameters.layout.parts import LinkParameters
 
 AT_STOP = 2e-3  # rad or m; the loop halts a joint up to a step short of its stop
 PLANE = "plane of the arm"  # what always shows the same side: x outward from the upright axis, z as of the ground

@@ -13,7 +13,8 @@ import numpy as np
 
 from polydraulic.machine.frames import vector
 from polydraulic.parameters.layout.geometry import knee_at, rocker, triangle
-from polydraulic.parameters.layout.schema import GROUND, FourBar, LayoutMachine, LinkParameters, MachineFunction, Pins
+from polydraulic.parameters.layout.parts import GROUND, FourBar, LinkParameters, MachineFunction, Pins
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.plotting.carrier import DEPTH, block, excavator_bodies, scale_of
 from polydraulic.plotting.drawing import OF_RUN, Drawing, DrawnCylinder, Follower, Outline, Spot, Travel
 from polydraulic.plotting.travel import across, joint_stops, signed_axis

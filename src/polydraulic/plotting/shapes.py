@@ -8,7 +8,7 @@ the eye alone.
 from collections.abc import Sequence
 from math import cos, pi, sin
 
-from polydraulic.parameters.layout.schema import GROUND, LinkParameters
+from polydraulic.parameters.layout.parts import GROUND, LinkParameters
 from polydraulic.parameters.schema import LINKS, Cylinder, Machine, Stops
 from polydraulic.plotting.carrier import DEPTH, excavator_bodies
 from polydraulic.plotting.drawing import OF_RUN, OPEN, Drawing, DrawnCylinder, Outline, Spot

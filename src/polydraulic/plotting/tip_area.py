@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import GROUND
+from polydraulic.parameters.layout.parts import GROUND
 from polydraulic.plotting.drawing import Drawing, motion_of, places, seen
 
 _FINE, _COARSE = 100, 500  # positions of one joint, and of all others together

@@ -6,7 +6,7 @@ from math import cos, sin
 import numpy as np
 
 from polydraulic.machine.frames import vector
-from polydraulic.parameters.layout.schema import LinkParameters
+from polydraulic.parameters.layout.parts import LinkParameters
 from polydraulic.plotting.drawing import Spot, Travel
 
 _AXES = {"x": 0, "y": 1, "z": 2}

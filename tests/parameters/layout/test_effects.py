@@ -5,7 +5,7 @@ import pytest
 from helpers.small_crane import crane_text_with_effects, write_crane
 from polydraulic import InputError, load_machine
 from polydraulic.parameters.layout.describe import described
-from polydraulic.parameters.layout.schema import Effects, FlowForce
+from polydraulic.parameters.layout.parts import Effects, FlowForce
 from polydraulic.parameters.layout.usual import unusual
 
 

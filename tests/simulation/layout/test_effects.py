@@ -13,7 +13,7 @@ import pytest
 from helpers.small_crane import crane_text_with_effects, with_effects
 from polydraulic import InputError, load_machine, simulate, simulate_batch
 from polydraulic.flow.layout.model import exact_layout
-from polydraulic.parameters.layout.schema import FlowForce
+from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.schema import Friction
 from polydraulic.parameters.signals import Constant, Sine

@@ -8,7 +8,7 @@ from helpers.trees import mujoco_model
 from polydraulic import InputError, load_machine, simulate
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.geometry import knee_at, lever, rocker
-from polydraulic.parameters.layout.schema import FourBar, Pins
+from polydraulic.parameters.layout.parts import FourBar, Pins
 from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.schema import Friction

@@ -13,7 +13,7 @@ from polydraulic.machine.circuits.series_check import UNPROVED
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.circuits.wording import each
 from polydraulic.machine.pump import Pump
-from polydraulic.parameters.layout.schema import ValveCurves
+from polydraulic.parameters.layout.parts import ValveCurves
 
 _IMPORTS = (
     "import numpy as np",

@@ -8,7 +8,8 @@ from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.flow.layout.slots import passed
 from polydraulic.machine.pump import NEVER, limited_pump
-from polydraulic.parameters.layout.schema import LayoutMachine, SupplyCircuit, ValveCurves
+from polydraulic.parameters.layout.parts import SupplyCircuit, ValveCurves
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_layout
 from polydraulic.tables import Table
 

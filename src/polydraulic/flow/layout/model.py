@@ -3,7 +3,8 @@
 from typing import Any, NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.layout.schema import MOST_IN_SERIES, LayoutMachine
+from polydraulic.parameters.layout.parts import MOST_IN_SERIES
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 
 class LayoutFlow(NamedTuple):

@@ -20,7 +20,8 @@ from polydraulic.flow.network_slots import Place, choose_model, k_in
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.table import Network, work_size
-from polydraulic.parameters.layout.schema import LayoutMachine, SupplyCircuit
+from polydraulic.parameters.layout.parts import SupplyCircuit
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 
 def layout_networks(

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from polydraulic.flow.network_slots import LIMITED, RELIEF, Place, p_in, q_in, travel
 from polydraulic.networks.model.model import Variable
-from polydraulic.parameters.layout.schema import SupplyCircuit
+from polydraulic.parameters.layout.parts import SupplyCircuit
 
 
 def passed(circuit: SupplyCircuit, place: int, mode: str = "") -> Variable:

@@ -21,7 +21,8 @@ from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.regions.learn_from import learn_from
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction, SupplyCircuit
+from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_layout
 from polydraulic.progress import Progress, quiet
 

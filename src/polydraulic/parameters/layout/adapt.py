@@ -6,7 +6,8 @@ from polydraulic.errors import InputError
 from polydraulic.parameters.entries import build
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.layout.conditions import broken_layout
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction, SlideInitial
+from polydraulic.parameters.layout.parts import MachineFunction, SlideInitial
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.schema import Initial
 

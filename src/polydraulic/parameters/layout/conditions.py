@@ -1,17 +1,19 @@
 """Conditions between several numbers of a machine of any layout."""
 
 import itertools
+from collections.abc import Mapping, Sequence
 from math import pi
+from typing import Any
 
 from polydraulic import display
 from polydraulic.parameters.layout.geometry import is_plane, lever
-from polydraulic.parameters.layout.schema import FourBar, LayoutMachine, LinkParameters, MachineFunction
+from polydraulic.parameters.layout.parts import FEWEST_KNOTS, MOST_KNOTS, FourBar, LinkParameters, MachineFunction
 
 _ANGLES = 65  # over the range of a joint, for what must hold everywhere in it
 
 
-def broken_layout(machine: LayoutMachine) -> list[str]:
-    """Say which conditions a machine does not meet; each number by itself lies in its range."""
+def broken_layout(machine: Any) -> list[str]:
+    """Say which conditions a `LayoutMachine` does not meet; each number by itself lies in its range."""
     broken: list[str] = []
     for link in machine.links:
         broken += _inertia(link)
@@ -32,6 +34,26 @@ def broken_layout(machine: LayoutMachine) -> list[str]:
             )
     if not any(link.mass > 0.0 for link in machine.links):
         broken.append("links: all masses are 0; give at least the last link of each arm a mass")
+    return broken
+
+
+def unequal_tables(where: str, tables: Mapping[str, Sequence[float]]) -> list[str]:
+    """Say which tables of a valve have not one number for each of a possible number of knots.
+
+    Parameters
+    ----------
+    where : str
+        Path of the valve.
+    tables : mapping
+        The knots first, under ``knots``, then all that is given at them.
+    """
+    count = len(tables["knots"])
+    broken = []
+    if not FEWEST_KNOTS <= count <= MOST_KNOTS:
+        broken.append(f"{where}.knots: {count} numbers; must be {FEWEST_KNOTS} to {MOST_KNOTS}")
+    for key, values in tables.items():
+        if len(values) != count:
+            broken.append(f"{where}.{key}: {len(values)} numbers for {count} knots; must be as many")
     return broken
 
 
@@ -56,7 +78,7 @@ def _inertia(link: LinkParameters) -> list[str]:
     return []
 
 
-def _function(f: MachineFunction, link: LinkParameters, machine: LayoutMachine) -> list[str]:
+def _function(f: MachineFunction, link: LinkParameters, machine: Any) -> list[str]:
     where, broken = f"functions.{f.name}", []
 
     def require(good: bool, what: str, allowed: str) -> None:

@@ -4,7 +4,8 @@ from math import pi
 
 from polydraulic.display import amount
 from polydraulic.parameters.layout.geometry import lever
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 _ACTUATORS = {
     "motor": "a motor",

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from polydraulic.parameters.entries import read_switch
+from polydraulic.parameters.layout.parts import TRAVEL, TURN, Effects, FlowForce
 from polydraulic.parameters.layout.reader import Reader
-from polydraulic.parameters.layout.schema import TRAVEL, TURN, Effects, FlowForce
 
 
 def read_effects(reader: Reader, data: Mapping[str, Any], where: str, slides: bool) -> Effects:

@@ -7,7 +7,7 @@ the first towards the second; (u, v) are coordinates along them, from the joint.
 from math import atan2, cos, hypot, pi, sin, sqrt
 from typing import NamedTuple
 
-from polydraulic.parameters.layout.schema import FourBar, LinkParameters, MachineFunction, Pins, Point
+from polydraulic.parameters.layout.parts import FourBar, LinkParameters, MachineFunction, Pins, Point
 
 _ACROSS = {"x": ("y", "z"), "y": ("z", "x"), "z": ("x", "y")}
 

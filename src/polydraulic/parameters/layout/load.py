@@ -6,15 +6,14 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import read_quantity
-from polydraulic.parameters.layout.conditions import broken_layout
+from polydraulic.parameters.layout.conditions import broken_layout, unequal_tables
 from polydraulic.parameters.layout.effects import read_effects
 from polydraulic.parameters.layout.names import name_trouble
-from polydraulic.parameters.layout.reader import Reader
-from polydraulic.parameters.layout.schema import (
+from polydraulic.parameters.layout.parts import (
     AXES,
     CONDUCTANCE,
     COORDINATES,
-    FEWEST_KNOTS,
+    GRAVITY,
     GROUND,
     JOINTS,
     MASS,
@@ -22,7 +21,6 @@ from polydraulic.parameters.layout.schema import (
     MOMENTS,
     MOST_FUNCTIONS,
     MOST_IN_SERIES,
-    MOST_KNOTS,
     MOST_LINKS,
     OPENING,
     POINT,
@@ -31,7 +29,6 @@ from polydraulic.parameters.layout.schema import (
     CrossoverValve,
     CylinderSize,
     FourBar,
-    LayoutMachine,
     LinkParameters,
     MachineFunction,
     Pins,
@@ -43,7 +40,8 @@ from polydraulic.parameters.layout.schema import (
     SupplyCircuit,
     ValveCurves,
 )
-from polydraulic.parameters.quantity import Quantity
+from polydraulic.parameters.layout.reader import Reader
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import Friction, Initial, Line, Pilot, Stops, SwingMotor, Tank
 
 CIRCUIT_KINDS = {
@@ -78,11 +76,7 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     top = reader.table(data, _SECTIONS, _SECTIONS, "")
     reader.require(isinstance(top.get("title", ""), str), f"title = {top.get('title')!r}: must be a string")
     gravity = reader.tried(
-        lambda: (
-            read_quantity(top["gravity"], Quantity("m/s2", low=0.0, high=30.0), "gravity", path)
-            if "gravity" in top
-            else 0.0
-        ),
+        lambda: read_quantity(top["gravity"], GRAVITY, "gravity", path) if "gravity" in top else 0.0,
         0.0,
     )
     tank = reader.part(Tank, top, "tank", "")
@@ -226,12 +220,7 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves |
     curves = [reader.numbers(found, key, CONDUCTANCE, where) for key in _CURVES]
     if len(reader.wrong) > before:
         return None
-    enough = FEWEST_KNOTS <= len(knots) <= MOST_KNOTS
-    reader.require(enough, f"{where}.knots: {len(knots)} numbers; must be {FEWEST_KNOTS} to {MOST_KNOTS}")
-    for key, curve in zip(_CURVES, curves, strict=True):
-        reader.require(
-            len(curve) == len(knots), f"{where}.{key}: {len(curve)} numbers for {len(knots)} knots; must be as many"
-        )
+    reader.wrong += unequal_tables(where, {"knots": knots, **dict(zip(_CURVES, curves, strict=True))})
     return ValveCurves(knots, *curves) if len(reader.wrong) == before else None
 
 

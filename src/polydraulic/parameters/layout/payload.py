@@ -4,7 +4,8 @@ from itertools import combinations
 
 import numpy as np
 
-from polydraulic.parameters.layout.schema import COORDINATES, LayoutMachine, LinkParameters, Point
+from polydraulic.parameters.layout.parts import COORDINATES, LinkParameters, Point
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 
 def with_payload(machine: LayoutMachine, mass: float) -> LayoutMachine:

@@ -1,255 +1,11 @@
-"""What a machine of any layout consists of: every parameter with its SI unit and the range it may lie in, declared once.
+"""A machine of any layout: links, functions and circuits as one, and other values in their places."""
 
-Links form a tree, a function moves one link through an actuator, a circuit is a pump with the valves of its functions in their order.
-"""
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
-from collections.abc import Mapping
-from typing import Annotated, NamedTuple
-
-from polydraulic.parameters.quantity import Quantity
-from polydraulic.parameters.schema import (
-    Coordinate,
-    Flow,
-    Friction,
-    Initial,
-    Length,
-    Line,
-    Pilot,
-    PositivePressure,
-    Pressure,
-    Stops,
-    SwingMotor,
-    Tank,
-)
-
-MOST_LINKS, MOST_FUNCTIONS, MOST_IN_SERIES = 12, 12, 6
-FEWEST_KNOTS, MOST_KNOTS = 2, 16
-GROUND = "ground"
-AXES = ("x", "y", "z", "-x", "-y", "-z")
-COORDINATES = ("x", "y", "z")
-MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
-JOINTS = ("revolute", "prismatic")
-
-Point = Mapping[str, float]  # coordinates that the file declares, m; the others are zero whatever the numbers are
-
-POINT = Quantity("m")
-MASS = Quantity("kg", low=0.0)
-MOMENT = Quantity("kg m2")
-CONDUCTANCE = Quantity("m3/s/Pa^0.5", low=0.0)
-OPENING = Quantity("Pa", low=0.0)
-TRAVEL = Quantity("m", low=0.0)
-TURN = Quantity("rad", low=0.0)
-
-
-class LinkParameters(NamedTuple):
-    """A rigid body behind a joint.
-
-    Attributes
-    ----------
-    name, parent : str
-        `parent` is another link or ``ground``.
-    joint : str
-        ``revolute`` or ``prismatic``.
-    axis : str
-        Of the joint, one of `AXES`, in the parent's frame; all frames are parallel while the joints are at zero.
-    at : Point
-        Of the joint, in the parent's frame.
-    mass : float, kg
-    cg : Point
-        In the link's frame, whose origin is the joint.
-    inertia : mapping from one of `MOMENTS` to kg m2
-        About the centre of gravity, along the axes of the link's frame.
-    """
-
-    name: str
-    parent: str
-    joint: str
-    axis: str
-    at: Point
-    mass: float
-    cg: Point
-    inertia: Mapping[str, float]
-
-
-class CylinderSize(NamedTuple):
-    """Equal cylinders between a pin on the parent link and one on the link that is moved."""
-
-    number: Annotated[float, Quantity("1", low=1.0, high=12.0)]
-    bore: Length
-    rod: Length
-
-
-class Pins(NamedTuple):
-    """Where a cylinder is held: `base` in the parent's frame, `rod` in the moved link's."""
-
-    base: Point
-    rod: Point
-
-
-class FourBar(NamedTuple):
-    """A bucket's linkage: the cylinder turns a rocker about `hinge`, and a coupler takes the link along.
-
-    `base` (of the cylinder) and `hinge` lie in the parent's frame, `pin` in the moved link's; `knee` says where rocker, coupler and
-    rod meet while the joint is at zero, in the parent's frame.
-    """
-
-    base: Point
-    hinge: Point
-    knee: Point
-    pin: Point
-
-
-class ValveCurves(NamedTuple):
-    """Orifice conductances K a over the spool's travel, linear between the knots: Q = K a sqrt(drop)."""
-
-    knots: tuple[float, ...]  # m
-    inlet: tuple[float, ...]  # m3/s/Pa^0.5
-    bypass: tuple[float, ...]
-    outlet_positive: tuple[float, ...]
-    outlet_negative: tuple[float, ...]
-
-
-class SlideFriction(NamedTuple):
-    """`Friction` of a prismatic joint: forces instead of torques."""
-
-    coulomb: Annotated[float, Quantity("N", low=0.0)]
-    static: Annotated[float, Quantity("N", low=0.0)]
-    viscous: Annotated[float, Quantity("N s/m", low=0.0)]
-    smoothing: Annotated[float, Quantity("m/s", above=0.0)]
-    stribeck: Annotated[float, Quantity("m/s", above=0.0)]
-
-
-class SlideStops(NamedTuple):
-    """Inelastic end stops of a prismatic joint."""
-
-    low: Coordinate
-    high: Coordinate
-
-
-class SlideInitial(NamedTuple):
-    """State of a prismatic joint at the start; spools are centred and joints at rest."""
-
-    position: Coordinate
-    p_a: Pressure
-    p_b: Pressure
-
-
-class FlowForce(NamedTuple):
-    """What the oil's jets push a spool back with, against its spring: force sqrt(2 density) cos(jet_angle) K a dp at inlet and outlet."""
-
-    spring_rate: Annotated[float, Quantity("N/m", above=0.0)]
-    density: Annotated[float, Quantity("kg/m3", above=0.0)]
-    jet_angle: Annotated[float, Quantity("rad", low=0.0, high=1.5707963267948966)]
-
-
-class Effects(NamedTuple):
-    """Effects that a function has only if the file declares them; those that it does not declare cost nothing.
-
-    Attributes
-    ----------
-    sticks : bool
-        Whether dry friction holds the joint at rest, instead of being smoothed.
-    backlash : float or None, rad or m
-        How far the joint can move while its actuator stands.
-    hysteresis : float or None, m
-        How far the pilot drives the spool back before the orifices follow.
-    flow_force : FlowForce or None
-    """
-
-    sticks: bool = False
-    backlash: float | None = None
-    hysteresis: float | None = None
-    flow_force: FlowForce | None = None
-
-    @property
-    def declared(self) -> tuple[str, ...]:
-        """Keys of those that are declared, as in a file below the function."""
-        keys = ("friction.sticks", "backlash", "valve.hysteresis", "valve.flow_force")
-        return tuple(key for key, value in zip(keys, self, strict=True) if value is not None and value is not False)
-
-
-class MachineFunction(NamedTuple):
-    """What an operator moves with one lever.
-
-    Attributes
-    ----------
-    name : str
-    moves : str
-        The link.
-    actuator : str
-        ``motor``, ``cylinder``, ``four_bar`` or ``ram`` (a cylinder along a prismatic joint).
-    drive : SwingMotor or CylinderSize
-        Sizes of the actuator.
-    pins : Pins, FourBar or None
-        Where it is held.
-    pilot, valve, line, friction, stops, initial
-        `Friction`, `Stops` and `Initial` hold N, N s/m, m/s and m for a prismatic joint.
-    effects : Effects
-    """
-
-    name: str
-    moves: str
-    actuator: str
-    drive: SwingMotor | CylinderSize
-    pins: Pins | FourBar | None
-    pilot: Pilot
-    valve: ValveCurves
-    line: Line
-    friction: Friction
-    stops: Stops
-    initial: Initial
-    effects: Effects = Effects()
-
-
-class PumpParameters(NamedTuple):
-    """Flow of a pump, its relief valve and torque limit: above `torque_limit_start` Q = flow (start / P)^exponent."""
-
-    flow: Flow
-    relief: PositivePressure
-    torque_limit_enabled: bool
-    torque_limit_start: PositivePressure
-    torque_limit_exponent: Annotated[float, Quantity("1", above=0.0, high=2.0)]
-
-
-class SupplyCircuit(NamedTuple):
-    """A pump and the valves that it feeds: the flow that passes a valve's bypass reaches the next one.
-
-    The two pumps of a circuit with crossover are a circuit each, called ``NAME_giving`` and ``NAME_taking``.
-    """
-
-    name: str
-    kind: str
-    functions: tuple[str, ...]
-    pump: PumpParameters
-
-    @property
-    def pump_path(self) -> str:
-        """Where the numbers of its pump stand in a file."""
-        name, _, part = self.name.rpartition("_") if self.kind == "crossover" else (self.name, "", "pump")
-        return f"circuits.{name}.{part}"
-
-
-class CrossoverValve(NamedTuple):
-    """An orifice behind a check valve: Q = conductance sqrt(drop - opening_pressure), and nothing back.
-
-    Attributes
-    ----------
-    conductance : tuple of float, m3/s/Pa^0.5
-        At the knots of the valve that it feeds, whose spool opens it.
-    opening_pressure : float, Pa
-    """
-
-    conductance: tuple[float, ...]
-    opening_pressure: float
-
-
-class Crossover(NamedTuple):
-    """From the pump of one circuit to the node before the last valve of another one."""
-
-    name: str
-    giving: str
-    taking: str
-    valve: CrossoverValve
+from polydraulic.parameters.layout.parts import Crossover, LinkParameters, MachineFunction, Point, SupplyCircuit
+from polydraulic.parameters.layout.values import MachineNumber, numbers_of, replaced_layout
+from polydraulic.parameters.schema import Tank
 
 
 class LayoutMachine(NamedTuple):
@@ -280,3 +36,36 @@ class LayoutMachine(NamedTuple):
     def names(self) -> tuple[str, ...]:
         """Names of the functions, in their order."""
         return tuple(f.name for f in self.functions)
+
+    @property
+    def numbers(self) -> tuple[MachineNumber, ...]:
+        """Every number of the machine: its path, value in SI, unit and range, in the order of the parts."""
+        return numbers_of(self)
+
+    def with_values(self, values: Mapping[str, float | bool | Sequence[float]]) -> "LayoutMachine":
+        """Return a copy with other values.
+
+        Parameters
+        ----------
+        values : mapping from path to value in SI
+            Paths are those of a machine file: ``links.boom.mass``, ``circuits.main.pump.flow``. A table,
+            ``functions.boom.valve.inlet``, takes all its numbers, and may have more or fewer than before if all tables of the valve
+            have as many; ``functions.boom.valve.inlet[3]`` is one of them. Values are put in their places in the order of the mapping.
+
+        Returns
+        -------
+        LayoutMachine
+
+        Raises
+        ------
+        InputError
+            Unknown paths, values out of their range, values that do not go together: all of them in one message.
+
+        Examples
+        --------
+        >>> from polydraulic import load_machine
+        >>> heavy = load_machine("wheel_loader").with_values({"links.bucket.mass": 900, "gravity": 9.79})
+        >>> heavy.link("bucket").mass, heavy.gravity
+        (900.0, 9.79)
+        """
+        return replaced_layout(self, values)

@@ -5,7 +5,8 @@ from math import sqrt
 from typing import NamedTuple
 
 from polydraulic.display import amount
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import SwingMotor
 
 

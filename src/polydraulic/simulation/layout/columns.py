@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.flow.record import Column
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction, SupplyCircuit
+from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 STATE = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 MORE_STATE = (("driven", "m"), ("flow_shift", "m"), ("gap", "rad"))  # of functions that declare what needs them

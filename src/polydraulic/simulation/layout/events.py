@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from polydraulic.machine.valve import spool_edges
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import cross_name, fed_functions
 

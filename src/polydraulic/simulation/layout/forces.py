@@ -13,15 +13,8 @@ import numpy as np
 from polydraulic.machine.drives import Motor
 from polydraulic.machine.frames import Frames, link_frames, placed, vector
 from polydraulic.parameters.layout.geometry import knee_at, rocker
-from polydraulic.parameters.layout.schema import (
-    COORDINATES,
-    GROUND,
-    FourBar,
-    LayoutMachine,
-    LinkParameters,
-    MachineFunction,
-    Pins,
-)
+from polydraulic.parameters.layout.parts import COORDINATES, GROUND, FourBar, LinkParameters, MachineFunction, Pins
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import AddedColumn, Columns
 
 _ACROSS = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}

@@ -15,7 +15,8 @@ from polydraulic.machine.pilot import prepare_pilot
 from polydraulic.machine.plant import check_time_step
 from polydraulic.machine.play import prepare_shift
 from polydraulic.machine.pump import limited_pump
-from polydraulic.parameters.layout.schema import COORDINATES, Crossover, LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.parts import COORDINATES, Crossover, MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import MORE_STATE, has
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of

@@ -1,7 +1,8 @@
 """A machine's links as the equations of motion want them: named by the functions that move them."""
 
 from polydraulic.machine.tree.links import Link
-from polydraulic.parameters.layout.schema import GROUND, LayoutMachine
+from polydraulic.parameters.layout.parts import GROUND
+from polydraulic.parameters.layout.schema import LayoutMachine
 
 
 def function_of(machine: LayoutMachine, link: str) -> str:
