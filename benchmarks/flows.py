@@ -7,12 +7,12 @@ come with the package; no scenario took part in their training.
 import argparse
 
 import numpy as np
+from polydraulic.flow.sample import sample_flow
 
 from polydraulic import build_flow, compare, load_machine, load_scenario, random_operator, simulate
 from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.flow.sample import sample_flow
-from polydraulic.parameters.schema import LINKS
+from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
 from polydraulic.thesis.timing import PAIRS, time_runs
 from show import table
 
@@ -38,17 +38,17 @@ def distance(machine, flow, scenario, exact):
 
 def map_errors(machine, model, n=20000):
     """Root mean square and largest error of the input flows over spools and line pressures, % of the pump's flow."""
-    rng, travel = np.random.default_rng(0), machine.spool.knots[-1]
-    highest = [min(getattr(machine, link).line.relief, machine.pumps.relief) for link in LINKS]
+    rng, travel = np.random.default_rng(0), spool_of(machine).end
+    highest = [min(machine.function(link).line.relief, pump_of(machine, "boom").relief) for link in LINKS]
     spool, p_in = rng.uniform(-travel, travel, (n, 3)), rng.uniform(0.0, highest, (n, 3))
     ours, true = (sample_flow(one, spool, p_in, p_in).q_in for one in (model, build_flow("exact", machine)))
-    error = 100.0 * (ours - true) / machine.pumps.series_flow
+    error = 100.0 * (ours - true) / pump_of(machine, "series").flow
     return np.sqrt(np.mean(error**2, axis=0)), np.abs(error).max(axis=0)
 
 
 def torque_limit(machine):
     """Networks with and without those of the limit, on pumps that have one."""
-    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    limited = with_pumps(machine, torque_limit_enabled=True)
     models = {
         "cascade, with those of the limit": build_flow("polynomial", limited),
         "direct, with those of the limit": build_flow("polynomial", limited, arrangement="direct"),

@@ -15,17 +15,17 @@ from pathlib import Path
 from shutil import which
 
 import numpy as np
+from polydraulic.simulation.loop import run
 
 from machine_c import LOOP
 from polydraulic import load_machine
 from polydraulic.export import export_machine
-from polydraulic.parameters.load import function_names, machine_names
+from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import random_operator
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import step_inputs
-from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.thesis.timing import paired_times
 from show import left_out, show
@@ -36,10 +36,10 @@ FREE = " without torque limit"
 FIRST = """
 import time
 from polydraulic import load_machine, simulate, simulate_batch
-from polydraulic.parameters.load import function_names
+
 from polydraulic.parameters.scenario import random_operator
 machine = load_machine({name!r})
-scenario = random_operator(1, 0.1, functions=function_names(machine))
+scenario = random_operator(1, 0.1, functions=machine.names)
 begun = time.process_time()
 simulate(machine, "exact", scenario)
 print(time.process_time() - begun)
@@ -76,7 +76,7 @@ def single(name):
     """A run of one machine: the sum of its last row."""
     if name == "cat215b":
         machine = load_machine(name)
-        scenario = random_operator(1, SECONDS, functions=function_names(machine))
+        scenario = random_operator(1, SECONDS, functions=machine.names)
         arranged = arrange(machine, "exact", scenario, dt=DT)
         return lambda: (run(*arranged), arranged.rows[-1].sum())[1]
     loop, arguments, rows = arranged_layout(name)
@@ -107,7 +107,7 @@ def in_c(name, folder):
 def lanes(name):
     """A batch of machines on one thread: the sum of all that is kept."""
     machine = machine_of(name)
-    n, rng = len(function_names(machine)), np.random.default_rng(0)
+    n, rng = len(machine.names), np.random.default_rng(0)
     voltage = np.repeat(rng.uniform(-0.8, 0.8, (MACHINES, STEPS // 200, n)), 200, axis=1)
     return lambda: simulate_batch(machine, "exact", voltage, dt=DT, threads=1).final.sum()
 

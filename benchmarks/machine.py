@@ -12,20 +12,21 @@ from time import perf_counter, process_time
 import llvmlite.binding as llvm
 import numba
 import numpy as np
+from polydraulic.machine.plant import prepare
+from polydraulic.simulation.loop import run
+from polydraulic.simulation.step import seen_pressures
 
 from polydraulic import build_flow, load_machine, load_scenario, simulate_batch
 from polydraulic._kernel import _DRIVER_OPTIONS, KERNEL_OPTIONS, driver, kernel
 from polydraulic.flow import exact_lanes
 from polydraulic.flow.dispatch import flow_lanes, flow_step
 from polydraulic.flow.lanes import LANES
-from polydraulic.machine.plant import prepare
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links
 from polydraulic.simulation.batch import lanes
 from polydraulic.simulation.batch.batch import _processors
-from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
-from polydraulic.simulation.step import seen_pressures
+from polydraulic.thesis.excavator import pump_of, with_pumps
 from polydraulic.thesis.timing import Ratio, paired_ratio, paired_times
 from show import show
 
@@ -202,7 +203,7 @@ def steps(machine, name):
     # processor time of the process, since the batch works in a thread of its own
     times = paired_times(calls, pairs=15, clock=process_time, work=work)
     notes = {one: f"scalar / this {1.0 / times[one].ratio.median:6.2f}" for one in (staged, rest, batch)}
-    limit = "on" if machine.pumps.torque_limit_enabled else "off"
+    limit = "on" if pump_of(machine, "boom").torque_limit_enabled else "off"
     show(f"{name}, exact flow, torque limit {limit}: a step", times, "ns", notes=notes)
     without = paired_ratio(calls[rest], calls[staged], pairs=15)
     lane_share = Ratio(1.0 - without.median, 1.0 - without.high, 1.0 - without.low)
@@ -231,7 +232,7 @@ def threads(machine):
 
 def main():
     machine = load_machine("cat215b")
-    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    limited = with_pumps(machine, torque_limit_enabled=True)
     for name in ("sine", "step"):
         steps(machine, name)
     measured = steps(machine, "task")

@@ -13,13 +13,13 @@ from pathlib import Path
 from shutil import which
 
 import numpy as np
+from polydraulic.export.excavator import outputs
+from polydraulic.simulation.loop import run
 
 from polydraulic import load_machine, load_scenario
-from polydraulic.export.excavator import outputs
 from polydraulic.export.fmu.machine import export_machine_fmu
 from polydraulic.export.machine import export_machine
 from polydraulic.flow.record import N_RECORD
-from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.thesis.timing import paired_times
 from show import left_out, show

@@ -10,21 +10,21 @@ Rosenbrock method's preparation in Python.
 import time
 
 import numpy as np
+from polydraulic.simulation.loop import run
 
 from polydraulic import load_machine
 from polydraulic.flow import exact_flow
-from polydraulic.parameters.load import function_names, machine_names
+from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import load_scenario, random_operator, scenario_names
-from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.methods import lsoda as layout_lsoda
 from polydraulic.simulation.layout.methods import rosenbrock as layout_rosenbrock
 from polydraulic.simulation.layout.methods.known import run_known
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import step_inputs
-from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
 from polydraulic.simulation.solvers import lsoda, rosenbrock
+from polydraulic.thesis.excavator import LINKS
 from polydraulic.thesis.timing import paired_times
 
 RASTER, SECONDS = 5e-3, 20.0
@@ -105,7 +105,7 @@ def said(off):
 
 def compared(machine, scenario):
     """Print a line for each goal."""
-    functions = function_names(machine)
+    functions = machine.names
     loop, adaptive, reference = (older_calls if functions == LINKS else layout_calls)(machine, scenario)
     truth = reference().copy()
     for goal in GOALS:
@@ -124,7 +124,7 @@ def main():
     print(f"states every {1e3 * RASTER:g} ms; goals: % of travel of joints, five times as much for pressures")
     for name in ["cat215b", *(name for name in machine_names() if name != "cat215b")]:
         machine = load_machine(name)
-        functions = function_names(machine)
+        functions = machine.names
         if functions != LINKS and machine.crossovers:  # of which the Rosenbrock method has no slopes
             continue
         own = "task" if name == "cat215b" else scenario_names(name)[0]

@@ -13,6 +13,7 @@ from polydraulic import AbductiveRegressor, build_flow, load_machine, load_scena
 from polydraulic.networks.growth.moments import moments
 from polydraulic.networks.growth.scoring import squared_errors
 from polydraulic.networks.model.nodes import TRIPLE, design
+from polydraulic.thesis.excavator import with_pumps
 from polydraulic.thesis.timing import paired_times, time_runs
 from show import show
 
@@ -26,7 +27,7 @@ def steps():
         "polynomial, shipped networks": build_flow("polynomial", machine),
     }
     show("one step, boom alone", time_runs(machine, models, scenario), "ns", per=2000)
-    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    limited = with_pumps(machine, torque_limit_enabled=True)
     models = {
         "exact": build_flow("exact", machine),
         "exact, torque limit": build_flow("exact", limited),

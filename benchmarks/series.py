@@ -16,6 +16,7 @@ from polydraulic import load_machine
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.pump import prepare_pump
 from polydraulic.machine.valve import orifices, prepare_valve
+from polydraulic.thesis.excavator import pump_of
 from polydraulic.thesis.timing import PAIRED, paired_times
 from show import show
 
@@ -169,14 +170,14 @@ def circuit(name, n, text, folder):
 
 def random_states(machine, n, rng):
     """Blocks of lanes with random valves and port pressures."""
-    links, knots = (machine.swing, machine.stick, machine.boom), machine.spool.knots
+    links, knots = (machine.swing, machine.stick, machine.boom), machine.functions[0].valve.knots
     rows = np.zeros((BLOCKS, ROWS, LANES))
     for j in range(n):
         table = prepare_valve(links[j % 3].valve, machine.spool)
         spools = rng.uniform(0.0, knots[-1], (BLOCKS, LANES))
         found = np.array([[orifices(x, table)[:2] for x in block] for block in spools])
         rows[:, 2 * j], rows[:, 2 * j + 1] = found[:, :, 0], found[:, :, 1]
-    rows[:, 2 * n : 3 * n] = rng.uniform(0.0, machine.pumps.relief, (BLOCKS, n, LANES))
+    rows[:, 2 * n : 3 * n] = rng.uniform(0.0, pump_of(machine, "boom").relief, (BLOCKS, n, LANES))
     return rows.ravel()
 
 
@@ -204,7 +205,7 @@ def main():
             notes = {names[n]: f"{made[n].repaired(states[n], pump)} of {per} repaired" for n in numbers}
             title = f"single circuits{', torque limit' if limited else ''}: {PAIRED}"
             show(title, paired_times(calls), "ns", per=per, notes=notes)
-        pump = prepare_pump(machine, machine.pumps.series_flow)
+        pump = prepare_pump(machine, pump_of(machine, "series").flow)
         calls = {by_hand: lambda: hand.lanes(states[2], pump)}
         calls |= {names[n]: lambda n=n: made[n].lanes(states[n], pump) for n in numbers}
         for n in numbers:

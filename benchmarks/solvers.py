@@ -15,21 +15,21 @@ from importlib.util import find_spec
 
 import numba
 import numpy as np
+from polydraulic.machine.plant import prepare
+from polydraulic.simulation.loop import run
+from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
+from polydraulic.simulation.solvers.rosenbrock_step import new_work
+from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from scipy.integrate import solve_ivp
 
 from polydraulic.flow import exact_flow
 from polydraulic.flow.record import N_RECORD, to_vector
-from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import initial_state
-from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.events import edges_of, new_log
-from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import step_voltages
 from polydraulic.simulation.solvers.adaptive import RODAS
-from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
-from polydraulic.simulation.solvers.rosenbrock_step import new_work
-from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion
+from polydraulic.thesis.excavator import LINKS, spool_of
 from polydraulic.thesis.timing import paired_ratio, paired_times
 from show import left_out
 from stiff_form import (
@@ -106,10 +106,10 @@ def held_motion():
     """Spools under voltages that are held for each frame; nothing about later frames enters."""
     c = np.zeros((N_FRAME, 3, 8))
     x = np.zeros(3)
-    gain = np.array([getattr(MACHINE, link).pilot.gain for link in LINKS])
+    gain = np.array([MACHINE.function(link).pilot.gain for link in LINKS])
     fade = np.exp(-FRAME / np.array(TAU))
     for k in range(N_FRAME):
-        target = np.clip(gain * HELD_VOLTS[k], -MACHINE.spool.knots[-1], MACHINE.spool.knots[-1])
+        target = np.clip(gain * HELD_VOLTS[k], -spool_of(MACHINE).end, spool_of(MACHINE).end)
         c[k, :, 0], c[k, :, 2], c[k, :, 7] = target, x - target, 1.0 / np.array(TAU)
         x = target + (x - target) * fade
     return SpoolMotion(TIME, c, TIME[1:])

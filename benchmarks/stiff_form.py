@@ -6,6 +6,9 @@ C dP/dt = Q - Q_i - Q_e for the boom's pump, the other one, and between the valv
 from typing import NamedTuple
 
 import numpy as np
+from polydraulic.machine.linkage import Held
+from polydraulic.machine.plant import prepare
+from polydraulic.simulation.solvers.right_hand_side import rates
 
 from polydraulic import load_machine, load_scenario
 from polydraulic._kernel import driver, kernel
@@ -13,15 +16,12 @@ from polydraulic.flow.dispatch import FLOW_STEPS
 from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import OK, Flows
 from polydraulic.flow.record import from_vector, to_vector
-from polydraulic.machine.linkage import Held
 from polydraulic.machine.pilot import spool_target
-from polydraulic.machine.plant import prepare
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.state import Links, State, initial_state
 from polydraulic.machine.valve import orifice_flow, orifices
-from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.runs import step_voltages
-from polydraulic.simulation.solvers.right_hand_side import rates
+from polydraulic.thesis.excavator import LINKS, pump_of
 
 VOLUME = 1e-5 * 1.6387064e-5 / 6894.757293168361  # m3/Pa: 1e-5 in3/psi, each pump's line
 FRAME = 5e-3
@@ -68,11 +68,11 @@ MACHINE = SCENARIO.adapt(load_machine("cat215b"))
 P_RETURN, FLOOR, BOOM_FLOW, SERIES_FLOW = (
     MACHINE.tank.return_pressure,
     MACHINE.tank.floor,
-    MACHINE.pumps.boom_flow,
-    MACHINE.pumps.series_flow,
+    pump_of(MACHINE, "boom").flow,
+    pump_of(MACHINE, "series").flow,
 )
 PLANT, VALVES, FREE = prepare(MACHINE, 1.0), prepare_valves(MACHINE), Held(False, False, False)
-TAU = Links(*(getattr(MACHINE, link).pilot.time_constant for link in LINKS))
+TAU = Links(*(MACHINE.function(link).pilot.time_constant for link in LINKS))
 N_FRAME = round(SCENARIO.duration / FRAME)
 TIME = np.arange(N_FRAME + 1) * FRAME
 CORNERS = [np.asarray(SCENARIO.voltage[link].time) for link in LINKS]

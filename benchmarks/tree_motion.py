@@ -10,11 +10,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from polydraulic.machine.linkage import Held, motion, prepare_linkage, solve_motion
 
 from polydraulic import load_machine
 from polydraulic._kernel import driver, kernel
 from polydraulic.elementary import sincos
-from polydraulic.machine.linkage import Held, motion, prepare_linkage, solve_motion
 from polydraulic.machine.state import Links
 from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text, moving

@@ -6,20 +6,20 @@ import subprocess
 import numba
 import numpy as np
 import pytest
+from polydraulic.export.excavator import machine_advance, outputs, prepared
+from polydraulic.machine.linkage import end_effector
+from polydraulic.simulation.loop import DIVERGED, run
 
 from helpers import c_machine
 from polydraulic import load_scenario, simulate
 from polydraulic._kernel import driver
 from polydraulic.errors import InputError
-from polydraulic.export.excavator import machine_advance, outputs, prepared
 from polydraulic.export.machine import export_machine, machine_c
 from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.record import N_RECORD
-from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
-from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.loop import DIVERGED, run
 from polydraulic.simulation.runs import arrange
+from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 SCENARIOS = ("sine", "step", "pulse", "task")
@@ -30,7 +30,7 @@ END, STEPS = ({"t_end": 3.0}, 600) if numba.config.DISABLE_JIT else ({}, 3000)
 
 
 def limited(machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    return with_pumps(machine, torque_limit_enabled=True)
 
 
 def same_bits(a, b):
@@ -81,7 +81,7 @@ def test_a_random_operator_gives_the_same_bits(machine, flow, tmp_path):
 def test_100_000_steps_of_a_random_operator(machine, flow, optimise, tmp_path):
     chosen = limited(machine) if "limit" in flow else machine
     rows = assert_equal_runs(chosen, flow.split()[0], operator_voltages(100_000, 5), tmp_path, optimise=optimise)
-    stops = [getattr(machine, link).stops for link in LINKS]
+    stops = [machine.function(link).stops for link in LINKS]
     assert all(np.any((rows[:, 9 + i] == s.low) | (rows[:, 9 + i] == s.high)) for i, s in enumerate(stops) if i)
     if flow == "exact":
         assert np.any(rows[:, PLACES["boom.q_relief"]] > 0.0)
@@ -104,7 +104,7 @@ def _each(machine, memory, rows, voltage, status):
 @pytest.mark.parametrize("flow", ["exact", "polynomial"])
 def test_100_000_random_states_step_to_the_same_bits(machine, flow, tmp_path):
     rng, n = np.random.default_rng(8), 100_000
-    travel, relief = machine.spool.knots[-1], 1.1 * machine.pumps.relief
+    travel, relief = spool_of(machine).end, 1.1 * pump_of(machine, "boom").relief
     low = [*[-travel] * 3, *[0.0] * 6, -3.0, -1.0, -3.0, *[-3.0] * 3]
     high = [*[travel] * 3, *[relief] * 6, 3.0, 1.5, 0.0, *[3.0] * 3]
     rows = np.zeros((n, len(PLACES)))
@@ -157,7 +157,7 @@ def test_a_machine_that_leaves_all_reason_stays_where_it_was(machine, tmp_path):
 
 
 def test_dead_times_delay_the_voltages(machine, tmp_path):
-    late = machine.boom._replace(pilot=machine.boom.pilot._replace(dead_time=0.02))
+    late = machine.boom._replace(pilot=machine.function("boom").pilot._replace(dead_time=0.02))
     voltage = operator_voltages(200, 2)
     delayed = voltage.copy()
     delayed[:4, 1], delayed[4:, 1] = 0.0, voltage[:-4, 1]

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
+from polydraulic.flow.database import sample_boom
 
 from polydraulic import AbductiveRegressor, build_flow
 from polydraulic.flow import (
     FLOW_KINDS,
 )
-from polydraulic.flow.database import sample_boom
 from polydraulic.thesis.boom_models import fit_columns
+from polydraulic.thesis.excavator import spool_of
 
 
 @pytest.fixture(scope="module", params=list(FLOW_KINDS))
@@ -14,6 +15,6 @@ def model(request, machine, build):
     if request.param != "pressure":
         return build(request.param, machine)
     table = sample_boom(machine, 400, rng=np.random.default_rng(1), relief=False)
-    edges = {0: [machine.spool.deadband, machine.spool.bypass_closed]}
+    edges = {0: [spool_of(machine).deadband, spool_of(machine).bypass_closed]}
     pressure = fit_columns(AbductiveRegressor(max_layers=2), table, ["boom.travel", "boom.p_in"], "boom.p_pump", edges)
     return build_flow("pressure", machine, models=[pressure])

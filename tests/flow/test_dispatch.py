@@ -14,7 +14,7 @@ from polydraulic.flow import (
     served_links,
 )
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.parameters.schema import LINKS
+from polydraulic.thesis.excavator import LINKS, pump_of, spool_of
 
 
 def test_flows_are_finite_and_not_negative(model, machine):
@@ -30,7 +30,7 @@ def test_pump_flow_is_shared_out(model, machine):
     for spool, p_in, p_out in points(machine):
         flows = step(model, spool, p_in, p_out)
         circuit = flows.boom
-        assert circuit.q_pump == pytest.approx(machine.pumps.boom_flow, rel=1e-12)
+        assert circuit.q_pump == pytest.approx(pump_of(machine, "boom").flow, rel=1e-12)
         parts = [flows.q_in.boom, circuit.q_bypass, circuit.q_relief, circuit.q_stored]
         assert sum(parts) == pytest.approx(circuit.q_pump, rel=1e-9)
 
@@ -38,7 +38,7 @@ def test_pump_flow_is_shared_out(model, machine):
 # at -1 exactly the opening region answers: a border belongs to the cell below it
 @pytest.mark.parametrize("share", [-0.999, -0.5, 0.0, 0.7, 1.0])
 def test_nothing_flows_in_the_deadband(model, machine, share):
-    flows = step(model, share * machine.spool.deadband, 500 * PSI, 800 * PSI)
+    flows = step(model, share * spool_of(machine).deadband, 500 * PSI, 800 * PSI)
     assert flows.q_in.boom == 0.0
     assert flows.k_out.boom == 0.0
 
@@ -58,8 +58,8 @@ def test_both_pumps_share_out_their_flow(machine, build, name, limit):
             step_all(model, spool, p_in, p_out) if from_rest else flow_step(model, memory, spool, p_in, p_out, 0.005)
         )
         for circuit, q_in, full in (
-            (flows.boom, flows.q_in.boom, machine.pumps.boom_flow),
-            (flows.series, flows.q_in.swing + flows.q_in.stick, machine.pumps.series_flow),
+            (flows.boom, flows.q_in.boom, pump_of(machine, "boom").flow),
+            (flows.series, flows.q_in.swing + flows.q_in.stick, pump_of(machine, "series").flow),
         ):
             parts = [q_in, circuit.q_bypass, circuit.q_relief]
             assert min(*parts, *flows.q_in) >= -1e-15 * full
@@ -67,7 +67,7 @@ def test_both_pumps_share_out_their_flow(machine, build, name, limit):
             assert FLOW_KINDS[name].has_state or circuit.q_stored == 0.0
             assert 0.0 < circuit.q_pump <= full * small
             assert limit or circuit.q_pump == pytest.approx(full, rel=1e-12)
-            assert circuit.p_pump <= machine.pumps.relief * small
+            assert circuit.p_pump <= pump_of(machine, "boom").relief * small
         # the iteration leaves its last pressure where nothing passes
         assert name != "exact" or flows.p_between <= flows.series.p_pump * small
 
@@ -96,7 +96,7 @@ def test_input_flow_is_near_exact(model, machine):
         if flows.status != NOT_CONVERGED:  # it states nothing then
             settled += 1
             error = flows.q_in.boom - step(exact, spool, p_in, p_out).q_in.boom
-            assert abs(error) <= stated * machine.pumps.boom_flow
+            assert abs(error) <= stated * pump_of(machine, "boom").flow
     assert settled > 180
 
 

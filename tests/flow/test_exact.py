@@ -2,6 +2,7 @@ import pytest
 
 from helpers.flow_steps import PSI, states, step, step_all, with_limit
 from polydraulic import build_flow
+from polydraulic.thesis.excavator import pump_of, spool_of
 
 
 def test_the_torque_limit_lowers_both_flows(machine):
@@ -10,7 +11,7 @@ def test_the_torque_limit_lowers_both_flows(machine):
     for spool, p_in, p_out in states(machine):
         without, flows = step_all(free, spool, p_in, p_out), step_all(limited, spool, p_in, p_out)
         for before, after in ((without.boom, flows.boom), (without.series, flows.series)):
-            start = machine.pumps.torque_limit_start
+            start = pump_of(machine, "boom").torque_limit_start
             if before.p_pump <= start:
                 assert after == before
             else:
@@ -22,10 +23,10 @@ def test_the_torque_limit_lowers_both_flows(machine):
 
 def test_relief_valve_bounds_the_pressure(machine):
     exact, ideal = build_flow("exact", machine), build_flow("exact", machine, relief=False)
-    spool, p_in = machine.spool.bypass_closed, 4000 * PSI
+    spool, p_in = spool_of(machine).bypass_closed, 4000 * PSI
     bounded = step(exact, spool, p_in, 0.0)
-    assert bounded.boom.p_pump == machine.pumps.relief
+    assert bounded.boom.p_pump == pump_of(machine, "boom").relief
     assert bounded.boom.q_relief > 0.0
     free = step(ideal, spool, p_in, 0.0)
-    assert free.boom.p_pump > machine.pumps.relief
-    assert free.q_in.boom == machine.pumps.boom_flow
+    assert free.boom.p_pump > pump_of(machine, "boom").relief
+    assert free.q_in.boom == pump_of(machine, "boom").flow

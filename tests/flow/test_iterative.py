@@ -13,12 +13,13 @@ from polydraulic.flow import (
     iterative_flow,
 )
 from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.thesis.excavator import pump_of, spool_of
 
 
 def test_iteration_settles_near_exact_in_series(machine):
     """Where it settles; the relaxation is small, since two pressures have to."""
     exact, model = build_flow("exact", machine), iterative_flow(machine, eps=1e-5, relaxation=0.05, max_sweeps=20000)
-    full, settled = machine.pumps.series_flow, 0
+    full, settled = pump_of(machine, "series").flow, 0
     for spool, p_in, p_out in states(machine, 60):
         flows = step_all(model, spool, p_in, p_out)
         if flows.status == OK:
@@ -37,14 +38,16 @@ def test_iteration_approaches_exact_with_eps(machine, eps):
     for spool, p_in, p_out in points(machine):
         flows = step(model, spool, p_in, p_out)
         if flows.status == OK:
-            errors.append(abs(flows.q_in.boom - step(exact, spool, p_in, p_out).q_in.boom) / machine.pumps.boom_flow)
+            errors.append(
+                abs(flows.q_in.boom - step(exact, spool, p_in, p_out).q_in.boom) / pump_of(machine, "boom").flow
+            )
     assert len(errors) > 150
     assert max(errors) < 1.2 * eps
 
 
 def test_iteration_is_bounded_and_says_so(machine):
     plain = iterative_flow(machine, eps=0.001, relaxation=1.0, max_sweeps=50)
-    spool = 0.9 * machine.spool.bypass_closed
+    spool = 0.9 * spool_of(machine).bypass_closed
     assert step(plain, spool, 800 * PSI, 100 * PSI).status == NOT_CONVERGED
     relaxed = iterative_flow(machine, eps=0.001, relaxation=0.1, max_sweeps=500)
     assert step(relaxed, spool, 800 * PSI, 100 * PSI).status == OK

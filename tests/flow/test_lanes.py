@@ -1,7 +1,7 @@
 import numpy as np
+from polydraulic.machine.plant import prepare
 
 from polydraulic.flow.lanes import LANES, at, get, get_links, get_orifices, leaves, put, put_links
-from polydraulic.machine.plant import prepare
 from polydraulic.machine.state import Links
 
 

@@ -3,15 +3,16 @@
 import numba
 import numpy as np
 import pytest
+from polydraulic.flow.sample import sample_flow
 
 from helpers.excavator_tree import excavator_tree
 from polydraulic import build_flow, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import FLOW_KINDS, OK, OUT_OF_DOMAIN, exact_flow, flow_step, lookup_flow, neural_flow, table_bytes
 from polydraulic.flow.lookup import pressure_lines, travel_lines
-from polydraulic.flow.sample import sample_flow
 from polydraulic.machine.state import Links
 from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.thesis.excavator import pump_of, spool_of, with_pumps
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
@@ -20,7 +21,7 @@ PLAIN = bool(numba.config.DISABLE_JIT)
 
 @pytest.fixture(scope="module", params=[False, True], ids=["constant", "limited"])
 def pumped(request, machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=request.param))
+    return with_pumps(machine, torque_limit_enabled=request.param)
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +39,8 @@ def links(boom, swing, stick):
 
 def states(machine, n, seed=0, highest=None):
     """Spools and pressures at random, each (n, 3)."""
-    rng, travel = np.random.default_rng(seed), machine.spool.knots[-1]
-    return rng.uniform(-travel, travel, (n, 3)), rng.uniform(0.0, highest or machine.pumps.relief, (n, 3))
+    rng, travel = np.random.default_rng(seed), spool_of(machine).end
+    return rng.uniform(-travel, travel, (n, 3)), rng.uniform(0.0, highest or pump_of(machine, "boom").relief, (n, 3))
 
 
 def test_grid_points_are_exact(pumped):
@@ -60,12 +61,12 @@ def test_grid_points_are_exact(pumped):
 
 def test_lines_meet_the_knots(machine):
     for n in (6, 7, 24, 64):
-        lines = travel_lines(machine.spool.knots, n)
+        lines = travel_lines(machine.functions[0].valve.knots, n)
         assert len(lines) == n
         assert np.all(np.diff(lines) > 0.0)
-        assert set(machine.spool.knots) <= set(lines)
-        pressures = pressure_lines(machine.pumps.relief, n)
-        assert (pressures[0], pressures[-1], len(pressures)) == (0.0, machine.pumps.relief, n)
+        assert set(machine.functions[0].valve.knots) <= set(lines)
+        pressures = pressure_lines(pump_of(machine, "boom").relief, n)
+        assert (pressures[0], pressures[-1], len(pressures)) == (0.0, pump_of(machine, "boom").relief, n)
 
 
 def test_outlets_are_exact(machine, coarse):
@@ -79,12 +80,12 @@ def test_outlets_are_exact(machine, coarse):
 @pytest.mark.skipif(PLAIN, reason="needs the compiler to fill the tables in time")
 def test_errors_are_of_second_order_away_from_kinks(machine):
     """All inlets and bypasses open, relief valve shut, between two knots: twice the points, a quarter of the error."""
-    knots, rng, n = machine.spool.knots, np.random.default_rng(1), 1000
+    knots, rng, n = machine.functions[0].valve.knots, np.random.default_rng(1), 1000
     spool = rng.uniform(1.05 * knots[2], 0.95 * knots[3], (n, 3))
     p_in = rng.uniform([900.0 * PSI, 300.0 * PSI, 100.0 * PSI], [1100.0 * PSI, 500.0 * PSI, 200.0 * PSI], (n, 3))
     true = sample_flow(exact_flow(machine), spool, p_in, p_in)
-    assert np.all(true.q_in > 0.1 * machine.pumps.series_flow)
-    assert np.all(true.p_pump < 0.5 * machine.pumps.relief)
+    assert np.all(true.q_in > 0.1 * pump_of(machine, "series").flow)
+    assert np.all(true.p_pump < 0.5 * pump_of(machine, "boom").relief)
     models = [lookup_flow(machine, points=m) for m in (24, 48)]
     errors = [np.abs(sample_flow(model, spool, p_in, p_in).q_in - true.q_in).mean(axis=0) for model in models]
     order = np.log2(errors[0] / errors[1])
@@ -92,7 +93,7 @@ def test_errors_are_of_second_order_away_from_kinks(machine):
 
 
 def test_pressures_beyond_the_tables_are_clamped_and_reported(machine, coarse):
-    spool, relief = Links(0.008, 0.008, 0.008), machine.pumps.relief
+    spool, relief = Links(0.008, 0.008, 0.008), pump_of(machine, "boom").relief
     inside = Links(300.0 * PSI, 300.0 * PSI, 300.0 * PSI)
     assert step(coarse, spool, inside).status == OK
     for link in Links._fields:
@@ -106,7 +107,7 @@ def test_pressures_beyond_the_tables_are_clamped_and_reported(machine, coarse):
 
 
 def test_a_spool_beyond_its_end_stands_at_it(machine, coarse):
-    end, p = machine.spool.knots[-1], Links(1e6, 1e6, 1e6)
+    end, p = spool_of(machine).end, Links(1e6, 1e6, 1e6)
     for sign in (-1.0, 1.0):
         spools = (Links(*[sign * share * end] * 3) for share in (1.0, 1.5))
         assert step(coarse, next(spools), p) == step(coarse, next(spools), p)

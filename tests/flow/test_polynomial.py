@@ -3,6 +3,7 @@ import dataclasses
 import numba
 import numpy as np
 import pytest
+from polydraulic.flow.sample import sample_flow
 
 from helpers.flow_steps import PSI, states, step, step_all, with_limit
 from polydraulic import build_flow
@@ -12,9 +13,9 @@ from polydraulic.flow import (
     OUT_OF_DOMAIN,
 )
 from polydraulic.flow.polynomial import ARRANGEMENTS, shipped_models
-from polydraulic.flow.sample import sample_flow
 from polydraulic.machine.state import Links
 from polydraulic.networks import Variable
+from polydraulic.thesis.excavator import pump_of, spool_of
 from polydraulic.units import to_si
 
 NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("neural", {})]
@@ -56,8 +57,8 @@ def test_networks_of_both_circuits_are_near_exact(machine, name, options):
     for spool, p_in, p_out in states(machine, 400):
         p_in = p_in._replace(swing=min(p_in.swing, 3400 * PSI))
         ours, true = step_all(model, spool, p_in, p_out), step_all(exact, spool, p_in, p_out)
-        errors.append(np.subtract(ours.q_in, true.q_in) / machine.pumps.series_flow)
-        assert ours.k_out == pytest.approx(true.k_out, abs=2e-3 * max(machine.swing.valve.outlet_positive))
+        errors.append(np.subtract(ours.q_in, true.q_in) / pump_of(machine, "series").flow)
+        assert ours.k_out == pytest.approx(true.k_out, abs=2e-3 * max(machine.function("swing").valve.outlet_positive))
     assert np.all(np.sqrt(np.mean(np.square(errors), axis=0)) < RMS[name])
 
 
@@ -67,8 +68,8 @@ def over_the_map(machine, section, n=N):
     In section D both valves of the series circuit are open, and the first still passes something on.
     """
     rng, spool = np.random.default_rng(8), machine.spool
-    low, high = np.zeros(6), np.append(np.full(3, spool.knots[-1]), np.full(3, machine.pumps.relief))
-    high[3] = machine.swing.line.relief
+    low, high = np.zeros(6), np.append(np.full(3, spool.knots[-1]), np.full(3, pump_of(machine, "boom").relief))
+    high[3] = machine.function("swing").line.relief
     if section == "D":
         low[[0, 2]], high[0] = np.nextafter(spool.deadband, 1.0), spool.bypass_closed
     unit = rng.random((n, 6))
@@ -86,7 +87,7 @@ def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, limit, secti
     machine = with_limit(machine) if limit else machine
     spool, p_in = over_the_map(machine, section)
     ours, true = (sample_flow(build_flow(name, machine), spool, p_in, 0.0 * p_in) for name in ("polynomial", "exact"))
-    open_relief = true.p_pump >= machine.pumps.relief * (1.0 - 1e-12)
+    open_relief = true.p_pump >= pump_of(machine, "boom").relief * (1.0 - 1e-12)
     assert np.all(open_relief.sum(axis=0) > 0.01 * N)  # of both pumps
     assert np.all(np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[limit, section]))
 
@@ -110,7 +111,7 @@ def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, 
 
 @pytest.mark.parametrize("name", ["polynomial", "neural"])
 def test_networks_of_the_package_refuse_circuits_they_were_not_trained_on(machine, name):
-    pumps, valve = machine.pumps, machine.boom.valve
+    pumps, valve = machine.pumps, machine.function("boom").valve
     slower = machine._replace(pumps=pumps._replace(torque_limit_start=0.9 * pumps.torque_limit_start))
     heavier = machine._replace(boom=machine.boom._replace(body=machine.boom.body._replace(mass=2e3)))
     for known in (slower, heavier):  # a torque limit that is off, and what is no circuit
@@ -135,28 +136,28 @@ def test_modes_may_be_missing(machine):
         build_flow("polynomial", machine, models=models),
         [m for m in models if m.output.name == "boom.q_in"],
     )
-    relief, spool = machine.pumps.relief, machine.spool.knots[-1]
+    relief, spool = pump_of(machine, "boom").relief, spool_of(machine).end
     for p in (0.0, 0.5 * relief, np.nextafter(relief, 0.0)):
-        expected = min(max(boom.predict([[spool, p]])[0], 0.0), machine.pumps.boom_flow)
+        expected = min(max(boom.predict([[spool, p]])[0], 0.0), pump_of(machine, "boom").flow)
         assert step(model, spool, p, 0.0).q_in.boom == expected
     assert step(model, spool, relief, 0.0).q_in.boom == 0.0
-    spool = Links(0.3 * machine.spool.bypass_closed, 0.0, machine.spool.knots[-1])  # the swing's is in its deadband
+    spool = Links(0.3 * spool_of(machine).bypass_closed, 0.0, spool_of(machine).end)  # the swing's is in its deadband
     passed = Links(0.0, 0.0, 40e5)
     (stick,) = (m for m in models if m.output.name == "stick.q_in")
-    expected = stick.predict([[machine.pumps.series_flow, spool.stick, passed.stick]])[0]
+    expected = stick.predict([[pump_of(machine, "series").flow, spool.stick, passed.stick]])[0]
     assert step_all(model, spool, passed, Links(0.0, 0.0, 0.0)).q_in.stick == expected
 
 
 def test_the_first_valve_shut_off_passes_nothing_on(machine):
-    spool = Links(machine.spool.knots[-1], 0.0, machine.spool.knots[-1])
+    spool = Links(spool_of(machine).end, 0.0, spool_of(machine).end)
     for name, options in NETWORKS:
         flows = step_all(build_flow(name, machine, **options), spool, Links(1e6, 1e6, 1e6), Links(1e5, 1e5, 1e5))
         assert flows.q_in.stick == 0.0
-        assert flows.q_in.swing == pytest.approx(machine.pumps.series_flow, rel=0.02)
+        assert flows.q_in.swing == pytest.approx(pump_of(machine, "series").flow, rel=0.02)
 
 
 def test_nothing_enters_a_line_at_relief_pressure(machine):
-    p, travel = machine.pumps.relief, machine.spool.knots[-1]
+    p, travel = pump_of(machine, "boom").relief, spool_of(machine).end
     for name, options in NETWORKS:
         model = build_flow(name, machine, **options)
         assert step_all(model, Links(travel, travel, travel), Links(p, p, p), Links(0.0, 0.0, 0.0)).q_in == (0, 0, 0)

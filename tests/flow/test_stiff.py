@@ -12,6 +12,7 @@ from polydraulic.flow import flow_step
 from polydraulic.machine.pump import delivered
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import orifices
+from polydraulic.thesis.excavator import with_pumps
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
@@ -22,7 +23,7 @@ COMPLIANCE, BETWEEN = 1e-12, 2e-13
 
 @pytest.fixture(scope="module", params=[False, True], ids=["constant", "limited"])
 def pumped(request, machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=request.param))
+    return with_pumps(machine, torque_limit_enabled=request.param)
 
 
 def q(k, drop):

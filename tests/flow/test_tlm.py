@@ -8,6 +8,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow import flow_step
 from polydraulic.machine.pump import delivered
 from polydraulic.machine.state import Links
+from polydraulic.thesis.excavator import with_pumps
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
@@ -18,15 +19,15 @@ REST = Links(0.0, 0.0, 0.0)
 
 @pytest.fixture(scope="module", params=[False, True], ids=["constant", "limited"])
 def pumped(request, machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=request.param))
+    return with_pumps(machine, torque_limit_enabled=request.param)
 
 
 def dead_ended(machine):
     """Without any orifice: the pump works into a closed line."""
     nothing = (0.0,) * 6
     links = {
-        name: getattr(machine, name)._replace(
-            valve=getattr(machine, name).valve._replace(inlet=nothing, bypass=nothing)
+        name: machine.function(name)._replace(
+            valve=machine.function(name).valve._replace(inlet=nothing, bypass=nothing)
         )
         for name in ("swing", "boom", "stick")
     }

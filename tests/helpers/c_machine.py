@@ -4,8 +4,8 @@ import ctypes
 import subprocess
 
 import numpy as np
-
 from polydraulic.export.excavator import outputs, prepared
+
 from polydraulic.export.machine import machine_c
 from polydraulic.flow import FLOW_KINDS, flow_name
 

@@ -8,6 +8,7 @@ from polydraulic.flow import (
     flow_step,
 )
 from polydraulic.machine.state import Links
+from polydraulic.thesis.excavator import spool_of, with_pumps
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
@@ -24,12 +25,12 @@ def step_all(model, spool, p_in, p_out):
 
 
 def with_limit(machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    return with_pumps(machine, torque_limit_enabled=True)
 
 
 def points(machine, n=200):
     """Spool, inlet and outlet pressure of the boom at random, the same ones for every model."""
-    rng, travel = np.random.default_rng(0), machine.spool.knots[-1]
+    rng, travel = np.random.default_rng(0), spool_of(machine).end
     return zip(
         rng.uniform(-travel, travel, n), rng.uniform(0, 3000 * PSI, n), rng.uniform(0, 3000 * PSI, n), strict=True
     )
@@ -37,7 +38,7 @@ def points(machine, n=200):
 
 def states(machine, n=200, seed=4):
     """Spools and line pressures of all links at random."""
-    rng, travel = np.random.default_rng(seed), machine.spool.knots[-1]
+    rng, travel = np.random.default_rng(seed), spool_of(machine).end
     for _ in range(n):
         spool, p_in, p_out = rng.uniform(-travel, travel, 3), *rng.uniform(0.0, 4000 * PSI, (2, 3))
         yield Links(*spool), Links(*p_in), Links(*p_out)

@@ -141,8 +141,9 @@ def _model(path):
 
 
 def _machine(path):
-    from polydraulic import load_machine
     from polydraulic.machine.plant import prepare
+
+    from polydraulic import load_machine
 
     prepare(load_machine(path), 5e-3, ())
 

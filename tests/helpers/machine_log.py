@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 
 from polydraulic import load_machine, random_operator, simulate
-from polydraulic.parameters.schema import LINKS
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import LINKS
 
 NOISE = {"spool": 2e-5, "p_a": 5e4, "p_b": 5e4, "q_in": 1e-5, "q_out": 1e-5, "voltage": 1e-3, "angle": 3e-4}
 

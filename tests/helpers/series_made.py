@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from helpers.valves import circuit_pump, orifices
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
-from polydraulic.machine.pump import prepare_pump
-from polydraulic.machine.valve import orifices, prepare_valve
 
 FOLDER = Path(__file__).parents[1] / "__pycache__" / "series"  # stays, so that compiled kernels are found again
 IMPORTS = "\n".join(
@@ -91,19 +90,18 @@ def solved(loop, states, pump):
 
 def pump_of(machine, exponent, relief=None):
     """The machine's pump of two functions, with a torque limit of this exponent unless that is 0."""
-    pumps = machine.pumps._replace(torque_limit_enabled=exponent > 0.0, torque_limit_exponent=exponent or 1.0)
-    return prepare_pump(machine._replace(pumps=pumps), pumps.series_flow, relief=relief)
+    limit = {"torque_limit_enabled": exponent > 0.0, "torque_limit_exponent": exponent or 1.0}
+    return circuit_pump(machine, "series", relief=relief, **limit)
 
 
 def real(machine, n, size, rng):
     """Orifices of the machine's valves at random spools, more often where they open; ports anywhere up to relief."""
-    knots = np.array(machine.spool.knots)
+    knots = np.array(machine.functions[0].valve.knots)
     x = rng.uniform(0.0, knots[-1], (size, n))
     x = np.where(rng.random((size, n)) < 0.4, rng.uniform(knots[1], knots[4], (size, n)), x)
-    links = (machine.swing, machine.boom, machine.stick)
-    tables = [prepare_valve(links[j % 3].valve, machine.spool) for j in range(n)]
+    tables = [machine.functions[j % 3].valve for j in range(n)]
     k = np.array([[orifices(x[i, j], tables[j])[:2] for j in range(n)] for i in range(size)])
-    ports = rng.uniform(0.0, machine.pumps.relief, (size, n))
+    ports = rng.uniform(0.0, machine.circuit("boom").pump.relief, (size, n))
     return np.ascontiguousarray(k[:, :, 0]), np.ascontiguousarray(k[:, :, 1]), ports
 
 
@@ -111,7 +109,7 @@ def hard(machine, n, size, rng):
     """Conductances over six decades, a tenth of them shut."""
     inlets, bypasses = 10.0 ** rng.uniform(-11.0, -5.0, (2, size, n))
     inlets, bypasses = (np.where(rng.random((size, n)) < 0.1, 0.0, k) for k in (inlets, bypasses))
-    return inlets, bypasses, rng.uniform(0.0, machine.pumps.relief, (size, n))
+    return inlets, bypasses, rng.uniform(0.0, machine.circuit("boom").pump.relief, (size, n))
 
 
 def edges(machine, n, size, rng):
@@ -123,8 +121,8 @@ def edges(machine, n, size, rng):
     inlets = np.where(just < 0.15, inlets * 10.0 ** rng.uniform(-9.0, -2.0, (size, n)), inlets)
     bypasses = np.where(just > 0.85, bypasses * 10.0 ** rng.uniform(-9.0, -2.0, (size, n)), bypasses)
     bypasses = np.where(rng.random((size, n)) < 0.1, 0.0, bypasses)
-    back, relief = machine.tank.return_pressure, machine.pumps.relief
-    special = [0.0, back, relief, 0.999999 * back, 1.000001 * back, machine.pumps.torque_limit_start]
+    back, relief = machine.tank.return_pressure, machine.circuit("boom").pump.relief
+    special = [0.0, back, relief, 0.999999 * back, 1.000001 * back, machine.circuit("boom").pump.torque_limit_start]
     ports = np.where(rng.random((size, n)) < 0.4, rng.choice(special, (size, n)), any_real[2])
     for j in range(1, n):
         near = ports[:, j - 1] * rng.choice([1.0, 1.0, 1.0 + 1e-15, 1.0 - 1e-12, 1.0 + 1e-9], size)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from polydraulic.machine.linkage import end_effector
 
 from helpers.machine_log import changed, machine_log
 from helpers.small_crane import with_effects, write_crane
@@ -24,8 +25,8 @@ from polydraulic.identification.log_replay import (
     joints_of,
     replayed,
 )
-from polydraulic.machine.linkage import end_effector
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import pump_of, with_pumps
 
 FLOW = "iterative"  # as good as exact, and no lanes: plain Python fills 64 of them slowly
 
@@ -54,13 +55,13 @@ def test_the_machine_follows_its_own_log(found):
 
 
 def test_another_machine_does_not(machine, found, log):
-    slow = machine._replace(pumps=machine.pumps._replace(boom_flow=0.7 * machine.pumps.boom_flow))
+    slow = with_pumps(machine, boom_flow=0.7 * pump_of(machine, "boom").flow)
     boom = replay(log, slow, FLOW, seconds=5.0).drifts[1]
     assert boom.largest > 5.0 * found.drifts[1].largest
 
 
 def test_dead_times_are_those_of_the_log(machine, log):
-    late = machine._replace(boom=machine.boom._replace(pilot=machine.boom.pilot._replace(dead_time=0.3)))
+    late = machine._replace(boom=machine.boom._replace(pilot=machine.function("boom").pilot._replace(dead_time=0.3)))
     delayed = changed(log, boom_voltage=np.interp(log["time"] + 0.3, log["time"], log["boom.voltage"]))
     here, there = (replay(log, m, FLOW, seconds=5.0).windows[1] for m, log in ((machine, log), (late, delayed)))
     assert np.allclose(here.run, there.run, atol=2e-3)

@@ -16,6 +16,7 @@ from polydraulic.identification.machine_judging import held_out, one_sided
 from polydraulic.identification.machine_log import Known, as_judged, by_port, judging_rows
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import pump_of
 from polydraulic.unit_table import CUBIC_INCH
 
 OUTPUTS = ["boom.q_in", "swing.q_in", "stick.q_in", "swing.k_out", "boom.k_out", "stick.k_out"]
@@ -149,7 +150,7 @@ def test_tables_of_other_models_stay_as_they_are(learnt):
 def test_the_card_holds_all_networks_and_the_holes(machine, learnt, tmp_path):
     covered = {c.output: c for c in machine_coverage(machine_log(), learnt.models, machine)}
     assert list(covered) == OUTPUTS
-    assert covered["boom.q_in"].found.box["boom.p_in"] == (0.0, machine.pumps.relief)
+    assert covered["boom.q_in"].found.box["boom.p_in"] == (0.0, pump_of(machine, "boom").relief)
     assert 0.1 < covered["swing.q_in"].share < 1.0
     drift = [Drift("boom", "rad", 0.1, np.inf, 2.0)]  # one run diverged
     told = replace(learnt, drifts=drift, windows="run so & so")

@@ -6,8 +6,8 @@ import pytest
 from helpers.machine_log import machine_log
 from polydraulic.errors import InputError
 from polydraulic.identification.machine_log import Known, by_port, judging_rows
-from polydraulic.parameters.schema import LINKS
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import LINKS
 
 
 def test_a_missing_channel_is_named(machine):

@@ -1,15 +1,13 @@
 import numpy as np
 import pytest
 
+from helpers.valves import circuit_pump, orifice_slopes, orifices
 from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
-from polydraulic.machine.pump import Circuit, prepare_pump, series_circuit, single_circuit
-from polydraulic.machine.valve import Orifices, orifice_slopes, orifices, prepare_valve
+from polydraulic.machine.pump import Circuit, series_circuit, single_circuit
+from polydraulic.machine.valve import Orifices
+from polydraulic.thesis.excavator import pump_of, spool_of
 
 SPOOL, PRESSURE = 1e-8, 100.0  # m, Pa; steps of differences
-
-
-def pump_of(machine, flow, limited):
-    return prepare_pump(machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=limited)), flow)
 
 
 def differences(flows, point, steps):
@@ -29,8 +27,8 @@ def assert_near(found, slopes, scale):
 
 @pytest.mark.parametrize("limited", [False, True])
 def test_slopes_of_one_circuit_are_its_differences(machine, limited):
-    pump, valve = pump_of(machine, machine.pumps.boom_flow, limited), prepare_valve(machine.boom.valve, machine.spool)
-    rng, knots, kinds = np.random.default_rng(0), np.array(machine.spool.knots), set()
+    pump, valve = circuit_pump(machine, "boom", torque_limit_enabled=limited), machine.function("boom").valve
+    rng, knots, kinds = np.random.default_rng(0), np.array(machine.functions[0].valve.knots), set()
 
     def solved(x, p):
         return single_circuit(orifices(x, valve), p, pump)
@@ -39,30 +37,30 @@ def test_slopes_of_one_circuit_are_its_differences(machine, limited):
         return found.q_in > 0.0, found.circuit.q_relief > 0.0
 
     for _ in range(200):
-        x, p = rng.uniform(0.0, knots[-1]), rng.uniform(0.0, machine.pumps.relief)
+        x, p = rng.uniform(0.0, knots[-1]), rng.uniform(0.0, pump_of(machine, "boom").relief)
         found = solved(x, p)
         if np.abs(knots - x).min() < 1e-6 or any(kind(solved(x, end)) != kind(found) for end in (p - 1e3, p + 1e3)):
             continue
         kinds.add(kind(found))
         slopes = single_slopes(orifices(x, valve), orifice_slopes(x, valve), found.q_in, found.circuit, pump)
         by_x, by_p = differences(lambda x, p: [solved(x, p).q_in], np.array([x, p]), [SPOOL, PRESSURE])
-        assert_near(by_p, slopes.by_p, pump.flow / machine.pumps.relief)
+        assert_near(by_p, slopes.by_p, pump.flow / pump_of(machine, "boom").relief)
         assert_near(by_x, slopes.by_spool, pump.flow / knots[-1])
     assert {(True, False), (False, False), (True, True)} <= kinds
 
 
 @pytest.mark.parametrize("limited", [False, True])
 def test_slopes_of_two_valves_in_series_are_their_differences(machine, limited):
-    pump = pump_of(machine, machine.pumps.series_flow, limited)
-    first, second = (prepare_valve(getattr(machine, link).valve, machine.spool) for link in ("swing", "stick"))
-    rng, knots, compared = np.random.default_rng(1), np.array(machine.spool.knots), 0
+    pump = circuit_pump(machine, "series", torque_limit_enabled=limited)
+    first, second = (machine.function(name).valve for name in ("swing", "stick"))
+    rng, knots, compared = np.random.default_rng(1), np.array(machine.functions[0].valve.knots), 0
 
     def flows(x1, x2, p1, p2):
         return series_circuit(orifices(x1, first), orifices(x2, second), p1, p2, pump)[:2]
 
     for _ in range(200):
-        x1, x2 = rng.uniform(machine.spool.deadband, machine.spool.bypass_closed, 2)
-        p1, p2 = rng.uniform(0.0, 0.3 * machine.pumps.relief, 2)
+        x1, x2 = rng.uniform(spool_of(machine).deadband, spool_of(machine).bypass_closed, 2)
+        p1, p2 = rng.uniform(0.0, 0.3 * pump_of(machine, "boom").relief, 2)
         k1, k2 = orifices(x1, first), orifices(x2, second)
         found = series_circuit(k1, k2, p1, p2, pump)
         kinks = np.abs(knots - x1).min() < 1e-6 or np.abs(knots - x2).min() < 1e-6 or found.circuit.q_relief > 0.0
@@ -75,13 +73,13 @@ def test_slopes_of_two_valves_in_series_are_their_differences(machine, limited):
         spools = [[s.first_by_first, s.second_by_first], [s.first_by_second, s.second_by_second]]
         pressures = [[s.first_by_p, s.other_by_p], [s.other_by_p, s.second_by_p]]
         assert_near(by[:2], spools, pump.flow / knots[-1])
-        assert_near(by[2:], pressures, pump.flow / machine.pumps.relief)
+        assert_near(by[2:], pressures, pump.flow / pump_of(machine, "boom").relief)
     assert compared > 50
 
 
 def test_a_rounding_left_over_at_a_closed_orifice_makes_no_slope(machine):
     """A bypass that has just closed, on a segment on which it would open, while a rounding of the other flows is left for it."""
-    pump = pump_of(machine, machine.pumps.boom_flow, False)
+    pump = circuit_pump(machine, "boom", torque_limit_enabled=False)
     closed = Orifices(inlet=1e-6, bypass=0.0, outlet=0.0)
     opening = Orifices(inlet=1e-4, bypass=1e-3, outlet=0.0)
     q = pump.flow / 2.0

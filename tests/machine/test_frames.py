@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
+from polydraulic.machine.linkage import end_effector
 
 from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.machine.frames import link_frames, placed
-from polydraulic.machine.linkage import end_effector
 
 
 def test_a_crane_by_hand(tmp_path):

@@ -16,7 +16,7 @@ from polydraulic.machine.hose import line_step, prepare_line
     swept=st.floats(-3e-3, 3e-3),
 )
 def test_lines_keep_their_bounds_and_their_oil(machine, spool, p_a, p_b, q_in, k_out, swept):
-    line, dt = machine.boom.line, 0.005
+    line, dt = machine.function("boom").line, 0.005
     prepared = prepare_line(line, machine.tank, dt)
     after = line_step(spool, p_a, p_b, q_in, k_out, swept, -0.5 * swept, prepared)
     assert machine.tank.floor <= min(after.p_a, after.p_b)
@@ -35,7 +35,7 @@ def test_lines_keep_their_bounds_and_their_oil(machine, spool, p_a, p_b, q_in, k
 
 
 def test_implicit_outlet_follows_the_differential_equation(machine):
-    line, k_out, inflow = machine.boom.line, 9e-7, 8e-4
+    line, k_out, inflow = machine.function("boom").line, 9e-7, 8e-4
     p_e = machine.tank.return_pressure
 
     def rate(t, p):

@@ -10,9 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from helpers.valves import circuit_pump, orifices
 from polydraulic._kernel import driver
-from polydraulic.machine.pump import Pump, delivered, prepare_pump, series_circuit, single_circuit
-from polydraulic.machine.valve import Orifices, orifices, prepare_valve
+from polydraulic.machine.pump import Pump, delivered, series_circuit, single_circuit
+from polydraulic.machine.valve import Orifices
+from polydraulic.thesis.excavator import spool_of
 from polydraulic.units import to_si
 
 Q = to_si(171.5, "in3/s")
@@ -191,9 +193,9 @@ def series_judge(first, second, p_first, p_second, pump):
 
 
 @driver
-def errors_against_judge(valve_first, valve_second, x, p, pump, out):
-    for i in range(x.shape[0]):
-        first, second = orifices(x[i, 0], valve_first), orifices(x[i, 1], valve_second)
+def errors_against_judge(k, p, pump, out):
+    for i in range(k.shape[0]):
+        first, second = Orifices(k[i, 0, 0], k[i, 0, 1], 0.0), Orifices(k[i, 1, 0], k[i, 1, 1], 0.0)
         s = series_circuit(first, second, p[i, 0], p[i, 1], pump)
         true = series_judge(first, second, p[i, 0], p[i, 1], pump)
         circuit = s.circuit
@@ -207,7 +209,7 @@ def errors_against_judge(valve_first, valve_second, x, p, pump, out):
 
 def random_states(machine, n, rng):
     """Spools and pressures anywhere, more often at and around knots, in the opening range, and at the settings."""
-    knots, travel = np.array(machine.spool.knots), machine.spool.knots[-1]
+    knots, travel = np.array(machine.functions[0].valve.knots), spool_of(machine).end
     around = np.array([0.0, 1e-15, -1e-15, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3, -1e-3])
     x = rng.uniform(0.0, travel, (n, 2))
     x = np.where(rng.random((n, 2)) < 0.15, rng.choice(knots, (n, 2)) * (1.0 + rng.choice(around, (n, 2))), x)
@@ -220,16 +222,19 @@ def random_states(machine, n, rng):
 
 
 def pump_of(machine, exponent, relief):
-    pumps = machine.pumps._replace(torque_limit_enabled=exponent > 0.0, torque_limit_exponent=exponent or 1.0)
-    return prepare_pump(machine._replace(pumps=pumps), pumps.series_flow, relief=relief)
+    limit = {"torque_limit_enabled": exponent > 0.0, "torque_limit_exponent": exponent or 1.0}
+    return circuit_pump(machine, "series", relief=relief, **limit)
 
 
 def check_series(machine, exponent, relief, n, seed):
     pump = pump_of(machine, exponent, relief)
     x, p = random_states(machine, n, np.random.default_rng(seed))
     out = np.empty((n, 6))
-    valves = [prepare_valve(link.valve, machine.spool) for link in (machine.swing, machine.stick)]
-    errors_against_judge(*valves, x, p, pump, out)
+    valves = [machine.function(name).valve for name in ("swing", "stick")]
+    k = np.stack(
+        [[np.interp(np.abs(x[:, i]), v.knots, curve) for curve in (v.inlet, v.bypass)] for i, v in enumerate(valves)]
+    )
+    errors_against_judge(np.ascontiguousarray(np.moveaxis(k, 2, 0)), p, pump, out)
     assert np.all(np.isfinite(out))
     assert np.abs(out[:, :4]).max() <= 1e-9 * pump.flow
     assert np.abs(out[:, 4]).max() <= 1e-15 * pump.flow
@@ -286,11 +291,11 @@ def test_single_circuit_with_torque_limit(machine, k_in, k_bypass, p_in, exponen
 
 def test_swing_has_priority(machine):
     """More swing opening never gives the stick more."""
-    valves = [prepare_valve(link.valve, machine.spool) for link in (machine.swing, machine.stick)]
-    second = orifices(0.8 * machine.spool.bypass_closed, valves[1])
+    valves = [machine.function(name).valve for name in ("swing", "stick")]
+    second = orifices(0.8 * spool_of(machine).bypass_closed, valves[1])
     flows = [
         series_circuit(orifices(x, valves[0]), second, 5e6, 5e6, PUMP).q_second
-        for x in np.linspace(machine.spool.deadband, machine.spool.knots[-1], 40)
+        for x in np.linspace(spool_of(machine).deadband, spool_of(machine).end, 40)
     ]
     assert np.all(np.diff(flows) <= 1e-12 * Q)
     assert flows[0] > 0.3 * Q

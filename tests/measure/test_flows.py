@@ -7,7 +7,9 @@ from polydraulic import load_scenario, simulate
 from polydraulic.measure import add_flows, reconstruct_flow
 from polydraulic.measure.channels import FlowChannel
 from polydraulic.measure.flows import FlowStream, flow_statement
+from polydraulic.parameters.layout.geometry import triangle
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import spool_of
 
 FLOW = FlowChannel("q", "stroke", 0.012, "p", 2e-11, 0.1)
 
@@ -53,13 +55,13 @@ def test_blocks_do_not_matter_for_flows(size):
 
 def test_the_flow_of_the_boom_is_found_from_its_stroke(machine):
     run = simulate(machine, "exact", load_scenario("random:5:20"), raster=0.01)
-    cylinder, boom = machine.boom.cylinder, machine.boom
-    psi = cylinder.angle_offset + run["boom.angle"]
-    arms = cylinder.r_base, cylinder.r_link
-    stroke = np.sqrt(arms[0] ** 2 + arms[1] ** 2 - 2.0 * arms[0] * arms[1] * np.cos(psi))
+    boom = machine.function("boom")
+    cylinder, pins = boom.drive, triangle(boom.pins, machine.link("boom"))
+    psi = pins.offset + run["boom.angle"]
+    stroke = np.sqrt(pins.r_base**2 + pins.r_rod**2 - 2.0 * pins.r_base * pins.r_rod * np.cos(psi))
     area = cylinder.number * np.pi / 4.0 * cylinder.bore**2
     with_oil = {"pressure": run["boom.p_a"], "compliance": boom.line.compliance_a}
-    up = (run["boom.spool"] > machine.spool.deadband) & (run["boom.p_a"] > machine.tank.floor)
+    up = (run["boom.spool"] > spool_of(machine).deadband) & (run["boom.p_a"] > machine.tank.floor)
     errors = []
     for terms in (with_oil, {}):
         flow = reconstruct_flow(stroke, 0.01, area, window=0.05, **terms)

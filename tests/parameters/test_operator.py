@@ -6,7 +6,7 @@ import pytest
 from polydraulic import load_scenario, random_operator
 from polydraulic.errors import InputError
 from polydraulic.parameters.operator import RASTER
-from polydraulic.parameters.schema import LINKS
+from polydraulic.thesis.excavator import LINKS
 
 T = np.arange(0.0, 3000.0, RASTER)
 

@@ -6,11 +6,12 @@ import pytest
 
 from polydraulic import load_machine, load_scenario, parameters
 from polydraulic.errors import InputError
-from polydraulic.parameters.load import function_names, machine_text
+from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.parameters.load import machine_text
 from polydraulic.parameters.scenario import scenario_machine, scenario_names
-from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Piecewise
 from polydraulic.tables import read_table, write_table
+from polydraulic.thesis.excavator import LINKS
 
 SHIPPED = Path(parameters.__file__).parent / "scenarios"
 BASIC = """
@@ -41,17 +42,17 @@ def test_shipped_scenarios_load(name, machine):
     voltages = scenario.voltages(np.linspace(0.0, scenario.duration, 50))
     assert voltages.shape == (50, 3)
     assert np.abs(voltages).max() > 0.2
-    assert scenario.adapt(machine).pumps == machine.pumps
+    assert adapted(machine, scenario).circuits == machine.circuits
 
 
 @pytest.mark.parametrize("name", scenario_names())
 def test_a_scenario_names_its_machine_and_moves_all_of_it(name):
     plant = load_machine(scenario_machine(name))
     scenario = load_scenario(name)
-    assert set(scenario.voltage) | set(scenario.locked) <= set(function_names(plant))
-    volts = scenario.voltages(np.linspace(0.0, scenario.duration, 200), function_names(plant))
-    moved = {f for f, v in zip(function_names(plant), volts.T, strict=True) if np.abs(v).max() > 0.2}
-    assert moved == set(function_names(plant)) - set(scenario.locked)
+    assert set(scenario.voltage) | set(scenario.locked) <= set(plant.names)
+    volts = scenario.voltages(np.linspace(0.0, scenario.duration, 200), plant.names)
+    moved = {f for f, v in zip(plant.names, volts.T, strict=True) if np.abs(v).max() > 0.2}
+    assert moved == set(plant.names) - set(scenario.locked)
 
 
 def test_a_scenario_may_name_a_machine_file_beside_it(tmp_path):
@@ -88,10 +89,10 @@ def test_a_machine_that_is_none(line, message, tmp_path):
 
 
 def test_changes_reach_the_machine(machine):
-    adapted = load_scenario("single_08").adapt(machine)
-    assert adapted.boom.pilot.gain == pytest.approx(0.43 * 0.0254)
-    assert adapted.boom.pilot.time_constant == machine.boom.pilot.time_constant
-    assert adapted.swing == machine.swing
+    found = adapted(machine, load_scenario("single_08"))
+    assert found.function("boom").pilot.gain == pytest.approx(0.43 * 0.0254)
+    assert found.function("boom").pilot.time_constant == machine.function("boom").pilot.time_constant
+    assert found.function("swing") == machine.function("swing")
 
 
 def test_kinds_of_signal(written, tmp_path):

@@ -7,12 +7,11 @@ from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.parameters.load import as_machine, machine_entries
 from polydraulic.parameters.scenario import as_scenario, load_scenario
-from polydraulic.parameters.schema import Machine
 from polydraulic.parameters.values import leaves_of
 
 
 def test_values_are_put_in_their_places_and_nothing_else_changes(machine):
-    inlet = machine.boom.valve.inlet
+    inlet = machine.function("boom").valve.inlet
     found = machine.with_values(
         {
             "boom.body.mass": np.float32(900),
@@ -22,10 +21,10 @@ def test_values_are_put_in_their_places_and_nothing_else_changes(machine):
         }
     )
     body = machine.boom.body._replace(mass=900.0)
-    valve = machine.boom.valve._replace(inlet=(*(2 * value for value in inlet[:5]), 1.0))
+    valve = machine.function("boom").valve._replace(inlet=(*(2 * value for value in inlet[:5]), 1.0))
     pumps = machine.pumps._replace(torque_limit_enabled=True)
     assert found == machine._replace(pumps=pumps, boom=machine.boom._replace(body=body, valve=valve))
-    assert {type(value) for value in found.boom.valve.inlet} == {float}
+    assert {type(value) for value in found.function("boom").valve.inlet} == {float}
     assert type(found.boom.body.mass) is float
     assert machine.with_values({}) == machine
 

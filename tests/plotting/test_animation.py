@@ -8,15 +8,15 @@ import subprocess
 
 import numpy as np
 import pytest
+from polydraulic.plotting.shapes import excavator_drawing
 
 from helpers.made_runs import made_run, small_crane
 from polydraulic.errors import InputError
-from polydraulic.parameters.load import load_layout
+from polydraulic.parameters.load import load_machine
 from polydraulic.plotting.animation import write_animation
 from polydraulic.plotting.drawing import motion_of, places, seen
 from polydraulic.plotting.frames import frames_of
 from polydraulic.plotting.layout_shapes import layout_drawing
-from polydraulic.plotting.shapes import excavator_drawing
 
 
 def embedded(page):
@@ -58,7 +58,7 @@ def test_another_ending_is_named(machine, whole, tmp_path):
         write_animation(whole, machine, tmp_path / "run.mp4")
 
 
-@pytest.mark.parametrize("build", [small_crane, lambda: load_layout("cat215b_bucket")])
+@pytest.mark.parametrize("build", [small_crane, lambda: load_machine("cat215b_bucket")])
 def test_the_page_of_any_layout_has_its_names_and_finite_numbers(build, tmp_path):
     machine = build()
     runs = {"first": made_run(machine), "second": made_run(machine, scale=0.9)}
@@ -80,7 +80,7 @@ def test_a_page_plays_in_a_browser(tmp_path):
     browser = shutil.which("chromium") or shutil.which("chromium-browser")
     if browser is None:
         pytest.skip("no browser here")
-    machine = load_layout("cat215b_bucket")
+    machine = load_machine("cat215b_bucket")
     run = made_run(machine)
     write_animation({"made": run}, machine, tmp_path / "run.html", rate=20.0)
     page = (tmp_path / "run.html").read_text()

@@ -3,8 +3,8 @@ import pytest
 
 from helpers.made_runs import made_run, small_crane
 from polydraulic.errors import InputError
-from polydraulic.parameters.schema import LINKS
 from polydraulic.plotting.frames import frames_of
+from polydraulic.thesis.excavator import LINKS
 from polydraulic.unit_table import PSI
 
 

@@ -3,13 +3,12 @@ import pytest
 
 from helpers.made_runs import point_at, small_crane, spread
 from polydraulic import load_machine
-from polydraulic.parameters.load import load_layout
 from polydraulic.plotting.drawing import OF_RUN, motion_of, places, seen
 from polydraulic.plotting.layout_shapes import layout_drawing
 
 
 @pytest.mark.parametrize(
-    ("build", "function"), [(lambda: load_layout("cat215b_bucket"), "boom"), (small_crane, "lift")]
+    ("build", "function"), [(lambda: load_machine("cat215b_bucket"), "boom"), (small_crane, "lift")]
 )
 def test_pins_of_a_cylinder_are_as_far_apart_as_its_triangle_says(build, function):
     """Law of cosines from distances and directions of both pins, seen from the joint at zero."""

@@ -2,12 +2,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from polydraulic.plotting.shapes import excavator_drawing
 
 from helpers.made_runs import made_run, small_crane
 from polydraulic.plotting.frames import frames_of
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.scene import moving_artists, scene
-from polydraulic.plotting.shapes import excavator_drawing
 
 
 def test_a_scene_shows_its_frame(machine, whole):
@@ -26,7 +26,7 @@ def test_a_scene_shows_its_frame(machine, whole):
 
 
 def test_a_joint_at_its_stop_is_marked(machine, whole):
-    high = machine.boom.stops.high
+    high = machine.function("boom").stops.high
     at_stop = dataclasses.replace(
         whole["exact"], columns={**whole["exact"].columns, "boom.angle": np.full(121, high - 1e-3)}
     )

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
+from polydraulic.plotting.machine_drawing import machine_drawing
 
 from helpers.made_runs import point_at, small_crane
 from polydraulic import load_machine
-from polydraulic.plotting.machine_drawing import machine_drawing
 from polydraulic.plotting.tip_area import tip_area, tip_places
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import load_scenario, simulate
-from polydraulic.parameters.load import function_names, load_machine
+from polydraulic.parameters.load import load_machine
 from polydraulic.parameters.loads import Loads, Payload
 from polydraulic.parameters.scenario import Scenario, scenario_machine, scenario_names
 from polydraulic.parameters.signals import Constant, Piecewise, Sine
@@ -43,5 +43,5 @@ def test_a_run_says_so_and_usual_ones_do_not():
     assert warnings(run)[0].startswith("boom: the lever's voltage reaches 500 V")
     for name in [*scenario_names(), "random:3:5"]:
         machine = load_machine(scenario_machine(name))
-        scenario = load_scenario(name, functions=function_names(machine))
-        assert input_warnings(scenario, dict.fromkeys(function_names(machine), 0.5)) == [], name
+        scenario = load_scenario(name, functions=machine.names)
+        assert input_warnings(scenario, dict.fromkeys(machine.names, 0.5)) == [], name

@@ -12,6 +12,7 @@ from polydraulic import load_scenario, simulate
 from polydraulic.errors import InputError
 from polydraulic.parameters.scenario import scenario_names
 from polydraulic.simulation.runs import METHODS
+from polydraulic.thesis.excavator import pump_of
 
 
 @pytest.fixture(scope="module")
@@ -106,5 +107,5 @@ def test_every_method_gives_the_same_columns(machine, method):
 def test_a_run_of_one_row_is_its_start(machine, method):
     found = simulate(machine, "exact", SMOOTH, t_end=0.01, dt=0.01, every=2, method=method)
     assert len(found) == 1
-    assert found["swing.angle"][0] == machine.swing.initial.angle
-    assert found["boom.q_pump"][0] == pytest.approx(machine.pumps.boom_flow)
+    assert found["swing.angle"][0] == machine.function("swing").initial.angle
+    assert found["boom.q_pump"][0] == pytest.approx(pump_of(machine, "boom").flow)

@@ -7,8 +7,8 @@ import pytest
 
 from polydraulic import compare, load_scenario, simulate
 from polydraulic.errors import InputError
-from polydraulic.parameters.schema import LINKS
 from polydraulic.tables import read_table, write_table
+from polydraulic.thesis.excavator import LINKS
 
 OF_A_LINK = {
     "voltage": "V", "spool": "m", "p_a": "Pa", "p_b": "Pa", "angle": "rad", "rate": "rad/s", "q_in": "m3/s",

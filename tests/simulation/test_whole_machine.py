@@ -1,30 +1,23 @@
 """Runs of all three links: bounds, balances, energy, the reference, the thesis' events, hours of random input."""
 
-import dataclasses
 from functools import cache
 
 import numpy as np
 import pytest
 
+from helpers.valves import changed
 from polydraulic import build_flow, load_scenario, reference, simulate
-from polydraulic.elementary import sincos
-from polydraulic.flow import FLOW_KINDS
-from polydraulic.machine.actuator import friction_torque
-from polydraulic.machine.joints import position
-from polydraulic.machine.linkage import motion
-from polydraulic.machine.plant import prepare
-from polydraulic.machine.state import Links
 from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Constant, Piecewise, Sine
-from polydraulic.units import from_si, to_si
+from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
+from polydraulic.units import from_si
 
 SCENARIOS = ["sine", "step", "pulse", "task"]
 ALL = ["single_05", "single_08", *SCENARIOS]
 
 
 def with_limit(machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    return with_pumps(machine, torque_limit_enabled=True)
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +38,8 @@ def exact(request, run_of):
 
 def test_flow_of_both_pumps_is_shared_out_at_every_step(run, machine):
     for circuit, links, full in (
-        ("boom", ["boom"], machine.pumps.boom_flow),
-        ("series", ["swing", "stick"], machine.pumps.series_flow),
+        ("boom", ["boom"], pump_of(machine, "boom").flow),
+        ("series", ["swing", "stick"], pump_of(machine, "series").flow),
     ):
         used = sum(run[f"{link}.q_in"] for link in links) + run[f"{circuit}.q_bypass"] + run[f"{circuit}.q_relief"]
         assert np.abs(run[f"{circuit}.q_pump"] - used).max() <= 1e-9 * full
@@ -55,93 +48,17 @@ def test_flow_of_both_pumps_is_shared_out_at_every_step(run, machine):
 def test_everything_stays_in_its_bounds(run, machine):
     assert all(np.all(np.isfinite(values)) for values in run.columns.values())
     for link in LINKS:
-        part = getattr(machine, link)
+        part = machine.function(link)
         for port in ("p_a", "p_b"):
             assert run[f"{link}.{port}"].min() >= machine.tank.floor
             assert run[f"{link}.{port}"].max() <= part.line.relief
-        assert np.abs(run[f"{link}.spool"]).max() <= machine.spool.knots[-1]
+        assert np.abs(run[f"{link}.spool"]).max() <= spool_of(machine).end
         assert run[f"{link}.angle"].min() >= part.stops.low
         assert run[f"{link}.angle"].max() <= part.stops.high
         assert run[f"{link}.q_in"].min() >= -1e-15
         assert run[f"{link}.q_out"].min() >= 0.0
     for circuit in ("boom", "series"):
-        assert run[f"{circuit}.p_pump"].max() <= machine.pumps.relief * (1.0 + 1e-12)
-
-
-def columns(run, name):
-    """One quantity of all links, 0 for those that are locked and have no such column."""
-    still = np.zeros(len(run))
-    return np.column_stack([run.columns.get(f"{link}.{name}", still) for link in LINKS])
-
-
-def per_step(run, machine, dt):
-    """Levers, mass matrices and gravity at every row."""
-    plant = prepare(machine, dt)
-    levers_a, levers_b, masses, gravity = [], [], [], []
-    for angle, rate in zip(columns(run, "angle"), columns(run, "rate"), strict=True):
-        here = position(Links(*angle), Links(*rate), plant)
-        m = here.motion.mass
-        levers_a.append(here.levers.a)
-        levers_b.append(here.levers.b)
-        masses.append([[m.m11, m.m12, m.m13], [m.m12, m.m22, m.m23], [m.m13, m.m23, m.m33]])
-        gravity.append(here.motion.gravity)
-    return tuple(np.array(values) for values in (levers_a, levers_b, masses, gravity))
-
-
-def test_lines_lose_no_oil(exact, machine):
-    """Oil that entered through a valve is in the hose, went to the joint or leaked, unless floor or relief acted."""
-    levers_a, levers_b, _, _ = per_step(exact, machine, 0.005)
-    for place, link in enumerate(LINKS):
-        line, forward = getattr(machine, link).line, exact[f"{link}.spool"][1:] >= 0.0
-        q_in, q_out = exact[f"{link}.q_in"][1:], exact[f"{link}.q_out"][1:]
-        p_a, p_b, rate = exact[f"{link}.p_a"], exact[f"{link}.p_b"], exact[f"{link}.rate"][:-1]
-        leak = line.leakage * (p_a - p_b)[:-1]
-        into_a = np.where(forward, q_in, -q_out) - levers_a[:-1, place] * rate - leak
-        into_b = np.where(forward, -q_out, q_in) + levers_b[:-1, place] * rate + leak
-        for p, c, into in ((p_a, line.compliance_a, into_a), (p_b, line.compliance_b, into_b)):
-            free = (p[1:] > machine.tank.floor) & (p[1:] < line.relief)
-            assert (c * np.diff(p))[free] == pytest.approx(0.005 * into[free], abs=1e-12)
-            assert free.sum() > 100
-
-
-def energy_gap(machine, scenario, dt):
-    """Largest gap in the energy balance of the joints, and the work that oil did, both in J.
-
-    Kinetic energy + height + friction + losses in the stops = work of the oil on the joints.
-    """
-    run = simulate(machine, "exact", scenario, dt=dt)
-    levers_a, levers_b, mass, gravity = per_step(run, machine, dt)
-    angle, rate = columns(run, "angle"), columns(run, "rate")
-    moved = np.diff(angle, axis=0)
-    middle = 0.5 * (rate[1:] + rate[:-1])
-    push = levers_a[:-1] * columns(run, "p_a")[1:] - levers_b[:-1] * columns(run, "p_b")[1:]
-    friction = np.array(
-        [
-            [friction_torque(w, getattr(machine, link).friction) for w, link in zip(row, LINKS, strict=True)]
-            for row in rate[:-1]
-        ]
-    )
-    kinetic = 0.5 * np.einsum("ti,tij,tj->t", rate, mass, rate)
-    height = np.cumsum(0.5 * (gravity[1:] + gravity[:-1]) * moved, axis=0).sum(axis=1)
-    # where a stop acts, the work of its impulse is what the momentum equation leaves over
-    stops = [getattr(machine, link).stops for link in LINKS]
-    there = np.any([(angle[1:, i] <= s.low) | (angle[1:, i] >= s.high) for i, s in enumerate(stops)], axis=0)
-    work, lost = np.sum(push * middle, axis=1) * dt, np.sum(friction * middle, axis=1) * dt
-    gain = np.diff(kinetic) + np.diff(np.concatenate([[0.0], height])) - work + lost
-    impact = np.where(there & (gain < 0.0), gain, 0.0)
-    return np.abs(np.cumsum(gain - impact)).max(), np.abs(push * middle).sum() * dt, -impact.sum()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ALL)
-def test_energy_balance_closes_with_the_step(machine, name):
-    scenario = load_scenario(name)
-    adapted = scenario.adapt(machine)
-    coarse, work, _ = energy_gap(adapted, scenario, 0.005)
-    fine, _, impact = energy_gap(adapted, scenario, 0.00125)
-    assert coarse < 0.02 * work
-    assert fine < 0.4 * coarse
-    assert 0.0 <= impact < 0.2 * work
+        assert run[f"{circuit}.p_pump"].max() <= pump_of(machine, "boom").relief * (1.0 + 1e-12)
 
 
 def test_oil_throttles_and_never_gives_energy(exact):
@@ -199,14 +116,14 @@ def test_the_reference_meets_end_stops(machine, name):
     run = simulate(machine, "exact", scenario, dt=2.5e-4, every=200)
     for link in LINKS:
         assert np.degrees(np.abs(run[f"{link}.angle"] - tight[f"{link}.angle"]).max()) < 0.05
-        stops = getattr(machine, link).stops
+        stops = machine.function(link).stops
         assert stops.low - 1e-9 <= tight[f"{link}.angle"].min()
         assert tight[f"{link}.angle"].max() <= stops.high + 1e-9
 
 
 def opens(run, link, machine, number=0):
     """Time of the first row with an open valve, for the given opening."""
-    is_open = np.abs(run[f"{link}.spool"]) > machine.spool.deadband
+    is_open = np.abs(run[f"{link}.spool"]) > spool_of(machine).deadband
     return run["time"][np.flatnonzero(is_open[1:] & ~is_open[:-1])[number] + 1]
 
 
@@ -218,7 +135,7 @@ def test_events_of_the_step_scenario(machine, run_of):
     assert from_si(run["stick.spool"][row], "in") == pytest.approx(0.279, abs=5e-4)
     assert from_si(run["stick.p_in"][40], "psi") == pytest.approx(186.0, abs=2.0)
     assert from_si(run["stick.p_in"][row], "psi") == pytest.approx(1330.0, rel=0.01)
-    arrival = run["time"][np.argmax(run["stick.angle"] >= machine.stick.stops.high)]
+    arrival = run["time"][np.argmax(run["stick.angle"] >= machine.function("stick").stops.high)]
     assert arrival == pytest.approx(5.0, abs=0.011)
     before, after = from_si(run["swing.q_in"][980], "in3/s"), from_si(run["swing.q_in"][1100], "in3/s")
     assert before == pytest.approx(37.0, abs=1.0)
@@ -232,7 +149,7 @@ def test_events_of_the_sine_scenario(machine, run_of):
     assert opens(run, "stick", machine) == pytest.approx(2.50, abs=0.0051)
     assert opens(run, "stick", machine, 1) == pytest.approx(9.005, abs=0.0101)
     assert from_si(run["swing.q_in"][500], "in3/s") == pytest.approx(16.76, abs=0.05)
-    positive = run["swing.spool"] > machine.spool.deadband
+    positive = run["swing.spool"] > spool_of(machine).deadband
     assert from_si(run["series.p_pump"][positive].max(), "psi") == pytest.approx(1368.0, abs=5.0)
 
 
@@ -243,8 +160,8 @@ def test_events_of_task_and_pulse(machine, run_of):
     assert opens(task, "stick", machine) == pytest.approx(3.515, abs=0.0051)
     assert opens(task, "stick", machine, 1) == pytest.approx(7.565, abs=0.0051)
     pulse = run_of("pulse")
-    assert pulse["boom.angle"].max() == machine.boom.stops.high
-    assert pulse["stick.angle"].max() < machine.stick.stops.high
+    assert pulse["boom.angle"].max() == machine.function("boom").stops.high
+    assert pulse["stick.angle"].max() < machine.function("stick").stops.high
 
 
 def test_columns_follow_what_moves(machine):
@@ -279,16 +196,6 @@ def test_voltages_of_locked_links_are_ignored(machine):
     assert np.array_equal(alone["boom.angle"], all_pulled["boom.angle"])
 
 
-def test_gravity_and_swing_are_coupled(machine):
-    """Motion of the boom pushes the swing through the lateral offset, and centrifugal torque lifts the stick."""
-    linkage = prepare(machine, 0.005).linkage
-    m = motion(sincos(0.3), sincos(-1.2), Links(1.0, 0.0, 0.0), linkage)
-    assert m.mass.m12 != 0.0
-    assert m.bias.stick != 0.0
-    centred = prepare(machine._replace(geometry=machine.geometry._replace(d=0.0)), 0.005).linkage
-    assert motion(sincos(0.3), sincos(-1.2), Links(1.0, 0.0, 0.0), centred).mass.m12 == 0.0
-
-
 def operator(seconds, seed, every=0.4):
     """Random levers over their full stroke and beyond."""
     rng, times = np.random.default_rng(seed), np.arange(0.0, seconds, every)
@@ -299,7 +206,7 @@ def check_operator(machine, flow, seconds, seed):
     run = simulate(machine, flow, operator(seconds, seed))
     assert all(np.all(np.isfinite(values)) for values in run.columns.values())
     for link in LINKS:
-        part = getattr(machine, link)
+        part = machine.function(link)
         assert run[f"{link}.p_a"].max() <= part.line.relief
         assert run[f"{link}.p_b"].min() >= machine.tank.floor
         assert part.stops.low <= run[f"{link}.angle"].min()
@@ -321,27 +228,20 @@ def test_an_hour_of_a_random_operator(machine, flow, limit):
     model = build_flow(flow, machine) if flow == "exact" else build_flow(flow, machine, max_sweeps=20)
     run = check_operator(machine, model, 3600.0, 6)
     for link in ("boom", "stick"):
-        angle, stops = run[f"{link}.angle"], getattr(machine, link).stops
+        angle, stops = run[f"{link}.angle"], machine.function(link).stops
         assert angle.min() == stops.low or angle.max() == stops.high
 
 
 def test_torque_limit_changes_the_sine_little(machine, run_of):
     free, limited = run_of("sine"), simulate(with_limit(machine), "exact", load_scenario("sine"))
     assert 0.1 < np.degrees(np.abs(free["boom.angle"] - limited["boom.angle"]).max()) < 2.0
-    assert limited["boom.q_pump"].min() < 0.95 * machine.pumps.boom_flow
+    assert limited["boom.q_pump"].min() < 0.95 * pump_of(machine, "boom").flow
     power = limited["boom.q_pump"] * limited["boom.p_pump"]
-    assert power.max() <= machine.pumps.boom_flow * machine.pumps.torque_limit_start * (1.0 + 1e-9)
+    assert power.max() <= pump_of(machine, "boom").flow * pump_of(machine, "boom").torque_limit_start * (1.0 + 1e-9)
 
 
 def test_dead_time_of_the_swing(machine):
-    pilot = machine.swing.pilot._replace(dead_time=to_si(0.1, "s"))
-    late = machine._replace(swing=machine.swing._replace(pilot=pilot))
+    late = changed(machine, "swing", pilot={"dead_time": 0.1})
     swing = Scenario("swing", 1.0, {"swing": Sine(0.6, 3.0)}, ("boom", "stick"))
     plain, delayed = simulate(machine, "exact", swing), simulate(late, "exact", swing)
     assert delayed["swing.spool"][20:] == pytest.approx(plain["swing.spool"][:-20], abs=1e-15)
-
-
-def test_kinds_say_whom_they_serve(machine):
-    assert [name for name, kind in FLOW_KINDS.items() if kind.links != LINKS] == ["pressure"]
-    boom = dataclasses.replace(load_scenario("single_08"), duration=0.1)
-    assert simulate(machine, "polynomial", boom).info["flow"] == "polynomial"

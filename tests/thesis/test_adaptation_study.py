@@ -13,6 +13,7 @@ from polydraulic.thesis.adaptation_study import (
     torque_limit_study,
     worn_pump_study,
 )
+from polydraulic.thesis.excavator import pump_of, with_pumps
 
 INLETS = {model.output.name: model for model in shipped_models() if model.output.name.endswith(".q_in")}
 
@@ -24,11 +25,11 @@ def test_exact_sensors_read_the_run_and_real_ones_are_noisy_late_and_sometimes_s
     heard = np.isfinite(real["boom.q_in"])
     assert 0.5 < np.mean([np.isfinite(values).mean() for values in real.columns.values()]) < 1.0
     error = (real["boom.q_in"] - exact["boom.q_in"])[heard]
-    assert 0.0 < np.median(np.abs(error)) < 0.05 * machine.pumps.boom_flow
+    assert 0.0 < np.median(np.abs(error)) < 0.05 * pump_of(machine, "boom").flow
 
 
 def test_measurements_are_means_of_times_in_which_spools_rest_below_relief(machine):
-    machine = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False))
+    machine = with_pumps(machine, torque_limit_enabled=False)
     read = readings(operator_run(machine, 1, 20.0), SENSORS["exact"], 1)
     for output, model in INLETS.items():
         X, y, weight = measurements(machine, read, model, output)
@@ -38,9 +39,9 @@ def test_measurements_are_means_of_times_in_which_spools_rest_below_relief(machi
         k = int(np.flatnonzero(on)[0])
         assert y[k] == pytest.approx(read[output][k : k + WINDOW].mean())
         pump = read["boom.p_pump" if output == "boom.q_in" else "series.p_pump"]
-        assert max(pump[k : k + WINDOW].max() for k in np.flatnonzero(on)) < AT_RELIEF * machine.pumps.relief
+        assert max(pump[k : k + WINDOW].max() for k in np.flatnonzero(on)) < AT_RELIEF * pump_of(machine, "boom").relief
         # where they count, they are what the networks were trained on
-        assert np.median(np.abs(model.predict(X[on]) - y[on])) < 0.01 * machine.pumps.boom_flow
+        assert np.median(np.abs(model.predict(X[on]) - y[on])) < 0.01 * pump_of(machine, "boom").flow
     read.columns["boom.p_a"][40:60] = np.nan
     read.columns["boom.p_b"][40:60] = np.nan
     weight = measurements(machine, read, INLETS["boom.q_in"], "boom.q_in")[2]
@@ -49,7 +50,7 @@ def test_measurements_are_means_of_times_in_which_spools_rest_below_relief(machi
 
 
 def test_noise_alone_leaves_an_unchanged_machine_alone(machine):
-    machine = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False))
+    machine = with_pumps(machine, torque_limit_enabled=False)
     adaptive = adaptive_flow(machine, SENSORS["real"])
     adaptive.take_in(readings(operator_run(machine, 1, 30.0), SENSORS["real"], 1))
     exact = readings(operator_run(machine, 2, 30.0), SENSORS["exact"], 2)
@@ -58,7 +59,7 @@ def test_noise_alone_leaves_an_unchanged_machine_alone(machine):
         X, y = X[weight > 0.0], y[weight > 0.0]
         error = np.sqrt(np.mean((adapter.model().predict(X) - y) ** 2))
         assert adapter.model() != INLETS[output]
-        assert error < 0.02 * machine.pumps.boom_flow
+        assert error < 0.02 * pump_of(machine, "boom").flow
 
 
 @pytest.mark.slow

@@ -8,9 +8,9 @@ import pytest
 
 from helpers.pages import ROOT, run_page
 from polydraulic import simulate
-from polydraulic.parameters.schema import LINKS
 from polydraulic.thesis import measured as measured_study
 from polydraulic.thesis.cache import open_lab
+from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
 from polydraulic.thesis.measured import USUAL, _machine, conditions_in_words, measured, outcomes
 
 PAGE = ROOT / "docs" / "machine_from_a_log.md"
@@ -20,12 +20,12 @@ def test_ports_follow_the_spool_and_shut_valves_pass_nothing(machine):
     log = measured(machine, USUAL._replace(minutes=0.2, noise=0.0))
     run = simulate(machine, "exact", _operator(0.2), raster=0.02)
     for link in LINKS:
-        open_ = np.abs(run[f"{link}.spool"]) > machine.spool.deadband
+        open_ = np.abs(run[f"{link}.spool"]) > spool_of(machine).deadband
         assert np.allclose(log[f"{link}.p_in"][open_], np.maximum(run[f"{link}.p_in"][open_], 0.0))
         assert np.all(log[f"{link}.q_in"][~open_] == 0.0)
         assert np.all(log[f"{link}.k_out"][~open_] == 0.0)
         assert log[f"{link}.q_in"][open_].max() > 0.0
-    assert np.all(log["series.q_passed"] <= machine.pumps.series_flow)
+    assert np.all(log["series.q_passed"] <= pump_of(machine, "series").flow)
 
 
 def test_silent_sensors_and_joint_angles(machine):
@@ -33,7 +33,7 @@ def test_silent_sensors_and_joint_angles(machine):
     assert len(measured(machine, USUAL._replace(minutes=0.5, dropout=0.05))) < 0.9 * len(whole)
     rebuilt = measured(machine, USUAL._replace(minutes=0.5, noise=0.0, flow_sensors=False))
     true = measured(machine, USUAL._replace(minutes=0.5, noise=0.0))
-    flowing = true["boom.q_in"] > 0.3 * machine.pumps.boom_flow
+    flowing = true["boom.q_in"] > 0.3 * pump_of(machine, "boom").flow
     error = rebuilt["boom.q_in"] - true["boom.q_in"]  # what the oil's compression takes, and all of it at a stop
     assert np.median(np.abs(error[flowing])) < 0.5 * np.median(true["boom.q_in"][flowing])
 
@@ -51,10 +51,10 @@ def test_conditions_in_words():
 def test_friction_is_that_of_all_joints_and_changes_the_pressures(machine):
     stiff = _machine(machine, USUAL._replace(friction=5.0))
     for link in LINKS:
-        now, then = getattr(stiff, link).friction, getattr(machine, link).friction
+        now, then = getattr(stiff, link).friction, machine.function(link).friction
         assert (now.coulomb, now.static, now.viscous) == (5.0 * then.coulomb, 5.0 * then.static, 5.0 * then.viscous)
         assert (now.smoothing, now.stribeck) == (then.smoothing, then.stribeck)
-    assert _machine(machine, USUAL) == machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False))
+    assert _machine(machine, USUAL) == with_pumps(machine, torque_limit_enabled=False)
     exact = USUAL._replace(minutes=0.5, noise=0.0)
     pressures = [np.median(measured(m, exact)["swing.p_in"]) for m in (machine, stiff)]
     assert pressures[1] > 1.2 * pressures[0]
@@ -65,7 +65,7 @@ def test_flows_out_of_actuators_follow_from_those_in(machine):
     true, rebuilt = measured(machine, exact), measured(machine, exact._replace(outlet_sensors=False))
     assert all(np.array_equal(true[f"{link}.q_in"], rebuilt[f"{link}.q_in"]) for link in LINKS)
     for link in ("boom", "stick"):
-        flowing = true[f"{link}.q_in"] > 0.5 * machine.pumps.boom_flow
+        flowing = true[f"{link}.q_in"] > 0.5 * pump_of(machine, "boom").flow
         read, found = (log[f"{link}.q_out"][flowing] for log in (true, rebuilt))
         assert 0.8 < np.corrcoef(read, found)[0, 1] < 1.0  # compression is what differs
         assert abs(np.median(found - read)) < 0.05 * np.median(read)

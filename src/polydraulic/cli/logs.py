@@ -126,7 +126,7 @@ def record(
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
-    from polydraulic.parameters.load import function_names, load_machine
+    from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
 
     if example:
@@ -147,7 +147,7 @@ def record(
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
     bench = bench if seed is None else replace(bench, seed=seed)
-    what = [load_scenario(name, functions=function_names(plant)) for name in scenario]
+    what = [load_scenario(name, functions=plant.names) for name in scenario]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))
         n = write_log(plant, what, bench, out, dt=dt, progress=progress)
@@ -180,7 +180,7 @@ def fit_machine(
     Of the parameter set only pump flows, relief setting, return pressure and the limits of spool travel are used.
 
     Every fifth block of time is held out to state the errors; the models are then learnt from all rows. With the columns
-    LINK.voltage and LINK.angle, the machine is also run against the blocks held out, as `replay` does.
+    NAME.voltage and NAME.angle, the machine is also run against the blocks held out, as `replay` does.
 
     Example: `polydraulic fit-machine table.parquet --out machine.json --card machine.html`
 

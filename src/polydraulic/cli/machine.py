@@ -97,9 +97,8 @@ def simulate(
     from polydraulic.display import readable
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
-    from polydraulic.parameters.load import function_names, load_machine
+    from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario, scenario_machine
-    from polydraulic.parameters.schema import Machine
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
     from polydraulic.simulation.runs import simulate as run
     from polydraulic.simulation.summary import run_summary
@@ -115,11 +114,7 @@ def simulate(
     if plot is not None:
         picture_ending(plot)
     plant = load_machine(machine or scenario_machine(scenario))
-    what = load_scenario(scenario, functions=function_names(plant))
-    if arrangement and not isinstance(plant, Machine):
-        raise InputError(
-            "--arrangement is of the networks for cat215b; those of other machines say it by what they read"
-        )
+    what = load_scenario(scenario, functions=plant.names)
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
@@ -186,14 +181,14 @@ def animate(
     The first flow is drawn filled, the others as outlines; distances of the tip are from the first. What comes next: open the page in
     a browser; `polydraulic simulate` with the same scenario prints the numbers.
     """
-    from polydraulic.parameters.load import function_names, load_machine
+    from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario, scenario_machine
     from polydraulic.plotting.animation import animation_ending, write_animation
     from polydraulic.simulation.runs import simulate as run
 
     animation_ending(out)
     plant = load_machine(machine or scenario_machine(scenario))
-    what = load_scenario(scenario, functions=function_names(plant))
+    what = load_scenario(scenario, functions=plant.names)
     flows = list(dict.fromkeys(flow or ["exact"]))
     runs = {}
     with progress_bar("animate") as progress:
@@ -215,13 +210,13 @@ def scenarios() -> None:
     TOML file like those in the package, or a recording: a CSV file with the columns time, swing, boom, stick. `machine = "..."` in a
     scenario file says which machine it is for; `simulate` and `animate` take that one.
     """
-    from polydraulic.parameters.load import function_names, load_machine
+    from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario, scenario_machine, scenario_names
 
     rows = []
     for name in scenario_names():
         what, machine = load_scenario(name), scenario_machine(name)
-        moved = ", ".join(f for f in function_names(load_machine(machine)) if f not in what.locked)
+        moved = ", ".join(f for f in load_machine(machine).names if f not in what.locked)
         rows.append((name, what.duration, machine, moved, what.title))
     rows.append(("random:SEED", 60.0, "any", "all", "Random operator; random:SEED:SECONDS for another duration"))
     for name, duration, machine, moved, title in rows:
@@ -235,8 +230,7 @@ def sample(
     circuit: Annotated[
         str | None,
         typer.Option(
-            help="A circuit of the machine, which may be left out if there is one alone; of cat215b boom (if not given), or series: swing and stick, "
-            "which share a pump."
+            help="A circuit of the machine, the first if not given: of cat215b boom, and series of two valves that share a pump."
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
@@ -247,7 +241,7 @@ def sample(
 
     Example: `polydraulic sample --circuit boom --rows 10000 --out boom.parquet`
 
-    - Swing and stick in series: `polydraulic sample --circuit series --rows 50000 --out series.parquet`
+    - Two valves in series: `polydraulic sample --circuit series --rows 50000 --out series.parquet`
 
     - Of a machine of any layout: `polydraulic sample --circuit lift --rows 50000 --out lift.parquet --machine loader_crane`
 
@@ -255,14 +249,14 @@ def sample(
     """
     import numpy as np
 
-    from polydraulic.flow.database import circuit_database
+    from polydraulic.flow.layout.database import sample_circuit
     from polydraulic.parameters.load import load_machine
     from polydraulic.tables import write_table
 
     plant = load_machine(machine)
     with progress_bar("sample") as progress:
         progress(f"{rows} points of the circuit", 0, 2)
-        table = circuit_database(plant, circuit, rows, rng=np.random.default_rng(seed), relief=relief)
+        table = sample_circuit(plant, circuit, rows, rng=np.random.default_rng(seed), relief=relief)
         progress(f"write {out}", 1, 2)
         write_table(table, out)
     print(f"{out}: {rows} rows of {', '.join(table.names)}")
@@ -270,9 +264,7 @@ def sample(
 
 @app.command()
 def train(
-    out: Annotated[
-        Path, typer.Option(help="Model file to write, .json; for the layout of cat215b a folder of model files.")
-    ],
+    out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     machine: MachineOption = "cat215b",
     circuit: Annotated[
         list[str] | None, typer.Option(help="A circuit to learn; repeat for more; all if not given.")
@@ -286,37 +278,24 @@ def train(
 ) -> None:
     """Train the networks of a whole machine from its exact flow model.
 
-    Of a machine that is described by links, functions and circuits all networks go into one file: of each circuit what enters its valves
+    All networks go into one file: of each circuit what enters its valves
     and what leaves the actuators. It prints the largest error that was found of each, as a share of the pump's flow or of the widest orifice.
 
     Example: `polydraulic train --out loader.json --machine wheel_loader`
 
     - In seconds, for a first look: `polydraulic train --out loader.json --machine wheel_loader --regions 9 --tolerance 0.02`
 
-    For the layout of cat215b it writes outlets.json, neural.json, inlets.json, cascade.json, limited.json and direct.json, which come with the
-    package; the same versions give the same files. It takes long; each file is written as soon as its networks are learnt.
-
     What comes next: `polydraulic simulate wheel_loader_cycle --flow polynomial --model loader.json`.
     """
     from polydraulic.flow.training.layout_models import TrainingEffort, train_layout
-    from polydraulic.flow.training.train import train_networks
     from polydraulic.networks.model.model_file import save_models
     from polydraulic.parameters.load import load_machine
-    from polydraulic.parameters.schema import Machine
 
     plant = load_machine(machine)
     given = {"tolerance": tolerance, "regions": regions}
     settings: Any = {name: value for name, value in given.items() if value is not None}
-    if isinstance(plant, Machine):
-        if settings or circuit:
-            raise InputError("--circuit, --tolerance and --regions are for machines that are described by links")
-        with progress_bar("train") as progress:
-            written = train_networks(plant, out, progress=progress)
-        for path in written:
-            print(path)
-        return
     if out.suffix.lower() != ".json":
-        raise InputError(f"--out {out}: the networks of this machine go into one file, for example {out.name}.json")
+        raise InputError(f"--out {out}: all networks go into one file, for example {out.name}.json")
     with progress_bar("train") as progress:
         models = train_layout(plant, circuits=circuit or None, effort=TrainingEffort(**settings), progress=progress)
         save_models(models, out)
@@ -335,9 +314,7 @@ def export_machine(
     flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
     model: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="Model file for polynomial or neural, for machines that are described by links; repeat for more."
-        ),
+        typer.Option(help="Model file for polynomial or neural; repeat for more."),
     ] = None,
     name: Annotated[str, typer.Option(help="Name of the export, a C identifier.")] = "machine",
     dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
@@ -346,9 +323,7 @@ def export_machine(
     ] = False,
     force: Annotated[
         bool,
-        typer.Option(
-            "--force", help="Three more inputs, a force at the tip; for machines that are described by links."
-        ),
+        typer.Option("--force", help="Three more inputs, a force at the tip."),
     ] = False,
     machine: MachineOption = "cat215b",
 ) -> None:
@@ -367,24 +342,18 @@ def export_machine(
     """
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
-    from polydraulic.flow.dispatch import build_flow
-    from polydraulic.flow.layout.model import LayoutFlow
+    from polydraulic.flow.dispatch import FlowModel, build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
     plant = load_machine(machine)
-    chosen: str | LayoutFlow = flow
+    chosen: str | FlowModel = flow
     if model:
         if flow not in ("polynomial", "neural"):
             raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
-        built = build_flow(flow, plant, models=[found for path in model for found in load_models(path)])
-        if not isinstance(built, LayoutFlow):
-            raise InputError(
-                "--model is for machines that are described by links; for that of cat215b use `export_machine` in Python"
-            )
-        chosen = built
+        chosen = build_flow(flow, plant, models=[found for path in model for found in load_models(path)])
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":

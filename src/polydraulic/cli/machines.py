@@ -1,5 +1,6 @@
 """Commands about machine files: what there is, what is wrong with one, a first one, and the kernels of its layout."""
 
+import tomllib
 from pathlib import Path
 from typing import Annotated
 
@@ -31,14 +32,14 @@ def list_machines(
     What comes next: `polydraulic machine check NAME`, `polydraulic simulate random:1:10 --machine NAME --plot run.svg`.
     """
     from polydraulic.parameters.layout.load import CIRCUIT_KINDS
-    from polydraulic.parameters.load import function_names, load_machine, machine_names, machine_title
+    from polydraulic.parameters.load import load_machine, machine_names, machine_title
 
     if circuits:
         for kind, words in CIRCUIT_KINDS.items():
             print(f"{kind:12s} {words}")
         return
     for name in machine_names():
-        functions = ", ".join(function_names(load_machine(name)))
+        functions = ", ".join(load_machine(name).names)
         print(f"{name:20s} {machine_title(name)}\n{'':20s} moved by {functions}")
 
 
@@ -53,14 +54,10 @@ def check(machine: MachineArgument) -> None:
     What comes next: `polydraulic machine draw my_machine.toml --out my_machine.svg`, and look whether it is what you meant.
     """
     from polydraulic.parameters.layout.describe import described
-    from polydraulic.parameters.layout.schema import LayoutMachine
     from polydraulic.parameters.layout.usual import unusual
     from polydraulic.parameters.load import load_machine
 
     found = load_machine(machine)
-    if not isinstance(found, LayoutMachine):
-        print(f"{machine}: good; swing, boom and stick on two pumps")
-        return
     for line in described(found):
         print(line)
     for line in unusual(found):
@@ -101,11 +98,11 @@ def show(
 
     Example: `polydraulic machine show excavator_22t | less`
     """
-    from polydraulic.parameters.load import load_layout
+    from polydraulic.parameters.load import load_machine
     from polydraulic.simulation.layout.methods.text import methods_text
     from polydraulic.simulation.layout.text import layout_text
 
-    print((methods_text if methods else layout_text)(load_layout(machine)))
+    print((methods_text if methods else layout_text)(load_machine(machine)))
 
 
 @machines.command()
@@ -120,13 +117,19 @@ def new(
     What comes next: put in your numbers, then `polydraulic machine check my_crane.toml`.
     """
     from polydraulic.files import write_text
+    from polydraulic.parameters.keys import is_layout
     from polydraulic.parameters.layout.skeleton import skeleton
-    from polydraulic.parameters.load import load_layout, machine_text
+    from polydraulic.parameters.load import load_machine, machine_text
 
     if out.suffix != ".toml":
         raise InputError(f"{out}: a machine file ends in .toml")
     if out.exists():
         raise InputError(f"{out} is there already; choose another name, or remove it first")
-    load_layout(like)  # the older form is no pattern
-    write_text(out, skeleton(machine_text(like), like))
+    text = machine_text(like)
+    load_machine(like)
+    if not is_layout(tomllib.loads(text)):
+        raise InputError(
+            f"{like}: has the older form, without [links], [functions] and [circuits], and is no pattern for a new machine"
+        )
+    write_text(out, skeleton(text, like))
     print(f"{out}: a machine like {like}; put in your numbers, then: polydraulic machine check {out}")

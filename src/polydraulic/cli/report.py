@@ -29,7 +29,7 @@ def report(
     What comes next: open index.html in a browser; `docs/figures.md` lists the figures. Chapters keep the units that the thesis
     prints.
     """
-    from polydraulic.parameters.load import as_excavator
+    from polydraulic.thesis.excavator import as_excavator
     from polydraulic.thesis.report.write import write_figure, write_report
 
     if chapter and figure:

@@ -7,9 +7,8 @@ from polydraulic.errors import InputError
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.lookup import table_bytes
-from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.columns import EFFECTOR, columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 
 FORCE = ("tip.force_x", "tip.force_y", "tip.force_z")  # N, along the axes of the ground

@@ -1,7 +1,7 @@
 """The whole machine as C99: the kernels of a step, translated, around parameters that are data.
 
-Five files: ``NAME.h`` and ``NAME.c``, which a program uses; ``NAME_kernels.h`` and ``NAME_kernels.c``, the physics as
-`simulation.step` writes it; ``NAME_parameters.c``, the numbers of the machine and its flow model.
+Five files: ``NAME.h`` and ``NAME.c``, which a program uses; ``NAME_kernels.h`` and ``NAME_kernels.c``, the physics of
+a step (`polydraulic machine show`); ``NAME_parameters.c``, the numbers of the machine and its flow model.
 """
 
 from collections.abc import Collection
@@ -11,7 +11,6 @@ from string import Template
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.excavator import excavator_parts
 from polydraulic.export.exported import Exported
 from polydraulic.export.layout import layout_parts
 from polydraulic.export.machine_parts import MachineParts
@@ -21,14 +20,13 @@ from polydraulic.files import write_texts
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
-from polydraulic.parameters.schema import Machine
 
 MOST_NUMBERS = 200_000  # in tables of a flow model: 4 MB of text
 _TEMPLATES = Path(__file__).parent / "templates"
 
 
 def machine_parts(
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     flow: str | FlowModel,
     *,
     dt: float = 5e-3,
@@ -37,16 +35,11 @@ def machine_parts(
     most_numbers: int = MOST_NUMBERS,
 ) -> MachineParts:
     """Kernels and numbers of a machine, from the same preparation as `simulate`; arguments as for `machine_c`."""
-    machine = as_machine(machine)
-    if isinstance(machine, LayoutMachine):
-        return layout_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers)
-    if force:
-        raise InputError("a force at the tip is for machines that are described by links, for example 'cat215b_bucket'")
-    return excavator_parts(machine, flow, dt=dt, locked=locked, most_numbers=most_numbers)
+    return layout_parts(as_machine(machine), flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers)
 
 
 def machine_c(
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     flow: str | FlowModel,
     *,
     name: str = "machine",
@@ -59,7 +52,7 @@ def machine_c(
 
     Parameters
     ----------
-    machine : Machine or LayoutMachine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
     flow : str or flow model
         Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; for machines
         that are described by links ``"exact"``, ``"iterative"``, or networks from `build_flow`.
@@ -68,9 +61,9 @@ def machine_c(
     dt : float, s
         Time step; part of the numbers, so that it cannot change later.
     locked : collection of str
-        Links or functions whose joints are held, and whose voltages are ignored.
+        Functions whose joints are held, and whose voltages are ignored.
     force : bool
-        Whether three more inputs are a force in N at the tip, along the ground's axes; for machines that are described by links.
+        Whether three more inputs are a force in N at the tip, along the ground's axes.
     most_numbers : int
         That tables of the flow model may hold: 4 MB of text.
 
@@ -126,7 +119,7 @@ def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) 
 
 
 def export_machine(
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     flow: str | FlowModel,
     folder: str | Path,
     *,

@@ -13,17 +13,14 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import FlowModel, build_flow
-from polydraulic.flow.layout.model import LayoutFlow
+from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
 from polydraulic.identification.arguments import models_of, parts_of, table_of
 from polydraulic.identification.machine_log import UNITS
 from polydraulic.machine.frames import link_frames, placed
-from polydraulic.machine.linkage import end_effector
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_machine, function_names
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.layout.columns import function_column
@@ -32,7 +29,6 @@ from polydraulic.tables import Table, began
 
 SECONDS = 10.0
 DRIFT_HEADS = ("joint", "median", "largest", "moved")
-COMPARED = tuple(f"{link}.{what}" for link in LINKS for what in ("voltage", "angle"))
 _UNITS = UNITS | {"voltage": "V", "angle": "rad", "position": "m"}
 _DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
@@ -133,7 +129,7 @@ class Replay:
 
 def replay(
     log: Table | str | Path | Sequence[Table | str | Path],
-    machine: Machine | LayoutMachine | str | Path = "cat215b",
+    machine: LayoutMachine | str | Path = "cat215b",
     flow: str | FlowModel = "polynomial",
     *,
     models: Sequence[Model] | str | Path | None = None,
@@ -152,7 +148,7 @@ def replay(
         Or its file: ``time`` and ``NAME.voltage``, ``NAME.angle`` (``NAME.position`` of a joint that slides), ``NAME.spool``, ``NAME.p_a``,
         ``NAME.p_b`` of every function, in SI.
         Of several tables, or a pattern such as ``day*.parquet``, no window crosses the end of one.
-    machine : Machine, LayoutMachine, str or Path
+    machine : LayoutMachine, str or Path
         Or a parameter set by its name or file. What declared effects keep and no sensor reads (play, hysteresis) begins as
         pressures and spools suggest.
     flow : str or flow model
@@ -185,11 +181,12 @@ def replay(
         more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
         raise InputError(
             f"{source}: no column {', '.join(map(repr, missing[:_NAMED]))}{more}; a replay needs time and, of each of "
-            f"{', '.join(function_names(plant))}, voltage, angle (position of a joint that slides), spool, p_a and p_b"
+            f"{', '.join(plant.names)}, voltage, angle (position of a joint that slides), spool, p_a and p_b"
         )
     if isinstance(flow, str):
         flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
-    if isinstance(flow, LayoutFlow) and (idle := [f for f in function_names(plant) if f not in flow.served]):
+    flow = layout_flow(flow, plant)
+    if idle := [f for f in plant.names if f not in flow.served]:
         raise InputError(
             f"flow {flow.name!r} has no networks for {', '.join(idle)}; train networks of their circuits, too"
         )
@@ -199,16 +196,14 @@ def replay(
     return Replay(windows, drifts(plant, windows), seconds, began(table))
 
 
-def joints_of(machine: Machine | LayoutMachine) -> list[Joint]:
+def joints_of(machine: LayoutMachine) -> list[Joint]:
     """Joints of a machine's functions, in their order."""
-    if isinstance(machine, Machine):
-        return [Joint(link, f"{link}.angle", "rad", getattr(machine, link).pilot.dead_time) for link in LINKS]
     return [
         Joint(f.name, *function_column(machine, f.name, "angle", "rad"), f.pilot.dead_time) for f in machine.functions
     ]
 
 
-def driven(machine: Machine | LayoutMachine) -> list[str]:
+def driven(machine: LayoutMachine) -> list[str]:
     """Columns besides ``time`` that a machine is run against."""
     joints = joints_of(machine)
     compared = [name for joint in joints for name in (f"{joint.function}.voltage", joint.column)]
@@ -216,7 +211,7 @@ def driven(machine: Machine | LayoutMachine) -> list[str]:
 
 
 def replayed(
-    machine: Machine | LayoutMachine,
+    machine: LayoutMachine,
     flow: str | FlowModel,
     log: Table,
     *,
@@ -247,7 +242,7 @@ def replayed(
                 at - joint.dead_time, time[own], log[f"{joint.function}.voltage"][own]
             )
         state = _state(log, begin, own, joints)
-        x0.append(start_from(machine, state) if isinstance(machine, LayoutMachine) else state)
+        x0.append(start_from(machine, state))
     columns = [joint.column for joint in joints]
     batch = simulate_batch(
         machine, flow, voltage, dt=_DT, x0=np.array(x0), keep=["rows"], columns=columns, progress=progress
@@ -260,7 +255,7 @@ def replayed(
     return windows
 
 
-def drifts(machine: Machine | LayoutMachine, windows: list[Window]) -> list[Drift]:
+def drifts(machine: LayoutMachine, windows: list[Window]) -> list[Drift]:
     """How far joints (rad, m) and tip (m) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
@@ -277,10 +272,8 @@ def drifts(machine: Machine | LayoutMachine, windows: list[Window]) -> list[Drif
     return found
 
 
-def _tips(machine: Machine | LayoutMachine, positions: np.ndarray) -> np.ndarray:
+def _tips(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
     """Where the tip is, (n_row, 3) in m."""
-    if isinstance(machine, Machine):
-        return end_effector(positions, machine.geometry)
     return placed(link_frames(machine, positions), *machine.tip)
 
 
@@ -294,12 +287,12 @@ def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:
     return rows
 
 
-def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
+def against_log(machine: LayoutMachine, flow: str | FlowModel, log: Table, rows: np.ndarray) -> tuple[str, list[Drift]]:
     """How far joints and tip drift in the rows of a log that were held out, and in words over what; or why that is not known.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     flow : flow model
         Learnt without these rows.
     log : Table
@@ -307,7 +300,7 @@ def against_log(machine: Machine, flow: str | FlowModel, log: Table, rows: np.nd
     rows : (n_row,) array of bool
         Held out.
     """
-    missing = [name for name in COMPARED if name not in log.names]
+    missing = [name for name in driven(machine) if name not in log.names]
     if missing:
         return f"not run against the log: it has no {missing[0]}", []
     windows = replayed(machine, flow, log, rows=rows)

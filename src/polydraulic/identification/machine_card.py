@@ -8,17 +8,20 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from polydraulic.display import DEFAULT
+from polydraulic.flow.layout.slots import passed
 from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
 from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
-from polydraulic.identification.machine_log import MEASURED, Known, by_port, judging_rows
+from polydraulic.identification.machine_log import Known, by_port, judging_rows
+from polydraulic.machine.valve import spool_edges
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.measure.quality_plots import coverage_svg
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.html import table as html_table
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.layout.parts import SupplyCircuit
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
 from polydraulic.tables import Table
 from polydraulic.units import Conversion
 
@@ -60,20 +63,21 @@ class Covered(NamedTuple):
         return {name: conversion_shown(unit, units) for name, unit in self.read.items()}
 
 
-def operating_box(machine: Machine, link: str) -> dict[str, tuple[float, float]]:
-    """Where a link's valve works: from where it opens to its end, up to the relief setting and all of the pump's flow, in SI."""
-    opens, end, relief = machine.spool.deadband, machine.spool.knots[-1], machine.pumps.relief
+def operating_box(machine: LayoutMachine, circuit: SupplyCircuit, function: str) -> dict[str, tuple[float, float]]:
+    """Where a function's valve works: from where it opens to its end, up to the relief setting and all of the pump's flow, in SI."""
+    valve, relief = machine.function(function).valve, circuit.pump.relief
+    opens, end = spool_edges(valve)[0], valve.knots[-1]
+    reaching = [passed(circuit, place).name for place in range(1, len(circuit.functions))]
     return {
-        f"{link}.travel": (opens, end),
-        f"{link}.spool": (-end, end),
-        f"{link}.p_in": (0.0, relief),
-        f"{link}.root_p_out": (0.0, relief**0.5),
-        "series.q_passed": (0.0, machine.pumps.series_flow),
-    }
+        f"{function}.travel": (opens, end),
+        f"{function}.spool": (-end, end),
+        f"{function}.p_in": (0.0, relief),
+        f"{function}.root_p_out": (0.0, relief**0.5),
+    } | dict.fromkeys(reaching, (0.0, circuit.pump.flow))
 
 
 def machine_coverage(
-    table: Table | str | Path, models: Sequence[Model] | str | Path, machine: Machine | str | Path = "cat215b"
+    table: Table | str | Path, models: Sequence[Model] | str | Path, machine: LayoutMachine | str | Path = "cat215b"
 ) -> list[Covered]:
     """Where a log has been, network by network, in the operating box of the machine.
 
@@ -83,20 +87,22 @@ def machine_coverage(
         Or its file, an imported log, as for `fit_machine`.
     models : sequence of Model, str or Path
         Of `fit_machine`, or their file.
-    machine : Machine, str or Path
+    machine : LayoutMachine, str or Path
         Or a parameter set by its name or file.
     """
-    plant = as_excavator(machine)
-    log, _ = table_of(table, [f"{link}.{what}" for link in LINKS for what in MEASURED])
-    return _covered(plant, models_of(models), by_port(Known.of(plant), log))
+    plant = as_machine(machine)
+    known = Known.of(plant)
+    log, _ = table_of(table, known.measured())
+    return _covered(plant, models_of(models), by_port(known, log))
 
 
-def _covered(machine: Machine, models: Sequence[Model], log: Table) -> list[Covered]:
+def _covered(machine: LayoutMachine, models: Sequence[Model], log: Table) -> list[Covered]:
     """The same of what circuits see."""
     known, found = Known.of(machine), []
     box: dict[str, tuple[float, float]] = {}
-    for link in LINKS:
-        box |= operating_box(machine, link)
+    for c in machine.circuits:
+        for function in c.functions:
+            box |= operating_box(machine, c, function)
     for model in models:
         output = model.output.name
         names = [variable.name for variable in model.inputs]

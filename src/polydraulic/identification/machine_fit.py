@@ -11,19 +11,17 @@ from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_un
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.judging import OutputFit
-from polydraulic.identification.log_replay import COMPARED, DRIFT_HEADS, Drift, against_log, drift_rows
+from polydraulic.identification.log_replay import DRIFT_HEADS, Drift, against_log, drift_rows, driven
 from polydraulic.identification.machine_judging import check_numbers, check_rows, held_out, judged_network, one_sided
 from polydraulic.identification.machine_learning import REGIONS, ROWS, learn
-from polydraulic.identification.machine_log import MEASURED, Known, by_port, some_rows
+from polydraulic.identification.machine_log import Known, by_port, some_rows
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
-
-_OUTPUTS = 2 * len(LINKS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +31,7 @@ class MachineFit:
     Attributes
     ----------
     outputs : list of OutputFit
-        Of all six networks; their models are learnt from all rows and state in `training` how those `without` did on the rows
+        Of all networks; their models are learnt from all rows and state in `training` how those `without` did on the rows
         held out. A model that errs more there, on rows it has seen, gives way to the one without: ``learnt_from`` says so. Besides
         what `fit_table` writes, `training` holds ``held_out_flow_rms`` and ``held_out_flow_largest`` in m3/s, the errors as flows
         (of an outlet: conductance times the root of the measured pressure drop), ``pump_flow`` in m3/s, and ``log``, by which
@@ -48,7 +46,7 @@ class MachineFit:
         How far joints and tip drift there; empty if it was not run.
     warnings : list of str
         What the log does not show.
-    machine : Machine
+    machine : LayoutMachine
     table : Table
         What circuits see, by rows of the log.
     source : str
@@ -61,7 +59,7 @@ class MachineFit:
     windows: str
     drifts: list[Drift]
     warnings: list[str]
-    machine: Machine = field(repr=False)
+    machine: LayoutMachine = field(repr=False)
     table: Table = field(repr=False)
     source: str
 
@@ -91,7 +89,7 @@ class MachineFit:
 
 def fit_machine(
     table: Table | str | Path | Sequence[Table | str | Path],
-    machine: Machine | str | Path = "cat215b",
+    machine: LayoutMachine | str | Path = "cat215b",
     *,
     max_regions: int = REGIONS,
     max_rows: int = ROWS,
@@ -101,17 +99,17 @@ def fit_machine(
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
     Every fifth block of time is held out to state the errors: blocks of half a minute, or `min_blocks` of a short log. The networks are
-    then learnt from all rows. With the columns ``LINK.voltage`` and ``LINK.angle`` the machine is also run against the blocks held
+    then learnt from all rows. With the columns ``NAME.voltage`` and ``NAME.angle`` the machine is also run against the blocks held
     out, on networks learnt without them.
 
     Parameters
     ----------
     table : Table, str, Path or sequence of them
-        Or its file (several, or a pattern such as ``day*.parquet``, are learnt from together), an imported log: ``time`` and ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b``, ``LINK.q_in``, ``LINK.q_out`` of all
-        three links, in SI.
-    machine : Machine, str or Path
-        Or a parameter set by its name or file. Of it pump flows, relief setting, return pressure and the borders of spool travel are
-        used; to run the machine, all of it.
+        Or its file (several, or a pattern such as ``day*.parquet``, are learnt from together), an imported log: ``time`` and ``NAME.spool``, ``NAME.p_a``, ``NAME.p_b``, ``NAME.q_in``, ``NAME.q_out`` of all
+        functions, in SI.
+    machine : LayoutMachine, str or Path
+        Or a parameter set by its name or file, with circuits of valves in series. Of it pump flows, relief settings, return pressure and the
+        borders of spool travel are used; to run the machine, all of it.
     max_regions : int
         That the network of an inlet may find.
     max_rows : int
@@ -131,14 +129,14 @@ def fit_machine(
         A column that is missing or in another unit, numbers that cannot be SI, a valve that never opens, too few rows with an open
         valve in the blocks held out or in the others.
     """
-    plant, needed = as_excavator(machine), ["time", *(f"{link}.{what}" for link in LINKS for what in MEASURED)]
-    read, source = table_of(table, needed, ["segment", *COMPARED])
-    known = Known.of(plant)
+    plant = as_machine(machine)
+    known, n_output = Known.of(plant), 2 * len(plant.names)
+    read, source = table_of(table, ["time", *known.measured()], ["segment", *driven(plant)])
     log = by_port(known, read)
     check_numbers(plant, log)
     held = held_out(log, min_blocks)
     check_rows(log, held, known)
-    total = 2 * _OUTPUTS + 1
+    total = 2 * n_output + 1
 
     def learnt(rows: Table, what: str, before: int) -> list[Model]:
         def tell(output: str, done: int, of: int) -> None:
@@ -146,9 +144,9 @@ def fit_machine(
 
         return learn(plant, rows, max_regions=max_regions, max_rows=max_rows, progress=tell)
 
-    without, models = learnt(some_rows(log, ~held), "hold out", 0), learnt(log, "all rows", _OUTPUTS)
+    without, models = learnt(some_rows(log, ~held), "hold out", 0), learnt(log, "all rows", n_output)
     outputs = [judged_network(plant, log, held, *pair) for pair in zip(models, without, strict=True)]
-    progress("run against the log", 2 * _OUTPUTS, total)
+    progress("run against the log", 2 * n_output, total)
     windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
     return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, log, source)
 

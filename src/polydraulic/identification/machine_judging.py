@@ -9,7 +9,7 @@ from polydraulic.identification.machine_learning import CELL
 from polydraulic.identification.machine_log import Known, judging_rows, some_rows
 from polydraulic.networks.hold_out import BLOCKS, held_rows
 from polydraulic.networks.model.model import Model
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
 _BLOCK = 30.0  # s, of a longer log: what a pump does comes and goes with the work, and few long blocks hold few kinds of work
@@ -26,10 +26,10 @@ def held_out(log: Table, min_blocks: int = BLOCKS) -> np.ndarray:
     return held_rows(n, max(min_blocks, round(seconds / _BLOCK)), parts_of(log))
 
 
-def judged_network(machine: Machine, log: Table, held: np.ndarray, model: Model, earlier: Model) -> OutputFit:
+def judged_network(machine: LayoutMachine, log: Table, held: np.ndarray, model: Model, earlier: Model) -> OutputFit:
     """The network of all rows, with the errors of the earlier one on the rows held out; the earlier one where it is better there."""
     known, output = Known.of(machine), model.output.name
-    link = output.split(".")[0]
+    function = output.split(".")[0]
     judging = judging_rows(output, log, known)
     rows = some_rows(log, held & judging)
     X, y = rows.matrix([variable.name for variable in model.inputs]), rows[output]
@@ -39,13 +39,13 @@ def judged_network(machine: Machine, log: Table, held: np.ndarray, model: Model,
         earlier if worse else model, HeldOut(X, y, earlier.predict(X), True), int(np.sum(~held)) if worse else len(log)
     )
     error = fit.held.predicted - y
-    flow = error * rows[f"{link}.root_p_out"] if output.endswith("k_out") else error
+    flow = error * rows[f"{function}.root_p_out"] if output.endswith("k_out") else error
     fit.model.training.update(
         learnt_from="rows not held out" if worse else "all rows",
         held_out_flow_rms=_rms(flow),
         held_out_flow_largest=float(np.abs(flow).max()),
-        pump_flow=machine.pumps.boom_flow if link == "boom" else machine.pumps.series_flow,
-        log=known._asdict(),
+        pump_flow=known.circuit(function).flow,
+        log=known.to_data(),
     )
     return fit
 
@@ -57,22 +57,21 @@ def _rms(error: np.ndarray) -> float:
 def one_sided(log: Table, known: Known) -> list[str]:
     """Sentences on spools that hardly open to one of their sides: the outlet there is not learnt."""
     found = []
-    for link in LINKS:
+    for function in known.functions:
         for sign, side in ((1.0, "positive"), (-1.0, "negative")):
-            count = int(np.sum(sign * log[f"{link}.spool"] > known.deadband))
+            count = int(np.sum(sign * log[f"{function}.spool"] > known.deadband[function]))
             if count < CELL:
                 found.append(
-                    f"{link}.spool opens its valve to the {side} side in {count} of {len(log)} rows: nothing is known of it there"
+                    f"{function}.spool opens its valve to the {side} side in {count} of {len(log)} rows: nothing is known of it there"
                 )
     return found
 
 
-def check_numbers(machine: Machine, log: Table) -> None:
+def check_numbers(machine: LayoutMachine, log: Table) -> None:
     """Refuse a log whose numbers cannot be SI."""
-    relief, travel = machine.pumps.relief, machine.spool.knots[-1]
-    for link in LINKS:
-        pump = machine.pumps.boom_flow if link == "boom" else machine.pumps.series_flow
-        for name, most, unit in ((f"{link}.spool", travel, "m"), (f"{link}.q_in", pump, "m3/s")):
+    for function, circuit in ((name, c) for c in machine.circuits for name in c.functions):
+        travel, pump, relief = machine.function(function).valve.knots[-1], circuit.pump.flow, circuit.pump.relief
+        for name, most, unit in ((f"{function}.spool", travel, "m"), (f"{function}.q_in", pump, "m3/s")):
             # one row may be anything, a hundredth of them not
             reached = float(np.quantile(np.abs(log[name]), 0.99))
             if reached > _BEYOND * most:
@@ -80,28 +79,28 @@ def check_numbers(machine: Machine, log: Table) -> None:
                     f"{name} goes to {reached:.4g} {unit}; the machine's goes to {most:.4g} {unit}: "
                     "give the channel map the unit of the log, or the parameter set of this machine"
                 )
-        highest = max(float(np.quantile(log[f"{link}.{port}"], 0.99)) for port in ("p_a", "p_b"))
+        highest = max(float(np.quantile(log[f"{function}.{port}"], 0.99)) for port in ("p_a", "p_b"))
         if highest < _NO_PRESSURE or highest > 10.0 * relief:
             raise InputError(
-                f"{link}.p_a and {link}.p_b go to {highest:.4g} Pa; the relief valve opens at {relief:.4g} Pa: "
+                f"{function}.p_a and {function}.p_b go to {highest:.4g} Pa; the relief valve opens at {relief:.4g} Pa: "
                 "give the channel map the unit of the log"
             )
 
 
 def check_rows(log: Table, held: np.ndarray, known: Known) -> None:
     """Refuse a log that says too little of one of the valves."""
-    for link in LINKS:
-        reached = float(log[f"{link}.travel"].max()) if len(log) else 0.0
-        if reached <= known.deadband:
+    for function, opens in known.deadband.items():
+        reached = float(log[f"{function}.travel"].max()) if len(log) else 0.0
+        if reached <= opens:
             raise InputError(
-                f"{link}.spool goes to {reached:.4g} m in {len(log)} rows and its valve opens at {known.deadband:.4g} m: nothing "
-                f"can be learnt of it; record a log in which the {link} moves"
+                f"{function}.spool goes to {reached:.4g} m in {len(log)} rows and its valve opens at {opens:.4g} m: nothing "
+                f"can be learnt of it; record a log in which the {function} moves"
             )
         for what in ("q_in", "k_out"):
-            rows = judging_rows(f"{link}.{what}", log, known)
+            rows = judging_rows(f"{function}.{what}", log, known)
             learnt, left = int(np.sum(rows & ~held)), int(np.sum(rows & held))
             if learnt < _LEARNT or left < _HELD:
                 raise InputError(
-                    f"{link}.{what}: {learnt} rows are of use to it, and {left} in the blocks of time held out; it takes {_LEARNT} and "
-                    f"{_HELD}: record longer, or move the {link} more often"
+                    f"{function}.{what}: {learnt} rows are of use to it, and {left} in the blocks of time held out; it takes {_LEARNT} and "
+                    f"{_HELD}: record longer, or move the {function} more often"
                 )

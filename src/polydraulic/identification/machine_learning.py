@@ -1,15 +1,17 @@
-"""Networks of a whole machine from a log of its work: three inlets by region, three outlets."""
+"""Networks of a whole machine from a log of its work: of each function an inlet by region, and an outlet."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from polydraulic.flow.network_slots import BOOM_IN, BOTH, PASSED, k_out, q_in
+from polydraulic.flow.layout.slots import inlet, outlet
 from polydraulic.identification.machine_log import BELOW_RELIEF, ROOT_LEAST
+from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
@@ -20,18 +22,18 @@ CELL = 60  # rows that a part of an outlet's curve needs
 
 
 def learn(
-    machine: Machine,
+    machine: LayoutMachine,
     log: Table,
     *,
     max_regions: int = REGIONS,
     max_rows: int = ROWS,
     progress: Progress = quiet,
 ) -> list[Model]:
-    """Networks of all circuits from measurements; what must be known is the pumps' flow, relief setting, and the deadband.
+    """Networks of all circuits from measurements; what must be known is each pump's flow and relief setting, and where valves open.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     log : Table
         From `by_port`.
     max_regions : int
@@ -39,32 +41,33 @@ def learn(
     max_rows : int
         That a network learns from.
     progress : Progress, optional
-        Told each of six outputs as it begins.
+        Told each output as it begins.
     """
     rng = np.random.default_rng(_SEED)
     models: list[Model] = []
-    for link, (output, inputs), high in (
-        ("boom", BOOM_IN, machine.pumps.boom_flow),
-        ("swing", (q_in("swing"), BOTH), machine.pumps.series_flow),
-        ("stick", (q_in("stick"), PASSED), machine.pumps.series_flow),
-    ):
-        progress(output.name, len(models), 2 * len(LINKS))
+    total = 2 * len(machine.names)
+    for circuit, f in ((c, machine.function(name)) for c in machine.circuits for name in c.functions):
+        output, inputs = inlet(circuit, f.name)[0]
+        progress(output.name, len(models), total)
         # a flow model lets nothing in at relief, whatever a network says
-        below = np.flatnonzero(log[f"{link}.p_in"] < BELOW_RELIEF * machine.pumps.relief)
-        rows = below[_chosen(log[f"{link}.travel"][below] > machine.spool.deadband, max_rows, rng)]
-        settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, high))  # holds where it has seen rows
+        below = np.flatnonzero(log[f"{f.name}.p_in"] < BELOW_RELIEF * circuit.pump.relief)
+        rows = below[_chosen(log[f"{f.name}.travel"][below] > spool_edges(f.valve)[0], max_rows, rng)]
+        settings = AbductiveRegressor(
+            max_layers=3, output_bounds=(0.0, circuit.pump.flow)
+        )  # holds where it has seen rows
         models.append(_fit(settings, log, inputs, output, rows, max_regions))
-    for link in LINKS:
-        progress(f"{link}.k_out", len(models), 2 * len(LINKS))
-        models.append(_learn_outlet(machine, log, link, max_rows, rng))
+    for f in machine.functions:
+        progress(f"{f.name}.k_out", len(models), total)
+        models.append(_learn_outlet(f, log, max_rows, rng))
     return models
 
 
-def _learn_outlet(machine: Machine, log: Table, link: str, max_rows: int, rng: np.random.Generator) -> Model:
+def _learn_outlet(f: MachineFunction, log: Table, max_rows: int, rng: np.random.Generator) -> Model:
     """Conductance of an outlet over the spool: a cubic in each part of its travel that was visited."""
-    rows = rng.permutation(np.flatnonzero(log[f"{link}.root_p_out"] > ROOT_LEAST))[:max_rows]
-    spool, y = log[f"{link}.spool"][rows], log[f"{link}.k_out"][rows]
-    opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
+    rows = rng.permutation(np.flatnonzero(log[f"{f.name}.root_p_out"] > ROOT_LEAST))[:max_rows]
+    spool, y = log[f"{f.name}.spool"][rows], log[f"{f.name}.k_out"][rows]
+    (opens, shut), end = spool_edges(f.valve), f.valve.knots[-1]
+    shut = shut if shut < end else 0.5 * (opens + end)  # of a bypass that never shuts
     borders = [opens, 0.5 * (opens + shut), shut, 0.5 * (shut + end)]
     settings = AbductiveRegressor(
         max_layers=1, kinds=("single",), output_bounds=(0.0, float(np.quantile(y, 0.9999)))
@@ -74,7 +77,8 @@ def _learn_outlet(machine: Machine, log: Table, link: str, max_rows: int, rng: n
     opening = np.maximum(np.abs(spool) - opens, 0.0) / (end - opens)
     learner = RegionRegressor(settings, edges={0: edges} if edges else None, max_regions=1)
     fitted = learner.fit(spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
-    return fitted.to_model((Variable(f"{link}.spool", "m"),), k_out(link))
+    output, inputs = outlet(f.name)[0]
+    return fitted.to_model(inputs, output)
 
 
 def visited(borders: Sequence[float], values: np.ndarray) -> list[float]:

@@ -1,7 +1,7 @@
 """The log of a whole machine: what sensors read -> what circuits see, and which rows say something of a network.
 
-What must be known is the pumps' flow and relief setting, the return pressure and the borders of spool travel; neither orifice areas
-nor pump pressures.
+What must be known is each pump's flow and relief setting, the return pressure and the travel at which each valve opens; neither orifice
+areas nor pump pressures.
 """
 
 from typing import Any, NamedTuple
@@ -10,15 +10,26 @@ import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
+from polydraulic.flow.layout.database import series_circuit_of
+from polydraulic.flow.layout.slots import passed_name
+from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.model.model import Model
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
-MEASURED = ("spool", "p_a", "p_b", "q_in", "q_out")  # of each link
+MEASURED = ("spool", "p_a", "p_b", "q_in", "q_out")  # of each function
 UNITS = {"time": "s", "segment": "1", "spool": "m", "p_a": "Pa", "p_b": "Pa", "q_in": "m3/s", "q_out": "m3/s"}
-_DERIVED = {"travel": "m", "p_in": "Pa", "root_p_out": "Pa^0.5", "k_out": "m3/s/Pa^0.5", "q_passed": "m3/s"}
+_DERIVED = {"travel": "m", "p_in": "Pa", "root_p_out": "Pa^0.5", "k_out": "m3/s/Pa^0.5"}
 ROOT_LEAST = float(np.sqrt(units.to_si(75.0, "psi")))  # below it a pressure drop says little of a conductance
 BELOW_RELIEF = 0.98  # above this share of the relief setting the flow falls to nothing within what a sensor can tell
+
+
+class KnownCircuit(NamedTuple):
+    """What must be known of a pump: its flow in m3/s, its relief setting in Pa, and the functions that it feeds, from the pump on."""
+
+    flow: float
+    relief: float
+    functions: tuple[str, ...]
 
 
 class Known(NamedTuple):
@@ -26,23 +37,57 @@ class Known(NamedTuple):
 
     Attributes
     ----------
-    deadband : float, m
-        Spool travel at which valves open.
-    return_pressure, relief : float, Pa
-    series_flow : float, m3/s
-        Of the pump of swing and stick.
+    return_pressure : float, Pa
+    deadband : dict from function to float, m
+        Spool travel at which its valve opens.
+    circuits : dict from name to KnownCircuit
     """
 
-    deadband: float
     return_pressure: float
-    relief: float
-    series_flow: float
+    deadband: dict[str, float]
+    circuits: dict[str, KnownCircuit]
 
     @classmethod
-    def of(cls, machine: Machine) -> "Known":
-        """From a parameter set."""
-        pumps = machine.pumps
-        return cls(machine.spool.deadband, machine.tank.return_pressure, pumps.relief, pumps.series_flow)
+    def of(cls, machine: LayoutMachine) -> "Known":
+        """From a machine whose circuits are valves in series.
+
+        Raises
+        ------
+        InputError
+            If one of them is not.
+        """
+        found = [series_circuit_of(machine, c.name) for c in machine.circuits]
+        return cls(
+            machine.tank.return_pressure,
+            {f.name: spool_edges(f.valve)[0] for f in machine.functions},
+            {c.name: KnownCircuit(c.pump.flow, c.pump.relief, c.functions) for c in found},
+        )
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """All functions, in the machine's order."""
+        return tuple(self.deadband)
+
+    def circuit(self, function: str) -> KnownCircuit:
+        """The circuit of a function."""
+        return next(c for c in self.circuits.values() if function in c.functions)
+
+    def to_data(self) -> dict[str, Any]:
+        """For a model file; `from_data` reads it."""
+        circuits = {name: {**c._asdict(), "functions": list(c.functions)} for name, c in self.circuits.items()}
+        return {**self._asdict(), "circuits": circuits}
+
+    @classmethod
+    def from_data(cls, data: dict[str, Any]) -> "Known":
+        """From what `to_data` gave."""
+        circuits = {
+            name: KnownCircuit(c["flow"], c["relief"], tuple(c["functions"])) for name, c in data["circuits"].items()
+        }
+        return cls(data["return_pressure"], dict(data["deadband"]), circuits)
+
+    def measured(self) -> list[str]:
+        """Columns of a log that are read, besides the time."""
+        return [f"{function}.{what}" for function in self.functions for what in MEASURED]
 
 
 def by_port(known: Known, log: Table) -> Table:
@@ -52,7 +97,7 @@ def by_port(known: Known, log: Table) -> Table:
     ----------
     known : Known
     log : Table
-        ``LINK.spool``, ``LINK.p_a``, ``LINK.p_b``, ``LINK.q_in`` and ``LINK.q_out`` of all three links, in SI; ``time`` and ``segment``
+        ``NAME.spool``, ``NAME.p_a``, ``NAME.p_b``, ``NAME.q_in`` and ``NAME.q_out`` of all functions, in SI; ``time`` and ``segment``
         are kept.
 
     Raises
@@ -61,32 +106,40 @@ def by_port(known: Known, log: Table) -> Table:
         If one of them is missing or in another unit.
     """
     names = [name for name in log.names if name in ("time", "segment")]
-    columns = {name: log[name] for name in (*names, *(f"{link}.{what}" for link in LINKS for what in MEASURED))}
+    columns = {name: log[name] for name in (*names, *known.measured())}
     for name in columns:
         si = UNITS.get(name.split(".")[-1], "")
         if log.unit(name) not in ("", si):
             raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine is learnt in SI, this in {si!r}")
-    for link in LINKS:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
-        shut = np.abs(columns[f"{link}.spool"]) <= known.deadband
+    for (
+        function
+    ) in known.functions:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
+        shut = np.abs(columns[f"{function}.spool"]) <= known.deadband[function]
         for port in ("q_in", "q_out"):
-            columns[f"{link}.{port}"] = np.where(shut, 0.0, columns[f"{link}.{port}"])
-        columns |= _ports(known, link, columns)
-    columns["series.q_passed"] = np.clip(known.series_flow - columns["swing.q_in"], 0.0, known.series_flow)
+            columns[f"{function}.{port}"] = np.where(shut, 0.0, columns[f"{function}.{port}"])
+        columns |= _ports(known, function, columns)
     of_columns = UNITS | _DERIVED
-    return Table(columns, {name: of_columns.get(name.split(".")[-1], "") for name in columns}, dict(log.info))
+    shown = {name: of_columns.get(name.split(".")[-1], "") for name in columns}
+    for circuit, c in known.circuits.items():
+        left: Any = c.flow
+        for place, function in enumerate(c.functions[:-1], 1):
+            left = np.clip(left - columns[f"{function}.q_in"], 0.0, c.flow)
+            name = passed_name(circuit, len(c.functions), place)
+            columns[name], shown[name] = left, "m3/s"
+    return Table(columns, shown, dict(log.info))
 
 
-def _ports(known: Known, link: str, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _ports(known: Known, function: str, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Pressures by what the spool connects, spool travel, conductance of the outlet (Eq. 7)."""
-    forward = columns[f"{link}.spool"] > 0.0
-    p_a, p_b = (np.maximum(columns[f"{link}.{port}"], 0.0) for port in ("p_a", "p_b"))
+    forward = columns[f"{function}.spool"] > 0.0
+    p_a, p_b = (np.maximum(columns[f"{function}.{port}"], 0.0) for port in ("p_a", "p_b"))
     p_out = np.where(forward, p_b, p_a)
     root = np.sqrt(np.maximum(p_out - known.return_pressure, 0.0))
     return {
-        f"{link}.travel": np.abs(columns[f"{link}.spool"]),
-        f"{link}.p_in": np.where(forward, p_a, p_b),
-        f"{link}.root_p_out": root,
-        f"{link}.k_out": columns[f"{link}.q_out"] / np.maximum(root, ROOT_LEAST),
+        f"{function}.travel": np.abs(columns[f"{function}.spool"]),
+        f"{function}.p_in": np.where(forward, p_a, p_b),
+        f"{function}.root_p_out": root,
+        f"{function}.k_out": columns[f"{function}.q_out"] / np.maximum(root, ROOT_LEAST),
     }
 
 
@@ -99,16 +152,18 @@ def judging_rows(output: str, log: Table, known: Known) -> np.ndarray:
     Parameters
     ----------
     output : str
-        ``LINK.q_in`` or ``LINK.k_out``.
+        ``NAME.q_in`` or ``NAME.k_out``.
     log : Table
         From `by_port`.
     known : Known
     """
-    link, what = output.split(".")
+    function, what = output.split(".")
     says = (
-        log[f"{link}.root_p_out"] > ROOT_LEAST if what == "k_out" else log[f"{link}.p_in"] < BELOW_RELIEF * known.relief
+        log[f"{function}.root_p_out"] > ROOT_LEAST
+        if what == "k_out"
+        else log[f"{function}.p_in"] < BELOW_RELIEF * known.circuit(function).relief
     )
-    return np.asarray((log[f"{link}.travel"] > known.deadband) & says)
+    return np.asarray((log[f"{function}.travel"] > known.deadband[function]) & says)
 
 
 def as_judged(model: Model, table: Table) -> Table:
@@ -138,15 +193,21 @@ def as_judged(model: Model, table: Table) -> Table:
 
 def judged_by(model: Model) -> list[str]:
     """Columns that `as_judged` and a judgement of the model need: of a machine's network those of an imported log."""
-    if _known_by(model) is None:
-        return [variable.name for variable in (*model.inputs, model.output)]
-    return [f"{link}.{what}" for link in LINKS for what in MEASURED]
+    known = _known_by(model)
+    return [variable.name for variable in (*model.inputs, model.output)] if known is None else known.measured()
 
 
 def _known_by(model: Model) -> Known | None:
     """What a network of a machine says that must be known to read a log; None for any other model."""
     how: Any = model.training.get("log")
-    return Known(**how) if isinstance(how, dict) and set(how) == set(Known._fields) else None
+    if not isinstance(how, dict):
+        return None
+    if set(how) != set(Known._fields):
+        raise InputError(
+            f"the network of {model.output.name!r} was learnt by an earlier version, which wrote less of how to read a log: learn it again "
+            "(polydraulic fit-machine)"
+        )
+    return Known.from_data(how)
 
 
 def some_rows(table: Table, keep: np.ndarray) -> Table:

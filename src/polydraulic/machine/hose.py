@@ -106,3 +106,9 @@ def line_step(
     p_out = _bounded(p_out - gain_out * (drawn_out + q_out), line)
 
     return Pressures(p_in if forward else p_out, p_out if forward else p_in, q_out)
+
+
+@kernel
+def rest_outlet(k: float, p_out: float, line: LineStep) -> float:
+    """Flow in m3/s from a line whose pressure stays as it is."""
+    return k * sqrt(max(p_out - line.p_return, 0.0))

@@ -1,15 +1,14 @@
 """Parameter sets: by name or path, of whatever layout."""
 
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, overload
+from typing import Any, NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.conditions import broken_conditions
-from polydraulic.parameters.entries import build, find, read_toml
+from polydraulic.parameters.entries import find, read_toml
 from polydraulic.parameters.keys import is_layout
 from polydraulic.parameters.layout.load import build_layout
+from polydraulic.parameters.layout.older_form import build_older
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.schema import LINKS, Machine
 
 _SETS = Path(__file__).parent / "sets"
 
@@ -23,26 +22,19 @@ class Entry(NamedTuple):
     source: str
 
 
-@overload
-def load_machine(source: Literal["cat215b"]) -> Machine: ...
-@overload
-def load_machine(
-    source: Literal["cat215b_bucket", "cat215b_crossover", "excavator_22t", "loader_crane", "wheel_loader"],
-) -> LayoutMachine: ...
-@overload
-def load_machine(source: str | Path) -> Machine | LayoutMachine: ...
-def load_machine(source: str | Path) -> Machine | LayoutMachine:
+def load_machine(source: str | Path) -> LayoutMachine:
     """Load a parameter set.
 
     Parameters
     ----------
     source : str or Path
-        Name of a set that comes with the package (``"cat215b"``), or the path of a TOML file.
+        Name of a set that comes with the package (``"cat215b"``), or the path of a TOML file: one that describes links, functions and
+        circuits, or one of the older form, three links on two pumps.
 
     Returns
     -------
-    Machine or LayoutMachine
-        In SI units: the layout of cat215b, or one that the file describes by links, functions and circuits.
+    LayoutMachine
+        In SI units.
 
     Raises
     ------
@@ -55,48 +47,15 @@ def load_machine(source: str | Path) -> Machine | LayoutMachine:
         return build_layout(data, path)
     if {"duration", "voltage"} <= set(data):
         raise InputError(f"{path}: is a scenario, not a machine; run it by `polydraulic simulate {path}`")
-    machine = build(Machine, data, where="", path=path)
-    broken = broken_conditions(machine)
-    if broken:
-        raise InputError(f"{path}: " + "; ".join(broken))
-    return machine
+    return build_older(data, path)
 
 
-def as_machine(machine: Machine | LayoutMachine | str | Path) -> Machine | LayoutMachine:
+def as_machine(machine: LayoutMachine | str | Path) -> LayoutMachine:
     """Return a machine that is given, or load the parameter set of that name or path."""
-    return machine if isinstance(machine, Machine | LayoutMachine) else load_machine(machine)
+    return machine if isinstance(machine, LayoutMachine) else load_machine(machine)
 
 
-def as_excavator(machine: Machine | LayoutMachine | str | Path) -> Machine:
-    """Return a machine with the layout of cat215b, for what knows no other.
-
-    Raises
-    ------
-    InputError
-        A machine of another layout.
-    """
-    found = as_machine(machine)
-    if isinstance(found, Machine):
-        return found
-    given = f"{found.title!r}" if isinstance(machine, LayoutMachine) else f"{machine}"
-    raise InputError(
-        f"{given} has the functions {', '.join(found.names)}; this works for the layout of 'cat215b' alone (swing, boom and stick on "
-        "two pumps). Machines of other layouts can be checked, drawn, simulated, animated, recorded, replayed and exported"
-    )
-
-
-def load_layout(source: str | Path) -> LayoutMachine:
-    """Load a machine that is described by links, functions and circuits.
-
-    Raises
-    ------
-    InputError
-        As `load_machine`, or if it is of the older form, whose layout is fixed.
-    """
-    machine = load_machine(source)
-    if isinstance(machine, LayoutMachine):
-        return machine
-    raise InputError(f"{source}: has the older form, without [links], [functions] and [circuits]; its layout is fixed")
+as_excavator = as_machine
 
 
 def machine_names() -> list[str]:
@@ -113,11 +72,6 @@ def machine_title(name: str | Path) -> str:
 def machine_text(source: str | Path) -> str:
     """The file of a machine, as it is written."""
     return find(source, _SETS, "parameter set").read_text(encoding="utf-8")
-
-
-def function_names(machine: Machine | LayoutMachine) -> tuple[str, ...]:
-    """What an operator of a machine can move: the names of scenarios, recordings and columns."""
-    return LINKS if isinstance(machine, Machine) else machine.names
 
 
 def machine_entries(source: str | Path) -> list[Entry]:

@@ -10,7 +10,6 @@ from math import exp, isfinite
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.schema import LINKS
 from polydraulic.parameters.signals import Piecewise
 
 RASTER = 0.02  # s
@@ -20,7 +19,7 @@ _PAUSE, _HOLD = 0.2, 0.4  # s, shortest
 
 
 def random_signals(
-    seed: int, duration: float, *, links: Collection[str], limit: float, functions: Sequence[str] = LINKS
+    seed: int, duration: float, *, links: Collection[str], limit: float, functions: Sequence[str]
 ) -> dict[str, Piecewise]:
     """Voltages of a random operator; `random_operator` says what they are like.
 

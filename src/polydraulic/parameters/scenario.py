@@ -7,6 +7,7 @@ scenario as it is, and so is a random operator. ``machine`` says which machine a
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -14,13 +15,12 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError, briefly
-from polydraulic.parameters.entries import build, find, read_quantity, read_toml
+from polydraulic.parameters.entries import find, read_quantity, read_toml
 from polydraulic.parameters.keys import check_keys, is_layout
 from polydraulic.parameters.loads import Loads, read_loads
 from polydraulic.parameters.operator import random_signals
 from polydraulic.parameters.quantity import Quantity
 from polydraulic.parameters.recording import ENDINGS, Recording
-from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
@@ -47,12 +47,12 @@ class Scenario:
     ----------
     name, title : str
     duration : float, s
-    voltage : dict from link to Signal
-        Joystick voltages; links left out get 0 V.
+    voltage : dict from function to Signal
+        Joystick voltages; functions left out get 0 V.
     locked : tuple of str
-        Links that are held at their initial angle.
+        Functions whose joints are held at their initial position.
     changes : dict
-        Partial parameter tree, as in a file, applied by `adapt`.
+        Pilots and initial states by function, as in a file.
     loads : Loads
         What acts at the tip.
     """
@@ -66,13 +66,9 @@ class Scenario:
     path: Path = field(default=Path("scenario"), repr=False)
     loads: Loads = field(default_factory=Loads, repr=False)
 
-    def adapt(self, machine: Machine) -> Machine:
-        """Return the machine with this scenario's pilots and initial state."""
-        return build(Machine, self.changes, where="change.", path=self.path, base=machine)
-
-    def voltages(self, t: np.ndarray, functions: Sequence[str] = LINKS) -> np.ndarray:
-        """Joystick voltages at the times `t`; shape (n_time, n_function), functions in their order."""
-        return np.column_stack([self.voltage.get(name, Constant())(t) for name in functions])
+    def voltages(self, t: np.ndarray, functions: Sequence[str] | None = None) -> np.ndarray:
+        """Joystick voltages at the times `t`; shape (n_time, n_function), functions in their order, those of cat215b if not given."""
+        return np.column_stack([self.voltage.get(name, Constant())(t) for name in functions or usual_functions()])
 
 
 def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None) -> Scenario:
@@ -94,9 +90,9 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
         not rise.
     """
     if str(source).startswith(_RANDOM):
-        return _random(str(source), functions or LINKS)
+        return _random(str(source), functions or usual_functions())
     if _is_recording(source):
-        return _recording(Path(source), functions or LINKS)
+        return _recording(Path(source), functions or usual_functions())
     path, data = _read(source)
     if is_layout(data) or {"pumps", "geometry"} <= set(data):
         raise InputError(
@@ -138,7 +134,7 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
     return Scenario(path.stem, duration, signals, tuple(locked), data["title"], changes, path, read_loads(data, path))
 
 
-def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str] = LINKS) -> Scenario:
+def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str]) -> Scenario:
     """Return a scenario that is given, or load the one of that name or path, for a machine with these functions.
 
     Raises
@@ -162,9 +158,9 @@ def random_operator(
     *,
     links: Collection[str] | None = None,
     limit: float = 0.8,
-    functions: Sequence[str] = LINKS,
+    functions: Sequence[str] | None = None,
 ) -> Scenario:
-    """Scenario of a random operator who moves all links as a hand could.
+    """Scenario of a random operator who moves all joints as a hand could.
 
     Each joystick by itself: a move to one side (seven times in ten the other one than before) holds one to three levels, each
     for 0.4 s and an exponential time of mean 0.6 s; the first lies between 0.4 and 1 of the limit, the next at 0.6 to 1.3 of
@@ -193,6 +189,7 @@ def random_operator(
     >>> scenario.name, scenario.voltages(np.array([0.0, 5.0])).shape
     ('random:42', (2, 3))
     """
+    functions = functions or usual_functions()
     moved = functions if links is None else links
     signals: dict[str, Signal] = {**random_signals(seed, duration, links=moved, limit=limit, functions=functions)}
     locked = tuple(name for name in functions if name not in moved)
@@ -242,10 +239,16 @@ def _machine_of(data: dict[str, Any], path: Path) -> str:
     return str(path.parent / machine) if machine.endswith(".toml") else machine
 
 
+@cache
+def usual_functions() -> tuple[str, ...]:
+    """What cat215b is moved by."""
+    return _functions_of(_USUAL_MACHINE)
+
+
 def _functions_of(machine: str) -> tuple[str, ...]:
-    """What a machine is moved by, as its file names it."""
+    """What a machine is moved by, as its file names it; one of the older form as cat215b."""
     named = read_toml(find(machine, _SETS, "parameter set")).get("functions")
-    return tuple(named) if isinstance(named, dict) else LINKS
+    return tuple(named) if isinstance(named, dict) else usual_functions()
 
 
 def _signal(item: Any, where: str, path: Path) -> Signal:

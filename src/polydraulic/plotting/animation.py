@@ -15,11 +15,10 @@ from polydraulic.machine.frames import vector
 from polydraulic.parameters.layout.parts import GROUND, LinkParameters
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
-from polydraulic.parameters.schema import Machine
 from polydraulic.plotting.drawing import AT_STOP, PLANE, Drawing, DrawnMotion, Spot, motion_of, view_limits
 from polydraulic.plotting.frames import Frames, frames_of
 from polydraulic.plotting.gif import write_gif
-from polydraulic.plotting.machine_drawing import machine_drawing
+from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.run_figure import line_style
 from polydraulic.plotting.scene import CAPTIONS, FIRST_EDGE
 from polydraulic.progress import Progress, quiet
@@ -33,7 +32,7 @@ _PLACE = "__ANIMATION__"
 
 def write_animation(
     runs: Mapping[str, Table],
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     path: str | Path,
     *,
     rate: float | None = None,
@@ -48,7 +47,7 @@ def write_animation(
     ----------
     runs : mapping from label to trajectory
         From `simulate`; the animation lasts as long as the shortest.
-    machine : Machine, LayoutMachine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
         The machine that made them: its links, cylinders and end stops are drawn.
     path : str or Path
         Ends in ``.gif`` or ``.html``.
@@ -65,7 +64,7 @@ def write_animation(
         Another ending, no run, a table that is not a trajectory of this machine, a rate that is not positive, a place that cannot be written.
     """
     ending = animation_ending(path)
-    drawing = machine_drawing(as_machine(machine))
+    drawing = layout_drawing(as_machine(machine))
     frames = frames_of(runs, drawing.names, RATES[ending] if rate is None else rate, units)
     if ending == ".gif":
         write_gif(frames, drawing, path, progress)

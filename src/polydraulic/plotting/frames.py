@@ -8,8 +8,8 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.flow.record import EFFECTOR
 from polydraulic.plotting.run_figure import circuit_of, joint_column, moving_links
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table, shown_column
 

@@ -9,7 +9,6 @@ import numpy as np
 from polydraulic.display import DEFAULT, amount, as_shown, checked_units, shown_unit
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine, machine_title
-from polydraulic.parameters.schema import Machine
 from polydraulic.plotting.drawing import (
     OPEN,
     Drawing,
@@ -23,7 +22,7 @@ from polydraulic.plotting.drawing import (
     view_limits,
 )
 from polydraulic.plotting.labels import Label, place_labels
-from polydraulic.plotting.machine_drawing import machine_drawing
+from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.scene import FIRST_EDGE, draw_view, fill_place, moving_artists
 from polydraulic.plotting.tip_area import tip_area, tip_places
 
@@ -34,12 +33,12 @@ if TYPE_CHECKING:
 _NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are only illustrative."
 
 
-def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = DEFAULT) -> "Figure":
+def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -> "Figure":
     """Draw a machine with the names of its links, pins and cylinders: a look shows whether its file says what was meant.
 
     Parameters
     ----------
-    machine : Machine, LayoutMachine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
     units : str
         Of lengths and ranges: ``"metric"``, ``"field"`` or ``"si"``.
 
@@ -56,8 +55,8 @@ def draw_machine(machine: Machine | LayoutMachine | str | Path, *, units: str = 
     from matplotlib.figure import Figure
 
     checked_units(units)
-    title = machine_title(machine) if isinstance(machine, str | Path) else getattr(machine, "title", "")
-    drawing = machine_drawing(as_machine(machine))
+    title = machine_title(machine) if isinstance(machine, str | Path) else machine.title
+    drawing = layout_drawing(as_machine(machine))
     motion = motion_of(drawing, np.array([drawing.initial]))
     reached = tip_places(drawing)
     figure = Figure(figsize=(14.0, 7.6), dpi=100)

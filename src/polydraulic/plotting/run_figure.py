@@ -9,8 +9,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, as_drawn, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
-from polydraulic.flow.record import EFFECTOR
-from polydraulic.parameters.schema import CIRCUITS
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table, shown_column
 
@@ -82,8 +81,8 @@ def joint_column(table: Table, name: str, label: str) -> str:
 
 
 def circuit_of(table: Table, link: str) -> str:
-    """The circuit that feeds a function, as the run says; a run that says nothing is of the layout of cat215b."""
-    circuits: Any = table.info.get("circuits", CIRCUITS)
+    """The circuit that feeds a function, as the run says; its own name where the run says nothing."""
+    circuits: Any = table.info.get("circuits", {})
     return next((circuit for circuit, fed in circuits.items() if link in fed), link)
 
 

@@ -3,10 +3,17 @@
 from math import isfinite
 
 from polydraulic.errors import InputError
-from polydraulic.machine.plant import check_time_step
 from polydraulic.parameters.scenario import Scenario
 
+FASTEST = 1e3  # rad/s or m/s; beyond it the numbers mean nothing
+DIVERGED = 4  # status of a step that is not made, beside OK, NOT_CONVERGED and OUT_OF_DOMAIN of the flows
 MOST_STEPS = 1_000_000_000  # in a run
+
+
+def check_time_step(dt: float) -> None:
+    """Raise InputError unless `dt` is a positive, finite time in s."""
+    if not (isfinite(dt) and dt > 0.0):
+        raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
 
 
 def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) -> int:

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.display import DEFAULT, amount, readable
-from polydraulic.flow.record import EFFECTOR
-from polydraulic.parameters.schema import LINKS
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.tables import Table
 
 _PORTS = (("p_a", "A"), ("p_b", "B"))
@@ -126,7 +125,11 @@ def _lasting(events: Sequence[tuple[float, str]], begins: str, ends: str, last: 
 
 
 def _end(run: Table, units: str) -> str:
-    order: Any = run.info.get("functions", LINKS)
+    told: Any = run.info.get("functions", ())  # of a table that is no run, in the order of its columns
+    order = [
+        *told,
+        *(name.rsplit(".", 1)[0] for name in run.names if not told and name.endswith((".angle", ".position"))),
+    ]
     joints = [
         (f"{f}.{w}", run.unit(f"{f}.{w}")) for f in order for w in ("angle", "position") if f"{f}.{w}" in run.names
     ]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.record import EFFECTOR
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.tables import Table
 
 

@@ -15,18 +15,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from polydraulic.flow.exact import exact_flow
-from polydraulic.flow.network_slots import PASSED
-from polydraulic.flow.polynomial import polynomial_flow, shipped_models
-from polydraulic.flow.sample import sample_flow
+from polydraulic.flow.dispatch import build_flow
+from polydraulic.flow.polynomial import shipped_models
 from polydraulic.measure.bench.sensors import Reading, Sensor
 from polydraulic.networks.adaptation import Adapter
 from polydraulic.networks.model.model import Model
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import random_operator
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.simulation.layout.flow_points import sample_flow
 from polydraulic.simulation.runs import simulate
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
 from polydraulic.thesis.measured import RANGES, RASTER
 
 MINUTE, STEP = 60.0, 5e-3  # s
@@ -73,20 +73,22 @@ class AdaptiveFlow:
 
     Attributes
     ----------
-    machine : Machine
+    machine : LayoutMachine
         As the model knows it.
     adapters : dict from output to Adapter
     others : list of Model
         Networks that stay as they are.
     """
 
-    machine: Machine
+    machine: LayoutMachine
     adapters: dict[str, Adapter]
     others: list[Model] = field(default_factory=list)
 
     def model(self) -> Any:
         """Flow model with the networks as they are now."""
-        return polynomial_flow(self.machine, models=[*(a.model() for a in self.adapters.values()), *self.others])
+        return build_flow(
+            "polynomial", self.machine, models=[*(a.model() for a in self.adapters.values()), *self.others]
+        )
 
     def take_in(self, read: Table) -> None:
         """Learn from what sensors read."""
@@ -94,13 +96,13 @@ class AdaptiveFlow:
             adapter.update(*measurements(self.machine, read, adapter.model(), output))
 
 
-def adaptive_flow(machine: Machine, sensors: Sensors = SENSORS["exact"]) -> AdaptiveFlow:
+def adaptive_flow(machine: LayoutMachine, sensors: Sensors = SENSORS["exact"]) -> AdaptiveFlow:
     """Adapters for the package's networks, of which none has seen a torque limit."""
     models = shipped_models()
     inlets = {f"{link}.q_in" for link in LINKS}
     noise = sensors.noise * RANGES["m3/s"] / float(np.sqrt(WINDOW))
     return AdaptiveFlow(
-        machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False)),
+        with_pumps(machine, torque_limit_enabled=False),
         {
             model.output.name: Adapter(model, forgetting=MEMORY, trust=TRUST, order=ORDER, caution=CAUTION, noise=noise)
             for model in models
@@ -129,12 +131,14 @@ def readings(run: Table, sensors: Sensors, seed: int) -> Table:
     return Table({"time": time, **read}, {})
 
 
-def measurements(machine: Machine, read: Table, model: Model, output: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def measurements(
+    machine: LayoutMachine, read: Table, model: Model, output: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Inputs (n_row, n_input), output and weight (n_row,) for an input-flow network, in SI, from what sensors read.
 
     Each row is a mean over `WINDOW` readings. Its weight is 0 if one of them is missing, the pump was at relief, or a spool moved.
     """
-    passed, known = PASSED[0].name, {}
+    passed, known = "series.q_passed", {}
     inputs = [variable.name for variable in model.inputs]
     for link in LINKS:
         spool, p_a, p_b = (read[f"{link}.{what}"] for what in ("spool", "p_a", "p_b"))
@@ -145,32 +149,35 @@ def measurements(machine: Machine, read: Table, model: Model, output: str) -> tu
     needed += ["swing.travel", "swing.q_in"] if passed in inputs else []
     windows = {name: sliding_window_view(known[name], WINDOW) for name in needed}
     means = {name: window.mean(axis=1) for name, window in windows.items()}
-    pump = sliding_window_view(read["boom.p_pump" if output == "boom.q_in" else "series.p_pump"], WINDOW)
-    useful = (pump.max(axis=1) < AT_RELIEF * machine.pumps.relief) & np.all(np.isfinite([*means.values()]), axis=0)
+    circuit = "boom" if output == "boom.q_in" else "series"
+    pump = sliding_window_view(read[f"{circuit}.p_pump"], WINDOW)
+    useful = (pump.max(axis=1) < AT_RELIEF * pump_of(machine, circuit).relief) & np.all(
+        np.isfinite([*means.values()]), axis=0
+    )
     half = WINDOW // 2
     for name, window in windows.items():
         if name.endswith(".travel"):
             moved = np.abs(window[:, half:].mean(axis=1) - window[:, :half].mean(axis=1))
             useful &= moved < STILL * RANGES["m"]
     if passed in inputs:
-        closed = means["swing.travel"] > machine.spool.bypass_closed
-        means[passed] = np.where(closed, 0.0, machine.pumps.series_flow - means["swing.q_in"])
+        closed = means["swing.travel"] > spool_of(machine).bypass_closed
+        means[passed] = np.where(closed, 0.0, pump_of(machine, "series").flow - means["swing.q_in"])
     return np.column_stack([means[name] for name in inputs]), means[output], useful.astype(np.float64)
 
 
-def operator_run(machine: Machine, seed: int, seconds: float = MINUTE) -> Table:
+def operator_run(machine: LayoutMachine, seed: int, seconds: float = MINUTE) -> Table:
     """Exact run of a random operator."""
-    return simulate(machine, exact_flow(machine), random_operator(seed, seconds), dt=STEP)
+    return simulate(machine, "exact", random_operator(seed, seconds), dt=STEP)
 
 
 def torque_limit_study(
-    machine: Machine, *, minutes: int = 10, judges: Sequence[int] = JUDGES, seconds: float = MINUTE
+    machine: LayoutMachine, *, minutes: int = 10, judges: Sequence[int] = JUDGES, seconds: float = MINUTE
 ) -> Table:
     """Networks that never saw a torque limit learn it while an operator works.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     minutes : int
         Of operation to learn from.
     judges : sequence of int
@@ -186,12 +193,12 @@ def torque_limit_study(
         ``tip.fitted`` and ``tip.SENSORS`` medians over the judges of the largest distance of the end-effector from the exact run,
         in m; ``tip.worst_fitted`` and ``tip.worst_SENSORS`` the largest of all.
     """
-    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    limited = with_pumps(machine, torque_limit_enabled=True)
     return _followed([limited] * (minutes + 1), judges, seconds)
 
 
 def worn_pump_study(
-    machine: Machine,
+    machine: LayoutMachine,
     *,
     loss: float = 0.1,
     minutes: int = 10,
@@ -203,7 +210,7 @@ def worn_pump_study(
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     loss : float
         Share of the flow that is lost at the end, in equal parts a minute.
     minutes : int
@@ -222,17 +229,13 @@ def worn_pump_study(
     return _followed([_worn(machine, share) for share in shares], judges, seconds, shares)
 
 
-def _worn(machine: Machine, share: float) -> Machine:
-    pumps = machine.pumps
-    return machine._replace(
-        pumps=pumps._replace(
-            boom_flow=share * pumps.boom_flow, series_flow=share * pumps.series_flow, torque_limit_enabled=False
-        )
-    )
+def _worn(machine: LayoutMachine, share: float) -> LayoutMachine:
+    worn = tuple(c._replace(pump=c.pump._replace(flow=share * c.pump.flow)) for c in machine.circuits)
+    return with_pumps(machine._replace(circuits=worn), torque_limit_enabled=False)
 
 
 def _followed(
-    machines: Sequence[Machine], judges: Sequence[int], seconds: float, shares: Sequence[float] | None = None
+    machines: Sequence[LayoutMachine], judges: Sequence[int], seconds: float, shares: Sequence[float] | None = None
 ) -> Table:
     """Errors before learning and after each minute; the machine as it is at the end of each minute."""
     adaptive = {kind: adaptive_flow(machines[0], sensors) for kind, sensors in SENSORS.items()}
@@ -253,7 +256,7 @@ def _followed(
     )
 
 
-def _judged(machine: Machine, flows: dict[str, Any], judges: Sequence[int], seconds: float) -> dict[str, float]:
+def _judged(machine: LayoutMachine, flows: dict[str, Any], judges: Sequence[int], seconds: float) -> dict[str, float]:
     """Errors of flow models along the judges' exact runs, and of runs of their own."""
     squares: dict[str, list[np.ndarray]] = {name: [] for name in flows}
     tips: dict[str, list[float]] = {name: [] for name in flows}
@@ -261,7 +264,7 @@ def _judged(machine: Machine, flows: dict[str, Any], judges: Sequence[int], seco
         exact = operator_run(machine, seed, seconds)
         states = [exact.matrix([f"{link}.{what}" for link in LINKS]) for what in ("spool", "p_in", "p_out", "q_in")]
         for name, flow in flows.items():
-            error = sample_flow(flow, *states[:3]).q_in - states[3]
+            error = sample_flow(machine, flow, *states[:3]).q_in - states[3]
             squares[name].append(np.mean(error * error, axis=0))
             own = simulate(machine, flow, random_operator(seed, seconds), dt=STEP)
             tips[name].append(float(effector_distance(exact, own).max()))

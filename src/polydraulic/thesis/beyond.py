@@ -6,19 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.database import PRESSURE_HIGH, boom_flow
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.flow.exact import exact_flow
 from polydraulic.flow.lookup import table_bytes
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.flow.record import EFFECTOR
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.proof.bounds import check_range
 from polydraulic.parameters.scenario import load_scenario, random_operator
 from polydraulic.simulation.batch.batch import simulate_batch
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.simulation.runs import simulate
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, fit_boom
+from polydraulic.thesis.excavator import PRESSURE_HIGH, boom_flow, spool_of
 from polydraulic.thesis.historical import grow_outlets, grow_series
 from polydraulic.thesis.three_links import (
     JUDGE_SEED,
@@ -104,7 +103,7 @@ def costs(study: ThreeLinkStudy) -> dict[str, Cost]:
         study.lab.say("run times of every flow model")
         models = {kind: study.flow(kind) for kind in FLOWS}
         times = time_runs(study.machine(), models, load_scenario("task"), base="exact")
-        return {kind: [times[kind].ratio, table_bytes(models[kind])] for kind in FLOWS}
+        return {kind: [times[kind].ratio, table_bytes(models[kind].parts)] for kind in FLOWS}
 
     found = study.lab.computed.data("costs", measured)
     return {kind: Cost(Ratio(*time), memory) for kind, (time, memory) in found.items()}
@@ -205,9 +204,9 @@ def map_errors(study: ThreeLinkStudy) -> dict[str, MapError]:
     def found() -> dict[str, Any]:
         machine, flow = study.machine(), study.flow("ours")
         series = section_errors(study, "D", flow, relief=True)
-        box = np.array([(0.0, machine.spool.knots[-1]), (0.0, PRESSURE_HIGH)])
+        box = np.array([(0.0, spool_of(machine).end), (0.0, PRESSURE_HIGH)])
         X = points_with_faces(box, N_JUDGE, np.random.default_rng(JUDGE_SEED))
-        exact, ours = (boom_flow(model, X[:, 0], X[:, 1], X[:, 1]).q_in for model in (exact_flow(machine), flow))
+        exact, ours = (boom_flow(machine, model, X[:, 0], X[:, 1], X[:, 1]).q_in for model in ("exact", flow))
         errors = {"boom": ours - exact, "swing in D": series.swing, "stick in D": series.stick}
         return {name: [units.from_si(float(size), "in3/s") for size in (np.abs(e).max(), np.sqrt(np.mean(e**2)))] for name, e in errors.items()}  # fmt: skip
 

@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.flow.database import PRESSURE_HIGH, sample_boom
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import PRESSURE_HIGH, pump_of, sample_boom, spool_of
 
 SEED = 215
 N_ROWS = 10_000  # as many as the thesis used for its perceptrons; it does not print the number for its networks
@@ -47,7 +47,7 @@ def fit_columns(
 
 
 def fit_boom(
-    machine: Machine,
+    machine: LayoutMachine,
     rng: np.random.Generator,
     *,
     n: int = N_ROWS,
@@ -58,7 +58,7 @@ def fit_boom(
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     rng : numpy Generator
     n : int
         Rows of the database.
@@ -68,12 +68,12 @@ def fit_boom(
         Of `AbductiveRegressor`.
     """
     table = sample_boom(machine, n, rng=rng, pressure=(0.0, pressure_high), relief=False)
-    spool, flow = machine.spool, machine.pumps.boom_flow
-    travel = spool.knots[-1]
+    spool, flow, valve = spool_of(machine), pump_of(machine, "boom").flow, machine.function("boom").valve
+    travel = spool.end
     cuts = [spool.deadband, spool.bypass_closed]
     both_sides = [-cuts[1], -cuts[0], *cuts]
     root_high = float(np.sqrt(pressure_high - machine.tank.return_pressure))
-    q_out_high = max(machine.boom.valve.outlet_positive + machine.boom.valve.outlet_negative) * root_high
+    q_out_high = max(valve.outlet_positive + valve.outlet_negative) * root_high
 
     def estimator(domain: list[tuple[float, float]], high: float) -> AbductiveRegressor:
         return AbductiveRegressor(domain=domain, output_bounds=(0.0, high), **settings)

@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.flow.database import PRESSURE_HIGH, boom_table, sample_boom
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.perceptron.perceptron_regressor import PerceptronRegressor, hidden_unit_sweep
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import N_ROWS, SEED
+from polydraulic.thesis.excavator import PRESSURE_HIGH, boom_table, pump_of, sample_boom, spool_of
 
 HIDDEN_Q_IN, HIDDEN_K_OUT = 15, 7  # as printed
 HIDDEN_UNITS = (2, 4, 6, 8, 10, 12, 15, 20, 25)  # of the sweep
@@ -24,7 +24,7 @@ class PerceptronModels(NamedTuple):
     k_out: Model
 
 
-def fit_perceptrons(machine: Machine, rng: np.random.Generator) -> PerceptronModels:
+def fit_perceptrons(machine: LayoutMachine, rng: np.random.Generator) -> PerceptronModels:
     """Sample the boom circuit without its relief valve and train what section 4.3 trains.
 
     Input flow is one network over all spool travels; Q_pop(x) = Q_o / sqrt(P_o - P_e) of Eq. (7) has one for each part
@@ -33,8 +33,7 @@ def fit_perceptrons(machine: Machine, rng: np.random.Generator) -> PerceptronMod
     table = sample_boom(machine, N_ROWS, rng=rng, relief=False)
     q_in = _estimator(machine, HIDDEN_Q_IN).fit(table.matrix(_INLET), table["boom.q_in"])
     spool, q_pop = _outlet(machine, rng)
-    cuts = [machine.spool.deadband, machine.spool.bypass_closed]
-    travel = machine.spool.knots[-1]
+    *cuts, travel = spool_of(machine)
     outlet = PerceptronRegressor(
         hidden_units=HIDDEN_K_OUT,
         domain=[(-travel, travel)],
@@ -48,7 +47,7 @@ def fit_perceptrons(machine: Machine, rng: np.random.Generator) -> PerceptronMod
     )
 
 
-def sweep_hidden_units(machine: Machine, rng: np.random.Generator) -> Table:
+def sweep_hidden_units(machine: LayoutMachine, rng: np.random.Generator) -> Table:
     """Rms error of input flow in m3/s over the number of hidden units, on training rows and on rows held out (Fig 4-18)."""
     table = sample_boom(machine, N_ROWS, rng=rng, relief=False)
     settings = _estimator(machine, HIDDEN_Q_IN).get_params()
@@ -58,16 +57,17 @@ def sweep_hidden_units(machine: Machine, rng: np.random.Generator) -> Table:
     return Table(columns, {name: "m3/s" for name in list(columns)[1:]})
 
 
-def _estimator(machine: Machine, hidden_units: int) -> PerceptronRegressor:
-    domain = [(0.0, machine.spool.knots[-1]), (0.0, PRESSURE_HIGH)]
+def _estimator(machine: LayoutMachine, hidden_units: int) -> PerceptronRegressor:
+    domain = [(0.0, spool_of(machine).end), (0.0, PRESSURE_HIGH)]
     return PerceptronRegressor(
-        hidden_units=hidden_units, domain=domain, output_bounds=(0.0, machine.pumps.boom_flow), random_state=SEED
+        hidden_units=hidden_units, domain=domain, output_bounds=(0.0, pump_of(machine, "boom").flow), random_state=SEED
     )
 
 
-def _outlet(machine: Machine, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _outlet(machine: LayoutMachine, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Random spool displacements and Q_pop there."""
-    spool = rng.uniform(-machine.spool.knots[-1], machine.spool.knots[-1], N_ROWS)
+    travel = spool_of(machine).end
+    spool = rng.uniform(-travel, travel, N_ROWS)
     high = np.full(N_ROWS, PRESSURE_HIGH)
     table = boom_table(machine, spool, np.zeros(N_ROWS), high, relief=False)
     return spool, table["boom.q_out"] / table["boom.root_p_out"]

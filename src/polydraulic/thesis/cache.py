@@ -13,7 +13,7 @@ from typing import Any
 from polydraulic.files import write_text
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.model_file import load_models, save_models
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table, read_table, write_table
 
 _DATA = ".data.json"
@@ -102,7 +102,7 @@ class Lab:
 
     Attributes
     ----------
-    machine : Machine
+    machine : LayoutMachine
     computed : Cache
         Networks, runs, maps and numbers; made anew when code below `thesis.report` or a parameter changes.
     shown : Cache
@@ -111,20 +111,22 @@ class Lab:
         Told what is being computed.
     """
 
-    machine: Machine
+    machine: LayoutMachine
     computed: Cache
     shown: Cache
     say: Callable[[str], object] = lambda what: None
 
 
-def open_lab(machine: Machine, folder: Path | None = None, say: Callable[[str], object] = lambda what: None) -> Lab:
+def open_lab(
+    machine: LayoutMachine, folder: Path | None = None, say: Callable[[str], object] = lambda what: None
+) -> Lab:
     """Return the lab of a machine, with what earlier runs of the same code left in `folder`.
 
     Results of other code or parameters are removed: they would never be read again.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     folder : Path, optional
         Without one, results stay in memory.
     say : function of str
@@ -143,7 +145,7 @@ def open_lab(machine: Machine, folder: Path | None = None, say: Callable[[str], 
     return Lab(machine, cache("computed", all_code=False), cache("shown", all_code=True), say)
 
 
-def _digest(machine: Machine, *, all_code: bool) -> str:
+def _digest(machine: LayoutMachine, *, all_code: bool) -> str:
     """Hash of a machine, the package's sources and the libraries that decide results; 12 hex digits."""
     import numpy
     import sklearn

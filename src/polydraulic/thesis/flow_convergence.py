@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.flow.dispatch import build_flow
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.runs import simulate
 from polydraulic.simulation.trajectory import compare
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import pump_of
 
 LITRE = 1e-3  # m3
 BETWEEN = 0.2  # passage between the valves, as a share of a pump's pipe
@@ -56,12 +57,12 @@ class Convergence(NamedTuple):
     delay: Curve
 
 
-def flow_convergence(machine: Machine, scenario: Scenario, *, dt: float = 5e-3) -> Convergence:
+def flow_convergence(machine: LayoutMachine, scenario: Scenario, *, dt: float = 5e-3) -> Convergence:
     """Run a scenario with ever smaller volumes and delays.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     scenario : Scenario
         Must move swing and stick.
     dt : float, s
@@ -75,7 +76,7 @@ def flow_convergence(machine: Machine, scenario: Scenario, *, dt: float = 5e-3) 
     exact = simulate(machine, "exact", scenario, dt=dt)
 
     def error(reference: Table, table: Table) -> float:
-        return compare(reference, table)[_FLOW].rms / machine.pumps.series_flow
+        return compare(reference, table)[_FLOW].rms / pump_of(machine, "series").flow
 
     def lines(n: int, litres: float) -> Table:
         return run("tlm", litres, substeps=n)

@@ -4,20 +4,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.flow.database import PRESSURE_HIGH
-from polydraulic.flow.exact import exact_flow
-from polydraulic.flow.network_slots import BOTH, k_out, q_in
-from polydraulic.flow.sample import sample_flow
+from polydraulic.flow.dispatch import FlowModel
+from polydraulic.flow.layout.database import outlet_at
+from polydraulic.flow.layout.slots import everything, outlet
+from polydraulic.flow.network_slots import q_in
 from polydraulic.networks.growth.regressor import AbductiveRegressor
-from polydraulic.networks.model.model import Model, Variable
+from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.partition import Split
 from polydraulic.networks.model.table import Network
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.flow_points import sample_flow
 from polydraulic.thesis.boom_models import HISTORICAL, N_ROWS, SEED
+from polydraulic.thesis.excavator import LINKS, PRESSURE_HIGH, SERIES, pump_of, spool_of, without_relief
 
 SECTIONS = ("A", "B", "C", "D", "E")
-SERIES = CIRCUITS["series"]
 
 
 class Section(NamedTuple):
@@ -28,9 +29,9 @@ class Section(NamedTuple):
     active: tuple[bool, bool]
 
 
-def sections(machine: Machine) -> dict[str, Section]:
+def sections(machine: LayoutMachine) -> dict[str, Section]:
     """Table 3: by the travels of swing and stick."""
-    opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
+    opens, shut, end = spool_of(machine)
     return {
         "A": Section((0.0, opens), (0.0, opens), (False, False)),
         "B": Section((0.0, opens), (opens, end), (False, True)),
@@ -40,21 +41,25 @@ def sections(machine: Machine) -> dict[str, Section]:
     }
 
 
-def series_flows(machine: Machine, X: np.ndarray, *, relief: bool = False) -> np.ndarray:
+def series_flows(machine: LayoutMachine, X: np.ndarray, *, relief: bool = False) -> np.ndarray:
     """Exact flows into swing and stick, (n_point, 2) in m3/s, at (swing travel, stick travel, swing p_in, stick p_in)."""
-    return flows_at(exact_flow(machine, relief=relief), X)
+    return flows_at(machine if relief else without_relief(machine), "exact", X)
 
 
-def flows_at(model: Any, X: np.ndarray) -> np.ndarray:
+def flows_at(machine: LayoutMachine, model: str | FlowModel, X: np.ndarray) -> np.ndarray:
     """Flows of any flow model into swing and stick, (n_point, 2) in m3/s, at the same points."""
     spool, pressure = np.zeros((len(X), 3)), np.zeros((len(X), 3))
     places = [LINKS.index(link) for link in SERIES]
     spool[:, places], pressure[:, places] = X[:, :2], X[:, 2:]
-    return sample_flow(model, spool, pressure, np.zeros((len(X), 3))).q_in[:, places]
+    return sample_flow(machine, model, spool, pressure, np.zeros((len(X), 3))).q_in[:, places]
 
 
 def grow_series(
-    machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS, pressure_high: float = PRESSURE_HIGH
+    machine: LayoutMachine,
+    settings: dict[str, Any] = HISTORICAL,
+    *,
+    n: int = N_ROWS,
+    pressure_high: float = PRESSURE_HIGH,
 ) -> list[Model]:
     """Networks of the input flows of swing and stick, one per section, from `n` random points in each.
 
@@ -62,7 +67,7 @@ def grow_series(
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     settings : dict
         Of `AbductiveRegressor`.
     n : int
@@ -78,26 +83,25 @@ def grow_series(
         X = rng.uniform(low, high, size=(n, len(box)))
         flows = series_flows(machine, X)
         grown = [
-            AbductiveRegressor(domain=box, output_bounds=(0.0, machine.pumps.series_flow), **settings).fit(X, q)
+            AbductiveRegressor(domain=box, output_bounds=(0.0, pump_of(machine, "series").flow), **settings).fit(X, q)
             if active
             else None
             for q, active in zip(flows.T, section.active, strict=True)
         ]
         idle = Network((), tuple(low), (1.0,) * 4, tuple(low), tuple(high), 0.0, 1.0)
         by_section.append([idle if found is None else found.network_ for found in grown])
-    opens, shut = machine.spool.deadband, machine.spool.bypass_closed
+    opens, shut, _ = spool_of(machine)
     table_3 = Split(0, shut, Split(0, opens, Split(1, opens, 0, 1), Split(1, opens, 2, 3)), 4)
     training: dict[str, object] = {"rows": n, "sections": list(SECTIONS), **settings}
     return [
-        Model(BOTH, q_in(link), tuple(networks[place] for networks in by_section), table_3, training)
+        Model(everything(SERIES), q_in(link), tuple(networks[place] for networks in by_section), table_3, training)
         for place, link in enumerate(SERIES)
     ]
 
 
-def grow_outlets(machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS) -> list[Model]:
+def grow_outlets(machine: LayoutMachine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS) -> list[Model]:
     """Networks of Q_pop(x), Eq. (7), by the parts of its curve."""
-    travel = machine.spool.knots[-1]
-    opens, shut = machine.spool.deadband, machine.spool.bypass_closed
+    opens, shut, travel = spool_of(machine)
     models = []
     for link in SERIES:
         rng = np.random.default_rng([SEED, len(SECTIONS), LINKS.index(link)])
@@ -105,13 +109,11 @@ def grow_outlets(machine: Machine, settings: dict[str, Any] = HISTORICAL, *, n: 
         y = outlet_conductances(machine, link, X[:, 0])
         learner = AbductiveRegressor(domain=[(-travel, travel)], output_bounds=(0.0, float(y.max())), **settings)
         fitted = RegionRegressor(learner, edges={0: [-shut, -opens, opens, shut]}).fit(X, y)
-        models.append(fitted.to_model([Variable(f"{link}.spool", "m")], k_out(link)))
+        output, inputs = outlet(link)[0]
+        models.append(fitted.to_model(inputs, output))
     return models
 
 
-def outlet_conductances(machine: Machine, link: str, spool: np.ndarray) -> np.ndarray:
+def outlet_conductances(machine: LayoutMachine, link: str, spool: np.ndarray) -> np.ndarray:
     """Exact conductance of a link's outlet, (n_point,) in m3/s/Pa^0.5, at spool displacements in m."""
-    place = LINKS.index(link)
-    points = np.zeros((len(spool), 3))
-    points[:, place] = spool
-    return sample_flow(exact_flow(machine), points, np.zeros_like(points), np.zeros_like(points)).k_out[:, place]
+    return outlet_at(machine.function(link).valve, spool)

@@ -14,19 +14,21 @@ from joblib import Parallel, cpu_count, delayed
 from polydraulic import units
 from polydraulic.elementary import sincos
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.flow.sample import sample_flow
 from polydraulic.identification.machine_learning import learn
 from polydraulic.identification.machine_log import Known, by_port
-from polydraulic.machine.actuator import lever_arm, motor_displacement, prepare_cylinder
+from polydraulic.machine.actuator import lever_arm
+from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.measure.bench.sensors import Reading, Sensor
 from polydraulic.measure.smoothing import differentiate
 from polydraulic.networks.model.model import Model
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import load_scenario, random_operator
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.simulation.layout.flow_points import sample_flow
 from polydraulic.simulation.runs import simulate
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import LINKS, with_pumps
 from polydraulic.thesis.three_links import SCENARIOS
 
 RASTER = 0.02  # s, of all sensors
@@ -127,7 +129,7 @@ def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
     return [Outcome(*lab.computed.data(keys[c], list)) for c in conditions]
 
 
-def _made(machine: Machine, conditions: Conditions) -> list[Any]:
+def _made(machine: LayoutMachine, conditions: Conditions) -> list[Any]:
     machine = _machine(machine, conditions)
     log = measured(machine, conditions)
     return [len(log), *_judged(machine, learn(machine, log))]
@@ -150,18 +152,15 @@ def _name(conditions: Conditions) -> str:
     return " ".join(f"{value:g}" if isinstance(value, float) else str(int(value)) for value in conditions)
 
 
-def _machine(machine: Machine, conditions: Conditions) -> Machine:
-    parts: dict[str, Any] = {"pumps": machine.pumps._replace(torque_limit_enabled=conditions.limited)}
-    for link in LINKS:
-        part = getattr(machine, link)
-        torques = {
-            name: conditions.friction * getattr(part.friction, name) for name in ("coulomb", "static", "viscous")
-        }
-        parts[link] = part._replace(friction=part.friction._replace(**torques))
-    return machine._replace(**parts)
+def _machine(machine: LayoutMachine, conditions: Conditions) -> LayoutMachine:
+    rubbing = []
+    for f in machine.functions:
+        torques = {name: conditions.friction * getattr(f.friction, name) for name in ("coulomb", "static", "viscous")}
+        rubbing.append(f._replace(friction=f.friction._replace(**torques)))
+    return with_pumps(machine._replace(functions=tuple(rubbing)), torque_limit_enabled=conditions.limited)
 
 
-def measured(machine: Machine, conditions: Conditions) -> Table:
+def measured(machine: LayoutMachine, conditions: Conditions) -> Table:
     """What sensors read of a random operator's work, and what follows from it; rows in which a sensor is silent are gone."""
     scenario = random_operator(conditions.operator, 60.0 * conditions.minutes, limit=STROKE * conditions.stroke)
     run = simulate(machine, "exact", scenario, raster=RASTER)
@@ -184,32 +183,37 @@ def measured(machine: Machine, conditions: Conditions) -> Table:
     return by_port(Known.of(machine), Table({name: values[heard] for name, values in read.items()}, {}))
 
 
-def _flows(machine: Machine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _flows(machine: LayoutMachine, link: str, read: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Flows at a link's ports from its angle: volume for a radian times rate; the oil's compression is left out."""
     time, angle = read["time"], read[f"{link}.angle"]
     known = np.isfinite(angle)
     filled = np.interp(time, time[known], angle[known])
     rate = np.where(known, differentiate(filled, RASTER, _WINDOW), np.nan)
-    if link == "swing":
-        a = b = motor_displacement(machine.swing.motor) * rate
+    drive = _drive(machine, link)
+    if isinstance(drive, Motor):
+        a = b = drive.displacement * rate
     else:
-        triangle = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
-        speed = rate * [lever_arm(sincos(x), triangle) for x in filled.tolist()]
-        a, b = triangle.area_a * speed, triangle.area_b * speed
+        speed = rate * [lever_arm(sincos(x), drive) for x in filled.tolist()]
+        a, b = drive.area_a * speed, drive.area_b * speed
     forward = read[f"{link}.spool"] > 0.0
     return {f"{link}.q_in": np.where(forward, a, -b), f"{link}.q_out": np.where(forward, b, -a)}
 
 
-def _outlet_flow(machine: Machine, link: str, read: dict[str, np.ndarray]) -> np.ndarray:
+def _drive(machine: LayoutMachine, link: str) -> Any:
+    f = machine.function(link)
+    return prepare_drive(f, machine.link(f.moves))
+
+
+def _outlet_flow(machine: LayoutMachine, link: str, read: dict[str, np.ndarray]) -> np.ndarray:
     """Flow out of an actuator from the one into it, by the ratio of its areas; the oil's compression is left out."""
-    if link == "swing":
-        return read["swing.q_in"]
-    triangle = prepare_cylinder(getattr(machine, link).cylinder, 1.0 if link == "boom" else -1.0)
-    ratio = triangle.area_b / triangle.area_a
+    drive = _drive(machine, link)
+    if isinstance(drive, Motor):
+        return read[f"{link}.q_in"]
+    ratio = drive.area_b / drive.area_a
     return read[f"{link}.q_in"] * np.where(read[f"{link}.spool"] > 0.0, ratio, 1.0 / ratio)
 
 
-def _judged(machine: Machine, models: list[Model]) -> list[Any]:
+def _judged(machine: LayoutMachine, models: list[Model]) -> list[Any]:
     """Errors of networks where operators work: of flows at the states of their exact runs, and of the end-effector."""
     flow = build_flow("polynomial", machine, models=models)
     away, squares = [], []
@@ -218,7 +222,7 @@ def _judged(machine: Machine, models: list[Model]) -> list[Any]:
         exact = simulate(machine, "exact", scenario)
         away.append(float(effector_distance(exact, simulate(machine, flow, scenario)).max()))
         spool, p_in, p_out = (exact.matrix([f"{link}.{name}" for link in LINKS]) for name in ("spool", "p_in", "p_out"))
-        error = sample_flow(flow, spool, p_in, p_out).q_in - exact.matrix([f"{link}.q_in" for link in LINKS])
+        error = sample_flow(machine, flow, spool, p_in, p_out).q_in - exact.matrix([f"{link}.q_in" for link in LINKS])
         squares.append(np.mean(error**2, axis=0))
     rms = units.from_si(np.sqrt(np.mean(squares, axis=0)), "in3/s")
     scenarios = {}

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.database import PRESSURE_HIGH, boom_flow, boom_table, sample_boom
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Variable
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario, load_scenario
-from polydraulic.parameters.schema import Machine
 from polydraulic.parameters.signals import Signal, Sine
 from polydraulic.simulation.runs import reference, simulate
 from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, BoomModels, fit_boom
 from polydraulic.thesis.boom_perceptrons import PerceptronModels, fit_perceptrons, sweep_hidden_units
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import PRESSURE_HIGH, boom_flow, boom_table, sample_boom, spool_of
 from polydraulic.thesis.timing import Time, restored, time_runs
 
 SCENARIOS = ("single_08", "single_05")
@@ -158,10 +158,10 @@ def boom_study(lab: Lab) -> BoomStudy:
     return found
 
 
-def fit_full_box(machine: Machine) -> FullBoxNetwork:
+def fit_full_box(machine: LayoutMachine) -> FullBoxNetwork:
     """Grow the network of Fig 3-1 in the thesis' units, with its setting."""
-    spool = machine.spool
-    active = (spool.deadband, spool.knots[-1])
+    spool = spool_of(machine)
+    active = (spool.deadband, spool.end)
     names = ("boom.travel", "boom.p_in", "boom.q_in")
     many, few = (
         field_table(sample_boom(machine, n, rng=np.random.default_rng(SEED), travel=active, relief=False), names)
@@ -179,9 +179,9 @@ def field_table(table: Table, names: tuple[str, ...]) -> Table:
     return Table({name: units.from_si(table[name], unit) for name, unit in chosen.items()}, chosen)
 
 
-def boom_grid(machine: Machine, n_spool: int, n_pressure: int) -> Table:
+def boom_grid(machine: LayoutMachine, n_spool: int, n_pressure: int) -> Table:
     """Evaluate the exact circuit on a grid that includes the faces; pressures vary slowest."""
-    travel = machine.spool.knots[-1]
+    travel = spool_of(machine).end
     spool, pressure = np.meshgrid(np.linspace(-travel, travel, n_spool), np.linspace(0.0, PRESSURE_HIGH, n_pressure))
     return boom_table(machine, spool.ravel(), pressure.ravel(), pressure.ravel(), relief=False)
 
@@ -208,7 +208,7 @@ def output_map_error(models: BoomModels | PerceptronModels, study: BoomStudy) ->
     return np.maximum(conductance, 0.0) * study.grid["boom.root_p_out"] - study.grid["boom.q_out"]
 
 
-def outlet_conductance(machine: Machine, spool: np.ndarray) -> np.ndarray:
+def outlet_conductance(machine: LayoutMachine, spool: np.ndarray) -> np.ndarray:
     """Q_pop(x) = Q_o / sqrt(P_o - P_e) of the boom's valve, in m3/s/Pa^0.5 (Eq. 7)."""
     table = boom_table(machine, spool, np.zeros(len(spool)), np.full(len(spool), PRESSURE_HIGH), relief=False)
     return np.asarray(table["boom.q_out"] / table["boom.root_p_out"])
@@ -218,10 +218,13 @@ def pressure_flow_error(study: BoomStudy) -> np.ndarray:
     """Input flow from the pump-pressure networks through Eq. (1), minus exact, at every grid point, in SI."""
     model = build_flow("pressure", study.machine, models=[study.historical.p_pump])
     grid = study.grid
-    return boom_flow(model, grid["boom.spool"], grid["boom.p_in"], grid["boom.p_out"]).q_in - grid["boom.q_in"]
+    return (
+        boom_flow(study.machine, model, grid["boom.spool"], grid["boom.p_in"], grid["boom.p_out"]).q_in
+        - grid["boom.q_in"]
+    )
 
 
-def converge(machine: Machine, scenarios: dict[str, Scenario]) -> Table:
+def converge(machine: LayoutMachine, scenarios: dict[str, Scenario]) -> Table:
     """Largest joint angle error of the loop against the tight solution, for falling step sizes."""
     errors: dict[str, np.ndarray] = {}
     raster = STEP_SIZES[0]

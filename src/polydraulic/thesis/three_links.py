@@ -5,17 +5,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.flow.database import PRESSURE_HIGH
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.table import Network
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import load_scenario
-from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.runs import simulate
 from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import HISTORICAL, SEED, fit_boom
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import LINKS, PRESSURE_HIGH, with_pumps
 from polydraulic.thesis.historical import flows_at, grow_outlets, grow_series, sections, series_flows
 from polydraulic.thesis.timing import Time, restored, time_runs
 
@@ -36,10 +36,9 @@ class ThreeLinkStudy:
     def __init__(self, lab: Lab) -> None:
         self.lab = lab
 
-    def machine(self, limited: bool = False) -> Machine:
+    def machine(self, limited: bool = False) -> LayoutMachine:
         """The machine, with or without its torque limit."""
-        pumps = self.lab.machine.pumps._replace(torque_limit_enabled=limited)
-        return self.lab.machine._replace(pumps=pumps)
+        return with_pumps(self.lab.machine, torque_limit_enabled=limited)
 
     def historical(self, limited: bool = False) -> list[Model]:
         """Networks in the thesis' setting: input flow of swing and stick, outlets, and those of the boom."""
@@ -145,11 +144,11 @@ def section_errors(study: ThreeLinkStudy, section: str, flow: Any, *, relief: bo
     """
     machine = study.machine()
     box = sections(machine)[section]
-    swing_high = min(PRESSURE_HIGH, machine.swing.line.relief) if relief else PRESSURE_HIGH
+    swing_high = min(PRESSURE_HIGH, machine.function("swing").line.relief) if relief else PRESSURE_HIGH
     edges = np.array([box.swing, box.stick, (0.0, swing_high), (0.0, PRESSURE_HIGH)])
     edges[:2, 0] *= 1.0 + 1e-9  # a border belongs to the section below it
     X = points_with_faces(edges, N_JUDGE, np.random.default_rng(JUDGE_SEED))
-    errors = flows_at(flow, X) - series_flows(machine, X, relief=relief)
+    errors = flows_at(machine, flow, X) - series_flows(machine, X, relief=relief)
     return SectionErrors(X, errors[:, 0], errors[:, 1])
 
 

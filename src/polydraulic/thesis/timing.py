@@ -15,17 +15,16 @@ Which clock:
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from statistics import median
 from time import perf_counter, thread_time
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from polydraulic.flow.dispatch import FlowModel
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import Machine
-from polydraulic.simulation.loop import run
-from polydraulic.simulation.runs import arrange
+from polydraulic.simulation.layout.runs import prepared_run
 
 CLOCK = thread_time if os.name == "posix" else perf_counter  # Windows counts a thread's time in ticks of 16 ms
 PAIRS = 31
@@ -128,8 +127,8 @@ def timed(call: Callable[[], T], clock: Callable[[], float] = CLOCK) -> tuple[T,
 
 
 def time_runs(
-    machine: Machine,
-    models: Mapping[str, Any],
+    machine: LayoutMachine,
+    models: Mapping[str, FlowModel],
     scenario: Scenario,
     *,
     base: str | None = None,
@@ -137,8 +136,8 @@ def time_runs(
     dt: float = 5e-3,
 ) -> dict[str, Time]:
     """Time the loop over a whole scenario with each flow model, in pairs with that of `base`, by default the first."""
-    arranged = {name: arrange(machine, model, scenario, dt=dt) for name, model in models.items()}
-    return paired_times({name: partial(run, *one) for name, one in arranged.items()}, base=base, pairs=pairs)
+    runs = {name: prepared_run(machine, model, scenario, dt=dt) for name, model in models.items()}
+    return paired_times(runs, base=base, pairs=pairs)
 
 
 def restored(found: Mapping[str, Iterable[Any]]) -> dict[str, Time]:

@@ -4,17 +4,17 @@ import shutil
 
 import numpy as np
 import pytest
+from polydraulic.export.excavator import outputs
+from polydraulic.machine.linkage import end_effector
+from polydraulic.simulation.loop import run
 
 from polydraulic import load_scenario
-from polydraulic.export.excavator import outputs
 from polydraulic.export.fmu.machine import export_machine_fmu
 from polydraulic.export.fmu.machine_parameters import direct_parameters
 from polydraulic.flow.record import N_RECORD
-from polydraulic.machine.linkage import end_effector
 from polydraulic.parameters.operator import random_signals
-from polydraulic.parameters.schema import LINKS
-from polydraulic.simulation.loop import run
 from polydraulic.simulation.runs import arrange
+from polydraulic.thesis.excavator import LINKS, with_pumps
 
 fmpy = pytest.importorskip("fmpy")
 validation = pytest.importorskip("fmpy.validation")
@@ -172,9 +172,9 @@ def test_a_state_that_is_set_or_read_from_bytes_goes_on_with_the_same_bits(exact
 
 def test_parameters_are_those_of_a_changed_machine(machine, exact, tmp_path):
     boom = machine.boom._replace(
-        friction=machine.boom.friction._replace(viscous=9e3, static=2.5e4),
-        line=machine.boom.line._replace(relief=2.0e7, leakage=3e-12),
-        initial=machine.boom.initial._replace(angle=0.3, p_a=4e6),
+        friction=machine.function("boom").friction._replace(viscous=9e3, static=2.5e4),
+        line=machine.function("boom").line._replace(relief=2.0e7, leakage=3e-12),
+        initial=machine.function("boom").initial._replace(angle=0.3, p_a=4e6),
     )
     changed = machine._replace(boom=boom, pumps=machine.pumps._replace(relief=1.5e7, boom_flow=2e-3))
     rows, voltage = expected(changed, "exact", load_scenario("task"), voltages(400, 9))
@@ -206,7 +206,7 @@ def test_direct_parameters_leave_out_what_enters_other_numbers(machine):
     names = {parameter.name for parameter in direct_parameters(machine, "exact")}
     assert {"boom.line.relief", "swing.friction.viscous", "geometry.gravity", "stick.initial.angle"} <= names
     assert not names & {"boom.body.mass", "boom.line.compliance_a", "swing.pilot.time_constant", "geometry.d"}
-    limited = machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    limited = with_pumps(machine, torque_limit_enabled=True)
     assert "pumps.relief" in names
     assert "pumps.relief" not in {parameter.name for parameter in direct_parameters(limited, "exact")}
 

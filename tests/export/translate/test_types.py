@@ -4,8 +4,8 @@ import numba
 import numpy as np
 import pytest
 from numba.core import compiler, registry, typed_passes, types
-
 from polydraulic.export.excavator import machine_advance, outputs, prepared
+
 from polydraulic.export.translate.program import Program
 from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct
 from polydraulic.flow import FLOW_KINDS

@@ -1,9 +1,9 @@
 from polydraulic.flow import network_slots
 from polydraulic.flow.layout import slots
-from polydraulic.parameters.load import load_layout
+from polydraulic.parameters.load import load_machine
 
-CIRCUITS = {c.name: c for c in load_layout("cat215b_bucket").circuits}
-ARM = next(c for c in load_layout("excavator_22t").circuits if c.name == "arm")
+CIRCUITS = {c.name: c for c in load_machine("cat215b_bucket").circuits}
+ARM = next(c for c in load_machine("excavator_22t").circuits if c.name == "arm")
 
 
 def test_two_valves_have_the_names_of_swing_and_stick():

@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from polydraulic.flow.sample import sample_flow
 
 from polydraulic import load_machine
 from polydraulic.flow import exact_flow
-from polydraulic.flow.sample import sample_flow
 from polydraulic.flow.training.mode_models import at_constant_flow, at_relief, at_torque_limit
+from polydraulic.thesis.excavator import pump_of, spool_of, with_pumps
 from polydraulic.units import to_si
 
 MACHINE = load_machine("cat215b")
-SPOOL = st.floats(0.0, MACHINE.spool.knots[-1])
-PRESSURE = st.floats(0.0, MACHINE.pumps.relief)
+SPOOL = st.floats(0.0, spool_of(MACHINE).end)
+PRESSURE = st.floats(0.0, pump_of(MACHINE, "boom").relief)
 
 
 def flows(exact, spool, p):
@@ -34,7 +35,7 @@ def test_flows_are_the_least_of_the_modes(exponent, spool, p):
 
 
 def test_each_mode_is_the_least_somewhere():
-    machine = MACHINE._replace(pumps=MACHINE.pumps._replace(torque_limit_enabled=True))
+    machine = with_pumps(MACHINE, torque_limit_enabled=True)
     spool, p = np.full((1, 3), to_si(0.36, "in")), np.zeros((1, 3))
     modes = [at_constant_flow(machine), at_relief(machine), at_torque_limit(machine)]
     found = [

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from helpers.valves import circuit_pump
 from polydraulic.machine.circuits.series_short import series_1, series_2
 from polydraulic.machine.circuits.series_short_slopes import series_1_slopes, series_2_slopes
-from polydraulic.machine.pump import prepare_pump
 from polydraulic.machine.valve import Orifices
 
 
@@ -15,7 +15,7 @@ def orifices_of(k, d, x):
 
 
 def test_slopes_are_differences(machine):
-    pump = prepare_pump(machine, machine.pumps.series_flow)
+    pump = circuit_pump(machine, "series")
     k = np.array([[2e-6, 1.2e-6], [1.5e-6, 0.9e-6]])
     d, p = np.array([[1e-4, -6e-5], [8e-5, -5e-5]]), np.array([2e6, 1e6])
     none = (0.0, 0.0)

@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 
 from helpers.series_made import IMPORTS, listed, made, pump_of
+from helpers.valves import orifice_slopes, orifices
 from polydraulic.machine.circuit_slopes import series_slopes
 from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
 from polydraulic.machine.circuits.series_text import series_text
 from polydraulic.machine.pump import series_circuit
-from polydraulic.machine.valve import Orifices, orifice_slopes, orifices, prepare_valve
+from polydraulic.machine.valve import Orifices
+from polydraulic.thesis.excavator import spool_of
 
 PLAIN = bool(numba.config.DISABLE_JIT)
 SPOOL, PRESSURE = 1e-9, 30.0  # m, Pa; steps of differences
@@ -46,9 +48,8 @@ def circuit(n):
 @pytest.mark.parametrize("n", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 5))])
 def test_slopes_are_differences(machine, n, limited):
     module, pump, rng = circuit(n), pump_of(machine, limited), np.random.default_rng(0)
-    knots = np.array(machine.spool.knots)
-    links = (machine.swing, machine.boom, machine.stick)
-    tables = [prepare_valve(links[j % 3].valve, machine.spool) for j in range(n)]
+    knots = np.array(machine.functions[0].valve.knots)
+    tables = [machine.functions[j % 3].valve for j in range(n)]
 
     def conductances(x):
         return np.array([orifices(one, table)[:2] for one, table in zip(x, tables, strict=True)])
@@ -66,8 +67,8 @@ def test_slopes_are_differences(machine, n, limited):
 
     compared = 0
     for _ in range(30 if PLAIN else 400):
-        x = rng.uniform(machine.spool.deadband, machine.spool.bypass_closed, n)
-        p = rng.uniform(0.0, 0.3 * machine.pumps.relief, n)
+        x = rng.uniform(spool_of(machine).deadband, spool_of(machine).bypass_closed, n)
+        p = rng.uniform(0.0, 0.3 * machine.circuit("boom").pump.relief, n)
         found = flows(x, p)
         # away from kinks: of tables, of check valves, of the relief valve
         near = np.abs(knots[:, None] - x).min() < 1e-6 or found[n] > 0.0
@@ -79,7 +80,7 @@ def test_slopes_are_differences(machine, n, limited):
         module.slopes_of(k, slopes, p, pump, out)
         by_p, by_x = out.reshape(2, n, n)
         true_p, true_x = differences(x, p)
-        assert np.allclose(by_p, true_p, rtol=1e-4, atol=1e-6 * pump.flow / machine.pumps.relief)
+        assert np.allclose(by_p, true_p, rtol=1e-4, atol=1e-6 * pump.flow / machine.circuit("boom").pump.relief)
         assert np.allclose(by_x, true_x, rtol=1e-4, atol=1e-6 * pump.flow / knots[-1])
         assert np.allclose(by_p, by_p.T, rtol=1e-12, atol=0.0)
     assert compared > (2 if PLAIN else 60)

@@ -8,6 +8,7 @@ from polydraulic import load_scenario, simulate
 from polydraulic.errors import InputError
 from polydraulic.measure import conversion, deadband, find_deadbands
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import spool_of
 
 LOW, HIGH = -0.2, 0.35
 
@@ -94,5 +95,5 @@ def test_the_deadband_of_the_machine_is_found(machine, seed):
     table = Table({**run.columns, "segment": np.zeros(len(run))}, run.units)
     for link in ("swing", "stick", "boom"):
         found = deadband(table, f"{link}.spool", f"{link}.q_in", 0.01)
-        assert found.low == pytest.approx(-machine.spool.deadband, rel=0.15)
-        assert found.high == pytest.approx(machine.spool.deadband, rel=0.15)
+        assert found.low == pytest.approx(-spool_of(machine).deadband, rel=0.15)
+        assert found.high == pytest.approx(spool_of(machine).deadband, rel=0.15)

@@ -1,13 +1,12 @@
 """Machine files with links, functions and circuits: what is read, and what is refused all at once."""
 
 import math
-from typing import Literal, get_args, get_origin, get_overloads, get_type_hints
 
 import pytest
 
 from helpers.small_crane import crane_text, write_crane, write_crossover_crane
 from polydraulic import InputError, load_machine
-from polydraulic.parameters.load import as_excavator, load_layout, machine_names
+from polydraulic.parameters.load import machine_names
 
 
 @pytest.fixture(scope="module")
@@ -178,27 +177,6 @@ def test_more_links_than_there_may_be_are_refused(tmp_path):
         load_machine(path)
 
 
-def test_code_for_the_older_form_refuses_other_layouts_by_name(crane):
-    with pytest.raises(
-        InputError,
-        match="'Small crane' has the functions slew, lift, extend; this works for the layout of 'cat215b' alone",
-    ):
-        as_excavator(crane)
-    with pytest.raises(InputError, match="has the older form"):
-        load_layout("cat215b")
-    assert as_excavator("cat215b").boom.cylinder.number == 2.0
-
-
 @pytest.mark.parametrize("name", machine_names())
 def test_every_machine_of_the_package_loads(name):
     assert load_machine(name)
-
-
-def test_the_types_of_the_machines_of_the_package_are_stated():
-    stated = {}
-    for one in get_overloads(load_machine):
-        hints = get_type_hints(one)
-        stated |= dict.fromkeys(
-            get_args(hints["source"]) if get_origin(hints["source"]) is Literal else (), hints["return"]
-        )
-    assert stated == {name: type(load_machine(name)) for name in machine_names()}

@@ -1,8 +1,6 @@
-import pytest
-
-from polydraulic import InputError, load_machine
+from polydraulic import load_machine
 from polydraulic.parameters.layout.skeleton import skeleton
-from polydraulic.parameters.load import load_layout, machine_text
+from polydraulic.parameters.load import machine_text
 
 
 def test_a_skeleton_is_a_machine_with_a_comment_for_each_kind_of_number(tmp_path):
@@ -12,8 +10,3 @@ def test_a_skeleton_is_a_machine_with_a_comment_for_each_kind_of_number(tmp_path
     assert load_machine(path) == load_machine("cat215b_bucket")
     comments = [line for line in text.split("\n") if line.startswith("# where this link's joint is")]
     assert len(comments) == 1
-
-
-def test_the_older_form_is_no_pattern():
-    with pytest.raises(InputError, match="older form"):
-        load_layout("cat215b")

@@ -3,7 +3,7 @@ import pytest
 from helpers.small_crane import write_crane, write_crossover_crane
 from polydraulic import load_machine
 from polydraulic.parameters.layout.usual import unusual
-from polydraulic.parameters.load import load_layout, machine_names
+from polydraulic.parameters.load import machine_names
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_absurd_values_are_named_with_what_is_usual(tmp_path, old, new, words):
 def test_the_machines_of_the_package_are_usual():
     for name in machine_names():
         if name != "cat215b":
-            assert unusual(load_layout(name)) == []
+            assert unusual(load_machine(name)) == []
 
 
 @pytest.mark.parametrize(

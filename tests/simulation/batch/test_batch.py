@@ -7,21 +7,20 @@ import numba
 import numpy as np
 import pytest
 
-from polydraulic import _kernel, build_flow, load_machine, load_scenario, simulate, simulate_batch
+from helpers.valves import changed
+from polydraulic import build_flow, load_machine, load_scenario, simulate, simulate_batch
 from polydraulic.errors import InputError
-from polydraulic.flow import FLOW_KINDS
 from polydraulic.flow.lanes import LANES
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.flow.record import N_RECORD, N_STATE
-from polydraulic.machine.plant import prepare
 from polydraulic.parameters.scenario import Scenario, scenario_names
-from polydraulic.parameters.schema import LINKS, Stops
+from polydraulic.parameters.schema import Stops
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.batch.batch import _blocks, _singles
 from polydraulic.simulation.batch.batch_inputs import arrange_cases
-from polydraulic.simulation.batch.lanes import run_block
 from polydraulic.simulation.lane_blocks import Kept
-from polydraulic.simulation.loop import run
+from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.thesis.excavator import LINKS, with_pumps
 
 PLAIN = bool(numba.config.DISABLE_JIT)
 SECONDS = 0.02 if PLAIN else 10.0  # in plain Python a block takes 64 times as long as a machine
@@ -32,7 +31,7 @@ UP = Scenario("up", 4.0, {"boom": Constant(0.62)}, ("swing", "stick"))
 
 
 def limited(machine):
-    return machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=True))
+    return with_pumps(machine, torque_limit_enabled=True)
 
 
 def varied(machine, rng):
@@ -42,22 +41,24 @@ def varied(machine, rng):
         return part._replace(**{k: getattr(part, k) * rng.uniform(1.0 - w, 1.0 + w) for k, w in widths.items()})
 
     def valve(v):
-        return type(v)(*(tuple(k * rng.uniform(0.8, 1.2) for k in table) for table in v))
+        curves = (tuple(k * rng.uniform(0.8, 1.2) for k in curve) for curve in v[1:])
+        return type(v)(v.knots, *curves)
 
-    links = {
-        link: getattr(machine, link)._replace(
-            pilot=scaled(getattr(machine, link).pilot, gain=0.3, time_constant=0.3),
-            valve=valve(getattr(machine, link).valve),
-            line=scaled(getattr(machine, link).line, compliance_a=0.3, leakage=0.5),
-            friction=scaled(getattr(machine, link).friction, coulomb=0.5, viscous=0.3),
-            stops=scaled(getattr(machine, link).stops, low=0.1, high=0.1),
+    functions = tuple(
+        f._replace(
+            pilot=scaled(f.pilot, gain=0.3, time_constant=0.3),
+            valve=valve(f.valve),
+            line=scaled(f.line, compliance_a=0.3, leakage=0.5),
+            friction=scaled(f.friction, coulomb=0.5, viscous=0.3),
+            stops=scaled(f.stops, low=0.1, high=0.1),
         )
-        for link in LINKS
-    }
-    links["boom"] = links["boom"]._replace(body=scaled(machine.boom.body, mass=0.3, cg=0.1))
-    pumps = scaled(machine.pumps, boom_flow=0.2, series_flow=0.2, relief=0.1)
-    pumps = pumps._replace(torque_limit_enabled=bool(rng.random() < 0.5))
-    return machine._replace(**links, pumps=pumps, geometry=scaled(machine.geometry, d=0.5, a1=0.2))
+        for f in machine.functions
+    )
+    swing, boom, stick = machine.links
+    boom = scaled(boom, mass=0.3)._replace(at={key: x * rng.uniform(0.7, 1.3) for key, x in boom.at.items()})
+    circuits = tuple(c._replace(pump=scaled(c.pump, flow=0.2, relief=0.1)) for c in machine.circuits)
+    made = machine._replace(links=(swing, boom, stick), functions=functions, circuits=circuits)
+    return with_pumps(made, torque_limit_enabled=bool(rng.random() < 0.5))
 
 
 def assert_same(batch, place, table):
@@ -100,7 +101,7 @@ def test_machines_that_differ_have_the_bits_of_simulate(machine):
         np.abs(batch[f"{link}.angle"][place] - stop).min()
         for place, one in enumerate(machines)
         for link in LINKS
-        for stop in getattr(one, link).stops
+        for stop in one.function(link).stops
     ]
     assert PLAIN or min(gaps) < 0.01
 
@@ -110,15 +111,16 @@ def test_single_steps_from_random_states(machine, adapt):
     """States at and beyond their bounds, one step each."""
     machine, rng, n = adapt(machine), np.random.default_rng(1), 3 if PLAIN else 4000
     reach = np.repeat([0.02, 3e7, 3e7, 3.0, 1.5], 3)
-    x0 = reach * rng.uniform(-1.0, 1.0, (n, N_STATE))
+    x0 = reach * rng.uniform(-1.0, 1.0, (n, 15))
     x0[:, 3:9] = abs(x0[:, 3:9])
     voltage = rng.uniform(-1.2, 1.2, (n, 1, 3))
     batch = simulate_batch(machine, "exact", voltage, x0=x0, keep=["rows"])
-    plant, model = prepare(machine, 0.005), build_flow("exact", machine)
-    rows, places = np.empty((2, N_RECORD)), [row for row, _ in _columns_of(machine).values()]
-    recorded = [i for i, row in enumerate(places) if row < N_RECORD]
+    ready, n_record = prepare_layout(machine, 0.005), len(columns_of(machine).columns)
+    rows, places = np.empty((2, n_record)), [row for row, _ in _columns_of(machine).values()]
+    recorded = [i for i, row in enumerate(places) if row < n_record]
     for i in range(n):
-        made = run(model, np.zeros(1), plant, x0[i], voltage[i], 1, rows, np.zeros(2, dtype=np.int64))
+        counts = np.zeros(2, dtype=np.int64)
+        made = ready.module.run(ready.valves, np.zeros(1), ready.plant, x0[i], voltage[i], 1, rows, counts)
         assert made == batch.steps[i] == 1
         assert np.array_equal(batch.rows[i][:, recorded], rows[:, [places[c] for c in recorded]])
 
@@ -130,7 +132,6 @@ def _columns_of(machine):
 
 @pytest.mark.parametrize("name", ["iterative", "polynomial", "lookup"])
 def test_models_without_lanes_run_one_by_one(machine, build, name):
-    assert FLOW_KINDS[name].lanes is None
     flow = build(name, machine)
     scenarios = [load_scenario("single_08"), load_scenario("single_05")]
     batch = simulate_batch(machine, flow, scenarios, t_end=0.1, keep=["rows"])
@@ -219,8 +220,7 @@ def test_initial_states_and_shared_voltages(machine):
 
 @pytest.mark.parametrize("flow", ["exact", "iterative"])
 def test_a_machine_that_leaves_all_reason_does_not_spoil_the_others(machine, flow):
-    friction = machine.boom.friction._replace(viscous=1e30)
-    wild = machine._replace(boom=machine.boom._replace(friction=friction, stops=Stops(-np.inf, np.inf)))
+    wild = changed(machine, "boom", friction={"viscous": 1e30}, stops=Stops(-np.inf, np.inf))
     batch = simulate_batch([machine, wild], flow, UP, t_end=0.05, keep=["rows", "range"], columns=["boom.rate"])
     table = simulate(machine, flow, UP, t_end=0.05)
     assert np.array_equal(batch["boom.rate"][0], table["boom.rate"])
@@ -268,33 +268,6 @@ def test_a_batch_says_what_it_has(machine):
         batch["boom.angle"]
     with pytest.raises(InputError, match="no column 'boom.speed'; the batch has"):
         batch.place("boom.speed")
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(PLAIN, reason="needs the compiler")
-@pytest.mark.parametrize("differ", [False, True], ids=["shared parameters", "own parameters"])
-def test_lanes_are_vector_instructions(machine, differ):
-    """Compiled without the cache, which keeps no assembly. A stage that stays scalar would divide or take roots one by one."""
-    seen = []
-
-    def spy(*arguments):
-        seen.append(arguments)
-
-    machines = [machine, varied(machine, np.random.default_rng(0))] if differ else machine
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("polydraulic.simulation.batch.family.run_block", spy)
-        simulate_batch(machines, "exact", np.zeros((1, 3)))
-    fresh = numba.njit(**_kernel._DRIVER_OPTIONS)(run_block.py_func)
-    fresh(*seen[0])
-    assembly = fresh.inspect_asm(fresh.signatures[0])
-    if not re.search(r"\bvmovupd\b", assembly):
-        pytest.skip("this processor has no AVX")
-    wide = len(re.findall(r"\tv(?:div|sqrt)pd\t[^\n]*%[yz]mm", assembly))
-    scalar = len(re.findall(r"\tv?(?:div|sqrt)sd\t", assembly))
-    assert wide > 100
-    # the two solves of an end stop, and a root for all lanes at once; machines of their own leave a scalar version for overlaps
-    assert differ or scalar <= 3
-    assert "NRT_" not in fresh.inspect_llvm(fresh.signatures[0])
 
 
 def test_machines_and_scenarios_may_be_given_by_name(machine):

@@ -1,6 +1,4 @@
 from polydraulic import load_machine
-from polydraulic.flow.record import COLUMNS
-from polydraulic.parameters.load import load_layout
 from polydraulic.simulation.layout.columns import columns_of, fed_functions, gap_name
 
 
@@ -17,11 +15,13 @@ def test_columns_are_named_by_functions_and_circuits_with_the_joints_units(crane
     assert units["main.p_between"] == "Pa"
 
 
-def test_the_columns_of_three_links_are_those_of_the_older_form():
-    tree = load_layout("cat215b_bucket")
-    older = {column.name for column in COLUMNS if not column.name.endswith("q_stored")}
-    assert older <= {column.name for column in columns_of(tree).columns} | {"boom.p_between"}
-    assert load_machine("cat215b")
+def test_the_columns_of_cat215b_are_said_here_once_more():
+    of_functions = ("spool", "p_a", "p_b", "angle", "rate", "q_in", "q_out")
+    expected = [f"{f}.{quantity}" for quantity in of_functions for f in ("swing", "boom", "stick")]
+    expected += [
+        f"{c}.{quantity}" for c in ("boom", "series") for quantity in ("q_pump", "q_bypass", "q_relief", "p_pump")
+    ]
+    assert [column.name for column in columns_of(load_machine("cat215b")).columns] == [*expected, "series.p_between"]
 
 
 def test_pressures_between_more_than_two_valves_are_numbered():

@@ -1,10 +1,10 @@
-from polydraulic.parameters.load import load_layout
+from polydraulic.parameters.load import load_machine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.lane_rows import lane_rows
 
 
 def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
-    machine = load_layout("cat215b_bucket")
+    machine = load_machine("cat215b_bucket")
     columns = columns_of(machine)
     rows = lane_rows(machine, 10, {2: ["q_pump", "w_1", "b_1", "b_2"]})
     scratch = [
@@ -37,5 +37,5 @@ def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
 
 
 def test_circuits_without_passes_are_packed_by_as_many_valves_as_the_longest_has():
-    packed = lane_rows(load_layout("cat215b_bucket"), 10, {}).packed
+    packed = lane_rows(load_machine("cat215b_bucket"), 10, {}).packed
     assert [len(of) for of in (packed.pump, packed.bracket, packed.found, *packed.valve)] == [6, 5, 8, 3, 3]

@@ -5,7 +5,7 @@ from collections import Counter
 
 from helpers.small_crane import crane_text, crane_text_with_effects
 from polydraulic import load_machine
-from polydraulic.parameters.load import load_layout, machine_names
+from polydraulic.parameters.load import machine_names
 from polydraulic.simulation.layout.text import fields_of, layout_of, layout_text
 
 
@@ -29,7 +29,7 @@ def layouts():
 
 def test_no_name_is_defined_twice():
     for name in layouts():
-        found = named(layout_text(load_layout(name)))
+        found = named(layout_text(load_machine(name)))
         assert max(found.values()) == 1
         twice = {key for key, count in Counter(key for key, _ in found).items() if count > 1}
         assert twice == set(), name

@@ -20,14 +20,13 @@ from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.pages.html import document, table
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
-from polydraulic.parameters.schema import Machine
 
 _NOMINAL = {"m": 0.01, "m/s": 0.1, "Pa": 1e7, "rad": 1.0, "rad/s": 1.0, "m3/s": 1e-3, "V": 1.0}
 _STOP = 13.0
 
 
 def export_machine_fmu(
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     flow: str | LayoutFlow,
     path: str | Path,
     *,
@@ -43,7 +42,7 @@ def export_machine_fmu(
 
     Parameters
     ----------
-    machine : Machine or LayoutMachine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
     flow : str or LayoutFlow
         Name of a flow model, see `machine_c`, or networks of a machine that is described by links.
     path : str or Path
@@ -57,7 +56,7 @@ def export_machine_fmu(
         that number, at any time; of other lengths the machine makes the steps that have become due and carries the rest
         over.
     locked : collection of str
-        Links or functions whose joints are held.
+        Functions whose joints are held.
     force : bool
         Whether three more inputs are a force at the tip; see `machine_c`.
     compiler : str, optional

@@ -3,16 +3,11 @@
 from collections.abc import Collection, Iterator
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from polydraulic.errors import InputError
-from polydraulic.export.excavator import prepared
 from polydraulic.export.layout import layout_parts
-from polydraulic.flow.dispatch import build_flow, layout_flow
+from polydraulic.flow.dispatch import layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.quantity import Quantity
-from polydraulic.parameters.schema import Machine
 from polydraulic.parameters.values import leaves_of
 
 
@@ -36,69 +31,28 @@ class MachineParameter(NamedTuple):
 
 
 def direct_parameters(
-    machine: Machine | LayoutMachine, flow: str | LayoutFlow, *, dt: float = 5e-3, locked: Collection[str] = ()
+    machine: LayoutMachine, flow: str | LayoutFlow, *, dt: float = 5e-3, locked: Collection[str] = ()
 ) -> list[MachineParameter]:
     """Parameters that a step reads as they are; the others enter precomputed numbers, and stay as exported.
 
-    Found by trying: a parameter is direct if all numbers that change with it are equal to it before and after, and the
-    flow model takes other values of it.
+    Found by trying: a parameter is direct if all numbers that change with it are equal to it before and after. Networks and tables are
+    made for the pumps as they are, and take no other values.
 
     Parameters
     ----------
-    machine : Machine or LayoutMachine
-    flow : str, or networks of a machine that is described by links
+    machine : LayoutMachine
+    flow : str or flow model
     dt : float, s
     locked : collection of str
     """
-    if isinstance(machine, LayoutMachine):
-        return _of_layout(machine, layout_flow(flow, machine), dt, locked)
-    quantities = {
-        tuple(path.split(".")): leaf.quantity
-        for path, leaf in leaves_of(Machine).items()
-        if leaf.quantity is not None and not leaf.size
-    }
-    name = flow if isinstance(flow, str) else flow.name
-    base = prepared(machine, flow, dt=dt, locked=locked)
-    before, found = dict(_leaves(base)), []
-
-    def after(changed: Machine, rebuild: bool) -> dict[tuple[str, ...], Any]:
-        """Numbers of a changed machine; none if the flow model refuses it, being made for the values as they are."""
-        try:
-            model = build_flow(name, changed) if rebuild else base.model
-        except InputError:
-            return {}
-        return dict(_leaves(prepared(changed, model, dt=dt, locked=locked)))
-
-    def differing(numbers: dict[tuple[str, ...], Any]) -> list[tuple[str, ...]]:
-        return [place for place, number in numbers.items() if not np.array_equal(before[place], number)]
-
-    in_model = set()  # parts of the machine that the flow model reads; it is slow to build
-    for part in Machine._fields:
-        changed = machine
-        for path in quantities:
-            changed = _replaced(changed, path, _other(_at(machine, path))) if path[0] == part else changed
-        numbers = after(changed, True)
-        if not numbers or any(place[0] == "model" for place in differing(numbers)):
-            in_model.add(part)
-    for path, quantity in quantities.items():
-        if path[-1].startswith("torque_limit"):  # without a limit they do nothing, with one they enter `log_least` too
-            continue
-        value = _at(machine, path)
-        numbers = after(_replaced(machine, path, _other(value)), path[0] in in_model)
-        places = differing(numbers)
-        if places and all(before[place] == value and numbers[place] == _other(value) for place in places):
-            found.append(MachineParameter(".".join(path), value, quantity, places))
-    return found
-
-
-def _of_layout(machine: LayoutMachine, flow: LayoutFlow, dt: float, locked: Collection[str]) -> list[MachineParameter]:
-    """The same of a machine of any layout, whose equations follow from it at once; networks and tables are made for the pumps as they are."""
-    made = flow.kernels in ("networks", "lookup")
+    made = layout_flow(flow, machine).kernels in ("networks", "lookup")
     before = dict(_leaves(_numbers(machine, dt, locked)))
     found = []
     for path, quantity in _quantities(machine):
         smooths = path[-1] == "smoothing" and machine.function(path[1]).effects.sticks  # which nothing reads
-        if path[-1].startswith("torque_limit") or smooths:
+        if (
+            path[-1].startswith("torque_limit") or smooths
+        ):  # without a limit they do nothing, with one they enter `log_least` too
             continue
         value = _at(machine, path)
         after = dict(_leaves(_numbers(_replaced(machine, path, _other(value)), dt, locked)))

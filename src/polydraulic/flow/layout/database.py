@@ -10,7 +10,7 @@ from polydraulic.flow.layout.slots import passed
 from polydraulic.machine.pump import NEVER, limited_pump
 from polydraulic.parameters.layout.parts import SupplyCircuit, ValveCurves
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import load_layout
+from polydraulic.parameters.load import as_machine
 from polydraulic.tables import Table
 
 Column = tuple[np.ndarray, str]  # values and their unit
@@ -18,7 +18,7 @@ Column = tuple[np.ndarray, str]  # values and their unit
 
 def sample_circuit(
     machine: LayoutMachine | str | Path,
-    circuit: str,
+    circuit: str | None,
     n: int,
     *,
     rng: np.random.Generator,
@@ -29,9 +29,9 @@ def sample_circuit(
 
     Parameters
     ----------
-    machine : LayoutMachine, or name or path of a machine that is described by links, functions and circuits
-    circuit : str
-        Name of a circuit.
+    machine : LayoutMachine, or name or path of a parameter set
+    circuit : str or None
+        Name of a circuit; the first one if None.
     n : int
         Number of rows.
     rng : numpy Generator
@@ -52,8 +52,8 @@ def sample_circuit(
     InputError
         If `n` is not positive, there is no such circuit, or it is not one of valves in series.
     """
-    machine = machine if isinstance(machine, LayoutMachine) else load_layout(machine)
-    c = series_circuit_of(machine, circuit)
+    machine = as_machine(machine)
+    c = series_circuit_of(machine, machine.circuits[0].name if circuit is None else circuit)
     if n < 1:
         raise InputError(f"rows = {n}: must be at least 1")
     valves = [machine.function(f).valve for f in c.functions]

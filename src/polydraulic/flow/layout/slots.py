@@ -14,8 +14,12 @@ from polydraulic.parameters.layout.parts import SupplyCircuit
 
 def passed(circuit: SupplyCircuit, place: int, mode: str = "") -> Variable:
     """Flow that passes the valve at a place, counted from 1, to the next one."""
-    number = "" if len(circuit.functions) == 2 else f"_{place}"
-    return Variable(f"{circuit.name}.q_passed{number}{mode}", "m3/s")
+    return Variable(passed_name(circuit.name, len(circuit.functions), place) + mode, "m3/s")
+
+
+def passed_name(circuit: str, valves: int, place: int) -> str:
+    """Name of the flow that passes the valve at a place of a circuit."""
+    return f"{circuit}.q_passed" if valves == 2 else f"{circuit}.q_passed_{place}"
 
 
 def everything(functions: Sequence[str]) -> tuple[Variable, ...]:

@@ -1,25 +1,29 @@
-"""Networks of all circuits, learnt from the exact flow model: outlets, and inlets that know all modes of the pump at once.
+"""Networks of all circuits of cat215b, learnt from the exact flow model: outlets, and inlets that know all modes of the pump at once.
 
 These input flows include the pumps' relief valves, up to just below their setting, where a wide open inlet loses its flow
 within a few psi; `mode_models` has the networks of single modes. Borders that a user knows, deadband and closing of the
 bypass, are given; all others are found.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.exact import ExactFlow, exact_flow
-from polydraulic.flow.network_slots import BOOM_IN, BOTH, PASSED, k_out, q_in
-from polydraulic.flow.sample import sample_fed, sample_flow
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.layout.database import outlet_at
+from polydraulic.flow.layout.slots import everything, inlet, outlet
+from polydraulic.flow.network_slots import Place, q_in
+from polydraulic.machine.pump import Pump, limited_pump
+from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.perceptron.perceptron_regressor import PerceptronRegressor
 from polydraulic.networks.regions.learn_from import learn_from
 from polydraulic.networks.regions.region_regressor import RegionRegressor
-from polydraulic.parameters.schema import CIRCUITS, LINKS, Machine
+from polydraulic.parameters.layout.parts import ValveCurves
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 
 TOLERANCE = units.to_si(1.0, "in3/s")
@@ -31,9 +35,38 @@ HIDDEN_UNITS = 15  # thesis 4.3.1
 SEED = 215
 
 
-def pressure_boxes(machine: Machine, highest: float) -> dict[str, tuple[float, float]]:
-    """Pressures of each line, up to its own relief setting or the `highest`."""
-    return {link: (0.0, min(getattr(machine, link).line.relief, highest)) for link in LINKS}
+BOOM_IN: Place = (q_in("boom"), everything(("boom",)))
+SERIES = ("swing", "stick")  # that share a pump, from it on
+BOTH = everything(SERIES)
+
+
+class Travels(NamedTuple):
+    """At which all valves open, at which all bypasses are shut, and at which spools end, m."""
+
+    deadband: float
+    bypass_closed: float
+    end: float
+
+
+def travels(machine: LayoutMachine) -> Travels:
+    """Marks of the spools, which are alike."""
+    valve = machine.functions[0].valve
+    return Travels(*spool_edges(valve), valve.knots[-1])
+
+
+def pressure_boxes(machine: LayoutMachine, below: float = 0.0) -> dict[str, tuple[float, float]]:
+    """Pressures of each line, up to its own relief setting or that of its pump less `below` Pa."""
+    return {
+        name: (0.0, min(machine.function(name).line.relief, c.pump.relief - below))
+        for c in machine.circuits
+        for name in c.functions
+    }
+
+
+def exact_pump(machine: LayoutMachine, circuit: str) -> Pump:
+    """The pump of a circuit with its relief valve and torque limit."""
+    pump = machine.circuit(circuit).pump
+    return limited_pump(pump.flow, pump.relief, machine.tank.return_pressure, pump)
 
 
 class Target(NamedTuple):
@@ -47,39 +80,38 @@ class Target(NamedTuple):
     high: float  # largest output
 
 
-def circuit_targets(machine: Machine) -> dict[str, Target]:
+def circuit_targets(machine: LayoutMachine) -> dict[str, Target]:
     """Input flows of a machine: ``boom``, ``swing``, ``stick`` (of what the swing leaves), ``stick direct``."""
-    exact = exact_flow(machine)
-    travel, cuts = machine.spool.knots[-1], [machine.spool.deadband, machine.spool.bypass_closed]
-    pressure = pressure_boxes(machine, machine.pumps.relief - BELOW_RELIEF)
-    boom, series = machine.pumps.boom_flow, machine.pumps.series_flow
+    series, (*cuts, travel) = machine.circuit("series"), travels(machine)
+    boom_pump, pump = exact_pump(machine, "boom"), exact_pump(machine, "series")
+    pressure = pressure_boxes(machine, BELOW_RELIEF)
     both = [(0.0, travel), (0.0, travel), pressure["swing"], pressure["stick"]]
     edges = {"swing.travel": cuts, "stick.travel": cuts}
-    stick_valve, pump = exact.valves.stick, exact.series_pump
+    stick = machine.function("stick").valve
     return {
         "boom": Target(
-            *BOOM_IN, lambda X: input_flow(exact, X, ("boom",), "boom"), [(0.0, travel), pressure["boom"]],
-            {"boom.travel": cuts}, boom,
+            *BOOM_IN, lambda X: input_flow(machine, boom_pump, X, ("boom",), "boom"), [(0.0, travel), pressure["boom"]],
+            {"boom.travel": cuts}, boom_pump.flow,
         ),
         "swing": Target(
-            q_in("swing"), BOTH, lambda X: input_flow(exact, X, CIRCUITS["series"], "swing"), both, edges, series
+            q_in("swing"), BOTH, lambda X: input_flow(machine, pump, X, SERIES, "swing"), both, edges, pump.flow
         ),
         "stick": Target(
-            q_in("stick"), PASSED, lambda X: sample_fed(stick_valve, pump, X),
-            [(0.0, series), (0.0, travel), pressure["stick"]], {"stick.travel": cuts}, series,
+            *inlet(series, "stick")[0], lambda X: sample_valves([stick], pump, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0],
+            [(0.0, pump.flow), (0.0, travel), pressure["stick"]], {"stick.travel": cuts}, pump.flow,
         ),
         "stick direct": Target(
-            q_in("stick"), BOTH, lambda X: input_flow(exact, X, CIRCUITS["series"], "stick"), both, edges, series
+            q_in("stick"), BOTH, lambda X: input_flow(machine, pump, X, SERIES, "stick"), both, edges, pump.flow
         ),
     }  # fmt: skip
 
 
-def learn_direct(machine: Machine, progress: Progress = quiet) -> list[Model]:
+def learn_direct(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
     """Network of the stick's input flow in the direct arrangement: all modes of the pump at once.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     progress : Progress, optional
         Told the output and its largest error so far in m3/s, and how many points have been asked.
     """
@@ -93,30 +125,27 @@ def learn_direct(machine: Machine, progress: Progress = quiet) -> list[Model]:
     return [found.model]
 
 
-def learn_outlets(machine: Machine) -> list[Model]:
+def learn_outlets(machine: LayoutMachine) -> list[Model]:
     """Conductance of each outlet from the spool (Eq. 7)."""
-    exact, spool = exact_flow(machine), machine.spool
-    cuts = [-spool.bypass_closed, -spool.deadband, spool.deadband, spool.bypass_closed]
+    opens, shut, end = travels(machine)
     models = []
-    for place, link in enumerate(LINKS):
-        valve = getattr(machine, link).valve
-        high = max(valve.outlet_positive + valve.outlet_negative)
+    for f in machine.functions:
+        output, inputs = outlet(f.name)[0]
+        high = max(f.valve.outlet_positive + f.valve.outlet_negative)
 
-        def conductance(X: np.ndarray, place: int = place) -> np.ndarray:
-            spools = np.zeros((len(X), 3))
-            spools[:, place] = X[:, 0]
-            return sample_flow(exact, spools, np.zeros((len(X), 3)), np.zeros((len(X), 3))).k_out[:, place]
+        def conductance(X: np.ndarray, valve: ValveCurves = f.valve) -> np.ndarray:
+            return outlet_at(valve, X[:, 0])
 
         found = learn_from(
-            conductance, [(-spool.knots[-1], spool.knots[-1])], tolerance=1e-3 * high, edges={0: cuts}, rows=300,
+            conductance, [(-end, end)], tolerance=1e-3 * high, edges={0: [-shut, -opens, opens, shut]}, rows=300,
             estimator=AbductiveRegressor(max_layers=1, kinds=("single",), output_bounds=(0.0, high)),
-            inputs=(Variable(f"{link}.spool", "m"),), output=k_out(link), random_state=SEED,
+            inputs=inputs, output=output, random_state=SEED,
         )  # fmt: skip
         models.append(found.model)
     return models
 
 
-def train_perceptrons(machine: Machine) -> list[Model]:
+def train_perceptrons(machine: LayoutMachine) -> list[Model]:
     """Perceptrons of the input flows, by the known regions, from random points; the stick's reads what the swing leaves."""
     targets, rng = circuit_targets(machine), np.random.default_rng(SEED)
     models = []
@@ -133,9 +162,7 @@ def train_perceptrons(machine: Machine) -> list[Model]:
     return models
 
 
-def input_flow(exact: ExactFlow, X: np.ndarray, links: tuple[str, ...], which: str) -> np.ndarray:
-    """Input flow of one link where `X` has the travels of `links` and then their pressures, and the rest stands still."""
-    places = [LINKS.index(link) for link in links]
-    spool, pressure = np.zeros((len(X), 3)), np.zeros((len(X), 3))
-    spool[:, places], pressure[:, places] = X[:, : len(links)], X[:, len(links) :]
-    return sample_flow(exact, spool, pressure, np.zeros((len(X), 3))).q_in[:, LINKS.index(which)]
+def input_flow(machine: LayoutMachine, pump: Pump, X: np.ndarray, functions: Sequence[str], which: str) -> np.ndarray:
+    """Input flow of one function where `X` has the travels of all `functions` of a circuit, then their pressures."""
+    n, valves = len(functions), [machine.function(name).valve for name in functions]
+    return sample_valves(valves, pump, X[:, :n], X[:, n:]).q_in[:, functions.index(which)]

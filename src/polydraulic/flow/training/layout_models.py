@@ -23,7 +23,7 @@ from polydraulic.networks.model.model import Model
 from polydraulic.networks.regions.learn_from import learn_from
 from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import load_layout
+from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 
 SEED = 215
@@ -70,7 +70,7 @@ def train_layout(
 
     Parameters
     ----------
-    machine : LayoutMachine, or name or path of a machine that is described by links, functions and circuits
+    machine : LayoutMachine, or name or path of a parameter set
     circuits : sequence of str, optional
         Which of them; all if not given.
     effort : TrainingEffort, optional
@@ -88,7 +88,7 @@ def train_layout(
     InputError
         If there is no such circuit, or it is not one of valves in series.
     """
-    machine = machine if isinstance(machine, LayoutMachine) else load_layout(machine)
+    machine = as_machine(machine)
     effort = TrainingEffort() if effort is None else effort
     names = [c.name for c in machine.circuits] if circuits is None else list(circuits)
     chosen = [series_circuit_of(machine, name) for name in names]

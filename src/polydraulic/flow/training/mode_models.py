@@ -1,4 +1,4 @@
-"""Networks of the pump's modes, each learnt from a pump that knows no other: constant flow, open relief valve, torque limit.
+"""Networks of the pump's modes of cat215b, each learnt from a pump that knows no other: constant flow, open relief valve, torque limit.
 
 Without the kinks between modes, which are curved, each is smooth between borders that are known and the closing of a check valve.
 A flow above the pump's counts as the pump's: the least of the modes is never more.
@@ -10,53 +10,49 @@ import numpy as np
 from sklearn.base import clone
 
 from polydraulic import units
-from polydraulic.flow.exact import ExactFlow, exact_flow
-from polydraulic.flow.network_slots import (
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.layout.slots import inlet, inlet_limited, second_at_relief
+from polydraulic.flow.network_slots import Place, k_in, q_in
+from polydraulic.flow.training.circuit_models import (
     BOOM_IN,
-    BOOM_LIMITED,
     BOTH,
-    PASSED,
-    STICK_LIMITED,
-    STICK_RELIEF,
-    SWING_LIMITED,
-    Place,
-    k_in,
-    q_in,
+    SEED,
+    SERIES,
+    Target,
+    input_flow,
+    pressure_boxes,
+    travels,
 )
-from polydraulic.flow.sample import sample_fed
-from polydraulic.flow.training.circuit_models import SEED, Target, input_flow, pressure_boxes
+from polydraulic.machine.pump import NEVER, Pump, limited_pump
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.regions.learn_from import learn_from
-from polydraulic.parameters.schema import CIRCUITS, Machine, Pumps
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 
 _ALWAYS_OPEN = 1e3  # times its flow, a pump's relief valve is open at any spool travel
 _UP_TO = 16.0  # times its flow, the law of the torque limit goes on below its start: no flow of interest meets that end
 
 
-def at_constant_flow(machine: Machine) -> ExactFlow:
-    """Exact flows of pumps that know neither relief valve nor torque limit."""
-    return exact_flow(machine._replace(pumps=machine.pumps._replace(torque_limit_enabled=False)), relief=False)
+def at_constant_flow(machine: LayoutMachine, circuit: str) -> Pump:
+    """A circuit's pump that knows neither relief valve nor torque limit."""
+    pump = machine.circuit(circuit).pump
+    return limited_pump(pump.flow, NEVER, machine.tank.return_pressure, pump._replace(torque_limit_enabled=False))
 
 
-def at_relief(machine: Machine) -> ExactFlow:
-    """Exact flows of pumps whose relief valve is always open."""
-    pumps = machine.pumps._replace(torque_limit_enabled=False)
-    return exact_flow(machine._replace(pumps=_larger(pumps, _ALWAYS_OPEN)))
+def at_relief(machine: LayoutMachine, circuit: str) -> Pump:
+    """A circuit's pump whose relief valve is always open."""
+    pump = machine.circuit(circuit).pump
+    free = pump._replace(torque_limit_enabled=False)
+    return limited_pump(_ALWAYS_OPEN * pump.flow, pump.relief, machine.tank.return_pressure, free)
 
 
-def at_torque_limit(machine: Machine) -> ExactFlow:
-    """Exact flows of pumps that follow the law of the torque limit at all pressures, Q = flow (start / P)^exponent."""
-    pumps = _larger(machine.pumps, _UP_TO)._replace(
-        torque_limit_enabled=True,
-        torque_limit_start=machine.pumps.torque_limit_start / _UP_TO ** (1.0 / machine.pumps.torque_limit_exponent),
-    )
-    return exact_flow(machine._replace(pumps=pumps), relief=False)
-
-
-def _larger(pumps: Pumps, times: float) -> Pumps:
-    return pumps._replace(boom_flow=times * pumps.boom_flow, series_flow=times * pumps.series_flow)
+def at_torque_limit(machine: LayoutMachine, circuit: str) -> Pump:
+    """A circuit's pump that follows the law of the torque limit at all pressures, Q = flow (start / P)^exponent."""
+    pump = machine.circuit(circuit).pump
+    start = pump.torque_limit_start / _UP_TO ** (1.0 / pump.torque_limit_exponent)
+    law = pump._replace(torque_limit_enabled=True, torque_limit_start=start)
+    return limited_pump(_UP_TO * pump.flow, NEVER, machine.tank.return_pressure, law)
 
 
 class Effort(NamedTuple):
@@ -76,23 +72,23 @@ OF_FOUR = Effort(FINE, 150, 1500, AbductiveRegressor(max_layers=5, carve=False),
 OF_FOUR_LIMITED = Effort(FINE, 56, 1500, AbductiveRegressor(max_layers=4, carve=False), 2500)
 
 
-def learn_inlets(machine: Machine, progress: Progress = quiet) -> list[Model]:
+def learn_inlets(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
     """Networks of boom and swing: input flows at constant pump flow, conductances of the inlets for the open relief valve.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     progress : Progress, optional
         Told the output and its largest error so far in m3/s, and how many points have been asked.
     """
     flows = [
-        _learn(_boom(machine, at_constant_flow(machine), BOOM_IN), OF_TWO, progress),
-        _learn(_series(machine, at_constant_flow(machine), (q_in("swing"), BOTH)), OF_FOUR, progress),
+        _learn(_boom(machine, at_constant_flow(machine, "boom"), BOOM_IN), OF_TWO, progress),
+        _learn(_series(machine, at_constant_flow(machine, "series"), (q_in("swing"), BOTH)), OF_FOUR, progress),
     ]
-    return [*flows, *(_learn_k_in(machine, link) for link in ("boom", "swing"))]
+    return [*flows, *(_learn_k_in(machine, circuit) for circuit in ("boom", "series"))]
 
 
-def learn_cascade(machine: Machine, progress: Progress = quiet) -> list[Model]:
+def learn_cascade(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
     """Networks of the stick's flow, of what reaches its valve, and with the relief valve open.
 
     Parameters
@@ -100,28 +96,29 @@ def learn_cascade(machine: Machine, progress: Progress = quiet) -> list[Model]:
     machine, progress
         As for `learn_inlets`.
     """
-    free, relief, spool = at_constant_flow(machine), at_relief(machine), machine.spool
-    flow, full, cuts = machine.pumps.series_flow, spool.knots[-1], [spool.deadband, spool.bypass_closed]
-    pressure = pressure_boxes(machine, machine.pumps.relief)
+    series, valve = machine.circuit("series"), machine.function("stick").valve
+    free, open_ = at_constant_flow(machine, "series"), at_relief(machine, "series")
+    flow, relief, (*cuts, full) = series.pump.flow, series.pump.relief, travels(machine)
+    pressure = pressure_boxes(machine)
 
     def at_open(X: np.ndarray) -> np.ndarray:
         first, second, root = X.T
-        p_second = np.maximum(machine.pumps.relief - root * root, 0.0)
+        p_second = np.maximum(relief - root * root, 0.0)
         points = np.column_stack([first, second, np.zeros(len(X)), p_second])  # the swing's pressure does not matter
-        return np.minimum(input_flow(relief, points, CIRCUITS["series"], "stick"), flow)
+        return np.minimum(input_flow(machine, open_, points, SERIES, "stick"), flow)
 
     stick = Target(
-        q_in("stick"), PASSED, lambda X: sample_fed(free.valves.stick, free.series_pump, X),
+        *inlet(series, "stick")[0], lambda X: sample_valves([valve], free, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0],
         [(0.0, flow), (0.0, full), pressure["stick"]], {"stick.travel": cuts}, flow,
     )  # fmt: skip
     stick_relief = Target(
-        *STICK_RELIEF, at_open, [(0.0, spool.bypass_closed), (0.0, full), (0.0, float(np.sqrt(machine.pumps.relief)))],
+        *second_at_relief(series), at_open, [(0.0, cuts[1]), (0.0, full), (0.0, float(np.sqrt(relief)))],
         {"swing.travel": cuts[:1], "stick.travel": cuts}, flow,
     )  # fmt: skip
     return [_learn(target, OF_THREE, progress) for target in (stick, stick_relief)]
 
 
-def learn_limited(machine: Machine, progress: Progress = quiet) -> list[Model]:
+def learn_limited(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
     """Networks of the input flows at the torque limit.
 
     Parameters
@@ -129,34 +126,36 @@ def learn_limited(machine: Machine, progress: Progress = quiet) -> list[Model]:
     machine, progress
         As for `learn_inlets`. The law of the limit counts, whether it is enabled or not.
     """
-    exact = at_torque_limit(machine)
-    swing, stick = (_series(machine, exact, place) for place in (SWING_LIMITED, STICK_LIMITED))
+    law, series = at_torque_limit(machine, "series"), machine.circuit("series")
+    swing, stick = (_series(machine, law, inlet_limited(series, name)) for name in SERIES)
     # past the closing of the swing's bypass nothing reaches the stick
     stick = stick._replace(
-        box=[(0.0, machine.spool.bypass_closed), *stick.box[1:]],
-        edges=stick.edges | {"swing.travel": [machine.spool.deadband]},
+        box=[(0.0, travels(machine).bypass_closed), *stick.box[1:]],
+        edges=stick.edges | {"swing.travel": [travels(machine).deadband]},
     )
     return [
-        _learn(_boom(machine, exact, BOOM_LIMITED), OF_TWO, progress),
+        _learn(
+            _boom(machine, at_torque_limit(machine, "boom"), inlet_limited(machine.circuit("boom"), "boom")),
+            OF_TWO,
+            progress,
+        ),
         *(_learn(target, OF_FOUR_LIMITED, progress) for target in (swing, stick)),
     ]
 
 
-def _boom(machine: Machine, exact: ExactFlow, place: Place) -> Target:
-    high, spool = machine.pumps.boom_flow, machine.spool
+def _boom(machine: LayoutMachine, pump: Pump, place: Place) -> Target:
+    high, (*cuts, end) = machine.circuit("boom").pump.flow, travels(machine)
     return Target(
-        *place, lambda X: np.minimum(input_flow(exact, X, ("boom",), "boom"), high),
-        [(0.0, spool.knots[-1]), pressure_boxes(machine, machine.pumps.relief)["boom"]],
-        {"boom.travel": [spool.deadband, spool.bypass_closed]}, high,
+        *place, lambda X: np.minimum(input_flow(machine, pump, X, ("boom",), "boom"), high),
+        [(0.0, end), pressure_boxes(machine)["boom"]], {"boom.travel": cuts}, high,
     )  # fmt: skip
 
 
-def _series(machine: Machine, exact: ExactFlow, place: Place) -> Target:
-    high, spool = machine.pumps.series_flow, machine.spool
-    pressure, cuts = pressure_boxes(machine, machine.pumps.relief), [spool.deadband, spool.bypass_closed]
-    full, link = (0.0, spool.knots[-1]), place[0].name.split(".")[0]
+def _series(machine: LayoutMachine, pump: Pump, place: Place) -> Target:
+    high, (*cuts, end) = machine.circuit("series").pump.flow, travels(machine)
+    pressure, full, name = pressure_boxes(machine), (0.0, end), place[0].name.split(".")[0]
     return Target(
-        *place, lambda X: np.minimum(input_flow(exact, X, CIRCUITS["series"], link), high),
+        *place, lambda X: np.minimum(input_flow(machine, pump, X, SERIES, name), high),
         [full, full, pressure["swing"], pressure["stick"]], {"swing.travel": cuts, "stick.travel": cuts}, high,
     )  # fmt: skip
 
@@ -172,18 +171,18 @@ def _learn(target: Target, effort: Effort, progress: Progress) -> Model:
     ).model  # fmt: skip
 
 
-def _learn_k_in(machine: Machine, link: str) -> Model:
-    """Conductance of an inlet, from the flow at relief pressure into an empty line (Eq. 1)."""
-    exact, spool, root = at_relief(machine), machine.spool, np.sqrt(machine.pumps.relief)
-    output, inputs = k_in(link)
-    high = max(getattr(machine, link).valve.inlet)
+def _learn_k_in(machine: LayoutMachine, circuit: str) -> Model:
+    """Conductance of the inlet of a circuit's first valve, from the flow at relief pressure into an empty line (Eq. 1)."""
+    name = machine.circuit(circuit).functions[0]
+    pump, valve, (*cuts, end) = at_relief(machine, circuit), machine.function(name).valve, travels(machine)
+    output, inputs = k_in(name)
+    high, root = max(valve.inlet), np.sqrt(pump.relief)
 
     def conductance(X: np.ndarray) -> np.ndarray:
-        return input_flow(exact, np.column_stack([X, np.zeros(len(X))]), (link,), link) / root
+        return input_flow(machine, pump, np.column_stack([X, np.zeros(len(X))]), (name,), name) / root
 
     return learn_from(
-        conductance, [(0.0, spool.knots[-1])], tolerance=1e-5 * high, rows=300,
-        edges={0: [spool.deadband, spool.bypass_closed]},
+        conductance, [(0.0, end)], tolerance=1e-5 * high, rows=300, edges={0: cuts},
         estimator=AbductiveRegressor(max_layers=1, kinds=("single",), output_bounds=(0.0, high)),
         inputs=inputs, output=output, random_state=SEED,
     ).model  # fmt: skip

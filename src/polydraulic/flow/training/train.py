@@ -8,7 +8,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.training.circuit_models import learn_direct, learn_outlets, train_perceptrons
 from polydraulic.flow.training.mode_models import learn_cascade, learn_inlets, learn_limited
 from polydraulic.networks.model.model_file import save_models
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 
 # file -> how its networks are learnt, and whether that says how far it has come
@@ -23,7 +23,7 @@ FILES: Mapping[str, tuple[Callable[..., Any], bool]] = {
 
 
 def train_networks(
-    machine: Machine,
+    machine: LayoutMachine,
     folder: str | Path,
     *,
     files: Mapping[str, tuple[Callable[..., Any], bool]] = FILES,
@@ -33,7 +33,7 @@ def train_networks(
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     folder : str or Path
         Where the model files go, ``outlets.json`` and so on; a file is written as soon as its networks are learnt.
     files : mapping, optional

@@ -11,9 +11,8 @@ from polydraulic.files import replacing
 from polydraulic.measure.bench.sensors import Bench, Reading
 from polydraulic.measure.log_units import need
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_machine, function_names
+from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
-from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.runs import simulate
 from polydraulic.tables import Table
@@ -23,7 +22,7 @@ Samples = dict[str, tuple[np.ndarray, np.ndarray]]  # by sensor: times, values
 
 
 def record(
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     scenarios: Sequence[Scenario | str | Path],
     bench: Bench,
     out: str | Path,
@@ -35,7 +34,7 @@ def record(
 
     Parameters
     ----------
-    machine : Machine or LayoutMachine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
     scenarios : sequence of Scenario, or names or paths of some
         One after the other, with a pause in which nothing is recorded.
     bench : Bench
@@ -62,7 +61,7 @@ def record(
     if not scenarios:
         raise InputError("there is no scenario to record; give at least one")
     machine = as_machine(machine)
-    runs = [as_scenario(scenario, function_names(machine)) for scenario in scenarios]
+    runs = [as_scenario(scenario, machine.names) for scenario in scenarios]
     rngs = [np.random.default_rng([bench.seed, n]) for n in range(len(bench.sensors))]
     readings = [Reading(sensor, rng) for sensor, rng in zip(bench.sensors, rngs, strict=True)]
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {sensor.name: [] for sensor in bench.sensors}

@@ -15,8 +15,7 @@ from polydraulic.measure.log_units import conversion, says_pressure
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_machine, function_names
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.load import as_machine
 from polydraulic.tables import Table
 
 _FILE = {"seed", "pause", "sensor"}
@@ -85,24 +84,20 @@ class Bench:
     pause: float = 5.0
 
 
-def example_sensors(*, machine: Machine | LayoutMachine | str | Path = "cat215b") -> str:
+def example_sensors(*, machine: LayoutMachine | str | Path = "cat215b") -> str:
     """Text of a file of sensors to begin with: all that machines are learnt from and run against, with every key explained.
 
     Parameters
     ----------
-    machine : Machine or LayoutMachine, or name or path of one
+    machine : LayoutMachine, or name or path of one
         Whose functions are measured.
     """
     text = (files("polydraulic.measure.bench") / "example_sensors.toml").read_text(encoding="utf-8")
     head, first, rest = text.partition("[[sensor]]")
     pattern, found = (first + rest).rstrip(), as_machine(machine)
-    slides = (
-        {f.name for f in found.functions if found.link(f.moves).joint == "prismatic"}
-        if isinstance(found, LayoutMachine)
-        else set()
-    )
+    slides = {f.name for f in found.functions if found.link(f.moves).joint == "prismatic"}
     blocks = []
-    for name in function_names(found):
+    for name in found.names:
         block = pattern.replace("FUNCTION", name)
         if name in slides:
             block = block.replace(

@@ -19,16 +19,13 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.flow.lanes import LANES, leaves
-from polydraulic.flow.record import (
-    EFFECTOR,
-)
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import Machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
 from polydraulic.simulation.batch.family import Able, Family
 from polydraulic.simulation.lane_blocks import Kept, LaneBlock
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.tables import Table
 
 KEEP = ("rows", "range")
@@ -94,7 +91,7 @@ class Batch:
 
 
 def simulate_batch(
-    machines: Machine | LayoutMachine | str | Path | Sequence[Machine | LayoutMachine | str | Path],
+    machines: LayoutMachine | str | Path | Sequence[LayoutMachine | str | Path],
     flow: str | FlowModel,
     inputs: Scenario | str | Path | Sequence[Scenario | str | Path] | np.ndarray,
     *,
@@ -114,7 +111,7 @@ def simulate_batch(
 
     Parameters
     ----------
-    machines : Machine or LayoutMachine, or name or path of a parameter set, or sequence of these
+    machines : LayoutMachine, or name or path of a parameter set, or sequence of these
         All of one layout.
     flow : str or flow model
         A name builds the model of each machine; a model serves all of them.
@@ -147,7 +144,7 @@ def simulate_batch(
     Raises
     ------
     InputError
-        Lengths or shapes that do not fit, an unknown column, a scenario that moves links the flow model does not serve, or
+        Lengths or shapes that do not fit, an unknown column, a scenario that moves functions which the flow model does not serve, or
         what `simulate` would refuse.
     """
     cases = arrange_cases(machines, flow, inputs, dt=dt, t_end=t_end, x0=x0, every=every)

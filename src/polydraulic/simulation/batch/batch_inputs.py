@@ -8,37 +8,30 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.dispatch import FLOW_KINDS, FlowModel, as_flow, flow_name, layout_flow, served_links
+from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
-from polydraulic.flow.record import N_STATE, to_vector
-from polydraulic.machine.plant import prepare
-from polydraulic.machine.state import initial_state
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import function_names, load_machine
+from polydraulic.parameters.load import load_machine
 from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
-from polydraulic.parameters.schema import LINKS, Machine
 from polydraulic.simulation.batch.family import Family, family_of
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import check_served, step_inputs
 from polydraulic.simulation.layout.text import layout_of
-from polydraulic.simulation.runs import check_links, step_voltages
 from polydraulic.simulation.steps import n_steps
-
-AnyMachine = Machine | LayoutMachine
 
 
 class Kind(NamedTuple):
     """A machine as a scenario wants it, ready to run."""
 
-    machine: Machine | LayoutMachine
+    machine: LayoutMachine
     plant: Any
     model: Any
     start: np.ndarray
-    flow: FlowModel  # of which `model` is what the kernels read
+    flow: LayoutFlow  # of which `model` is what the kernels read
 
 
 class Cases(NamedTuple):
@@ -55,11 +48,11 @@ class Cases(NamedTuple):
     kind : (n,) array of int
         Kind of each case.
     x0 : (n, n_state) array
-    voltage : (n_signal, n_step, 3) array, V
+    voltage : (n_signal, n_step, n_input) array, V
     signal : (n,) array of int
         Which voltages each case gets.
     free : tuple of str
-        Links that move in one case at least.
+        Functions that move in one case at least.
     n_memory : int
         Floats that a step keeps or uses as scratch.
     """
@@ -76,7 +69,7 @@ class Cases(NamedTuple):
 
 
 def arrange_cases(
-    machines: AnyMachine | str | Path | Sequence[AnyMachine | str | Path],
+    machines: LayoutMachine | str | Path | Sequence[LayoutMachine | str | Path],
     flow: str | FlowModel,
     inputs: Scenario | str | Path | Sequence[Scenario | str | Path] | np.ndarray,
     *,
@@ -87,16 +80,16 @@ def arrange_cases(
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
     named = cache(load_machine)  # machines of one name are one kind
-    items: Sequence[Any] = [machines] if isinstance(machines, Machine | LayoutMachine | str | Path) else machines
-    given: list[AnyMachine] = []
+    items: Sequence[Any] = [machines] if isinstance(machines, LayoutMachine | str | Path) else machines
+    given: list[LayoutMachine] = []
     for item in items:
-        given.append(item if isinstance(item, Machine | LayoutMachine) else named(item))
+        given.append(item if isinstance(item, LayoutMachine) else named(item))
     if not given:
         raise InputError("0 machines: give one for all, or as many as there are inputs")
     functions = _functions(given)
     scenarios = _scenarios(inputs, functions)
     voltage = None if scenarios else _voltages(inputs, functions)
-    starts = None if x0 is None else _starts(x0, _n_state(given[0]))
+    starts = None if x0 is None else _starts(x0, columns_of(given[0]).n_state)
     lengths = {"machines": len(given), "inputs": len(voltage) if voltage is not None else len(scenarios)}
     if starts is not None:
         lengths["initial states"] = len(starts)
@@ -127,40 +120,22 @@ def arrange_cases(
         )
     family = family_of(kinds[0].machine, kinds[0].flow, force=forced == {True})
     model = kinds[0].flow
-    if isinstance(model, LayoutFlow):
-        name, n_memory = model.name, model.n_memory
-    else:
-        name, n_memory = flow_name(model), FLOW_KINDS[flow_name(model)].n_memory(model)
-    return Cases(family, name, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free, n_memory)
+    return Cases(
+        family, model.name, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free, model.n_memory
+    )
 
 
-def _functions(machines: Sequence[AnyMachine]) -> tuple[str, ...]:
+def _functions(machines: Sequence[LayoutMachine]) -> tuple[str, ...]:
     """Functions of machines, which must share a layout: they run side by side."""
-    layouts = {layout_of(m) if isinstance(m, LayoutMachine) else () for m in machines}
+    layouts = {layout_of(m) for m in machines}
     if len(layouts) > 1:
         raise InputError(
             f"the machines have {len(layouts)} layouts; a batch holds machines of one layout, which differ in numbers alone"
         )
-    return function_names(machines[0]) if machines else ()
+    return machines[0].names
 
 
-def _kind(machine: AnyMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
-    if isinstance(machine, LayoutMachine):
-        return _layout_kind(machine, scenario, flow, dt)
-    mine = scenario.adapt(machine) if scenario else machine
-    plant = prepare(mine, dt, scenario.locked if scenario else ())
-    model = as_flow(flow, mine)
-    if scenario:
-        check_links(scenario, model)
-    elif served_links(model) != LINKS:
-        raise InputError(
-            f"an array of voltages moves all links, and flow {flow_name(model)!r} serves {', '.join(served_links(model))}; "
-            "give scenarios that lock the others"
-        )
-    return Kind(mine, plant, model, to_vector(initial_state(mine)), model)
-
-
-def _layout_kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
+def _kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
     model = layout_flow(flow, machine)
     loads = scenario.loads if scenario else Loads()
     if loads.payload is not None and loads.payload.time != (0.0,):
@@ -207,10 +182,6 @@ def _voltages(inputs: Any, functions: Sequence[str]) -> np.ndarray:
     return voltage
 
 
-def _n_state(machine: AnyMachine) -> int:
-    return columns_of(machine).n_state if isinstance(machine, LayoutMachine) else N_STATE
-
-
 def _starts(x0: np.ndarray, n_state: int) -> np.ndarray:
     starts = np.atleast_2d(np.asarray(x0, dtype=np.float64))
     if starts.ndim != 2 or starts.shape[1] != n_state or not np.all(np.isfinite(starts)):
@@ -233,24 +204,12 @@ def _scenario_voltages(
     voltages: list[np.ndarray] = []
     which: list[int] = []
     for kind, scenario in zip(kinds, scenarios, strict=True):
-        key = (id(scenario), *_dead_times(kind.machine))
+        key = (id(scenario), *(f.pilot.dead_time for f in kind.machine.functions))
         if key not in numbers:
             numbers[key] = len(voltages)
-            voltages.append(_inputs(kind.machine, scenario, t))
+            voltages.append(step_inputs(kind.machine, scenario, t))
         which.append(numbers[key])
     return np.array(voltages), np.array(which)
-
-
-def _dead_times(machine: AnyMachine) -> list[float]:
-    if isinstance(machine, LayoutMachine):
-        return [f.pilot.dead_time for f in machine.functions]
-    return [getattr(machine, link).pilot.dead_time for link in LINKS]
-
-
-def _inputs(machine: AnyMachine, scenario: Scenario, t: np.ndarray) -> np.ndarray:
-    return (
-        step_inputs(machine, scenario, t) if isinstance(machine, LayoutMachine) else step_voltages(machine, scenario, t)
-    )
 
 
 def _array_steps(n_step: int, dt: float, t_end: float | None, every: int) -> int:

@@ -4,15 +4,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.flow.record import Column
 from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 
+EFFECTOR = ("effector.x", "effector.y", "effector.z")  # m; follow from the positions
 STATE = (("spool", "m"), ("p_a", "Pa"), ("p_b", "Pa"), ("angle", "rad"), ("rate", "rad/s"))
 MORE_STATE = (("driven", "m"), ("flow_shift", "m"), ("gap", "rad"))  # of functions that declare what needs them
 FLOWS = (("q_in", "m3/s"), ("q_out", "m3/s"))
 CIRCUIT = (("q_pump", "m3/s"), ("q_bypass", "m3/s"), ("q_relief", "m3/s"), ("p_pump", "Pa"))
 _SLIDES = {"angle": ("position", "m"), "rate": ("speed", "m/s"), "gap": ("gap", "m")}  # of a prismatic joint
+
+
+class Column(NamedTuple):
+    """A value of a run, and its unit."""
+
+    name: str
+    unit: str
 
 
 class AddedColumn(NamedTuple):

@@ -12,7 +12,6 @@ from polydraulic.flow.layout.model import LayoutFlow, exact_layout
 from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
-from polydraulic.machine.plant import check_time_step
 from polydraulic.machine.play import prepare_shift
 from polydraulic.machine.pump import limited_pump
 from polydraulic.parameters.layout.parts import COORDINATES, Crossover, MachineFunction
@@ -20,6 +19,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import MORE_STATE, has
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.tree import tree_of
+from polydraulic.simulation.steps import check_time_step
 
 
 class ReadyMachine(NamedTuple):

@@ -18,7 +18,7 @@ from polydraulic.simulation.layout.lane_rows import lane_lists, lane_rows
 from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
-_PAGES = ("joints", "step", "loop", "energy", "forces")
+_PAGES = ("joints", "step", "loop", "points", "energy", "forces")
 _FLOWS = {
     "exact": ("flow", "flow_exact"),
     "networks": ("flow_networks",),
@@ -40,7 +40,7 @@ _IMPORTS = (
     "from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
-    "from polydraulic.machine.hose import LineStep, line_step, ports",
+    "from polydraulic.machine.hose import LineStep, line_step, ports, rest_outlet",
     "from polydraulic.machine.joints import passes_stop, turned_joint",
     "from polydraulic.machine.pilot import PilotStep, pilot_step",
     "from polydraulic.flow.lanes import GROUP, LANES, at",
@@ -50,7 +50,7 @@ _IMPORTS = (
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",
-    "from polydraulic.simulation.loop import DIVERGED, FASTEST, rest_outlet",
+    "from polydraulic.simulation.steps import DIVERGED, FASTEST",
 )
 _LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
 _EFFECT_IMPORTS = (

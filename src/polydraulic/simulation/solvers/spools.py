@@ -13,9 +13,7 @@ import numpy as np
 
 from polydraulic._kernel import driver, kernel
 from polydraulic.elementary import exp, sincos
-from polydraulic.machine.state import Links
-from polydraulic.parameters.scenario import Scenario
-from polydraulic.parameters.schema import LINKS, Machine, Pilot
+from polydraulic.parameters.schema import Pilot
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
 N_COEFFICIENT = 8  # c0 .. c4, w, delay, 1 / tau
@@ -29,13 +27,6 @@ class SpoolCurve(NamedTuple):
 
     x: float
     v: float
-
-
-class Spools(NamedTuple):
-    """The three of them."""
-
-    x: Links
-    v: Links
 
 
 @kernel
@@ -53,16 +44,9 @@ def spool_curve(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
     return SpoolCurve(x, v)
 
 
-@kernel
-def spools_at(c: np.ndarray, t0: float, t: float) -> Spools:
-    """Spools at the time t of a piece that begins at t0 and has the coefficients c, (3, N_COEFFICIENT)."""
-    swing, boom, stick = spool_curve(c, 0, t0, t), spool_curve(c, 1, t0, t), spool_curve(c, 2, t0, t)
-    return Spools(Links(swing.x, boom.x, stick.x), Links(swing.v, boom.v, stick.v))
-
-
 @driver
 def inputs_at(c: np.ndarray, t0: float, t: float, x: np.ndarray, v: np.ndarray) -> None:
-    """Values and rates of all inputs at the time t of a piece, as `spools_at`."""
+    """Values and rates of all inputs at the time t of a piece that begins at t0 and has the coefficients c, (n_input, N_COEFFICIENT)."""
     for k in range(c.shape[0]):
         curve = spool_curve(c, k, t0, t)
         x[k] = curve.x
@@ -139,23 +123,6 @@ class KnownInput(NamedTuple):
 def known_force(signal: Signal) -> KnownInput:
     """A force, as an input."""
     return KnownInput(signal, Pilot(gain=1.0, time_constant=0.0, dead_time=0.0), inf)
-
-
-def spool_motion(machine: Machine, scenario: Scenario, t_end: float) -> SpoolMotion:
-    """Closed form of the spools' motion in a scenario, from rest.
-
-    Parameters
-    ----------
-    machine : Machine
-        With the scenario's changes.
-    scenario : Scenario
-    t_end : float, s
-    """
-    knots = machine.spool.knots
-    signals = [scenario.voltage.get(link, Constant()) if link not in scenario.locked else Constant() for link in LINKS]
-    pilots = [getattr(machine, link).pilot for link in LINKS]
-    inputs = [KnownInput(signal, pilot, knots[-1], knots[:-1]) for signal, pilot in zip(signals, pilots, strict=True)]
-    return known_motion(inputs, t_end)
 
 
 def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[float] = ()) -> SpoolMotion:

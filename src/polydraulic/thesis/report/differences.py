@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.parameters.scenario import load_scenario
-from polydraulic.parameters.schema import LINKS
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
+from polydraulic.thesis.excavator import LINKS
 from polydraulic.thesis.printed_units import in_field_units
 from polydraulic.thesis.three_links import ThreeLinkStudy
 

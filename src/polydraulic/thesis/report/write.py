@@ -7,7 +7,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.files import replacing, write_text
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import write_table
 from polydraulic.thesis.cache import Lab, open_lab
@@ -23,7 +23,7 @@ CHAPTERS: dict[int, Chapter] = {
 
 
 def write_report(
-    machine: Machine,
+    machine: LayoutMachine,
     folder: Path,
     *,
     chapters: Sequence[int] | None = None,
@@ -36,7 +36,7 @@ def write_report(
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     folder : Path
     chapters : sequence of int, optional
         All if not given.
@@ -87,12 +87,12 @@ def write_report(
     return rows
 
 
-def write_figure(machine: Machine, folder: Path, number: str, *, progress: Progress = quiet) -> Path:
+def write_figure(machine: LayoutMachine, folder: Path, number: str, *, progress: Progress = quiet) -> Path:
     """Make one figure alone, computing no more than it shows; return the path of its picture.
 
     Parameters
     ----------
-    machine : Machine
+    machine : LayoutMachine
     folder : Path
     number : str
         As in `CHAPTERS`, such as ``"5-19"``.

@@ -5,7 +5,7 @@ from collections import Counter
 
 from helpers.small_crane import crane_text
 from polydraulic import load_machine
-from polydraulic.parameters.load import load_layout, machine_names
+from polydraulic.parameters.load import machine_names
 from polydraulic.simulation.layout.methods.text import methods_text
 
 
@@ -14,7 +14,7 @@ def test_no_name_is_defined_twice():
         if name == "cat215b":
             continue
         found = Counter()
-        for node in ast.parse(methods_text(load_layout(name))).body:
+        for node in ast.parse(methods_text(load_machine(name))).body:
             if isinstance(node, ast.ImportFrom):
                 found.update(alias.name for alias in node.names)
             elif isinstance(node, ast.FunctionDef | ast.ClassDef):

@@ -10,10 +10,10 @@ import numpy as np
 from polydraulic._kernel import driver
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.events import CROSSOVER_CONDITION, LINK_CONDITIONS, MAX_EVENTS, PUMP_CONDITION, EventLog
+from polydraulic.simulation.events import CROSSOVER_CONDITION, FUNCTION_CONDITIONS, MAX_EVENTS, PUMP_CONDITION, EventLog
 from polydraulic.simulation.layout.columns import fed_functions
 
-N_KIND = len(LINK_CONDITIONS)
+N_KIND = len(FUNCTION_CONDITIONS)
 _N_SPOOL = 2  # kinds that look at spools
 
 
@@ -112,7 +112,7 @@ def listed_events(log: EventLog, machine: LayoutMachine, locked: tuple[str, ...]
     """Entries for a trajectory's `info`: ``events``, rows of [time in s, function or circuit, what], and ``events_dropped``."""
     found, kept = int(log.number[0]), min(int(log.number[0]), MAX_EVENTS)
     words: list[tuple[str, tuple[str, str], set[str]]] = [
-        (name, words, {name}) for words in LINK_CONDITIONS for name in machine.names
+        (name, words, {name}) for words in FUNCTION_CONDITIONS for name in machine.names
     ]
     words += [(c.name, PUMP_CONDITION, fed_functions(machine, c.name)) for c in machine.circuits]
     words += [(x.name, CROSSOVER_CONDITION, fed_functions(machine, x.giving)) for x in machine.crossovers]

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.database import PRESSURE_HIGH
 from polydraulic.networks.model.model import Variable
 from polydraulic.networks.model.nodes import KIND_NAMES, TERMS
 from polydraulic.networks.plot import draw_history, draw_network
 from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import SEED
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import PRESSURE_HIGH, pump_of
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Figure, Paragraph
 from polydraulic.thesis.report.figures.draw import canvas
 from polydraulic.thesis.single_link import N_FULL_BOX, boom_study
@@ -29,7 +29,7 @@ def content(lab: Lab) -> Content:
     x, p, q = (box.statistics[name] for name in box.statistics.names)
     fitted = box.estimator.network_
     sampled = f"of the {N_FULL_BOX} random points from which the network was grown"
-    largest = units.from_si(study.machine.pumps.boom_flow, "in3/s")
+    largest = units.from_si(pump_of(study.machine, "boom").flow, "in3/s")
     expected = float(np.sqrt(box.estimator.pse_))
     chosen = [step for step in box.estimator.history_ if step.accepted][-1]
     harder = f"K = {chosen.n_coefficients} coefficients; larger than printed because the map differs: {NO_FIGURES}"

@@ -10,6 +10,7 @@ from polydraulic.simulation.trajectory import Difference, compare
 from polydraulic.thesis.boom_models import N_ROWS, SEED, BoomModels
 from polydraulic.thesis.boom_perceptrons import HIDDEN_K_OUT, HIDDEN_Q_IN, HIDDEN_UNITS, PerceptronModels
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import spool_of
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Grid, Paragraph, result
 from polydraulic.thesis.report.chapters.chapter_3 import NO_FIGURES
 from polydraulic.thesis.report.figures.chapter_4 import FIGURES
@@ -31,8 +32,8 @@ Errors = dict[str, dict[str, Difference]]  # by flow model, by column
 def content(lab: Lab) -> Content:
     """Numbers of chapter 4."""
     study = boom_study(lab)
-    spool = study.machine.spool
-    cuts = [0.0, *(units.from_si(cut, "in") for cut in (spool.deadband, spool.bypass_closed, spool.knots[-1]))]
+    spool = spool_of(study.machine)
+    cuts = [0.0, *(units.from_si(cut, "in") for cut in (spool.deadband, spool.bypass_closed, spool.end))]
     v08, v05 = ({kind: _errors(study, name, kind) for kind in KINDS if kind != "exact"} for name in SCENARIOS)
     pressure = v08["pressure"]
     maps, neural = _map_numbers(study, study.historical), _map_numbers(study, study.perceptrons)
@@ -136,7 +137,7 @@ def _full_travel_error(study: BoomStudy, column: str, unit: str) -> float:
 def _map_numbers(study: BoomStudy, models: BoomModels | PerceptronModels) -> dict[str, Any]:
     machine, grid = study.machine, study.grid
     travel = grid["boom.travel"]
-    cuts = (0.0, machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1])
+    cuts = (0.0, *spool_of(machine))
     numbers: dict[str, Any] = {}
     for output in ("q_in", "q_out"):
         found = map_error(models, grid, "boom.q_in") if output == "q_in" else output_map_error(models, study)

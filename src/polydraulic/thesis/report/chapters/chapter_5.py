@@ -9,6 +9,7 @@ from polydraulic.networks.model.model import Model
 from polydraulic.parameters.scenario import load_scenario
 from polydraulic.thesis.boom_models import N_ROWS
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import spool_of
 from polydraulic.thesis.historical import sections
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Grid, Paragraph, printed_mm, result
 from polydraulic.thesis.report.chapters.map_numbers import map_numbers
@@ -41,8 +42,8 @@ def content(lab: Lab) -> Content:
 
 
 def _table_3(study: ThreeLinkStudy) -> dict[str, Computed]:
-    spool = study.machine().spool
-    opens, shut, end = (units.from_si(x, "in") for x in (spool.deadband, spool.bypass_closed, spool.knots[-1]))
+    spool = spool_of(study.machine())
+    opens, shut, end = (units.from_si(x, "in") for x in (spool.deadband, spool.bypass_closed, spool.end))
     return {
         "valves.table3_swing": Computed([[0.0, opens], [opens, shut], [shut, end]]),
         "valves.table3_stick": Computed([[0.0, opens], [opens, end]]),
@@ -83,10 +84,10 @@ def _sine(study: ThreeLinkStudy) -> dict[str, Computed]:
         "sim.sine.end_effector_error_XZ_bound_m": Computed(
             float(max(np.abs(c.along("x")).max(), np.abs(c.along("z")).max())), _SMALLER
         ),
-        "kinematics.a1_m": Computed(study.machine().geometry.a1),
-        "kinematics.d_m": Computed(study.machine().geometry.d),
-        "kinematics.L2_m": Computed(study.machine().geometry.boom_length),
-        "kinematics.L3_m": Computed(study.machine().geometry.stick_length),
+        "kinematics.a1_m": Computed(study.machine().link("boom").at["x"]),
+        "kinematics.d_m": Computed(study.machine().link("boom").at["y"]),
+        "kinematics.L2_m": Computed(study.machine().link("stick").at["x"]),
+        "kinematics.L3_m": Computed(study.machine().tip[1]["x"]),
     }
 
 
@@ -105,7 +106,7 @@ def _step(study: ThreeLinkStudy) -> dict[str, Computed]:
             event(exact, "stick", "high stop met"), "the initial stick angle was derived from this time"
         ),
         "sim.step.boom_spool_range_in": Computed(
-            spool_range(exact, "boom", study.machine().spool.deadband, 0.0),
+            spool_range(exact, "boom", spool_of(study.machine()).deadband, 0.0),
             "while the valve is open; with a first-order pilot the spool passes through all travels above the deadband",
         ),
         "sim.step.swing_flow_error_end_in3_s": Computed(c.at("swing.q_in", 13.0), differs),
@@ -149,7 +150,7 @@ def _task(study: ThreeLinkStudy) -> dict[str, Computed]:
         "sim.task.events.4.t_s": Computed(event(exact, "stick", "valve opens", 1), f"0.04 s late; {_EVENT}"),
         "sim.task.events.5.t_s": Computed(event(exact, "swing", "valve opens", 1), _EVENT),
         "sim.task.boom_spool_range_in": Computed(
-            spool_range(exact, "boom", study.machine().spool.deadband, 0.0), _EVENT
+            spool_range(exact, "boom", spool_of(study.machine()).deadband, 0.0), _EVENT
         ),
         "sim.task.stick_flow_error_mid_in3_s": Computed(
             c.largest("stick.q_in", 4.0, 6.4), f"from 4 to 6.4 s; {_SMALLER}"

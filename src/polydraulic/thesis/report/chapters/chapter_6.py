@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.database import PRESSURE_HIGH, boom_table
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import PRESSURE_HIGH, boom_table, pump_of, spool_of
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Figure, Grid, Paragraph, printed_mm, result
 from polydraulic.thesis.report.differences import compared
 from polydraulic.thesis.report.figures.chapter_5 import in_field, map_figure
@@ -22,7 +22,7 @@ def content(lab: Lab) -> Content:
     """Numbers of chapter 6."""
     study = three_link_study(lab)
     sine, task = (compared(study, name, limited=True) for name in ("sine", "task"))
-    start = study.machine().pumps.torque_limit_start
+    start = pump_of(study.machine(), "boom").torque_limit_start
     computed = {
         "torque.sine.threshold_psi": Computed(units.from_si(start, "psi")),
         "torque.sine.swing_flow_error_10p5s_in3_s": Computed(sine.largest("swing.q_in", 10.0, 11.0), _SMALLER),
@@ -86,7 +86,7 @@ def limited_map(lab: Lab) -> Figure:
     n = 101
     travel, pressure = (
         grid.ravel()
-        for grid in np.meshgrid(np.linspace(0.0, machine.spool.knots[-1], n), np.linspace(0.0, PRESSURE_HIGH, n))
+        for grid in np.meshgrid(np.linspace(0.0, spool_of(machine).end, n), np.linspace(0.0, PRESSURE_HIGH, n))
     )
     q = boom_table(machine, travel, pressure, pressure, relief=False)["boom.q_in"]
     table = in_field(
@@ -99,8 +99,8 @@ def limited_map(lab: Lab) -> Figure:
 
 
 def _text(study: ThreeLinkStudy) -> list[Paragraph]:
-    pumps = study.machine().pumps
-    start, exponent = units.from_si(pumps.torque_limit_start, "psi"), pumps.torque_limit_exponent
+    pump = pump_of(study.machine(), "boom")
+    start, exponent = units.from_si(pump.torque_limit_start, "psi"), pump.torque_limit_exponent
     return [
         Paragraph(
             f"A pump with a torque limit delivers less flow above {start:.0f} psi: Q = Q_0 (P_s / P)^n with n = {exponent:g}; n = 1 is "

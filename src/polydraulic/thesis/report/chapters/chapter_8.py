@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polydraulic.display import with_unit
-from polydraulic.parameters.schema import LINKS, Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 from polydraulic.thesis.adaptation_study import SENSORS, torque_limit_study, worn_pump_study
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import LINKS
 from polydraulic.thesis.measured import (
     JUDGE_SECONDS,
     JUDGES,
@@ -36,7 +37,10 @@ _PANELS = {
     "friction without flow sensors": ("friction", "the same, without flow sensors", "", 1.0),
 }
 
-_ADAPTATION: dict[str, Callable[[Machine], Table]] = {"torque limit": torque_limit_study, "worn pumps": worn_pump_study}
+_ADAPTATION: dict[str, Callable[[LayoutMachine], Table]] = {
+    "torque limit": torque_limit_study,
+    "worn pumps": worn_pump_study,
+}
 _WORN = 10  # minute in which the pumps are worn most; after it they are new
 
 

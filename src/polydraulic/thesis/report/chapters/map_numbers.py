@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.database import PRESSURE_HIGH
+from polydraulic.thesis.excavator import PRESSURE_HIGH, pump_of, spool_of
 from polydraulic.thesis.historical import outlet_conductances
 from polydraulic.thesis.report.catalog import Computed
 from polydraulic.thesis.three_links import SectionErrors, ThreeLinkStudy, section_errors
@@ -14,8 +14,8 @@ from polydraulic.thesis.three_links import SectionErrors, ThreeLinkStudy, sectio
 def map_numbers(study: ThreeLinkStudy) -> dict[str, Computed]:
     """Numbers of section 5.2, of networks in the thesis' setting."""
     machine = study.machine()
-    most = units.from_si(machine.pumps.series_flow, "in3/s")
-    opens, shut, end = machine.spool.deadband, machine.spool.bypass_closed, machine.spool.knots[-1]
+    most = units.from_si(pump_of(machine, "series").flow, "in3/s")
+    opens, shut, end = spool_of(machine)
     flow = study.flow("polynomial")
     a, b, c = (_in_field(section_errors(study, name, flow, relief=False)) for name in "ABC")
     near_shut = np.abs(b.X[:, 1] - shut) < 0.05 * (end - opens)
@@ -68,7 +68,7 @@ class _Outlet(NamedTuple):
 
 def _outlet_error(study: ThreeLinkStudy, link: str) -> _Outlet:
     machine = study.machine()
-    spool = np.linspace(-machine.spool.knots[-1], machine.spool.knots[-1], 4001)
+    spool = np.linspace(-spool_of(machine).end, spool_of(machine).end, 4001)
     exact = outlet_conductances(machine, link, spool)
     (model,) = (model for model in study.historical() if model.output.name == f"{link}.k_out")
     error = model.predict(spool[:, None]) - exact

@@ -9,6 +9,7 @@ from polydraulic import units
 from polydraulic.networks.plot import draw_network
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import spool_of
 from polydraulic.thesis.report.catalog import Figure
 from polydraulic.thesis.report.chapters.chapter_3 import perceptron
 from polydraulic.thesis.report.figures.draw import canvas, map_panel, over_time
@@ -64,17 +65,18 @@ def _maps(
 
 def orifice_conductances(lab: Lab) -> Figure:
     """Fig 4-1, inset: orifice conductances over spool travel."""
-    valve, knots = lab.machine.boom.valve, np.array(lab.machine.spool.knots)
+    valve = lab.machine.function("boom").valve
     unit = "in3/s/psi^0.5"
-    columns = {"travel": units.from_si(knots, "in")}
-    for name, values in valve._asdict().items():
+    columns = {"travel": units.from_si(np.array(valve.knots), "in")}
+    curves = {name: values for name, values in valve._asdict().items() if name != "knots"}
+    for name, values in curves.items():
         columns[name] = units.from_si(np.array(values), unit)
-    table = Table(columns, {"travel": "in", **dict.fromkeys(valve._fields, unit)})
+    table = Table(columns, {"travel": "in", **dict.fromkeys(curves, unit)})
 
     def draw() -> "matplotlib.figure.Figure":
         figure, axes = canvas(1, 2, width=9.6, height=3.2)
         for axis, top in zip(axes[0], (None, 10.0), strict=True):
-            for name in valve._fields:
+            for name in curves:
                 axis.plot(table["travel"], table[name], ".-", label=name, linewidth=1.2)
             axis.set_xlabel("spool travel [in]")
             axis.set_ylabel(f"conductance K a [{unit}]")
@@ -93,7 +95,7 @@ def pressure_map(lab: Lab) -> Figure:
     study = boom_study(lab)
     grid, model = study.grid, study.historical.p_pump
     low = units.to_si(100.0, "psi")
-    travel = study.machine.spool.knots[-1]
+    travel = spool_of(study.machine).end
     line = boom_grid(study.machine, 1201, 41)  # pressures 0, 100, 200, ... psi
     rows = np.isclose(line["boom.p_in"], low)
     predicted = model.predict(line.matrix(["boom.travel", "boom.p_in"])[rows])
@@ -210,7 +212,7 @@ def sweep(lab: Lab) -> Figure:
 def outlet_curve(lab: Lab) -> Figure:
     """Fig 4-20: Q_pop over the spool, and the perceptrons' error."""
     study = boom_study(lab)
-    travel = lab.machine.spool.knots[-1]
+    travel = spool_of(lab.machine).end
     spool = np.linspace(-travel, travel, 1201)
     exact = outlet_conductance(lab.machine, spool)
     learnt = study.perceptrons.k_out.predict(spool[:, None])

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic import units
-from polydraulic.flow.database import PRESSURE_HIGH
-from polydraulic.flow.exact import exact_flow
-from polydraulic.flow.sample import sample_fed
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.machine.pump import limited_pump
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import PRESSURE_HIGH, pump_of, spool_of, without_relief
 from polydraulic.thesis.historical import outlet_conductances, sections, series_flows
 from polydraulic.thesis.report.catalog import Figure
 from polydraulic.thesis.report.figures.draw import canvas, map_panel
@@ -72,22 +72,22 @@ def _inch(value: float) -> float:
 
 def schematic(lab: Lab) -> Figure:
     """Fig 5-1: pump, the two valves in series, and the actuators."""
-    pumps = lab.machine.pumps
-    table = in_field({"series pump flow": (np.array([pumps.series_flow]), "in3/s")})
+    flow = pump_of(lab.machine, "series").flow
+    table = in_field({"series pump flow": (np.array([flow]), "in3/s")})
     see = "Only Q_e1, the flow that the swing's valve passes on, reaches the stick's valve: the swing has priority."
     return Figure("Swing and stick: two open-centre valves in series", see, {"": table}, draw_schematic)
 
 
 def swing_map(lab: Lab) -> Figure:
     """Fig 5-2: swing input flow with the stick idle."""
-    panel = _series_panel(lab, "x_st = 0", "swing", (0.0, lab.machine.spool.knots[-1]), 0.0, alike=False, error=False)
+    panel = _series_panel(lab, "x_st = 0", "swing", (0.0, spool_of(lab.machine).end), 0.0, alike=False, error=False)
     see = "Below 0.188 in (sections A and B) no flow; from 0.188 to 0.376 in (C and D) the flow depends on the pressure; beyond (E) it is the whole pump flow."
     return map_figure("Swing input flow", see, [panel], error=False)
 
 
 def stick_map(lab: Lab) -> Figure:
     """Fig 5-3: stick input flow with the swing idle."""
-    panel = _series_panel(lab, "x_sw = 0", "stick", (0.0, lab.machine.spool.knots[-1]), 0.0, alike=False, error=False)
+    panel = _series_panel(lab, "x_sw = 0", "stick", (0.0, spool_of(lab.machine).end), 0.0, alike=False, error=False)
     return map_figure(
         "Stick input flow",
         "With the swing idle the stick's map has the shape of the boom's (Fig 4-8).",
@@ -98,15 +98,19 @@ def stick_map(lab: Lab) -> Figure:
 
 def passed_maps(lab: Lab) -> Figure:
     """Fig 5-4: stick input flow when the swing leaves it less."""
-    exact = exact_flow(lab.machine, relief=False)
+    machine = without_relief(lab.machine)
+    valve, pump = machine.function("stick").valve, pump_of(machine, "series")
+    fed_by = limited_pump(
+        pump.flow, pump.relief, machine.tank.return_pressure, pump._replace(torque_limit_enabled=False)
+    )
     travel, pressure = (
         grid.ravel()
-        for grid in np.meshgrid(np.linspace(0.0, lab.machine.spool.knots[-1], _N), np.linspace(0.0, PRESSURE_HIGH, _N))
+        for grid in np.meshgrid(np.linspace(0.0, spool_of(lab.machine).end, _N), np.linspace(0.0, PRESSURE_HIGH, _N))
     )
     panels = []
     for letter, passed in zip("abc", (50.0, 100.0, 150.0), strict=True):
         fed = np.full(len(travel), units.to_si(passed, "in3/s"))
-        q = sample_fed(exact.valves.stick, exact.series_pump, np.column_stack([fed, travel, pressure]))
+        q = sample_valves([valve], fed_by, travel[:, None], pressure[:, None], fed).q_in[:, 0]
         columns = {"stick.travel": (travel, "in"), "stick.p_in": (pressure, "psi"), "stick.q_in": (q, "in3/s")}
         panels.append((f"({letter}) Q_12 = {passed:g} in3/s", in_field(columns)))
     see = "The less flow reaches the stick's valve, the wider it must open before flow enters the cylinder: a family of maps that one network has to learn."
@@ -115,7 +119,7 @@ def passed_maps(lab: Lab) -> Figure:
 
 def _outlet_panel(lab: Lab, title: str, link: str, *, error: bool) -> Panel:
     """Output flow over spool displacement and pressure."""
-    travel, back = lab.machine.spool.knots[-1], lab.machine.tank.return_pressure
+    travel, back = spool_of(lab.machine).end, lab.machine.tank.return_pressure
     spool, pressure = (
         grid.ravel() for grid in np.meshgrid(np.linspace(-travel, travel, 2 * _N - 1), np.linspace(0.0, PRESSURE_HIGH, _N))
     )  # fmt: skip

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polydraulic.flow.record import EFFECTOR
-from polydraulic.parameters.schema import LINKS
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
+from polydraulic.thesis.excavator import LINKS
 from polydraulic.thesis.report.catalog import Figure
 from polydraulic.thesis.report.figures.draw import canvas, columns_of_runs, finish, name_of, over_time, time_panel
 from polydraulic.thesis.three_links import three_link_study

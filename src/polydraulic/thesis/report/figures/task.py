@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.plotting.drawing import OF_RUN, OPEN, View, motion_of, places, seen, silhouette
 from polydraulic.plotting.drawing import Drawing as Linkage
-from polydraulic.plotting.shapes import excavator_drawing
+from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.report.catalog import Figure
@@ -41,7 +41,7 @@ def task_picture(lab: Lab) -> Figure:
 
     def draw() -> "Drawing":
         figure, axes = canvas(1, 2, width=9.6, height=3.7)
-        linkage = excavator_drawing(machine)
+        linkage = layout_drawing(machine)
         axes[0, 0].axhline(linkage.ground, color="#b8ad9a", linewidth=1.0)
         _poses(axes[0, 0], linkage, poses, "side", np.array([0.2, 0.0]))
         _poses(axes[0, 1], linkage, poses, "top", np.array([0.2, 0.15]))
@@ -76,11 +76,12 @@ def task_picture(lab: Lab) -> Figure:
     )
 
 
-def _in_plane(machine: Machine, run: Table) -> tuple[np.ndarray, np.ndarray]:
+def _in_plane(machine: LayoutMachine, run: Table) -> tuple[np.ndarray, np.ndarray]:
     """Distance of the tip from the swing axis and its height above the boom joint, in m."""
-    g, boom, both = machine.geometry, run["boom.angle"], run["boom.angle"] + run["stick.angle"]
-    outward = g.a1 + g.boom_length * np.cos(boom) + g.stick_length * np.cos(both)
-    return outward, g.boom_length * np.sin(boom) + g.stick_length * np.sin(both)
+    foot, boom_length, stick_length = machine.link("boom").at["x"], machine.link("stick").at["x"], machine.tip[1]["x"]
+    boom, both = run["boom.angle"], run["boom.angle"] + run["stick.angle"]
+    outward = foot + boom_length * np.cos(boom) + stick_length * np.cos(both)
+    return outward, boom_length * np.sin(boom) + stick_length * np.sin(both)
 
 
 def _poses(axis: "Axes", linkage: Linkage, poses: dict[float, np.ndarray], view: View, shift: np.ndarray) -> None:
