@@ -5,7 +5,7 @@ import numpy as np
 from polydraulic import Scenario, load_machine, simulate
 
 machine = load_machine("cat215b")
-heavier = machine.with_values({"boom.body.mass": machine.boom.body.mass + 1000.0})  # kg; values are SI
+heavier = machine.with_values({"links.boom.mass": machine.link("boom").mass + 1000.0})  # kg; values are SI
 
 rest = Scenario("rest", 10.0, voltage={}, locked=("swing", "stick"))  # nobody touches a lever
 light, heavy = (simulate(m, "exact", rest, raster=0.1) for m in (machine, heavier))
@@ -13,7 +13,7 @@ light, heavy = (simulate(m, "exact", rest, raster=0.1) for m in (machine, heavie
 
 def load(run):
     """Net pressure force of both cylinders at the end of a run, N."""
-    c = machine.boom.cylinder
+    c = machine.function("boom").drive
     head, ring = c.number * np.pi / 4.0 * c.bore**2, c.number * np.pi / 4.0 * (c.bore**2 - c.rod**2)
     return run["boom.p_a"][-1] * head - run["boom.p_b"][-1] * ring
 

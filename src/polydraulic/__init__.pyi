@@ -6,7 +6,6 @@ from .networks.regions.region_regressor import RegionRegressor
 from .parameters.layout.schema import LayoutMachine
 from .parameters.load import load_machine
 from .parameters.scenario import Scenario, load_scenario, random_operator
-from .parameters.schema import Machine
 from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
 from .simulation.runs import reference, simulate
@@ -22,7 +21,6 @@ __all__ = [
     "Difference",
     "InputError",
     "LayoutMachine",
-    "Machine",
     "Progress",
     "RegionRegressor",
     "Scenario",

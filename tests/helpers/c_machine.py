@@ -4,10 +4,8 @@ import ctypes
 import subprocess
 
 import numpy as np
-from polydraulic.export.excavator import outputs, prepared
 
-from polydraulic.export.machine import machine_c
-from polydraulic.flow import FLOW_KINDS, flow_name
+from polydraulic.export.machine import machine_c, machine_parts
 
 STRICT = (
     "-std=c99 -Wall -Wextra -Werror -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Wmissing-prototypes "
@@ -40,14 +38,14 @@ class CMachine:
     """One machine; `out` is the row of its outputs, seen through memory."""
 
     def __init__(self, machine, flow, folder, *, optimise="-O2", **options):
-        model = prepared(machine, flow, **options).model
-        n_memory = FLOW_KINDS[flow_name(model)].n_memory(model)
+        parts = machine_parts(machine, flow, **options)
+        n_memory, n_out = parts.n_memory, len(parts.outputs)
         files = machine_c(machine, flow, name="m", **options)
         n_waiting = next(int(line.split()[2]) for line in files["m.h"].splitlines() if "define M_N_WAITING" in line)
 
         class Struct(ctypes.Structure):
             _fields_ = (
-                ("out", ctypes.c_double * len(outputs())),
+                ("out", ctypes.c_double * n_out),
                 ("memory", ctypes.c_double * n_memory),
                 ("waiting", ctypes.c_double * (3 * n_waiting)),
                 ("rest", ctypes.c_double),
@@ -56,7 +54,7 @@ class CMachine:
 
         library = ctypes.CDLL(str(compiled(files, folder, "-shared", "-fPIC", optimise)))
         self.struct = Struct()
-        self.out = np.frombuffer(self.struct, count=len(outputs()))
+        self.out = np.frombuffer(self.struct, count=n_out)
         self.at = ctypes.byref(self.struct)
         self._init, self._step, self._advance = library.m_init, library.m_step, library.m_advance
         self._advance.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double]

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from polydraulic.machine.linkage import end_effector
 
 from helpers.machine_log import changed, machine_log
 from helpers.small_crane import with_effects, write_crane
+from helpers.valves import changed as other_parts
 from polydraulic import build_flow, load_machine, random_operator, simulate
 from polydraulic.errors import InputError
 from polydraulic.identification import plot_replay, replay
@@ -25,6 +25,7 @@ from polydraulic.identification.log_replay import (
     joints_of,
     replayed,
 )
+from polydraulic.machine.frames import link_frames, placed
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import pump_of, with_pumps
 
@@ -61,7 +62,7 @@ def test_another_machine_does_not(machine, found, log):
 
 
 def test_dead_times_are_those_of_the_log(machine, log):
-    late = machine._replace(boom=machine.boom._replace(pilot=machine.function("boom").pilot._replace(dead_time=0.3)))
+    late = other_parts(machine, "boom", pilot={"dead_time": 0.3})
     delayed = changed(log, boom_voltage=np.interp(log["time"] + 0.3, log["time"], log["boom.voltage"]))
     here, there = (replay(log, m, FLOW, seconds=5.0).windows[1] for m, log in ((machine, log), (late, delayed)))
     assert np.allclose(here.run, there.run, atol=2e-3)
@@ -240,6 +241,10 @@ def window(run, measured=((0.0, 0.5, -1.0), (0.1, 0.5, -1.0))):
 
 def test_drifts_are_the_largest_distances_of_windows(machine):
     still = [[0.0, 0.5, -1.0]] * 2
+
+    def reached(angles):
+        return placed(link_frames(machine, np.array(angles)), *machine.tip)
+
     windows = [
         window([[0.0, 0.5, -1.0], [0.4, 0.5, -1.0]]),
         window([[0.0, 0.7, -1.0], [0.1, 0.4, -1.0]]),
@@ -249,10 +254,10 @@ def test_drifts_are_the_largest_distances_of_windows(machine):
     assert swing == ("swing", "rad", pytest.approx(0.2), pytest.approx(0.3), pytest.approx(0.1))
     assert boom == ("boom", "rad", 0.0, pytest.approx(0.2), 0.0)
     assert stick == ("stick", "rad", 0.0, 0.0, 0.0)
-    at = [end_effector(np.array([angle, 0.5, -1.0]), machine.geometry) for angle in (0.0, 0.1, 0.4, -0.2)]
+    at = [reached([angle, 0.5, -1.0]) for angle in (0.0, 0.1, 0.4, -0.2)]
     far = [np.linalg.norm(at[2] - at[1]), np.linalg.norm(at[0] - at[3])]
     up = max(
-        np.linalg.norm(end_effector(np.array(a), machine.geometry) - end_effector(np.array(b), machine.geometry))
+        np.linalg.norm(reached(a) - reached(b))
         for a, b in (((0.0, 0.7, -1.0), (0.0, 0.5, -1.0)), ((0.1, 0.4, -1.0), (0.1, 0.5, -1.0)))
     )
     assert (tip.name, tip.unit) == ("tip", "m")

@@ -12,7 +12,7 @@ def test_rows_at_the_relief_setting_are_not_learnt_from(machine):
     known = Known.of(machine)
     log = by_port(known, machine_log())
     rows = judging_rows("boom.q_in", log, known)
-    stopped = (log["boom.travel"] > known.deadband) & ~rows
+    stopped = (log["boom.travel"] > known.deadband["boom"]) & ~rows
     assert stopped.sum() > 0
     other = Table(log.columns | {"boom.q_in": np.where(stopped, 0.5, 1.0) * log["boom.q_in"]}, log.units)
     here, there = (learn(machine, table, max_regions=1, max_rows=500)[0] for table in (log, other))

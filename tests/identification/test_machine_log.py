@@ -32,5 +32,5 @@ def test_rows_with_a_shut_valve_or_at_relief_say_nothing(machine):
     known = Known.of(machine)
     log = by_port(known, machine_log())
     for link in LINKS:
-        assert np.all(log[f"{link}.travel"][judging_rows(f"{link}.k_out", log, known)] > known.deadband)
-        assert log[f"{link}.p_in"][judging_rows(f"{link}.q_in", log, known)].max() < 0.98 * known.relief
+        assert np.all(log[f"{link}.travel"][judging_rows(f"{link}.k_out", log, known)] > known.deadband[link])
+        assert log[f"{link}.p_in"][judging_rows(f"{link}.q_in", log, known)].max() < 0.98 * known.circuit(link).relief

@@ -2,7 +2,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from polydraulic.plotting.shapes import excavator_drawing
 
 from helpers.made_runs import made_run, small_crane
 from polydraulic.plotting.frames import frames_of
@@ -11,7 +10,7 @@ from polydraulic.plotting.scene import moving_artists, scene
 
 
 def test_a_scene_shows_its_frame(machine, whole):
-    drawing = excavator_drawing(machine)
+    drawing = layout_drawing(machine)
     figure, update = scene(frames_of(whole, drawing.names, 10.0), drawing)
     update(5)
     assert next(text.get_text() for text in figure.texts) == "  0.50 s"
@@ -32,7 +31,7 @@ def test_a_joint_at_its_stop_is_marked(machine, whole):
     )
     colors = {}
     for name, run in (("free", whole["exact"]), ("stopped", at_stop)):
-        drawing = excavator_drawing(machine)
+        drawing = layout_drawing(machine)
         figure, update = scene(frames_of({name: run}, drawing.names, 10.0), drawing)
         update(3)
         colors[name] = [line.get_color() for line in figure.axes[0].lines if line.get_linewidth() == 2.4]

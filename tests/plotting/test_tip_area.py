@@ -1,16 +1,16 @@
 import numpy as np
 import pytest
-from polydraulic.plotting.machine_drawing import machine_drawing
 
 from helpers.made_runs import point_at, small_crane
 from polydraulic import load_machine
+from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.tip_area import tip_area, tip_places
 
 
 def test_places_are_those_between_the_stops():
     """A jib with an extension reaches a sector of a ring round its joint."""
     crane = small_crane()
-    found = tip_places(machine_drawing(crane)) - [0.1, 2.1]  # from the jib's joint
+    found = tip_places(layout_drawing(crane)) - [0.1, 2.1]  # from the jib's joint
     along, beside = np.hypot(*found.T), -0.2
     assert along.min() == pytest.approx(np.hypot(2.4 + 0.5, beside))
     assert along.max() == pytest.approx(np.hypot(2.4 + 0.5 + 1.1, beside))
@@ -20,7 +20,7 @@ def test_places_are_those_between_the_stops():
 
 def test_the_initial_tip_is_inside(machine):
     for given in (machine, load_machine("cat215b_bucket")):
-        drawing = machine_drawing(given)
+        drawing = layout_drawing(given)
         x, y, area = tip_area(tip_places(drawing))
         if given is machine:
             tip = (

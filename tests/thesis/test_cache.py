@@ -53,7 +53,7 @@ def test_a_lab_knows_what_it_has(machine, tmp_path, folder):
 def test_another_machine_shares_nothing_and_old_results_go(machine, tmp_path, count):
     first = open_lab(machine, tmp_path)
     first.computed.data("n", count(1.0))
-    other = with_pumps(machine, boom_flow=2.0 * pump_of(machine, "boom").flow)
+    other = with_pumps(machine, flow=2.0 * pump_of(machine, "boom").flow)
     open_lab(other, tmp_path).computed.data("n", count(2.0))
     assert count.calls == [1.0, 2.0]
     assert not first.computed.folder.exists()

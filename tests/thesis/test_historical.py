@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from polydraulic import build_flow
-from polydraulic.flow import exact_flow
 from polydraulic.thesis.historical import SECTIONS, flows_at, grow_outlets, grow_series, sections, series_flows
 from polydraulic.thesis.three_links import points_with_faces
 
@@ -54,4 +53,4 @@ def test_grown_networks_read_what_table_3_prints(machine):
     flow = build_flow("polynomial", machine, models=[swing, stick, *grow_outlets(machine, n=1000)])
     box = np.array([(0.0, 0.188 * INCH), (0.0, 0.188 * INCH), (0.0, 2e7), (0.0, 2e7)])
     X = points_with_faces(box, 100, np.random.default_rng(2))
-    assert np.all(flows_at(flow, X) == flows_at(exact_flow(machine), X))
+    assert np.all(flows_at(machine, flow, X) == flows_at(machine, "exact", X))

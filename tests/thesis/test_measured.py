@@ -51,7 +51,7 @@ def test_conditions_in_words():
 def test_friction_is_that_of_all_joints_and_changes_the_pressures(machine):
     stiff = _machine(machine, USUAL._replace(friction=5.0))
     for link in LINKS:
-        now, then = getattr(stiff, link).friction, machine.function(link).friction
+        now, then = stiff.function(link).friction, machine.function(link).friction
         assert (now.coulomb, now.static, now.viscous) == (5.0 * then.coulomb, 5.0 * then.static, 5.0 * then.viscous)
         assert (now.smoothing, now.stribeck) == (then.smoothing, then.stribeck)
     assert _machine(machine, USUAL) == with_pumps(machine, torque_limit_enabled=False)

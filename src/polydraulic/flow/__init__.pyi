@@ -1,9 +1,8 @@
-from .database import boom_table, circuit_database, sample_boom, sample_series
 from .dispatch import FLOW_KINDS, FlowKind, FlowModel, flow_name, flow_step, served_links
 from .exact import exact_flow
 from .interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN, Flows
 from .iterative import iterative_flow
-from .layout.database import sample_circuit
+from .layout.database import circuit_table, sample_circuit
 from .layout.model import LayoutFlow
 from .lookup import lookup_flow, table_bytes
 from .polynomial import neural_flow, polynomial_flow
@@ -22,8 +21,7 @@ __all__ = [
     "Flows",
     "LayoutFlow",
     "TrainingEffort",
-    "boom_table",
-    "circuit_database",
+    "circuit_table",
     "exact_flow",
     "flow_name",
     "flow_step",
@@ -32,9 +30,7 @@ __all__ = [
     "neural_flow",
     "polynomial_flow",
     "pressure_flow",
-    "sample_boom",
     "sample_circuit",
-    "sample_series",
     "served_links",
     "stiff_flow",
     "table_bytes",

@@ -3,7 +3,6 @@
 import ast
 import ctypes
 import inspect
-import math
 import os
 import re
 import shutil
@@ -29,10 +28,8 @@ from helpers.trees import (
     random_tree,
 )
 from polydraulic import _kernel
-from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
 from polydraulic.machine import linkage
-from polydraulic.machine.state import Links
 from polydraulic.machine.tree.links import MAX_LINKS, Link
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text, moving
 
@@ -251,32 +248,6 @@ def test_the_longest_chains_move_as_in_mujoco(tmp_path):
     assert compared_with_mujoco(longest(), tmp_path, 50) < 1e-10
     plane = [link._replace(axis="y") for link in longest()]
     assert compared_with_mujoco(plane, tmp_path, 50) < 1e-9
-
-
-def test_the_generated_motion_of_three_joints_is_that_written_by_hand(machine, tmp_path):
-    """The machine of the package as a tree."""
-    g, held = machine.geometry, linkage.Held(False, False, False)
-
-    def numbers(body):
-        x, z = body.cg * math.cos(body.cg_angle), body.cg * math.sin(body.cg_angle)
-        pitch = body.inertia_transverse
-        return body.mass, {"x": x, "z": z}, {"xx": body.inertia_longitudinal, "yy": pitch, "zz": pitch}
-
-    links = [
-        Link("swing", None, "revolute", "z", inertia={"zz": machine.swing.body.inertia}),
-        Link("boom", "swing", "revolute", "-y", {"x": g.a1, "y": g.d}, *numbers(machine.boom.body)),
-        Link("stick", "boom", "revolute", "-y", {"x": g.boom_length}, *numbers(machine.stick.body)),
-    ]
-    module, by_hand = mechanics(tmp_path, links, plain=True), linkage.prepare_linkage(machine)
-    constants = module.prepare_motion(links, g.gravity)
-    for q, v, torque in zip(*random_states(links, 200), strict=True):
-        mine = module.motion(module.turns(module.Joints(*q)), module.Joints(*v), constants)
-        theirs = linkage.motion(sincos(q[1]), sincos(q[2]), Links(*v), by_hand)
-        assert mine.mass == pytest.approx(theirs.mass, rel=1e-12, abs=1e-9)
-        assert mine.bias == pytest.approx(theirs.bias, rel=1e-12, abs=1e-8)
-        assert mine.gravity == pytest.approx(theirs.gravity, rel=1e-12, abs=1e-8)
-        found = module.solve_motion(mine.mass, module.Held(*held), module.Joints(*torque))
-        assert found == pytest.approx(linkage.solve_motion(theirs.mass, held, Links(*torque)), rel=1e-10)
 
 
 def test_constants_are_floats_of_numbers_of_any_kind():

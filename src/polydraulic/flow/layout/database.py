@@ -57,11 +57,46 @@ def sample_circuit(
     if n < 1:
         raise InputError(f"rows = {n}: must be at least 1")
     valves = [machine.function(f).valve for f in c.functions]
-    p_return = machine.tank.return_pressure
-    pump = limited_pump(c.pump.flow, c.pump.relief if relief else NEVER, p_return, c.pump)
     low, high = (0.0, c.pump.relief) if pressure is None else pressure
     spool = np.column_stack([rng.uniform(-v.knots[-1], v.knots[-1], n) for v in valves])
     p_in, p_out = rng.uniform(low, high, (2, n, len(valves)))
+    return circuit_table(machine, c.name, spool, p_in, p_out, relief=relief)
+
+
+def circuit_table(
+    machine: LayoutMachine | str | Path,
+    circuit: str,
+    spool: np.ndarray,
+    p_in: np.ndarray,
+    p_out: np.ndarray,
+    *,
+    relief: bool = True,
+) -> Table:
+    """Database of a circuit at given points.
+
+    Parameters
+    ----------
+    machine, circuit, relief
+        As for `sample_circuit`.
+    spool : (n_point, n_valve) array, m
+        Displacements, valves counted from the pump.
+    p_in, p_out : (n_point, n_valve) array, Pa
+        At the pressurised ports and at the outlets.
+
+    Returns
+    -------
+    Table
+        The columns of `sample_circuit`.
+    """
+    machine = as_machine(machine)
+    c = series_circuit_of(machine, circuit)
+    spool, p_in, p_out = (np.asarray(values, dtype=np.float64) for values in (spool, p_in, p_out))
+    if spool.ndim != 2 or spool.shape[1] != len(c.functions) or not spool.shape == p_in.shape == p_out.shape:
+        raise InputError(
+            f"spool, p_in and p_out have shapes {spool.shape}, {p_in.shape}, {p_out.shape}: each must be (n_point, {len(c.functions)})"
+        )
+    valves, p_return = [machine.function(f).valve for f in c.functions], machine.tank.return_pressure
+    pump = limited_pump(c.pump.flow, c.pump.relief if relief else NEVER, p_return, c.pump)
     flows = sample_valves(valves, pump, np.abs(spool), p_in)
     columns: dict[str, Column] = {}
     for k, (f, v) in enumerate(zip(c.functions, valves, strict=True)):
