@@ -44,7 +44,6 @@ TESTED_ELSEWHERE = {
     "simulation/layout/tree.py": ("parameters/layout/test_payload.py", "links as the equations of motion want them"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
     "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
-    "flow/layout/model.py": ("flow/layout/test_networks.py", "a record, and what is refused"),
     "flow/layout/network_parts.py": ("flow/layout/test_networks.py", "the kernels around which a step is written"),
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),

@@ -81,9 +81,10 @@ def test_a_machine_of_any_layout_is_simulated_plotted_and_animated(call, tmp_pat
     code, _, _ = call("animate", *chosen, "--out", tmp_path / "run.html")
     assert code == 0
     assert '"group":"bucket","title":"inlet pressure","unit":"psi"' in (tmp_path / "run.html").read_text()
-    code, _, error = call("simulate", *chosen, "--flow", "stiff", "--plot", tmp_path / "other.svg")
+    crossing = ("random:3:0.5", "--machine", "cat215b_crossover", "--flow", "stiff")
+    code, _, error = call("simulate", *crossing, "--plot", tmp_path / "other.svg")
     assert code == 2
-    assert "flow 'stiff' knows the layout of 'cat215b' alone" in error
+    assert "circuit 'main_giving' is of the kind 'crossover': use 'exact'" in error
     assert not (tmp_path / "other.svg").exists()
 
 

@@ -85,9 +85,9 @@ def test_a_machine_of_ones_own_is_simulated_recorded_and_refused_where_it_must_b
     run = read_table(tmp_path / "run.parquet")
     assert run.unit("energy.kinetic") == "J"
     assert run.unit("extend.position") == "m"
-    code, _, err = call("simulate random:3:2 --machine crane.toml --flow stiff")
+    code, _, err = call("simulate random:3:2 --machine crane.toml --flow pressure")
     assert code == 2
-    assert "flow 'stiff' knows the layout of 'cat215b' alone" in err
+    assert "fit one of 'main.p_pump' on a sampled table first" in err
     assert call("record --example --machine crane.toml --out sensors.toml")[0] == 0
     code, out, err = call("record random:3:2 --machine crane.toml --sensors sensors.toml --out log.csv")
     assert code == 0, err

@@ -1,11 +1,14 @@
 """Pump pressures as states: each step against a bracketed solve, the oil in the volumes, and the way to exact."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from helpers.flow_steps import layout_step, states
+from helpers.three_links import as_links
 from polydraulic import build_flow, compare, load_scenario, reference, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import flow_step
@@ -109,6 +112,30 @@ def test_it_begins_at_rest(pumped):
     assert abs(flows.series.q_stored) < 1e-7 * flows.series.q_pump
 
 
+def test_the_excavator_as_links_has_the_same_bits(pumped):
+    older, memory = build_flow("stiff", pumped, **VOLUMES), np.zeros(4)
+    links = as_links(pumped)
+    step = layout_step(links, build_flow("stiff", links, **VOLUMES), DT)
+    for spool, p_in, p_out in states(pumped, 100):
+        wanted, found = flow_step(older, memory, spool, p_in, p_out, DT), step(spool, p_in, p_out)
+        assert (tuple(found.q_in), tuple(found.k_out)) == (tuple(wanted.q_in), tuple(wanted.k_out))
+        assert (found.circuit_boom, found.circuit_series) == (wanted.boom, wanted.series)
+        assert (found.between_series_1, found.status) == (wanted.p_between, wanted.status)
+
+
+def test_a_run_of_another_layout_loses_no_oil():
+    run = simulate("wheel_loader", build_flow("stiff", "wheel_loader", **VOLUMES), "wheel_loader_cycle", t_end=1.0)
+    stored = COMPLIANCE * np.diff(run["work.p_pump"]) + BETWEEN * np.diff(run["work.p_between"])
+    assert DT * run["work.q_stored"][1:] == pytest.approx(stored, abs=1e-14)
+    moved = sum(run[f"{f}.q_in"] for f in run.info["circuits"]["work"])
+    given = moved + run["work.q_bypass"] + run["work.q_relief"] + run["work.q_stored"]
+    assert given == pytest.approx(run["work.q_pump"], rel=1e-9)
+    with pytest.raises(
+        InputError, match="energy account does not know oil that is stored before the valves, as flow 'stiff'"
+    ):
+        simulate("wheel_loader", "stiff", "wheel_loader_cycle", t_end=0.1, energy=True)
+
+
 def test_volumes_lose_no_oil(pumped):
     scenario = load_scenario("step")
     run = simulate(pumped, build_flow("stiff", pumped, **VOLUMES), scenario, t_end=3.0)
@@ -143,9 +170,9 @@ def test_the_flows_approach_exact_as_the_volumes_shrink(pumped):
     ],
 )
 def test_bad_volumes_are_named(machine, options, message):
-    for name in ("stiff", "tlm"):
+    for name, given in product(("stiff", "tlm"), (machine, "wheel_loader")):
         with pytest.raises(InputError, match=message):
-            build_flow(name, machine, **options)
+            build_flow(name, given, **options)
 
 
 def test_the_reference_refuses_pressures_of_a_models_own(machine):

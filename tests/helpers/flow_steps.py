@@ -9,6 +9,7 @@ from polydraulic.flow import (
 )
 from polydraulic.machine.state import Links
 from polydraulic.thesis.excavator import spool_of, with_pumps
+from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
@@ -22,6 +23,17 @@ def step(model, spool, p_in, p_out):
 def step_all(model, spool, p_in, p_out):
     memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
     return flow_step(model, memory, spool, p_in, p_out, 0.005)
+
+
+def layout_step(machine, flow, dt=0.005):
+    """A step of a flow model of a machine of any layout, of spools and pressures in the order of its functions; its memory goes on."""
+    ready = prepare_layout(machine, dt, flow=flow)
+    functions, memory = ready.module.Functions, np.zeros(ready.n_memory)
+
+    def step(spool, p_in, p_out):
+        return ready.module.flow_step(ready.valves, memory, *(functions(*x) for x in (spool, p_in, p_out)), dt)
+
+    return step
 
 
 def with_limit(machine):

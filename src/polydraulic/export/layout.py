@@ -59,7 +59,7 @@ def layout_parts(
     numbers = module.Prepared(
         ready.valves, ready.plant, getattr(module.from_vector, "py_func", module.from_vector)(ready.start.tolist())
     )
-    columns = columns_of(machine).columns
+    columns = columns_of(machine, stores_oil=model.stores_oil).columns
     return MachineParts(
         model.name,
         machine.names,

@@ -31,9 +31,9 @@ from polydraulic.flow.polynomial import (
     polynomial_step,
     scratch,
 )
-from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_step
-from polydraulic.flow.stiff import StiffFlow, stiff_flow, stiff_step
-from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_step
+from polydraulic.flow.pressure import PressureFlow, pressure_flow, pressure_layout, pressure_step
+from polydraulic.flow.stiff import StiffFlow, stiff_flow, stiff_layout, stiff_step
+from polydraulic.flow.tlm import TlmFlow, tlm_flow, tlm_layout, tlm_step
 from polydraulic.machine.state import Links
 from polydraulic.networks.model.table import work_size
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -70,7 +70,7 @@ class FlowKind(NamedTuple):
     lanes : kernel (model, own, rows, whole) that finds the flows of a block of machines side by side; None where a step
         keeps memory or loops as long as its data ask, so that machines must run one by one
     slopes : kernel (model, spool, inside, flows) -> FlowSlopes; None where there is none
-    layout : function (machine, options) -> LayoutFlow, for machines that are described by links; None where there is none
+    layout : function (machine, options) -> LayoutFlow, for machines that are described by links
     """
 
     model: type
@@ -80,11 +80,11 @@ class FlowKind(NamedTuple):
     balances: bool
     gives_pump_pressure: bool
     links: tuple[str, ...]
+    layout: Callable[..., LayoutFlow]
     served: Callable[[Any], tuple[str, ...]] | None = None
     has_state: bool = False
     lanes: Callable[..., None] | None = None
     slopes: Callable[..., FlowSlopes] | None = None
-    layout: Callable[..., LayoutFlow] | None = None
 
 
 FLOW_KINDS: dict[str, FlowKind] = {
@@ -103,8 +103,10 @@ FLOW_KINDS: dict[str, FlowKind] = {
     "iterative": FlowKind(
         IterativeFlow, iterative_step, iterative_flow, lambda model: 3, True, True, LINKS, layout=iterative_layout
     ),
-    "stiff": FlowKind(StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True),
-    "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True),
+    "stiff": FlowKind(
+        StiffFlow, stiff_step, stiff_flow, lambda model: 4, True, True, LINKS, has_state=True, layout=stiff_layout
+    ),
+    "tlm": FlowKind(TlmFlow, tlm_step, tlm_flow, lambda model: 7, True, True, LINKS, has_state=True, layout=tlm_layout),
     "lookup": FlowKind(LookupFlow, lookup_step, lookup_flow, lambda model: 1, True, False, LINKS, layout=lookup_layout),
     "polynomial": FlowKind(
         PolynomialFlow,
@@ -129,7 +131,14 @@ FLOW_KINDS: dict[str, FlowKind] = {
         layout=partial(layout_networks, kind="neural"),
     ),
     "pressure": FlowKind(
-        PressureFlow, pressure_step, pressure_flow, lambda model: work_size(model.table), False, True, ("boom",)
+        PressureFlow,
+        pressure_step,
+        pressure_flow,
+        lambda model: work_size(model.table),
+        False,
+        True,
+        ("boom",),
+        layout=pressure_layout,
     ),
 }
 
@@ -240,12 +249,6 @@ def build_flow(name: str, machine: Machine | LayoutMachine | str | Path, **optio
     if not isinstance(machine, LayoutMachine):
         found: FlowModel = kind.build(machine, **options)
         return found
-    if kind.layout is None:
-        able = [other for other, row in FLOW_KINDS.items() if row.layout is not None]
-        why = ", whose oil between pump and valves it follows" if kind.has_state else ""
-        raise InputError(
-            f"flow {name!r} knows the layout of 'cat215b' alone{why}; machines of other layouts run with one of {able}"
-        )
     return kind.layout(machine, **options)
 
 

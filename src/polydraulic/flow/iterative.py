@@ -85,7 +85,7 @@ def iterative_layout(
     InputError
         If a setting is out of its range, or a circuit has more valves.
     """
-    check_circuits(machine, "iterative", most=2)
+    check_circuits(machine, "iterative")
     parts = {"sweeps": _checked(eps, relaxation, max_sweeps)}
     n_memory = sum(len(c.functions) for c in machine.circuits)  # a pressure before each valve
     return LayoutFlow("iterative", "iterative", circuits_of(machine), machine.names, parts, n_memory, True)

@@ -124,7 +124,7 @@ def lookup_layout(machine: LayoutMachine, *, points: int = 24) -> LayoutFlow:
     InputError
         If a circuit has more valves, whose table would be too large; as `lookup_flow`.
     """
-    check_circuits(machine, "lookup", most=2)
+    check_circuits(machine, "lookup")
     least = max(len(f.valve.knots) for f in machine.functions)
     if not isinstance(points, int) or not least <= points <= MOST_POINTS:
         raise InputError(

@@ -14,17 +14,31 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import constant_boom_pump
 from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
+from polydraulic.flow.layout.networks import NOTHING
+from polydraulic.flow.layout.slots import pressure_before
 from polydraulic.flow.network_slots import BOOM_IN, choose_model
 from polydraulic.machine.pump import Circuit, Pump
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
 from polydraulic.networks.model.model import Model, Variable, pack_models
 from polydraulic.networks.model.partition import Regions, choose
-from polydraulic.networks.model.table import NetworkTable, evaluate
+from polydraulic.networks.model.table import NetworkTable, evaluate, work_size
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
 P_PUMP = (Variable("boom.p_pump", "Pa"), BOOM_IN[1])
+
+
+_NO_MODELS = "flow 'pressure' needs models=[...]: fit one of '{}' on a sampled table first"
+
+
+class PressureNetwork(NamedTuple):
+    """Networks of the pressure before a valve, and the largest pressure at its pressurised port that they know."""
+
+    p: Regions
+    p_in_high: float
 
 
 class PressureFlow(NamedTuple):
@@ -53,11 +67,59 @@ def pressure_flow(machine: Machine | str | Path, *, models: Sequence[Model] | No
     """
     machine = as_excavator(machine)
     if models is None:
-        raise InputError("flow 'pressure' needs models=[...]: fit one of 'boom.p_pump' on a sampled table first")
+        raise InputError(_NO_MODELS.format("boom.p_pump"))
     model = choose_model(models, P_PUMP)
     (regions,), table = pack_models([model])
     valve = prepare_valve(machine.boom.valve, machine.spool)
     return PressureFlow(table, regions, float(model.domain()[1, 1]), valve, constant_boom_pump(machine))
+
+
+def pressure_layout(machine: LayoutMachine, *, models: Sequence[Model] | None = None) -> LayoutFlow:
+    """`pressure_flow` for a machine of any layout.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    models : sequence of Model
+        In SI, for a circuit the pressures before all of its valves, of their travels and pressures at their pressurised ports:
+        ``work.p_pump``, and between valves ``work.p_between`` (of more than two ``work.p_between_1`` and so on). Functions of circuits
+        without networks get no flow.
+
+    Raises
+    ------
+    InputError
+        If no models are given, one is missing or reads other inputs, or none is of this machine; if a pump has a torque limit.
+    """
+    check_circuits(machine, "pressure")
+    if models is None:
+        raise InputError(_NO_MODELS.format(f"{machine.circuits[0].name}.p_pump"))
+    given = {model.output.name for model in models}
+    served = [c for c in machine.circuits if f"{c.name}.p_pump" in given]
+    if not served:
+        raise InputError(
+            f"given are models of {sorted(given)}; flow 'pressure' needs one of {[f'{c.name}.p_pump' for c in machine.circuits]}"
+        )
+    chosen: list[Model] = [NOTHING]
+    highest = dict.fromkeys(machine.names, np.inf)
+    number = dict.fromkeys(machine.names, 0)
+    for c in served:
+        if c.pump.torque_limit_enabled:
+            raise InputError(
+                f"circuits.{c.name}.pump.torque_limit_enabled = true: flow 'pressure' does not know how that lowers the flow; set it to false, "
+                "or use flow 'exact'"
+            )
+        for place, f in enumerate(c.functions):
+            number[f] = len(chosen)
+            chosen.append(choose_model(models, pressure_before(c, place)))
+        for place, f in enumerate(c.functions):
+            domains = [chosen[number[g]].domain() for g in c.functions]
+            highest[f] = min(float(domain[len(c.functions) + place, 1]) for domain in domains)
+    regions, table = pack_models(chosen)
+    parts: dict[str, object] = {"table": table}
+    parts |= {f"pressure_{f}": PressureNetwork(regions[number[f]], highest[f]) for f in machine.names}
+    scratch = max(*(2 * len(c.functions) for c in machine.circuits), work_size(table))
+    moved = tuple(f for f in machine.names if number[f])
+    return LayoutFlow("pressure", "pressure", circuits_of(machine), moved, parts, scratch, True)
 
 
 @kernel

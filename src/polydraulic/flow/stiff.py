@@ -18,6 +18,8 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import OK, Flows
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
+from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.feed import (
     DRAW_PASSES,
     SHUT,
@@ -33,6 +35,7 @@ from polydraulic.machine.feed import (
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifice_flow, orifices
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
@@ -40,14 +43,20 @@ SERIES_PASSES = 6
 LIMITED_PASSES = 8
 
 
+class Volumes(NamedTuple):
+    """Compliances in m3/Pa of a pump's pipe and of the passage between two valves."""
+
+    compliance: float
+    compliance_between: float
+
+
 class StiffFlow(NamedTuple):
-    """Orifice tables, pumps, and the compliances in m3/Pa of a pump's pipe and of the passage between two valves."""
+    """Orifice tables, pumps, and the volumes behind them."""
 
     valves: Valves
     boom_pump: Pump
     series_pump: Pump
-    compliance: float
-    compliance_between: float
+    volumes: Volumes
 
 
 def stiff_flow(
@@ -72,11 +81,34 @@ def stiff_flow(
     """
     machine = as_excavator(machine)
     boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
-    first, between = compliances(volume, volume_between, bulk_modulus)
-    return StiffFlow(prepare_valves(machine), boom, series, first, between)
+    return StiffFlow(prepare_valves(machine), boom, series, compliances(volume, volume_between, bulk_modulus))
 
 
-def compliances(volume: float, volume_between: float, bulk_modulus: float) -> tuple[float, float]:
+def stiff_layout(
+    machine: LayoutMachine, *, volume: float = 1e-3, volume_between: float = 2e-4, bulk_modulus: float = 1.0e9
+) -> LayoutFlow:
+    """`stiff_flow` for a machine of any layout whose circuits have one or two valves.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    volume, volume_between, bulk_modulus
+        As for `stiff_flow`.
+
+    Raises
+    ------
+    InputError
+        If one of them is not positive and finite, or a circuit has more valves.
+    """
+    check_circuits(machine, "stiff")
+    parts = {"volumes": compliances(volume, volume_between, bulk_modulus)}
+    n_memory = (
+        sum(len(c.functions) for c in machine.circuits) + 1
+    )  # a pressure before each valve, and whether there are any
+    return LayoutFlow("stiff", "stiff", circuits_of(machine), machine.names, parts, n_memory, True)
+
+
+def compliances(volume: float, volume_between: float, bulk_modulus: float) -> Volumes:
     """Compliances in m3/Pa of the two volumes, with every number checked."""
     for name, value, unit in (
         ("volume", volume, "m3"),
@@ -85,7 +117,7 @@ def compliances(volume: float, volume_between: float, bulk_modulus: float) -> tu
     ):
         if not (isfinite(value) and value > 0.0):
             raise InputError(f"{name} = {value} {unit}: must be positive and finite; flow 'exact' has no volumes")
-    return volume / bulk_modulus, volume_between / bulk_modulus
+    return Volumes(volume / bulk_modulus, volume_between / bulk_modulus)
 
 
 class _Source(NamedTuple):
@@ -95,18 +127,6 @@ class _Source(NamedTuple):
     q_pump: float
     slope: float
     feed: Feed
-
-
-class _Boom(NamedTuple):
-    q_in: float
-    circuit: Circuit
-
-
-class _Series(NamedTuple):
-    q_first: float
-    q_second: float
-    p_between: float
-    circuit: Circuit
 
 
 @kernel
@@ -136,23 +156,28 @@ def _circuit(source: _Source, flow: float, q_bypass: float, p_before: float, z: 
 
 
 @kernel
-def _boom_step(k: Orifices, p_in: float, p_before: float, compliance: float, pump: Pump, dt: float) -> _Boom:
-    z = dt / compliance
-    bypass = Bypass(pump.p_return, 0.0, k.bypass * k.bypass)
-    most = relieved_flow(k.inlet, p_in, bypass, pump.relief)
+def stiff_1(
+    k_1: Orifices, p_1: float, p_before: float, begun: bool, pump: Pump, volumes: Volumes, dt: float
+) -> Series1:
+    """Flows of one valve over a step from the pump pressure `p_before`, or from that of steady flow if none has begun."""
+    if not begun:
+        p_before = single_circuit(k_1, p_1, pump).circuit.p_pump
+    z = dt / volumes.compliance
+    bypass = Bypass(pump.p_return, 0.0, k_1.bypass * k_1.bypass)
+    most = relieved_flow(k_1.inlet, p_1, bypass, pump.relief)
     source = _constant(pump, p_before, z)
-    flow = at_most(source.feed, k.inlet, p_in, bypass)
+    flow = at_most(source.feed, k_1.inlet, p_1, bypass)
     for _ in range(DRAW_PASSES):
-        flow = draw_pass(flow, source.feed, k.inlet, p_in, bypass).flow
+        flow = draw_pass(flow, source.feed, k_1.inlet, p_1, bypass).flow
     flow = min(flow, most)
     p = source.feed.pressure - z * flow
     if pump.log_least < 0.0 and p > pump.limit_start:
         for _ in range(LIMITED_PASSES):
             source = _limited(p, pump, p_before, z)
-            flow = min(draw_pass(flow, source.feed, k.inlet, p_in, bypass).flow, most)
+            flow = min(draw_pass(flow, source.feed, k_1.inlet, p_1, bypass).flow, most)
             p = source.feed.pressure - source.feed.impedance * flow
-    q = inlet_part(flow, k.inlet, p_in, bypass)
-    return _Boom(q, _circuit(source, flow, flow - q, p_before, z, pump))
+    q = inlet_part(flow, k_1.inlet, p_1, bypass)
+    return Series1(q, _circuit(source, flow, flow - q, p_before, z, pump), 0)
 
 
 class _Between(NamedTuple):
@@ -167,7 +192,7 @@ class _Between(NamedTuple):
     step: float
 
 
-class _Volumes(NamedTuple):
+class _Before(NamedTuple):
     """Pressures before the step, and dt / C, of the pump's volume and the one between the valves."""
 
     p: float
@@ -192,48 +217,62 @@ def _behind(d: Draw, w: float, passage: Feed, square: float) -> Bypass:
 
 @kernel
 def _series_pass(
-    x: _Between, feed: Feed, at: _Volumes, first: Orifices, second: Orifices, p_in: Links, pump: Pump
+    x: _Between, feed: Feed, at: _Before, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump
 ) -> _Between:
     """One Newton step in the flow between the valves, with both valves osculated twice."""
     passage = Feed(at.p_between + at.z_between * x.between, at.z_between)
-    onward = Bypass(pump.p_return, 0.0, second.bypass * second.bypass)
-    d = draw_pass(x.second, passage, second.inlet, p_in.stick, onward)
-    d = draw_pass(d.flow, passage, second.inlet, p_in.stick, onward)
-    behind = _behind(d, x.between, passage, first.bypass * first.bypass)
-    flow = draw_pass(x.first, feed, first.inlet, p_in.swing, behind).flow
-    flow = draw_pass(flow, feed, first.inlet, p_in.swing, behind).flow
-    flow = min(flow, relieved_flow(first.inlet, p_in.swing, behind, pump.relief))
-    step = flow - inlet_part(flow, first.inlet, p_in.swing, behind) - x.between
+    onward = Bypass(pump.p_return, 0.0, k_2.bypass * k_2.bypass)
+    d = draw_pass(x.second, passage, k_2.inlet, p_2, onward)
+    d = draw_pass(d.flow, passage, k_2.inlet, p_2, onward)
+    behind = _behind(d, x.between, passage, k_1.bypass * k_1.bypass)
+    flow = draw_pass(x.first, feed, k_1.inlet, p_1, behind).flow
+    flow = draw_pass(flow, feed, k_1.inlet, p_1, behind).flow
+    flow = min(flow, relieved_flow(k_1.inlet, p_1, behind, pump.relief))
+    step = flow - inlet_part(flow, k_1.inlet, p_1, behind) - x.between
     swings = step * x.step < 0.0 and abs(step) > 0.5 * abs(x.step)  # around a kink, which Newton steps may do for ever
     step = 0.5 * step if swings else step
     return _Between(flow, x.between + step, d.flow, step)
 
 
 @kernel
-def _series_step(first: Orifices, second: Orifices, p_in: Links, at: _Volumes, pump: Pump) -> _Series:
-    onward = Bypass(pump.p_return, 0.0, second.bypass * second.bypass)
+def stiff_2(
+    k_1: Orifices,
+    k_2: Orifices,
+    p_1: float,
+    p_2: float,
+    p_before: float,
+    p_between: float,
+    begun: bool,
+    pump: Pump,
+    volumes: Volumes,
+    dt: float,
+) -> Series2:
+    """Flows of two valves in series over a step from the pressures before and between them, or from those of steady flow if none have begun."""
+    if not begun:
+        still = series_circuit(k_1, k_2, p_1, p_2, pump)
+        p_before, p_between = still.circuit.p_pump, still.p_between
+    at = _Before(p_before, p_between, dt / volumes.compliance, dt / volumes.compliance_between)
+    onward = Bypass(pump.p_return, 0.0, k_2.bypass * k_2.bypass)
     source = _constant(pump, at.p, at.z)
-    w = orifice_flow(first.bypass, at.p - at.p_between)
+    w = orifice_flow(k_1.bypass, at.p - at.p_between)
     passage = Feed(at.p_between + at.z_between * w, at.z_between)
-    begin = Bypass(at.p_between, 0.0, first.bypass * first.bypass)
-    x = _Between(
-        at_most(source.feed, first.inlet, p_in.swing, begin), w, at_most(passage, second.inlet, p_in.stick, onward), 0.0
-    )
+    begin = Bypass(at.p_between, 0.0, k_1.bypass * k_1.bypass)
+    x = _Between(at_most(source.feed, k_1.inlet, p_1, begin), w, at_most(passage, k_2.inlet, p_2, onward), 0.0)
     for _ in range(SERIES_PASSES):
-        x = _series_pass(x, source.feed, at, first, second, p_in, pump)
+        x = _series_pass(x, source.feed, at, k_1, k_2, p_1, p_2, pump)
     p = source.feed.pressure - at.z * x.first
     if pump.log_least < 0.0 and p > pump.limit_start:
         for _ in range(LIMITED_PASSES):
             source = _limited(p, pump, at.p, at.z)
-            x = _series_pass(x, source.feed, at, first, second, p_in, pump)
+            x = _series_pass(x, source.feed, at, k_1, k_2, p_1, p_2, pump)
             p = source.feed.pressure - source.feed.impedance * x.first
 
     passage = Feed(at.p_between + at.z_between * x.between, at.z_between)
-    drawn = draw_pass(x.second, passage, second.inlet, p_in.stick, onward).flow
-    q_second = inlet_part(drawn, second.inlet, p_in.stick, onward)
+    drawn = draw_pass(x.second, passage, k_2.inlet, p_2, onward).flow
+    q_second = inlet_part(drawn, k_2.inlet, p_2, onward)
     c = _circuit(source, x.first, drawn - q_second, at.p, at.z, pump)
     circuit = Circuit(c.q_pump, c.q_bypass, c.q_relief, c.p_pump, c.q_stored + x.between - drawn)
-    return _Series(max(x.first - x.between, 0.0), q_second, passage.pressure - at.z_between * drawn, circuit)
+    return Series2(max(x.first - x.between, 0.0), q_second, passage.pressure - at.z_between * drawn, circuit, 0)
 
 
 @kernel
@@ -245,19 +284,17 @@ def stiff_step(model: StiffFlow, memory: np.ndarray, spool: Links, p_in: Links, 
     swing = orifices(spool.swing, model.valves.swing)
     boom = orifices(spool.boom, model.valves.boom)
     stick = orifices(spool.stick, model.valves.stick)
-    if memory[3] == 0.0:
-        still = series_circuit(swing, stick, p_in.swing, p_in.stick, model.series_pump)
-        memory[0] = single_circuit(boom, p_in.boom, model.boom_pump).circuit.p_pump
-        memory[1], memory[2], memory[3] = still.circuit.p_pump, still.p_between, 1.0
-    single = _boom_step(boom, p_in.boom, memory[0], model.compliance, model.boom_pump, dt)
-    at = _Volumes(memory[1], memory[2], dt / model.compliance, dt / model.compliance_between)
-    series = _series_step(swing, stick, p_in, at, model.series_pump)
-    memory[0], memory[1], memory[2] = single.circuit.p_pump, series.circuit.p_pump, series.p_between
+    begun = memory[3] != 0.0
+    single = stiff_1(boom, p_in.boom, memory[0], begun, model.boom_pump, model.volumes, dt)
+    series = stiff_2(
+        swing, stick, p_in.swing, p_in.stick, memory[1], memory[2], begun, model.series_pump, model.volumes, dt
+    )
+    memory[0], memory[1], memory[2], memory[3] = single.circuit.p_pump, series.circuit.p_pump, series.p_between_1, 1.0
     return Flows(
-        Links(series.q_first, single.q_in, series.q_second),
+        Links(series.q_in_1, single.q_in_1, series.q_in_2),
         Links(swing.outlet, boom.outlet, stick.outlet),
         single.circuit,
         series.circuit,
-        series.p_between,
+        series.p_between_1,
         OK,
     )

@@ -20,11 +20,13 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.exact import Valves, prepare_valves
 from polydraulic.flow.interface import OK, Flows
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.flow.stiff import compliances
-from polydraulic.machine.feed import Bypass, Feed, draw
+from polydraulic.machine.feed import Bypass, Drawn, Feed, draw
 from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
 from polydraulic.machine.state import Links
 from polydraulic.machine.valve import Orifices, orifices
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_excavator
 from polydraulic.parameters.schema import Machine
 
@@ -71,16 +73,60 @@ def tlm_flow(
         If a setting is out of its range.
     """
     machine = as_excavator(machine)
-    if not 0.0 <= alpha < 1.0:
-        raise InputError(f"alpha = {alpha}: must lie in [0, 1), for example 0.1")
-    if not isinstance(substeps, int) or substeps < 1:
-        raise InputError(f"substeps = {substeps!r}: must be a whole number, at least 1")
+    _check_waves(alpha, substeps)
     boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
     first, between = compliances(volume, volume_between, bulk_modulus)
     return TlmFlow(prepare_valves(machine), boom, series, first, between, alpha, machine.tank.floor, substeps)
 
 
-class _PumpEnd(NamedTuple):
+class TlmLines(NamedTuple):
+    """Compliances in m3/Pa of lines, low pass, make-up floor in Pa, substeps per step."""
+
+    compliance: float
+    compliance_between: float
+    alpha: float
+    floor: float
+    substeps: int
+
+
+def tlm_layout(
+    machine: LayoutMachine,
+    *,
+    volume: float = 1e-3,
+    volume_between: float = 2e-4,
+    bulk_modulus: float = 1.0e9,
+    alpha: float = 0.1,
+    substeps: int = 4,
+) -> LayoutFlow:
+    """`tlm_flow` for a machine of any layout whose circuits are valves in series: a line before each valve.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    volume, volume_between, bulk_modulus, alpha, substeps
+        As for `tlm_flow`.
+
+    Raises
+    ------
+    InputError
+        If a setting is out of its range, or a circuit is of another kind.
+    """
+    check_circuits(machine, "tlm")
+    _check_waves(alpha, substeps)
+    volumes = compliances(volume, volume_between, bulk_modulus)
+    parts = {"tlm_lines": TlmLines(*volumes, alpha, machine.tank.floor, substeps)}
+    n_memory = 2 * sum(len(c.functions) for c in machine.circuits) + 1  # waves, and whether there are any
+    return LayoutFlow("tlm", "tlm", circuits_of(machine), machine.names, parts, n_memory, True)
+
+
+def _check_waves(alpha: float, substeps: int) -> None:
+    if not 0.0 <= alpha < 1.0:
+        raise InputError(f"alpha = {alpha}: must lie in [0, 1), for example 0.1")
+    if not isinstance(substeps, int) or substeps < 1:
+        raise InputError(f"substeps = {substeps!r}: must be a whole number, at least 1")
+
+
+class PumpEnd(NamedTuple):
     """A pump at its end of a line."""
 
     p: float
@@ -103,7 +149,7 @@ class _Sums(NamedTuple):
 
 
 @kernel
-def _pump_end(wave: float, z: float, pump: Pump, floor: float) -> _PumpEnd:
+def pump_end(wave: float, z: float, pump: Pump, floor: float) -> PumpEnd:
     """P = c + Z (Q - q_relief), with a torque limit by its tangents: it is convex, so that they come from one side."""
     q = pump.flow
     if pump.log_least < 0.0 and wave + z * q > pump.limit_start:
@@ -115,7 +161,25 @@ def _pump_end(wave: float, z: float, pump: Pump, floor: float) -> _PumpEnd:
         q = delivered(p, pump)
     wave = max(wave, floor - z * q)
     p = wave + z * q
-    return _PumpEnd(min(p, pump.relief), wave, q, max(p - pump.relief, 0.0) / z)
+    return PumpEnd(min(p, pump.relief), wave, q, max(p - pump.relief, 0.0) / z)
+
+
+class Onward(NamedTuple):
+    """A valve between two lines, and the wave that arrives at the near end of the second, no lower than the make-up valves allow."""
+
+    drawn: Drawn
+    wave: float
+
+
+@kernel
+def draw_onward(feed: Feed, k: Orifices, p_in: float, wave: float, z: float, floor: float, relief: float) -> Onward:
+    """What a valve draws from the end of one line and passes into the next, of impedance `z`, where `wave` arrives."""
+    b = k.bypass * k.bypass
+    d = draw(feed, k.inlet, p_in, Bypass(wave, z, b), relief)
+    if wave + z * d.q_bypass < floor:
+        d = draw(feed, k.inlet, p_in, Bypass(floor, 0.0, b), relief)
+        wave = floor - z * d.q_bypass
+    return Onward(d, wave)
 
 
 @kernel
@@ -126,7 +190,7 @@ def _boom(near: float, far: float, memory: np.ndarray, k: Orifices, p_in: float,
     bypass = Bypass(pump.p_return, 0.0, k.bypass * k.bypass)
     x = _Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(model.substeps):
-        end = _pump_end(near, z, pump, model.floor)
+        end = pump_end(near, z, pump, model.floor)
         far = max(far, model.floor)
         d = draw(Feed(far, z), k.inlet, p_in, bypass, pump.relief)
         held = end.wave + far
@@ -162,17 +226,13 @@ def _series(
     """Two lines; `memory` receives the waves."""
     pump, alpha, keep, floor = model.series_pump, model.alpha, 1.0 - model.alpha, model.floor
     z, z_passage = dt / (model.compliance * keep), dt / (model.compliance_between * keep)
-    b = first.bypass * first.bypass
     onward = Bypass(pump.p_return, 0.0, second.bypass * second.bypass)
     x = _Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(model.substeps):
-        end = _pump_end(c.near, z, pump, floor)
+        end = pump_end(c.near, z, pump, floor)
         far = max(c.far, floor)
-        d = draw(Feed(far, z), first.inlet, p_in.swing, Bypass(c.passage_near, z_passage, b), pump.relief)
-        passage_near = c.passage_near
-        if passage_near + z_passage * d.q_bypass < floor:
-            d = draw(Feed(far, z), first.inlet, p_in.swing, Bypass(floor, 0.0, b), pump.relief)
-            passage_near = floor - z_passage * d.q_bypass
+        onto = draw_onward(Feed(far, z), first, p_in.swing, c.passage_near, z_passage, floor, pump.relief)
+        d, passage_near = onto.drawn, onto.wave
         p_near = passage_near + z_passage * d.q_bypass
         passage_far = max(c.passage_far, floor)
         e = draw(Feed(passage_far, z_passage), second.inlet, p_in.stick, onward, pump.relief)

@@ -90,11 +90,3 @@ def test_a_model_of_one_machine_is_refused_to_another(machine):
         simulate(machine, flow, "task")
     with pytest.raises(InputError, match="PolynomialFlow knows the layout of 'cat215b' alone"):
         simulate(TREE, polynomial_flow(machine, models=SHIPPED), "task")
-
-
-@pytest.mark.parametrize("name", ["polynomial", "iterative", "lookup"])
-def test_circuits_of_other_kinds_are_refused_by_name(name):
-    with pytest.raises(
-        InputError, match=f"flow '{name}' is for circuits of valves in series; circuit 'main_giving' is of"
-    ):
-        build_flow(name, "cat215b_crossover")

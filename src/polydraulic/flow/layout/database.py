@@ -6,7 +6,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
-from polydraulic.flow.layout.slots import passed
+from polydraulic.flow.layout.slots import passed, pressure_before
 from polydraulic.machine.pump import NEVER, limited_pump
 from polydraulic.parameters.layout.parts import SupplyCircuit, ValveCurves
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -45,7 +45,8 @@ def sample_circuit(
     Table
         Of each function, for example lift, inputs ``lift.spool``, ``lift.travel`` (its absolute value), ``lift.p_in``, ``lift.p_out``,
         ``lift.root_p_out`` = sqrt(P_o - P_e), and outputs ``lift.q_in``, ``lift.k_out``, ``lift.q_out``; of the circuit, for example
-        work, what passes a valve to the next one (``work.q_passed``, or ``work.q_passed_1`` and so on), and ``work.p_pump``.
+        work, what passes a valve to the next one (``work.q_passed``, or ``work.q_passed_1`` and so on), the pressure between them (``work.p_between``, or ``work.p_between_1`` and so
+        on), and ``work.p_pump``.
 
     Raises
     ------
@@ -104,6 +105,8 @@ def circuit_table(
         columns |= valve_columns(f, spool[:, k], p_in[:, k], p_out[:, k], flows.q_in[:, k], k_out, p_return)
     for k in range(1, len(valves)):
         columns[passed(c, k).name] = (flows.q_passed[:, k - 1], "m3/s")
+    for k in range(1, len(valves)):
+        columns[pressure_before(c, k)[0].name] = (flows.p_between[:, k - 1], "Pa")
     columns[f"{c.name}.p_pump"] = (flows.p_pump, "Pa")
     return database_table(columns, c.name, relief)
 

@@ -3,8 +3,29 @@
 from typing import Any, NamedTuple
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.layout.parts import MOST_IN_SERIES
+from polydraulic.parameters.layout.parts import MOST_IN_SERIES, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
+
+STORING = ("stiff", "tlm")  # kernels that follow oil between pumps and valves
+
+
+class KnownCircuits(NamedTuple):
+    """Circuits that a flow model knows: valves in series, at most so many, and whether one may give to another through a crossover."""
+
+    most: int
+    crossover: bool = False
+
+
+KNOWN_CIRCUITS = {
+    "exact": KnownCircuits(MOST_IN_SERIES, crossover=True),
+    "iterative": KnownCircuits(2),
+    "stiff": KnownCircuits(2),
+    "tlm": KnownCircuits(MOST_IN_SERIES),
+    "lookup": KnownCircuits(2),
+    "polynomial": KnownCircuits(MOST_IN_SERIES),
+    "neural": KnownCircuits(MOST_IN_SERIES),
+    "pressure": KnownCircuits(MOST_IN_SERIES),
+}
 
 
 class LayoutFlow(NamedTuple):
@@ -36,6 +57,11 @@ class LayoutFlow(NamedTuple):
     n_memory: int
     gives_pump_pressure: bool
 
+    @property
+    def stores_oil(self) -> bool:
+        """Whether it follows oil between pumps and valves, so that pressures of its own go on from step to step."""
+        return self.kernels in STORING
+
 
 def circuits_of(machine: LayoutMachine) -> dict[str, tuple[str, ...]]:
     """Functions of each circuit."""
@@ -61,23 +87,35 @@ def check_machine(flow: LayoutFlow, machine: LayoutMachine) -> None:
         )
 
 
-def check_circuits(machine: LayoutMachine, name: str, *, most: int = MOST_IN_SERIES) -> None:
-    """Refuse a machine with circuits that the flow model `name` does not know: other than valves in series, or more than `most`.
+def flows_for(machine: LayoutMachine) -> list[str]:
+    """Names of the flow models that know all circuits of a machine."""
+    return [name for name, known in KNOWN_CIRCUITS.items() if all(_known(c, known) for c in machine.circuits)]
+
+
+def check_circuits(machine: LayoutMachine, name: str) -> None:
+    """Refuse a machine with circuits that the flow model `name` does not know, and say which models do.
 
     Raises
     ------
     InputError
     """
+    known = KNOWN_CIRCUITS[name]
     for c in machine.circuits:
-        if c.kind != "series":
-            raise InputError(
-                f"flow {name!r} is for circuits of valves in series; circuit {c.name!r} is of the kind {c.kind!r}: use 'exact'"
-            )
-        if len(c.functions) > most:
-            raise InputError(
-                f"flow {name!r} is for circuits of at most {most} valves; circuit {c.name!r} has {len(c.functions)} "
-                f"({', '.join(c.functions)}): use 'exact' or 'polynomial'"
-            )
+        if _known(c, known):
+            continue
+        least = "valves in series" if known.most == MOST_IN_SERIES else f"at most {known.most} valves in series"
+        found = (
+            f"circuit {c.name!r} has {len(c.functions)} ({', '.join(c.functions)})"
+            if c.kind == "series"
+            else f"circuit {c.name!r} is of the kind {c.kind!r}"
+        )
+        able = flows_for(machine)
+        use = f"use {able[0]!r}" if len(able) == 1 else f"use one of {able}"
+        raise InputError(f"flow {name!r} is for circuits of {least}; {found}: {use}")
+
+
+def _known(circuit: SupplyCircuit, known: KnownCircuits) -> bool:
+    return (circuit.kind == "series" or known.crossover) and len(circuit.functions) <= known.most
 
 
 def _said(circuits: dict[str, tuple[str, ...]]) -> str:

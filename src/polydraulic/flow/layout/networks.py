@@ -59,7 +59,7 @@ def layout_networks(
             f"given are models of {sorted(given)}; a flow model needs those of all functions of a circuit: "
             + "; ".join(f"{c.name}: {', '.join(c.functions)}" for c in machine.circuits)
         )
-    chosen: list[Model] = [_NOTHING, _NEVER_LEAST]
+    chosen: list[Model] = [NOTHING, _NEVER_LEAST]
     places: dict[tuple[str, str], int] = {}
 
     def place(key: tuple[str, str], alternatives: Sequence[Place], *, needed: bool) -> None:
@@ -120,7 +120,7 @@ def _constant(y: float) -> Model:
     return Model((Variable("none"),), Variable("none"), (Network((), (0.0,), (1.0,), (0.0,), (0.0,), y, 1.0),))
 
 
-_NOTHING = _constant(0.0)
+NOTHING = _constant(0.0)
 _NEVER_LEAST = _constant(1e6)  # as a flow, and as a conductance, a hair below relief pressure
 
 

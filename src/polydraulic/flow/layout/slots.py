@@ -22,6 +22,13 @@ def passed_name(circuit: str, valves: int, place: int) -> str:
     return f"{circuit}.q_passed" if valves == 2 else f"{circuit}.q_passed_{place}"
 
 
+def pressure_before(circuit: SupplyCircuit, place: int) -> Place:
+    """Pressure before the valve at a place, counted from 0: that of the pump, then those between valves."""
+    number = "" if len(circuit.functions) == 2 else f"_{place}"
+    name = f"p_between{number}" if place else "p_pump"
+    return Variable(f"{circuit.name}.{name}", "Pa"), everything(circuit.functions)
+
+
 def everything(functions: Sequence[str]) -> tuple[Variable, ...]:
     """Travels of all valves, then pressures at their pressurised ports."""
     return (*map(travel, functions), *map(p_in, functions))

@@ -58,7 +58,8 @@ class Family(NamedTuple):
 
 def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) -> Family:
     """Family of a machine and its flow model, with a force at the tip or without."""
-    module, of = layout_module(machine, flow=flow.kernels, force=force), columns_of(machine)
+    module = layout_module(machine, flow=flow.kernels, force=force)
+    of = columns_of(machine, stores_oil=flow.stores_oil)
     n, p_in = len(machine.names), len(of.columns)
     lanes = getattr(module, "run_block", None)
 
@@ -78,7 +79,7 @@ def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) 
             found[f"{f}.p_in"], found[f"{f}.p_out"] = (p_in + place, "Pa"), (p_in + n + place, "Pa")
         for c in machine.circuits:
             if fed_functions(machine, c.name) & set(free):
-                for key in circuit_keys(c, p_pump=flow.gives_pump_pressure):
+                for key in circuit_keys(c, p_pump=flow.gives_pump_pressure, stores_oil=flow.stores_oil):
                     add(key)
         for x in machine.crossovers:
             if fed_functions(machine, x.giving) & set(free):

@@ -47,8 +47,15 @@ class Columns(NamedTuple):
     n_state: int
 
 
-def columns_of(machine: LayoutMachine) -> Columns:
-    """Columns that a machine's runs record: state and flows by function, then pumps, pressures between valves and crossovers by circuit."""
+def columns_of(machine: LayoutMachine, *, stores_oil: bool = False) -> Columns:
+    """Columns that a machine's runs record: state and flows by function, then pumps, pressures between valves and crossovers by circuit.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    stores_oil : bool
+        Whether the flow model follows oil between pumps and valves; what charges it comes last, by circuit.
+    """
     gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
     named = [
         (f"{f.name}.{quantity}", function_column(machine, f.name, quantity, unit))
@@ -63,6 +70,7 @@ def columns_of(machine: LayoutMachine) -> Columns:
     ]
     named += [(gap_name(*gap), Column(gap_name(*gap), "Pa")) for gap in gaps]
     named += [(cross_name(x.giving), Column(cross_name(x.giving), "m3/s")) for x in machine.crossovers]
+    named += [(stored_name(c.name), Column(stored_name(c.name), "m3/s")) for c in machine.circuits if stores_oil]
     return Columns(
         tuple(column for _, column in named),
         {name: place for place, (name, _) in enumerate(named)},
@@ -96,10 +104,11 @@ def function_column(machine: LayoutMachine, function: str, quantity: str, unit: 
     return Column(f"{function}.{shown}", unit)
 
 
-def circuit_keys(circuit: SupplyCircuit, *, p_pump: bool) -> list[str]:
-    """Columns of a circuit, of a flow model that gives pressures of pumps or does not."""
+def circuit_keys(circuit: SupplyCircuit, *, p_pump: bool, stores_oil: bool) -> list[str]:
+    """Columns of a circuit, of a flow model that gives pressures of pumps or does not, and follows oil before the valves or does not."""
     n = len(circuit.functions)
     found = [f"{circuit.name}.{quantity}" for quantity, _ in CIRCUIT if p_pump or quantity != "p_pump"]
+    found += [stored_name(circuit.name)] if stores_oil else []
     return found + ([gap_name(circuit.name, k, n) for k in range(1, n)] if p_pump else [])
 
 
@@ -107,6 +116,11 @@ def fed_functions(machine: LayoutMachine, circuit: str) -> set[str]:
     """Functions that a circuit's pump feeds, its own and the one behind its crossover."""
     behind = [machine.circuit(x.taking).functions[-1] for x in machine.crossovers if x.giving == circuit]
     return {*machine.circuit(circuit).functions, *behind}
+
+
+def stored_name(circuit: str) -> str:
+    """Name of the flow that charges the oil between a circuit's pump and its valves."""
+    return f"{circuit}.q_stored"
 
 
 def cross_name(giving: str) -> str:

@@ -1,11 +1,22 @@
 """What a layout has, as the lists that pages loop over."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 
+from polydraulic.flow.layout.model import STORING
 from polydraulic.machine.actuator import Triangle
 from polydraulic.machine.drives import Motor, Ram, Rocker
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import CIRCUIT, MORE_STATE, STATE, columns_of, cross_name, gap_name, has
+from polydraulic.simulation.layout.columns import (
+    CIRCUIT,
+    MORE_STATE,
+    STATE,
+    columns_of,
+    cross_name,
+    gap_name,
+    has,
+    stored_name,
+)
 from polydraulic.simulation.layout.expand import Rows, Value
 
 _CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker}
@@ -13,7 +24,7 @@ _CLASSES = {"motor": Motor, "ram": Ram, "cylinder": Triangle, "four_bar": Rocker
 
 def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact") -> dict[str, Rows]:
     """Lists of the pages of a single machine, with a force at the tip or without; letters: F function, J its number, C circuit, I place in it, N length, P place in a row."""
-    place = columns_of(machine).place
+    place = columns_of(machine, stores_oil=flow in STORING).place
     circuit_of = {f: (c.name, k) for c in machine.circuits for k, f in enumerate(c.functions, 1)}
     gaps = [(c.name, k, len(c.functions)) for c in machine.circuits for k in range(1, len(c.functions))]
     lists: dict[str, Rows] = {
@@ -39,6 +50,10 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact
         "CIRCUIT_PLACES": [{"C": c.name, "W": q, "P": place[f"{c.name}.{q}"]} for c in machine.circuits for q, _ in CIRCUIT],
         "GAP_PLACES": [{"C": c, "I": str(k), "P": place[gap_name(c, k, n)]} for c, k, n in gaps],
     }  # fmt: skip
+    stored: Rows = [
+        {"C": c.name, "W": "q_stored", "P": place[stored_name(c.name)]} for c in machine.circuits if flow in STORING
+    ]
+    lists["CIRCUIT_PLACES"] = [*lists["CIRCUIT_PLACES"], *stored]
     n = len(machine.names)
     lists["TIP"], lists["PUSHED"] = [{"T": tip}], [{"T": tip}] if force else []
     lists["UNPUSHED"] = [] if force else [{"E": ""}]
@@ -86,20 +101,27 @@ def _effect_lists(machine: LayoutMachine) -> dict[str, Rows]:
 def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
     """Lists of flow models.
 
-    Of networks: F and G functions, E the first of two; T and P places of travels and pressures as inputs. Of sweeps: P places in memory.
+    Of networks: F and G functions, E the first of two; T and P places of travels and pressures as inputs. Of pressures that are kept: P
+    places in memory; of waves P and R, at both ends of the line before a valve.
     """
-    networks, shared = flow == "networks", [c for c in machine.circuits if len(c.functions) > 1]
+    shared = [c for c in machine.circuits if len(c.functions) > 1]
+    ordered = [(c.name, f, place) for c in machine.circuits for place, f in enumerate(c.functions)]
     lists: dict[str, Rows] = {
-        "NETWORKS": [{"E": ""}] if networks else [],
-        "NETWORKS_OF_VALVES": [{"F": f} for f in machine.names] if networks else [],
-        "NETWORKS_BETWEEN_VALVES": [{"C": c.name} for c in shared] if networks else [],
+        "FLOW_FIELDS": [{"Q": name, "T": kind} for name, kind in _flow_fields(machine, flow)],
         "FIRST": [{"C": c.name, "F": c.functions[0]} for c in machine.circuits],
         "SHARED": [{"C": c.name, "F": c.functions[0]} for c in shared],
         "LATER": [{"C": c.name, "F": f} for c in shared for f in c.functions[1:]],
+        "PASSING": [{"C": c.name, "F": f, "G": g} for c in shared for f, g in pairwise(c.functions)],
+        "LAST": [{"C": c.name, "F": c.functions[-1]} for c in machine.circuits],
+        "BACKWARDS": [
+            {"C": c, "F": f, "I": str(place + 1), "O": str(place)} for c, f, place in reversed(ordered) if place
+        ],
+        "BY_CIRCUIT": [{"C": c, "F": f} for c, f, _ in ordered],
+        "WAVES": [{"F": f, "P": 2 * k, "R": 2 * k + 1} for k, (_, f, _) in enumerate(ordered)],
+        "BEGUN": [{"P": len(ordered) * (2 if flow == "tlm" else 1)}],
+        "PUMP_MEMORY": [],
+        "GAP_MEMORY": [],
     }
-    lists |= {"SWEEPS": [{"E": ""}] if flow == "iterative" else [], "PUMP_MEMORY": [], "GAP_MEMORY": []}
-    lookups: Rows = [{"C": c.name, "T": f"FlowTable{len(c.functions)}"} for c in machine.circuits]
-    lists["LOOKUPS"] = lookups if flow == "lookup" else []
     kept = 0
     for c in machine.circuits:
         n = len(c.functions)
@@ -116,6 +138,24 @@ def _flow_lists(machine: LayoutMachine, flow: str) -> dict[str, Rows]:
             lists[f"FROM_{f}"] = [{"G": g, "T": 1 + k, "P": 1 + len(rest) + k} for k, g in enumerate(rest)]
             lists[f"SECOND_OF_{f}"] = [{"E": c.functions[0]}] if n == 2 and place else []
     return lists
+
+
+def _flow_fields(machine: LayoutMachine, flow: str) -> list[tuple[str, str]]:
+    """What a flow model has in the text's ``Valves`` besides orifice tables and pumps: name and type."""
+    by_flow: dict[str, list[tuple[str, str]]] = {
+        "exact": [],
+        "iterative": [("sweeps", "Sweeps")],
+        "stiff": [("volumes", "Volumes")],
+        "tlm": [("tlm_lines", "TlmLines")],
+        "lookup": [(f"lookup_{c.name}", f"FlowTable{len(c.functions)}") for c in machine.circuits],
+        "pressure": [("table", "NetworkTable"), *((f"pressure_{f}", "PressureNetwork") for f in machine.names)],
+        "networks": [
+            ("table", "NetworkTable"),
+            *((f"networks_{f}", "ValveNetworks") for f in machine.names),
+            *((f"passed_{c.name}", "PassedNetworks") for c in machine.circuits if len(c.functions) > 1),
+        ],
+    }
+    return by_flow[flow]
 
 
 def crossover_rows(machine: LayoutMachine) -> Rows:

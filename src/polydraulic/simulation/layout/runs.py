@@ -75,8 +75,7 @@ def simulate_layout(
     model = layout_flow(flow, machine)
     if method != "semi-implicit" and model.name != "exact":
         raise InputError(
-            f"flow {model.name!r} with method {method!r}: machines of other layouts than that of 'cat215b' run with 'semi-implicit', or with "
-            "flow 'exact'"
+            f"flow {model.name!r} with method {method!r}: this method integrates flow 'exact' alone; use method 'semi-implicit', or flow 'exact'"
         )
     declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
     if declared and method != "semi-implicit":
@@ -85,12 +84,16 @@ def simulate_layout(
         raise InputError(
             f"the energy account needs pressures of pumps, which flow {model.name!r} does not give; use 'exact'"
         )
+    if energy and model.stores_oil:
+        raise InputError(
+            f"the energy account does not know oil that is stored before the valves, as flow {model.name!r} does; use 'exact'"
+        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
     check_served(scenario, model, machine)
-    added = _added(scenario, energy, forces, dt)
+    added = _added(scenario, model, energy, forces, dt)
     n_step = n_steps(scenario, dt, t_end, every)
     time = np.arange(n_step // every + 1) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
@@ -122,13 +125,13 @@ class _Made(NamedTuple):
 Added = Callable[[LayoutMachine, Any, Any, np.ndarray, np.ndarray], list[AddedColumn]]
 
 
-def _added(scenario: Scenario, energy: bool, forces: bool, dt: float) -> Added | None:
+def _added(scenario: Scenario, model: LayoutFlow, energy: bool, forces: bool, dt: float) -> Added | None:
     """What a run is to have besides, None where nothing is asked for."""
 
     def columns(
         machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, time: np.ndarray
     ) -> list[AddedColumn]:
-        push, of = scenario.loads.forces(time), columns_of(machine)
+        push, of = scenario.loads.forces(time), columns_of(machine, stores_oil=model.stores_oil)
         account = energy_columns(machine, module, plant, rows, of, push) if energy else ()
         begun = plant._replace(dt=dt)  # methods that choose their own steps have none
         pins = force_columns(machine, module, begun, rows, of, push, scenario.locked) if forces else ()
@@ -142,7 +145,7 @@ def _stepped(
     n_step: int, added: Added | None, piece: int,
 ) -> _Made:  # fmt: skip
     """Run a method with fixed steps."""
-    columns = columns_of(machine)
+    columns = columns_of(machine, stores_oil=model.stores_oil)
     rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
     account: list[list[AddedColumn]] = []
     state: np.ndarray | None = None
@@ -291,7 +294,7 @@ def _table(
     more: Sequence[AddedColumn],
 ) -> Table:
     """Name the columns of recorded rows, and add what follows from them, and `more`."""
-    columns = columns_of(machine)
+    columns = columns_of(machine, stores_oil=model.stores_oil)
     found: dict[str, np.ndarray] = {"time": time}
     units = {"time": "s"}
 
@@ -314,7 +317,7 @@ def _table(
         add(f"{f}.p_out", "Pa", np.where(forward, of["p_b"], of["p_a"]))
     for c in machine.circuits:
         if not fed_functions(machine, c.name) <= set(scenario.locked):
-            for key in circuit_keys(c, p_pump=model.gives_pump_pressure):
+            for key in circuit_keys(c, p_pump=model.gives_pump_pressure, stores_oil=model.stores_oil):
                 recorded(key)
     for x in machine.crossovers:
         if not fed_functions(machine, x.giving) <= set(scenario.locked):

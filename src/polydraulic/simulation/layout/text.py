@@ -9,6 +9,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from importlib.resources import files
 
 from polydraulic.flow.lanes import LANES
+from polydraulic.flow.layout.model import STORING
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -21,10 +22,14 @@ from polydraulic.simulation.layout.tree import function_of, tree_of
 _PAGES = ("joints", "step", "loop", "points", "energy", "forces")
 _FLOWS = {
     "exact": ("flow", "flow_exact"),
-    "networks": ("flow_networks",),
+    "networks": ("flow_inputs", "flow_networks"),
+    "pressure": ("flow_inputs", "flow_pressure"),
     "iterative": ("flow_iterative",),
     "lookup": ("flow_lookup",),
+    "stiff": ("flow_stiff",),
+    "tlm": ("flow_tlm",),
 }  # pages of flows, by what circuits get
+_EXACT = ("exact", "tlm")  # that solve circuits of any length exactly, at each step or at the first
 _LANES = ("lanes", "crossover")  # for exact circuits alone
 _EFFECT_PAGES = {"stops": "NONE_STICKING", "stiction": "ANY_STICKING", "spools": "ANY_VALVE_EFFECT"}  # before "step"
 _IMPORTS = (
@@ -34,6 +39,9 @@ _IMPORTS = (
     "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
     "from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks, entering, leaving, network_value, or_less, root_drop",
     "from polydraulic.flow.iterative import Sweeps, iterative_1, iterative_2",
+    "from polydraulic.flow.stiff import Volumes, stiff_1, stiff_2",
+    "from polydraulic.flow.tlm import TlmLines, draw_onward, pump_end",
+    "from polydraulic.machine.feed import Bypass, Feed, draw",
     "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
     "from polydraulic.elementary import exp",
@@ -47,7 +55,8 @@ _IMPORTS = (
     "from polydraulic.machine.pump import LIMIT_PASSES, Bracket, Circuit, Pump, limits, unlimited",
     "from polydraulic.machine.circuits.series_short import limit_series_1, limit_series_2, series_1, series_1_at, series_2, series_2_at",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
-    "from polydraulic.machine.valve import Orifices",
+    "from polydraulic.flow.pressure import PressureNetwork",
+    "from polydraulic.machine.valve import Orifices, orifice_flow",
     "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",
     "from polydraulic.simulation.steps import DIVERGED, FASTEST",
@@ -66,7 +75,7 @@ def layout_text(machine: LayoutMachine, *, flow: str = "exact", force: bool = Fa
     ----------
     machine : LayoutMachine
     flow : str
-        What circuits get: ``"exact"`` equations, ``"iterative"`` ones, ``"lookup"`` tables, or ``"networks"``; see `flow.layout.model.LayoutFlow.kernels`.
+        What circuits get; see `flow.layout.model.LayoutFlow.kernels`.
     force : bool
         Whether a force at the tip is among the inputs; without one it costs nothing.
     """
@@ -100,7 +109,7 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     tip = function_of(machine, machine.tip[0])
     motion = motion_text(tree_of(machine), points=[tip])
     lengths = sorted({len(f.valve.knots) for f in machine.functions if flow != "networks"})
-    longer = sorted({len(c.functions) for c in machine.circuits if exact and len(c.functions) > 2})
+    longer = sorted({len(c.functions) for c in machine.circuits if flow in _EXACT and len(c.functions) > 2})
     effects = _EFFECT_IMPORTS if any(f.effects.declared for f in machine.functions) else ()
     more = (*SERIES_IMPORTS, *_LONG_IMPORTS) if longer else ()
     imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *more, *effects])
@@ -109,11 +118,12 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     passes = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
     rows = lane_rows(machine, len(masses), passes, force)
     lists = page_lists(machine, tip, force, flow) | lane_lists(machine, rows, masses, passes)
+    n_record = len(columns_of(machine, stores_oil=flow in STORING).columns)
     first, rest = pages["values"].split("\n\n\nclass State", 1)
     parts = [
         f'"""One step of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
         "\n".join(imports),
-        f"N_FUNCTION, N_RECORD = {len(machine.names)}, {len(columns_of(machine).columns)}",
+        f"N_FUNCTION, N_RECORD = {len(machine.names)}, {n_record}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
         f"PACKED_LANE_ROW = {rows.packed.lane * LANES}",
         expanded(first, lists),
