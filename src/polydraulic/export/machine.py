@@ -54,8 +54,7 @@ def machine_c(
     ----------
     machine : LayoutMachine, or name or path of a parameter set
     flow : str or flow model
-        Any whose kernel translates: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"iterative"``, ``"stiff"``, ``"tlm"``; for machines
-        that are described by links ``"exact"``, ``"iterative"``, or networks from `build_flow`.
+        ``"exact"``, ``"iterative"``, ``"stiff"``, ``"tlm"``, or networks: those of the package for cat215b, others from `build_flow`.
     name : str
         Of the machine, before all names that the linker sees.
     dt : float, s

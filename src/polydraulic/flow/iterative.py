@@ -1,8 +1,8 @@
 """Iterative flow: the thesis' way, pump pressure -> flows -> pump pressure, until the pressure settles within `eps`.
 
-One valve (the boom's): a sweep inserts the pressure into Eq. (1), takes the bypass flow from Eq. (3) and the next pressure from Eq. (2). Its slope is
+One valve: a sweep inserts the pressure into Eq. (1), takes the bypass flow from Eq. (3) and the next pressure from Eq. (2). Its slope is
 -(Q_e / Q_i)(K a_i / K a_e)^2, so that the plain sweep (relaxation 1) converges only while the bypass is wide; with
-relaxation r it converges while that slope stays above 1 - 2/r. Two valves in series (swing and stick): the same with two
+relaxation r it converges while that slope stays above 1 - 2/r. Two valves in series: the same with two
 pressures, before and between the valves, Eqs (8)-(13). The number of sweeps is bounded; a step that reaches the bound reports NOT_CONVERGED and
 uses what it has.
 """
@@ -10,21 +10,15 @@ uses what it has.
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import Valves, prepare_valves
-from polydraulic.flow.interface import NOT_CONVERGED, OK, Flows
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.machine.circuits.series_check import UNPROVED
 from polydraulic.machine.circuits.series_short import Series1, Series2
-from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump
-from polydraulic.machine.state import Links
-from polydraulic.machine.valve import Orifices, orifice_flow, orifices
+from polydraulic.machine.pump import Circuit, Pump, delivered
+from polydraulic.machine.valve import Orifices, orifice_flow
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.load import as_machine
 
 
 class Sweeps(NamedTuple):
@@ -35,23 +29,14 @@ class Sweeps(NamedTuple):
     max_sweeps: int
 
 
-class IterativeFlow(NamedTuple):
-    """Orifice tables and pumps of both circuits, and how to iterate."""
-
-    valves: Valves
-    boom_pump: Pump
-    series_pump: Pump
-    sweeps: Sweeps
-
-
 def iterative_flow(
-    machine: Machine | str | Path, *, eps: float = 0.05, relaxation: float = 0.2, max_sweeps: int = 200
-) -> IterativeFlow:
-    """Flow model that iterates on the pump pressure.
+    machine: LayoutMachine | str | Path, *, eps: float = 0.05, relaxation: float = 0.2, max_sweeps: int = 200
+) -> LayoutFlow:
+    """Flow model that iterates on the pump pressure, for circuits of one or two valves in series.
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
     eps : float
         Largest relative change of the pump pressure at which a sweep counts as the last (thesis 5.4: 0.05).
     relaxation : float
@@ -62,29 +47,9 @@ def iterative_flow(
     Raises
     ------
     InputError
-        If a setting is out of its range.
-    """
-    machine = as_excavator(machine)
-    boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
-    return IterativeFlow(prepare_valves(machine), boom, series, _checked(eps, relaxation, max_sweeps))
-
-
-def iterative_layout(
-    machine: LayoutMachine, *, eps: float = 0.05, relaxation: float = 0.2, max_sweeps: int = 200
-) -> LayoutFlow:
-    """`iterative_flow` for a machine of any layout whose circuits have one or two valves.
-
-    Parameters
-    ----------
-    machine : LayoutMachine
-    eps, relaxation, max_sweeps
-        As for `iterative_flow`.
-
-    Raises
-    ------
-    InputError
         If a setting is out of its range, or a circuit has more valves.
     """
+    machine = as_machine(machine)
     check_circuits(machine, "iterative")
     parts = {"sweeps": _checked(eps, relaxation, max_sweeps)}
     n_memory = sum(len(c.functions) for c in machine.circuits)  # a pressure before each valve
@@ -185,26 +150,3 @@ def iterative_2(
     q_second = w if k_2.bypass <= 0.0 else q_second
     circuit = Circuit(Q, w - q_second, Q - q_first - w, found.p, 0.0)
     return Series2(q_first, q_second, found.p_between, circuit, 0 if found.settled else UNPROVED)
-
-
-@kernel
-def iterative_step(
-    model: IterativeFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float
-) -> Flows:
-    """Sweep from the pressures of the step before; `memory` keeps the three of them, in Pa."""
-    k_swing = orifices(spool.swing, model.valves.swing)
-    k_boom = orifices(spool.boom, model.valves.boom)
-    k_stick = orifices(spool.stick, model.valves.stick)
-    boom = iterative_1(k_boom, p_in.boom, memory[0], model.boom_pump, model.sweeps)
-    series = iterative_2(
-        k_swing, k_stick, p_in.swing, p_in.stick, memory[1], memory[2], model.series_pump, model.sweeps
-    )
-    memory[0], memory[1], memory[2] = boom.circuit.p_pump, series.circuit.p_pump, series.p_between_1
-    return Flows(
-        Links(series.q_in_1, boom.q_in_1, series.q_in_2),
-        Links(k_swing.outlet, k_boom.outlet, k_stick.outlet),
-        boom.circuit,
-        series.circuit,
-        series.p_between_1,
-        OK if (boom.status < UNPROVED and series.status < UNPROVED) else NOT_CONVERGED,
-    )

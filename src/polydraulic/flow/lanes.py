@@ -7,53 +7,13 @@ whole block, or rows of their own where the machines differ: `at` gives the name
 
 from typing import Any
 
-import numpy as np
 from numba import types
 from numba.extending import overload
 
-from polydraulic._kernel import KERNEL_OPTIONS, kernel
-from polydraulic.flow.record import N_RECORD
-from polydraulic.machine.state import Links
-from polydraulic.machine.valve import Orifices
+from polydraulic._kernel import KERNEL_OPTIONS
 
 LANES = 64
 GROUP = 16  # of machines that are packed together, since few of a block need more than the others
-# what the flow stage reads and writes, below the rows of a recorded step
-P_IN, INLET, BYPASS, OUTLET = N_RECORD, N_RECORD + 3, N_RECORD + 6, N_RECORD + 9
-FLOW_SCRATCH = N_RECORD + 12
-N_FLOW_ROW = FLOW_SCRATCH + 25
-
-
-@kernel
-def get(rows: np.ndarray, row: int, lane: int) -> float:
-    """One value."""
-    return rows[row * LANES + lane]
-
-
-@kernel
-def put(rows: np.ndarray, row: int, lane: int, value: float) -> None:
-    """Set one value."""
-    rows[row * LANES + lane] = value
-
-
-@kernel
-def get_links(rows: np.ndarray, row: int, lane: int) -> Links:
-    """Three rows as one value per link."""
-    return Links(rows[row * LANES + lane], rows[(row + 1) * LANES + lane], rows[(row + 2) * LANES + lane])
-
-
-@kernel
-def put_links(rows: np.ndarray, row: int, lane: int, value: Links) -> None:
-    """Set three rows."""
-    rows[row * LANES + lane] = value.swing
-    rows[(row + 1) * LANES + lane] = value.boom
-    rows[(row + 2) * LANES + lane] = value.stick
-
-
-@kernel
-def get_orifices(rows: np.ndarray, link: int, lane: int) -> Orifices:
-    """Conductances of the valve of a link, by its number."""
-    return Orifices(get(rows, INLET + link, lane), get(rows, BYPASS + link, lane), get(rows, OUTLET + link, lane))
 
 
 def at(own: Any, shared: Any, lane: Any) -> Any:

@@ -1,9 +1,8 @@
 """Flow maps: multilinear interpolation between flows that the exact model gives on grids.
 
-The boom's input flow stands on a grid of spool travel and line pressure, those of swing and stick, which share a pump,
-on one of both travels and both pressures; the outlets' conductances on the spool. Grid lines of travel meet the
-spool's knots, at which the flow has kinks. Lines of pressure, and the interpolation between them, are even in
-sqrt(P_r - P), since that root leads the flow of an open inlet to nothing at the relief pressure P_r. Kinks that move
+The input flow of one valve on a pump stands on a grid of spool travel and line pressure, those of two in series on one of both travels and
+both pressures. Grid lines of travel meet the spool's knots, at which the flow has kinks. Lines of pressure, and the interpolation between
+them, are even in sqrt(P_r - P), since that root leads the flow of an open inlet to nothing at the relief pressure P_r. Kinks that move
 with the pressures, where an inlet just opens or the relief valve does, are smeared over a cell: there the error falls
 with the distance of the lines, elsewhere with its square.
 """
@@ -11,26 +10,22 @@ with the distance of the lines, elsewhere with its square.
 from collections.abc import Sequence
 from math import sqrt
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import driver, kernel
+from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import ExactFlow, exact_flow, exact_step
-from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.machine.circuits.series_check import UNPROVED
 from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.pump import Circuit, Pump, limited_pump
-from polydraulic.machine.state import Links
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.load import as_machine
 
 MOST_POINTS = 64  # 0.3 GB
-_BOOM_POINTS = 4  # lines an axis of the boom's two, as a multiple of those of the others' four
+_SINGLE_POINTS = 4  # lines an axis of the two of one valve, as a multiple of those of the four of two valves
 
 
 class FlowTable1(NamedTuple):
@@ -51,79 +46,22 @@ class FlowTable2(NamedTuple):
     flows: np.ndarray  # (n, n, n, n, 2 or 3) m3/s of both travels, both p_in: q_in of both, the pump's flow
 
 
-class LookupFlow(NamedTuple):
-    """Tables of the boom, of swing and stick in series, and of the outlets; and the pumps."""
-
-    boom: FlowTable1
-    series: FlowTable2
-    spool: np.ndarray  # (k,) m
-    outlets: np.ndarray  # (k, 3) m3/s/Pa^0.5, links in the order of LINKS
-    boom_pump: Pump
-    series_pump: Pump
-
-
-def lookup_flow(machine: Machine | str | Path, *, points: int = 24) -> LookupFlow:
-    """Flow model that interpolates in tables of the exact flow.
+def lookup_flow(machine: LayoutMachine | str | Path, *, points: int = 24) -> LayoutFlow:
+    """Flow model that interpolates in tables of the exact flow, for circuits of one or two valves; outlets need no tables.
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
         A torque limit of its pumps is in the tables.
     points : int
-        Grid lines on each axis of the table of swing and stick, which grows with their fourth power; the boom's has
-        four times as many.
+        Grid lines on each axis of the tables of two valves, which grow with their fourth power; those of one have four times as many.
 
     Raises
     ------
     InputError
-        If there are too few points for the spool's knots, or more than `MOST_POINTS`.
+        If there are too few points for a spool's knots, or more than `MOST_POINTS`; if a circuit has more valves, whose table would be too large.
     """
-    machine = as_excavator(machine)
-    least = len(machine.spool.knots)
-    if not isinstance(points, int) or not least <= points <= MOST_POINTS:
-        raise InputError(
-            f"points = {points!r}: must be a whole number from {least}, the spool's knots, to {MOST_POINTS}; "
-            "the table of swing and stick holds points^4 values of each flow"
-        )
-    exact, relief, limited = exact_flow(machine), machine.pumps.relief, machine.pumps.torque_limit_enabled
-    pressure, travel = pressure_lines(relief, points), travel_lines(machine.spool.knots, points)
-    n = _BOOM_POINTS * points
-    boom_pressure, boom_travel = pressure_lines(relief, n), travel_lines(machine.spool.knots, n)
-
-    def sampled(*points: Any) -> np.ndarray:
-        """Flows where spools and line pressures meet, arrays or floats in the order of `LINKS`; the last axis as `_exact_flows`."""
-        columns = np.broadcast_arrays(*points)
-        rows = np.stack([column.ravel() for column in columns], axis=1)
-        found = np.empty((len(rows), 8))
-        _exact_flows(exact, np.zeros(1), rows, found)
-        return found.reshape(*columns[0].shape, 8)
-
-    boom_flows, series_flows = ([1, 3], [0, 2, 4]) if limited else ([1], [0, 2])
-    x, p = np.meshgrid(boom_travel, boom_pressure, indexing="ij")
-    boom = sampled(0.0, x, 0.0, 0.0, p, 0.0)[..., boom_flows]
-    x, p_sw, p_st = np.meshgrid(travel, pressure, pressure, indexing="ij")
-    series = np.stack([sampled(x_sw, 0.0, x, p_sw, 0.0, p_st)[..., series_flows] for x_sw in travel])
-    knots = np.array(machine.spool.knots)
-    spool = np.concatenate([-knots[:0:-1], knots])
-    outlets = sampled(spool, spool, spool, 0.0, 0.0, 0.0)[:, 5:]
-    tables = FlowTable1(boom_travel, boom), FlowTable2(travel, travel, series)
-    return LookupFlow(*tables, spool, outlets, exact.boom_pump, exact.series_pump)
-
-
-def lookup_layout(machine: LayoutMachine, *, points: int = 24) -> LayoutFlow:
-    """`lookup_flow` for a machine of any layout whose circuits have one or two valves; its outlets need no tables.
-
-    Parameters
-    ----------
-    machine : LayoutMachine
-    points : int
-        Grid lines on each axis of the tables of two valves; those of one have four times as many.
-
-    Raises
-    ------
-    InputError
-        If a circuit has more valves, whose table would be too large; as `lookup_flow`.
-    """
+    machine = as_machine(machine)
     check_circuits(machine, "lookup")
     least = max(len(f.valve.knots) for f in machine.functions)
     if not isinstance(points, int) or not least <= points <= MOST_POINTS:
@@ -135,7 +73,7 @@ def lookup_layout(machine: LayoutMachine, *, points: int = 24) -> LayoutFlow:
     for c in machine.circuits:
         valves = [machine.function(f).valve for f in c.functions]
         pump = limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
-        n = points if len(valves) == 2 else _BOOM_POINTS * points
+        n = points if len(valves) == 2 else _SINGLE_POINTS * points
         lines = [travel_lines(valve.knots, n) for valve in valves]
         grid = np.meshgrid(*lines, *[pressure_lines(pump.relief, n)] * len(valves), indexing="ij")
         columns = np.stack([axis.ravel() for axis in grid], axis=1)
@@ -177,25 +115,6 @@ def table_bytes(model: object) -> int:
     return sum(table_bytes(part) for part in model) if isinstance(model, tuple) else 0
 
 
-@driver
-def _exact_flows(exact: ExactFlow, memory: np.ndarray, points: np.ndarray, found: np.ndarray) -> None:
-    """Of spools and line pressures `points` (n, 6): input flows, flows of boom and series pump, outlets' conductances (n, 8)."""
-    for i in range(points.shape[0]):
-        spool, p_in = points[i, :3], points[i, 3:]
-        flows = exact_step(
-            exact,
-            memory,
-            Links(spool[0], spool[1], spool[2]),
-            Links(p_in[0], p_in[1], p_in[2]),
-            Links(0.0, 0.0, 0.0),
-            0.0,
-        )
-        q, k = flows.q_in, flows.k_out
-        found[i, 0], found[i, 1], found[i, 2] = q.swing, q.boom, q.stick
-        found[i, 3], found[i, 4] = flows.boom.q_pump, flows.series.q_pump
-        found[i, 5], found[i, 6], found[i, 7] = k.swing, k.boom, k.stick
-
-
 class _Place(NamedTuple):
     """Where a value lies on an axis: the line below it, and its share of the way to the next."""
 
@@ -225,11 +144,6 @@ def _find_pressure(p: float, relief: float, n: int) -> _Place:
 @kernel
 def _inside(p: float, relief: float) -> bool:
     return p >= 0.0 and p <= relief
-
-
-@kernel
-def _on_line(table: np.ndarray, value: int, a: _Place) -> float:
-    return (1.0 - a.share) * table[a.line, value] + a.share * table[a.line + 1, value]
 
 
 @kernel
@@ -274,23 +188,3 @@ def lookup_2(table: FlowTable2, travel_1: float, travel_2: float, p_1: float, p_
     q_2 = min(max(_in_four(table.flows, 1, x_1, x_2, p_first, p_second), 0.0), Q - q_1)
     inside = _inside(p_1, relief) and _inside(p_2, relief)
     return Series2(q_1, q_2, 0.0, Circuit(Q, Q - q_1 - q_2, 0.0, 0.0, 0.0), 0 if inside else UNPROVED)
-
-
-@kernel
-def lookup_step(model: LookupFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
-    """Interpolate; beyond the pressures of the tables those at their ends are given, and reported."""
-    boom = lookup_1(model.boom, abs(spool.boom), p_in.boom, model.boom_pump)
-    series = lookup_2(model.series, abs(spool.swing), abs(spool.stick), p_in.swing, p_in.stick, model.series_pump)
-    outlets = Links(
-        _on_line(model.outlets, 0, _find(spool.swing, model.spool)),
-        _on_line(model.outlets, 1, _find(spool.boom, model.spool)),
-        _on_line(model.outlets, 2, _find(spool.stick, model.spool)),
-    )
-    return Flows(
-        Links(series.q_in_1, boom.q_in_1, series.q_in_2),
-        outlets,
-        boom.circuit,
-        series.circuit,
-        0.0,
-        OK if (boom.status < UNPROVED and series.status < UNPROVED) else OUT_OF_DOMAIN,
-    )

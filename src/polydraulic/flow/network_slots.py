@@ -39,21 +39,6 @@ def k_out(link: str) -> Variable:
 
 
 RELIEF, LIMITED = "_relief", "_limited"  # endings of names: relief valve open; torque limit
-BOTH = (travel("swing"), travel("stick"), p_in("swing"), p_in("stick"))
-PASSED = (Variable("series.q_passed", "m3/s"), travel("stick"), p_in("stick"))
-BOOM_IN: Place = (q_in("boom"), (travel("boom"), p_in("boom")))
-BOOM_OUT: Place = (
-    Variable("boom.q_out", "m3/s"),
-    (Variable("boom.spool", "m"), Variable("boom.root_p_out", "Pa^0.5")),
-)
-# with the relief valve open the stick's flow ends like sqrt(P_relief - P_i): of that root it is smooth
-STICK_RELIEF: Place = (
-    q_in("stick", RELIEF),
-    (travel("swing"), travel("stick"), Variable("stick.root_below_relief", "Pa^0.5")),
-)
-BOOM_LIMITED: Place = (q_in("boom", LIMITED), BOOM_IN[1])
-SWING_LIMITED: Place = (q_in("swing", LIMITED), BOTH)
-STICK_LIMITED: Place = (q_in("stick", LIMITED), BOTH)
 
 
 def choose_model(models: Sequence[Model], *alternatives: Place) -> Model:

@@ -10,26 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import constant_boom_pump
-from polydraulic.flow.interface import OK, OUT_OF_DOMAIN, Flows
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.flow.layout.networks import NOTHING
 from polydraulic.flow.layout.slots import pressure_before
-from polydraulic.flow.network_slots import BOOM_IN, choose_model
-from polydraulic.machine.pump import Circuit, Pump
-from polydraulic.machine.state import Links
-from polydraulic.machine.valve import ValveTables, orifice_flow, orifices, prepare_valve
-from polydraulic.networks.model.model import Model, Variable, pack_models
-from polydraulic.networks.model.partition import Regions, choose
-from polydraulic.networks.model.table import NetworkTable, evaluate, work_size
+from polydraulic.flow.network_slots import choose_model
+from polydraulic.networks.model.model import Model, pack_models
+from polydraulic.networks.model.partition import Regions
+from polydraulic.networks.model.table import work_size
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import Machine
-
-P_PUMP = (Variable("boom.p_pump", "Pa"), BOOM_IN[1])
-
+from polydraulic.parameters.load import as_machine
 
 _NO_MODELS = "flow 'pressure' needs models=[...]: fit one of '{}' on a sampled table first"
 
@@ -41,45 +31,12 @@ class PressureNetwork(NamedTuple):
     p_in_high: float
 
 
-class PressureFlow(NamedTuple):
-    """Networks for the pump pressure, with the orifice tables and the pump."""
-
-    table: NetworkTable
-    p_pump: Regions
-    p_in_high: float
-    boom_valve: ValveTables
-    boom_pump: Pump
-
-
-def pressure_flow(machine: Machine | str | Path, *, models: Sequence[Model] | None = None) -> PressureFlow:
+def pressure_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model] | None = None) -> LayoutFlow:
     """Flow model from networks of the pump pressure.
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
-    models : sequence of Model
-        Must hold ``boom.p_pump`` (of ``boom.travel``, ``boom.p_in``), in SI.
-
-    Raises
-    ------
-    InputError
-        If no models are given: none come with the package.
-    """
-    machine = as_excavator(machine)
-    if models is None:
-        raise InputError(_NO_MODELS.format("boom.p_pump"))
-    model = choose_model(models, P_PUMP)
-    (regions,), table = pack_models([model])
-    valve = prepare_valve(machine.boom.valve, machine.spool)
-    return PressureFlow(table, regions, float(model.domain()[1, 1]), valve, constant_boom_pump(machine))
-
-
-def pressure_layout(machine: LayoutMachine, *, models: Sequence[Model] | None = None) -> LayoutFlow:
-    """`pressure_flow` for a machine of any layout.
-
-    Parameters
-    ----------
-    machine : LayoutMachine
+    machine : LayoutMachine, or name or path of a parameter set
     models : sequence of Model
         In SI, for a circuit the pressures before all of its valves, of their travels and pressures at their pressurised ports:
         ``work.p_pump``, and between valves ``work.p_between`` (of more than two ``work.p_between_1`` and so on). Functions of circuits
@@ -90,6 +47,7 @@ def pressure_layout(machine: LayoutMachine, *, models: Sequence[Model] | None = 
     InputError
         If no models are given, one is missing or reads other inputs, or none is of this machine; if a pump has a torque limit.
     """
+    machine = as_machine(machine)
     check_circuits(machine, "pressure")
     if models is None:
         raise InputError(_NO_MODELS.format(f"{machine.circuits[0].name}.p_pump"))
@@ -120,19 +78,3 @@ def pressure_layout(machine: LayoutMachine, *, models: Sequence[Model] | None = 
     scratch = max(*(2 * len(c.functions) for c in machine.circuits), work_size(table))
     moved = tuple(f for f in machine.names if number[f])
     return LayoutFlow("pressure", "pressure", circuits_of(machine), moved, parts, scratch, True)
-
-
-@kernel
-def pressure_step(model: PressureFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
-    """Evaluate the pressure network, then the two orifices on their own; `memory` is scratch."""
-    k = orifices(spool.boom, model.boom_valve)
-    pump = model.boom_pump
-    memory[0] = abs(spool.boom)
-    memory[1] = p_in.boom
-    p = evaluate(model.table, choose(model.p_pump, memory), memory)
-    q_in = orifice_flow(k.inlet, p - p_in.boom)
-    circuit = Circuit(pump.flow, orifice_flow(k.bypass, p - pump.p_return), 0.0, p, 0.0)
-    status = OK if p_in.boom <= model.p_in_high else OUT_OF_DOMAIN
-    return Flows(
-        Links(0.0, q_in, 0.0), Links(0.0, k.outlet, 0.0), circuit, Circuit(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, status
-    )

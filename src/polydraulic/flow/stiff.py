@@ -1,9 +1,9 @@
 """Stiff flow: the pump pressures as states, Eq. (3'): C dP/dt = Q - Q_i - Q_e.
 
-The oil in a pump's pipe, and in the passage between the valves of swing and stick, is a small volume whose pressure is
+The oil in a pump's pipe, and in the passage between two valves, is a small volume whose pressure is
 stepped by backward Euler: over a step a volume is a feed with the pressure P + Z Q and the impedance Z = dt / C. The valve of
-the boom then has the form of `machine.feed`. Swing and stick: Newton steps in the flow between the valves, with what
-lies behind the swing's bypass as a resistance and an orifice that agree with it in pressure, slope and curvature. A
+one actuator then has the form of `machine.feed`. Two in series: Newton steps in the flow between the valves, with what
+lies behind the first bypass as a resistance and an orifice that agree with it in pressure, slope and curvature. A
 torque limit enters as the tangent of the pump's flow over pressure, which is convex, so that the steps come from one
 side. All passes are fixed in number. As the volumes shrink, the flows approach those of `exact` in proportion to them.
 """
@@ -12,12 +12,8 @@ from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
-from polydraulic.flow.exact import Valves, prepare_valves
-from polydraulic.flow.interface import OK, Flows
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.feed import (
@@ -32,12 +28,10 @@ from polydraulic.machine.feed import (
     inlet_part,
     relieved_flow,
 )
-from polydraulic.machine.pump import Circuit, Pump, delivered, prepare_pump, series_circuit, single_circuit
-from polydraulic.machine.state import Links
-from polydraulic.machine.valve import Orifices, orifice_flow, orifices
+from polydraulic.machine.pump import Circuit, Pump, delivered, series_circuit, single_circuit
+from polydraulic.machine.valve import Orifices, orifice_flow
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.parameters.load import as_excavator
-from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.load import as_machine
 
 SERIES_PASSES = 6
 LIMITED_PASSES = 8
@@ -50,56 +44,31 @@ class Volumes(NamedTuple):
     compliance_between: float
 
 
-class StiffFlow(NamedTuple):
-    """Orifice tables, pumps, and the volumes behind them."""
-
-    valves: Valves
-    boom_pump: Pump
-    series_pump: Pump
-    volumes: Volumes
-
-
 def stiff_flow(
-    machine: Machine | str | Path, *, volume: float = 1e-3, volume_between: float = 2e-4, bulk_modulus: float = 1.0e9
-) -> StiffFlow:
-    """Flow model with the pump pressures as states.
+    machine: LayoutMachine | str | Path,
+    *,
+    volume: float = 1e-3,
+    volume_between: float = 2e-4,
+    bulk_modulus: float = 1.0e9,
+) -> LayoutFlow:
+    """Flow model with the pump pressures as states, for circuits of one or two valves in series.
 
     Parameters
     ----------
-    machine : Machine, or name or path of a parameter set
+    machine : LayoutMachine, or name or path of a parameter set
     volume : float, m3
         Oil between each pump and its first valve; one litre is two metres of pipe with a bore of 25 mm.
     volume_between : float, m3
-        Oil in the passage from the swing's bypass to the stick's valve.
+        Oil in the passage from the bypass of a first valve to the second one.
     bulk_modulus : float, Pa
         Of the oil with the pipe around it.
 
     Raises
     ------
     InputError
-        If one of them is not positive and finite.
-    """
-    machine = as_excavator(machine)
-    boom, series = (prepare_pump(machine, flow) for flow in (machine.pumps.boom_flow, machine.pumps.series_flow))
-    return StiffFlow(prepare_valves(machine), boom, series, compliances(volume, volume_between, bulk_modulus))
-
-
-def stiff_layout(
-    machine: LayoutMachine, *, volume: float = 1e-3, volume_between: float = 2e-4, bulk_modulus: float = 1.0e9
-) -> LayoutFlow:
-    """`stiff_flow` for a machine of any layout whose circuits have one or two valves.
-
-    Parameters
-    ----------
-    machine : LayoutMachine
-    volume, volume_between, bulk_modulus
-        As for `stiff_flow`.
-
-    Raises
-    ------
-    InputError
         If one of them is not positive and finite, or a circuit has more valves.
     """
+    machine = as_machine(machine)
     check_circuits(machine, "stiff")
     parts = {"volumes": compliances(volume, volume_between, bulk_modulus)}
     n_memory = (
@@ -273,28 +242,3 @@ def stiff_2(
     c = _circuit(source, x.first, drawn - q_second, at.p, at.z, pump)
     circuit = Circuit(c.q_pump, c.q_bypass, c.q_relief, c.p_pump, c.q_stored + x.between - drawn)
     return Series2(max(x.first - x.between, 0.0), q_second, passage.pressure - at.z_between * drawn, circuit, 0)
-
-
-@kernel
-def stiff_step(model: StiffFlow, memory: np.ndarray, spool: Links, p_in: Links, p_out: Links, dt: float) -> Flows:
-    """Advance the pump pressures by `dt`; `memory` keeps the three of them in Pa, and whether there are any yet.
-
-    The first step begins with the pressures at which nothing charges the volumes.
-    """
-    swing = orifices(spool.swing, model.valves.swing)
-    boom = orifices(spool.boom, model.valves.boom)
-    stick = orifices(spool.stick, model.valves.stick)
-    begun = memory[3] != 0.0
-    single = stiff_1(boom, p_in.boom, memory[0], begun, model.boom_pump, model.volumes, dt)
-    series = stiff_2(
-        swing, stick, p_in.swing, p_in.stick, memory[1], memory[2], begun, model.series_pump, model.volumes, dt
-    )
-    memory[0], memory[1], memory[2], memory[3] = single.circuit.p_pump, series.circuit.p_pump, series.p_between_1, 1.0
-    return Flows(
-        Links(series.q_in_1, single.q_in_1, series.q_in_2),
-        Links(swing.outlet, boom.outlet, stick.outlet),
-        single.circuit,
-        series.circuit,
-        series.p_between_1,
-        OK,
-    )

@@ -1,11 +1,11 @@
-"""Actuators: cylinder triangle and pressure areas, swing motor, joint friction."""
+"""Actuators: cylinder triangle and pressure areas, motor, joint friction."""
 
-from math import cos, pi, sin, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
 from polydraulic.elementary import SinCos, exp, tanh
-from polydraulic.parameters.schema import Cylinder, Friction, SwingMotor
+from polydraulic.parameters.schema import Friction, SwingMotor
 
 
 class Triangle(NamedTuple):
@@ -14,24 +14,9 @@ class Triangle(NamedTuple):
     squares: float  # r_base^2 + r_link^2
     product_cos: float  # 2 r_base r_link cos(offset)
     product_sin: float
-    direction: float  # +1: a growing joint angle extends the cylinder (boom); -1: it retracts it (stick)
+    direction: float  # +1: a growing joint angle extends the cylinder; -1: it retracts it
     area_a: float  # area that pushes the joint towards positive angles, all cylinders
     area_b: float
-
-
-def prepare_cylinder(cylinder: Cylinder, direction: float) -> Triangle:
-    """Areas and triangle; port A is the head side for the boom, the rod side for the stick."""
-    head = cylinder.number * pi / 4.0 * cylinder.bore**2
-    rod = cylinder.number * pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2)
-    product = 2.0 * cylinder.r_base * cylinder.r_link
-    return Triangle(
-        squares=cylinder.r_base**2 + cylinder.r_link**2,
-        product_cos=product * cos(cylinder.angle_offset),
-        product_sin=product * sin(cylinder.angle_offset),
-        direction=direction,
-        area_a=head if direction > 0.0 else rod,
-        area_b=rod if direction > 0.0 else head,
-    )
 
 
 def motor_displacement(motor: SwingMotor) -> float:

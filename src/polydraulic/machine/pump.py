@@ -14,7 +14,6 @@ from polydraulic._kernel import kernel
 from polydraulic.elementary import exp, log
 from polydraulic.machine.valve import Orifices, orifice_flow
 from polydraulic.parameters.layout.parts import PumpParameters
-from polydraulic.parameters.schema import Machine, Pumps
 
 LIMIT_PASSES = 10
 NEVER = 1e12  # Pa; a relief valve that stays shut
@@ -68,13 +67,7 @@ class Orifice(NamedTuple):
     p_rest: float
 
 
-def prepare_pump(machine: Machine, flow: float, *, relief: float | None = None) -> Pump:
-    """Pump of a machine that delivers `flow` in m3/s; `relief` in Pa replaces the machine's setting."""
-    limit = machine.pumps.relief if relief is None else relief
-    return limited_pump(flow, limit, machine.tank.return_pressure, machine.pumps)
-
-
-def limited_pump(flow: float, relief: float, p_return: float, limit: Pumps | PumpParameters) -> Pump:
+def limited_pump(flow: float, relief: float, p_return: float, limit: PumpParameters) -> Pump:
     """Pump that delivers `flow` in m3/s up to `relief` in Pa, less above its torque limit."""
     least = -limit.torque_limit_exponent * natural_log(max(relief / limit.torque_limit_start, 1.0))
     return Pump(

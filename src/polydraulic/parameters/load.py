@@ -55,9 +55,6 @@ def as_machine(machine: LayoutMachine | str | Path) -> LayoutMachine:
     return machine if isinstance(machine, LayoutMachine) else load_machine(machine)
 
 
-as_excavator = as_machine
-
-
 def machine_names() -> list[str]:
     """Names of the machines that come with the package."""
     return sorted(path.stem for path in _SETS.glob("*.toml"))

@@ -1,28 +1,15 @@
-"""Single values of a parameter tree, by paths such as ``boom.body.mass`` or ``spool.knots[2]``."""
+"""Single values of a parameter tree, by paths such as ``links.boom.mass`` or ``functions.boom.valve.knots[2]``."""
 
 import re
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from functools import cache
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, get_type_hints
 
-from polydraulic.errors import InputError, briefly
-from polydraulic.parameters.conditions import broken_conditions
+from polydraulic.errors import briefly
 from polydraulic.parameters.quantity import LeafKind, is_number, leaf_of
 
-Tree = TypeVar("Tree", bound=tuple)
 _PATH = re.compile(r"(?P<name>[^\[\]]+)(?:\[(?P<place>\d+)\])?")
-
-
-def replaced(machine: Tree, values: Mapping[str, Any]) -> Tree:
-    """Return a machine with other values; see `Machine.with_values`."""
-    changes, wrong = checked_values(values, leaves_of(type(machine)), lambda path: _at(machine, path))
-    if not wrong:
-        found = _put(machine, changes)
-        wrong = broken_conditions(found)
-    if wrong:
-        raise InputError("a machine with these values cannot be made: " + "; ".join(wrong))
-    return found
 
 
 def checked_values(
@@ -99,24 +86,6 @@ def _instead(path: str, known: Mapping[str, LeafKind]) -> str:
     return f"there is no such value; near it: {', '.join(near)}" if near else "there is no such value"
 
 
-def _at(tree: Any, path: str) -> Any:
-    for name in path.split("."):
-        tree = getattr(tree, name)
-    return tree
-
-
 def of_kind(value: Any, before: Any) -> Any:
     """A value as what stood there before it: a float, a switch, or a tuple of floats."""
     return tuple(map(float, value)) if isinstance(before, tuple) else type(before)(value)
-
-
-def _put(tree: Any, changes: Mapping[str, Any], where: str = "") -> Any:
-    """A tree with changed values, as plain floats, tuples of them, and switches."""
-    parts = []
-    for name, part in zip(tree._fields, tree, strict=True):
-        if hasattr(part, "_fields"):
-            part = _put(part, changes, f"{where}{name}.")
-        elif where + name in changes:
-            part = of_kind(changes[where + name], part)
-        parts.append(part)
-    return type(tree)(*parts)

@@ -44,7 +44,7 @@ def export_machine_fmu(
     ----------
     machine : LayoutMachine, or name or path of a parameter set
     flow : str or LayoutFlow
-        Name of a flow model, see `machine_c`, or networks of a machine that is described by links.
+        Name of a flow model, see `machine_c`, or a flow model.
     path : str or Path
         Ends in .fmu.
     version : int

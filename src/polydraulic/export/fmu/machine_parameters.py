@@ -17,7 +17,7 @@ class MachineParameter(NamedTuple):
     Attributes
     ----------
     name : str
-        Its path in the machine, such as ``boom.line.relief``.
+        Its path in the machine, such as ``functions.boom.line.relief``.
     value : float
     quantity : Quantity
     places : list of tuple of str

@@ -1,10 +1,12 @@
 """A flow model of a machine of any layout: which kernels its circuits get, and the numbers that these read."""
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.layout.parts import MOST_IN_SERIES, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
 
 STORING = ("stiff", "tlm")  # kernels that follow oil between pumps and valves
 
@@ -68,8 +70,14 @@ def circuits_of(machine: LayoutMachine) -> dict[str, tuple[str, ...]]:
     return {c.name: c.functions for c in machine.circuits}
 
 
-def exact_layout(machine: LayoutMachine) -> LayoutFlow:
-    """Flows from the orifice tables of the machine itself."""
+def exact_flow(machine: LayoutMachine | str | Path) -> LayoutFlow:
+    """Flow model from the orifice tables of the machine itself.
+
+    Parameters
+    ----------
+    machine : LayoutMachine, or name or path of a parameter set
+    """
+    machine = as_machine(machine)
     return LayoutFlow("exact", "exact", circuits_of(machine), machine.names, {}, 1, True)
 
 

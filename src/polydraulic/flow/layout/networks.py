@@ -24,9 +24,7 @@ from polydraulic.parameters.layout.parts import SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 
-def layout_networks(
-    machine: LayoutMachine, models: Sequence[Model] | None = None, kind: str = "polynomial"
-) -> LayoutFlow:
+def layout_networks(machine: LayoutMachine, models: Sequence[Model], kind: str) -> LayoutFlow:
     """Put networks into their places.
 
     Parameters
@@ -42,14 +40,9 @@ def layout_networks(
     Raises
     ------
     InputError
-        If there are no models, if one is missing or reads other inputs, or if none is of this machine.
+        If one is missing or reads other inputs, or if none is of this machine.
     """
     check_circuits(machine, kind)
-    if models is None:
-        raise InputError(
-            f"flow {kind!r}: no networks come with the package for {machine.title!r}: train them (polydraulic train --machine MACHINE "
-            f"--out networks.json, or `train_layout`) and give them as models (--flow {kind} --model networks.json)"
-        )
     given = {model.output.name for model in models}
     served = tuple(
         c for c in machine.circuits if any(name.split(".")[0] in c.functions for name in given if "." in name)

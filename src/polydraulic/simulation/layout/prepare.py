@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.flow.layout.model import LayoutFlow, exact_layout
+from polydraulic.flow.layout.model import LayoutFlow, exact_flow
 from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.machine.hose import prepare_line
 from polydraulic.machine.pilot import prepare_pilot
@@ -62,7 +62,7 @@ def prepare_layout(
     unknown = [name for name in locked if name not in machine.names]
     if unknown:
         raise InputError(f"locked: {unknown[0]!r} is not a function of the machine; there are {list(machine.names)}")
-    flow = exact_layout(machine) if flow is None else flow
+    flow = exact_flow(machine) if flow is None else flow
     pushed = [f.name for f in machine.functions if f.effects.flow_force is not None]
     if pushed and flow.kernels == "networks":
         raise InputError(
