@@ -21,7 +21,6 @@ TESTED_ELSEWHERE = {
     "export/fresh.py": ("export/test_verify.py", "every target runs in a process of its own there"),
     "export/fresh_script.py": ("export/test_verify.py", "what those processes run"),
     "export/fmu/xml.py": ("export/fmu/test_networks.py", "descriptions are validated and read by importers"),
-    "export/excavator.py": ("export/test_machine.py", "the parts of the machine that is exported there"),
     "export/fmu/machine_parameters.py": (
         "export/fmu/test_machine.py",
         "parameters of the machine that is exported there",
@@ -34,16 +33,12 @@ TESTED_ELSEWHERE = {
     "parameters/layout/schema.py": ("parameters/layout/test_values.py", "the record of a machine and its values"),
     "simulation/batch/family.py": ("simulation/batch/test_layout_batch.py", "batches of every layout"),
     "simulation/lane_blocks.py": ("simulation/batch/test_batch.py", "what batches keep"),
-    "simulation/layout/events.py": (
-        "simulation/layout/test_runs.py",
-        "events of runs, next to those of the older form",
-    ),
+    "simulation/layout/events.py": ("simulation/test_events.py", "events of runs"),
     "simulation/layout/methods/lsoda.py": ("simulation/layout/methods/test_rosenbrock.py", "the judge of the others"),
     "simulation/layout/page_lists.py": ("simulation/layout/test_text.py", "lists become the text"),
     "simulation/layout/prepare.py": ("simulation/layout/test_runs.py", "numbers of the machines that run"),
     "simulation/layout/tree.py": ("parameters/layout/test_payload.py", "links as the equations of motion want them"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
-    "flow/exact_lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
     "flow/layout/network_parts.py": ("flow/layout/test_networks.py", "the kernels around which a step is written"),
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
@@ -63,7 +58,6 @@ TESTED_ELSEWHERE = {
         "machine/circuits/test_series_slopes_text.py",
         "parts of the slopes held to differences there",
     ),
-    "machine/linkage_slopes.py": ("simulation/solvers/test_jacobian.py", "rows of the Jacobian, held to differences"),
     "machine/tree/constants_text.py": ("machine/tree/test_motion_text.py", "part of the text that is held to MuJoCo"),
     "machine/tree/equations.py": (
         "machine/tree/test_motion_text.py",
@@ -86,30 +80,26 @@ TESTED_ELSEWHERE = {
     "measure/formats/parquet_log.py": ("measure/formats/test_csv_log.py", "in one list with text files"),
     "parameters/recording.py": ("parameters/test_scenario.py", "recordings are scenarios"),
     "networks/model/history.py": ("networks/growth/test_synthesis.py", "a record of growth"),
-    "parameters/conditions.py": ("parameters/test_load.py", "conditions refuse files as ranges of single numbers do"),
     "parameters/quantity.py": ("parameters/test_values.py", "ranges are held by whoever sets a value"),
     "plotting/carrier.py": ("plotting/test_layout_shapes.py", "machines are seen to stand on it"),
-    "plotting/machine_drawing.py": ("plotting/test_tip_area.py", "asked for the drawing of a machine of either form"),
     "progress.py": ("test_terminal.py", "a protocol; what is told is shown"),
     "simulation/batch/batch_inputs.py": ("simulation/batch/test_batch.py", "arguments of `simulate_batch`"),
-    "simulation/batch/lanes.py": ("simulation/batch/test_batch.py", "lanes have the bits of single machines"),
-    "simulation/solvers/adaptive.py": ("simulation/solvers/test_rosenbrock.py", "coefficients and bounds of its steps"),
+    "simulation/solvers/adaptive.py": (
+        "simulation/layout/methods/test_rosenbrock.py",
+        "coefficients and bounds of its steps",
+    ),
     "simulation/solvers/line_rates.py": (
-        "simulation/solvers/test_right_hand_side.py",
+        "simulation/layout/methods/test_rosenbrock.py",
         "part of the rates of a machine",
     ),
-    "simulation/solvers/line_slopes.py": ("simulation/solvers/test_jacobian.py", "part of the Jacobian of a machine"),
-    "simulation/solvers/lsoda.py": ("simulation/test_methods.py", "the judge of the other methods"),
-    "simulation/solvers/rosenbrock_step.py": (
-        "simulation/solvers/test_rosenbrock.py",
-        "order and tolerance of its steps",
+    "simulation/solvers/line_slopes.py": (
+        "simulation/layout/methods/test_rosenbrock.py",
+        "part of the Jacobian of a machine",
     ),
     "simulation/solvers/stop_conditions.py": (
-        "simulation/solvers/test_right_hand_side.py",
+        "simulation/layout/methods/test_rosenbrock.py",
         "stops hold what they push",
     ),
-    "simulation/solvers/switching.py": ("simulation/test_methods.py", "methods agree on when things happen"),
-    "simulation/step.py": ("simulation/test_whole_machine.py", "a step is held to balances of oil and energy"),
     "thesis/beyond.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/boom_models.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/boom_perceptrons.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
@@ -117,6 +107,8 @@ TESTED_ELSEWHERE = {
     "thesis/report/": ("thesis/report/test_write.py", "the report is made and read as a whole"),
     "thesis/single_link.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
     "thesis/three_links.py": ("thesis/report/test_write.py", "its numbers are held to what must be met"),
+    "simulation/layout/flow_points.py": ("flow/layout/test_database.py", "next to the circuits as tables"),
+    "thesis/excavator.py": ("thesis/test_historical.py", "the machine of all studies"),
 }
 
 # Public functions that several modules have, and why that confuses nobody.
@@ -214,7 +206,7 @@ def test_modules_with_kernels_are_tested_in_plain_python_too():
     kernels = [
         m for m in MODULES if re.search(r"^@(kernel|driver)\b", (SRC / m).read_text(encoding="utf-8"), re.MULTILINE)
     ]
-    assert "simulation/loop.py" in kernels
+    assert "machine/hose.py" in kernels
     for module in kernels:
         place = place_of(module) if (TESTS / place_of(module)).exists() else TESTED_ELSEWHERE[listed(module)][0]
         assert any(f"tests/{place}".startswith(entry) for entry in plain), module

@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
-from polydraulic.flow.database import sample_boom
 
 from polydraulic import AbductiveRegressor, build_flow
 from polydraulic.flow import (
     FLOW_KINDS,
 )
 from polydraulic.thesis.boom_models import fit_columns
-from polydraulic.thesis.excavator import spool_of
+from polydraulic.thesis.excavator import sample_boom, spool_of
 
 
 @pytest.fixture(scope="module", params=list(FLOW_KINDS))

@@ -2,17 +2,14 @@ import numba
 import numpy as np
 import pytest
 
-from helpers.excavator_tree import excavator_tree
 from helpers.flow_steps import PSI, points, states, step, step_all
 from polydraulic import build_flow, simulate
 from polydraulic.errors import InputError
 from polydraulic.flow import (
     NOT_CONVERGED,
     OK,
-    flow_step,
     iterative_flow,
 )
-from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.thesis.excavator import pump_of, spool_of
 
 
@@ -21,10 +18,10 @@ def test_iteration_settles_near_exact_in_series(machine):
     exact, model = build_flow("exact", machine), iterative_flow(machine, eps=1e-5, relaxation=0.05, max_sweeps=20000)
     full, settled = pump_of(machine, "series").flow, 0
     for spool, p_in, p_out in states(machine, 60):
-        flows = step_all(model, spool, p_in, p_out)
+        flows = step_all(machine, model, spool, p_in, p_out)
         if flows.status == OK:
             settled += 1
-            true = step_all(exact, spool, p_in, p_out)
+            true = step_all(machine, exact, spool, p_in, p_out)
             # p is known to eps / relaxation; where an inlet just opens, its flow is the root of that
             assert abs(flows.q_in.swing - true.q_in.swing) < 0.05 * full
             assert abs(flows.q_in.stick - true.q_in.stick) < 0.05 * full
@@ -36,10 +33,11 @@ def test_iteration_approaches_exact_with_eps(machine, eps):
     exact, model = build_flow("exact", machine), iterative_flow(machine, eps=eps, max_sweeps=2000)
     errors = []
     for spool, p_in, p_out in points(machine):
-        flows = step(model, spool, p_in, p_out)
+        flows = step(machine, model, spool, p_in, p_out)
         if flows.status == OK:
             errors.append(
-                abs(flows.q_in.boom - step(exact, spool, p_in, p_out).q_in.boom) / pump_of(machine, "boom").flow
+                abs(flows.q_in.boom - step(machine, exact, spool, p_in, p_out).q_in.boom)
+                / pump_of(machine, "boom").flow
             )
     assert len(errors) > 150
     assert max(errors) < 1.2 * eps
@@ -48,9 +46,9 @@ def test_iteration_approaches_exact_with_eps(machine, eps):
 def test_iteration_is_bounded_and_says_so(machine):
     plain = iterative_flow(machine, eps=0.001, relaxation=1.0, max_sweeps=50)
     spool = 0.9 * spool_of(machine).bypass_closed
-    assert step(plain, spool, 800 * PSI, 100 * PSI).status == NOT_CONVERGED
+    assert step(machine, plain, spool, 800 * PSI, 100 * PSI).status == NOT_CONVERGED
     relaxed = iterative_flow(machine, eps=0.001, relaxation=0.1, max_sweeps=500)
-    assert step(relaxed, spool, 800 * PSI, 100 * PSI).status == OK
+    assert step(machine, relaxed, spool, 800 * PSI, 100 * PSI).status == OK
 
 
 @pytest.mark.parametrize(
@@ -64,22 +62,6 @@ def test_iteration_is_bounded_and_says_so(machine):
 def test_bad_iteration_settings_are_named(machine, options, message):
     with pytest.raises(InputError, match=message):
         build_flow("iterative", machine, **options)
-
-
-def test_the_excavator_as_a_tree_of_links_has_the_same_bits(machine):
-    tree, memory = excavator_tree(), [np.zeros(3), np.zeros(3)]
-    older, flow = build_flow("iterative", machine), build_flow("iterative", tree)
-    ready = prepare_layout(tree, 5e-3, flow=flow)
-    functions = ready.module.Functions
-    assert ready.n_memory == 3
-    for spool, p_in, p_out in states(machine, 100):
-        wanted = flow_step(older, memory[0], spool, p_in, p_out, 5e-3)
-        found = ready.module.flow_step(
-            ready.valves, memory[1], functions(*spool), functions(*p_in), functions(*p_out), 5e-3
-        )
-        assert tuple(found.q_in) == tuple(wanted.q_in)
-        assert (found.circuit_boom, found.circuit_series) == (wanted.boom, wanted.series)
-        assert (found.between_series_1, found.status) == (wanted.p_between, wanted.status)
 
 
 def test_bad_settings_of_another_layout_are_named():

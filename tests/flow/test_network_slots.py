@@ -1,17 +1,14 @@
 import pytest
 
+from polydraulic import load_machine
 from polydraulic.errors import InputError
-from polydraulic.flow.network_slots import (
-    BOOM_IN,
-    BOOM_LIMITED,
-    BOOM_OUT,
-    STICK_RELIEF,
-    choose_model,
-    k_in,
-    k_out,
-    q_in,
-)
+from polydraulic.flow.layout.slots import everything, inlet_limited, outlet, second_at_relief
+from polydraulic.flow.network_slots import choose_model, k_in, k_out, q_in
 from polydraulic.networks import Model, Network, Node, Variable
+
+BOOM, SERIES = (load_machine("cat215b").circuit(name) for name in ("boom", "series"))
+BOOM_IN, BOOM_OUT = (q_in("boom"), everything(BOOM.functions)), outlet("boom")[1]
+BOOM_LIMITED, STICK_RELIEF = inlet_limited(BOOM, "boom"), second_at_relief(SERIES)
 
 
 def model(output, inputs):

@@ -3,9 +3,9 @@ import dataclasses
 import numba
 import numpy as np
 import pytest
-from polydraulic.flow.sample import sample_flow
 
-from helpers.flow_steps import PSI, states, step, step_all, with_limit
+from helpers.flow_steps import PSI, Links, states, step, step_all, with_limit
+from helpers.valves import changed
 from polydraulic import build_flow
 from polydraulic.errors import InputError
 from polydraulic.flow import (
@@ -13,9 +13,9 @@ from polydraulic.flow import (
     OUT_OF_DOMAIN,
 )
 from polydraulic.flow.polynomial import ARRANGEMENTS, shipped_models
-from polydraulic.machine.state import Links
 from polydraulic.networks import Variable
-from polydraulic.thesis.excavator import pump_of, spool_of
+from polydraulic.simulation.layout.flow_points import sample_flow
+from polydraulic.thesis.excavator import pump_of, spool_of, with_pumps
 from polydraulic.units import to_si
 
 NETWORKS = [("polynomial", {}), ("polynomial", {"arrangement": "direct"}), ("neural", {})]
@@ -25,8 +25,8 @@ N = 2_000 if numba.config.DISABLE_JIT else 20_000  # points of the map, of which
 
 def test_pressures_beyond_training_are_reported(machine):
     model = build_flow("polynomial", machine)
-    assert step(model, 0.008, 3000 * PSI, 100 * PSI).status == OK
-    assert step(model, 0.008, 4600 * PSI, 100 * PSI).status == OUT_OF_DOMAIN
+    assert step(machine, model, 0.008, 3000 * PSI, 100 * PSI).status == OK
+    assert step(machine, model, 0.008, 4600 * PSI, 100 * PSI).status == OUT_OF_DOMAIN
 
 
 def boom_models():
@@ -43,7 +43,7 @@ def test_networks_must_fit_their_place(machine):
     inches = (Variable("boom.travel", "in"), q_in.inputs[1])
     with pytest.raises(InputError, match=r"has boom.travel \[in\]; the circuit computes in SI"):
         build_flow("polynomial", machine, models=[dataclasses.replace(q_in, inputs=inches), k_out])
-    with pytest.raises(InputError, match="needs those of the boom, or of swing and stick, or all"):
+    with pytest.raises(InputError, match="a flow model needs those of all functions of a circuit"):
         build_flow("polynomial", machine, models=[])
     with pytest.raises(InputError, match="arrangement = 'parallel': choose one of"):
         build_flow("polynomial", machine, arrangement="parallel")
@@ -56,7 +56,7 @@ def test_networks_of_both_circuits_are_near_exact(machine, name, options):
     errors = []
     for spool, p_in, p_out in states(machine, 400):
         p_in = p_in._replace(swing=min(p_in.swing, 3400 * PSI))
-        ours, true = step_all(model, spool, p_in, p_out), step_all(exact, spool, p_in, p_out)
+        ours, true = step_all(machine, model, spool, p_in, p_out), step_all(machine, exact, spool, p_in, p_out)
         errors.append(np.subtract(ours.q_in, true.q_in) / pump_of(machine, "series").flow)
         assert ours.k_out == pytest.approx(true.k_out, abs=2e-3 * max(machine.function("swing").valve.outlet_positive))
     assert np.all(np.sqrt(np.mean(np.square(errors), axis=0)) < RMS[name])
@@ -67,8 +67,8 @@ def over_the_map(machine, section, n=N):
 
     In section D both valves of the series circuit are open, and the first still passes something on.
     """
-    rng, spool = np.random.default_rng(8), machine.spool
-    low, high = np.zeros(6), np.append(np.full(3, spool.knots[-1]), np.full(3, pump_of(machine, "boom").relief))
+    rng, spool = np.random.default_rng(8), spool_of(machine)
+    low, high = np.zeros(6), np.append(np.full(3, spool.end), np.full(3, pump_of(machine, "boom").relief))
     high[3] = machine.function("swing").line.relief
     if section == "D":
         low[[0, 2]], high[0] = np.nextafter(spool.deadband, 1.0), spool.bypass_closed
@@ -86,7 +86,7 @@ LARGEST = {(False, "whole"): (3.0, 0.7, 3.0), (False, "D"): (3.3, 0.7, 3.6), (Tr
 def test_the_least_of_the_modes_is_near_exact_over_the_map(machine, limit, section):
     machine = with_limit(machine) if limit else machine
     spool, p_in = over_the_map(machine, section)
-    ours, true = (sample_flow(build_flow(name, machine), spool, p_in, 0.0 * p_in) for name in ("polynomial", "exact"))
+    ours, true = (sample_flow(machine, name, spool, p_in, 0.0 * p_in) for name in ("polynomial", "exact"))
     open_relief = true.p_pump >= pump_of(machine, "boom").relief * (1.0 - 1e-12)
     assert np.all(open_relief.sum(axis=0) > 0.01 * N)  # of both pumps
     assert np.all(np.abs(ours.q_in - true.q_in).max(axis=0) <= to_si(1.0, "in3/s") * np.array(LARGEST[limit, section]))
@@ -97,7 +97,7 @@ def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, 
     spool, p_in = over_the_map(machine, "D", min(N // 4, 2000))
 
     def flows(name, machine, **options):
-        return sample_flow(build_flow(name, machine, **options), spool, p_in, 0.0 * p_in).q_in
+        return sample_flow(machine, build_flow(name, machine, **options), spool, p_in, 0.0 * p_in).q_in
 
     true = flows("exact", with_limit(machine))
     ours = flows("polynomial", with_limit(machine), arrangement=arrangement)
@@ -111,19 +111,19 @@ def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, 
 
 @pytest.mark.parametrize("name", ["polynomial", "neural"])
 def test_networks_of_the_package_refuse_circuits_they_were_not_trained_on(machine, name):
-    pumps, valve = machine.pumps, machine.function("boom").valve
-    slower = machine._replace(pumps=pumps._replace(torque_limit_start=0.9 * pumps.torque_limit_start))
-    heavier = machine._replace(boom=machine.boom._replace(body=machine.boom.body._replace(mass=2e3)))
+    valve, pump = machine.function("boom").valve, pump_of(machine, "boom")
+    slower = with_pumps(machine, torque_limit_start=0.9 * pump.torque_limit_start)
+    heavier = machine.with_values({"links.boom.mass": 2e3})
     for known in (slower, heavier):  # a torque limit that is off, and what is no circuit
         build_flow(name, known)
-    wider = valve._replace(inlet=tuple(1.1 * k for k in valve.inlet))
+    wider = tuple(1.1 * k for k in valve.inlet)
     others = {
-        "pumps.boom_flow": machine._replace(pumps=pumps._replace(boom_flow=2.0 * pumps.boom_flow)),
-        "pumps.torque_limit_start": with_limit(slower),
-        "boom.valve.inlet": machine._replace(boom=machine.boom._replace(valve=wider)),
+        "circuits.boom.pump.flow": with_pumps(machine, flow=2.0 * pump.flow),
+        "circuits.boom.pump.torque_limit_start": with_limit(slower),
+        "functions.boom.valve.inlet": changed(machine, "boom", valve={"inlet": wider}),
     }
     for parameter, other in others.items():
-        with pytest.raises(InputError, match=f"{parameter} = .* in cat215b, whose circuits"):
+        with pytest.raises(InputError, match=f"(?s){parameter} = .* in cat215b, whose circuits"):
             build_flow(name, other)
         build_flow("polynomial", other, models=shipped_models())  # whoever gives models knows what they are for
 
@@ -139,19 +139,21 @@ def test_modes_may_be_missing(machine):
     relief, spool = pump_of(machine, "boom").relief, spool_of(machine).end
     for p in (0.0, 0.5 * relief, np.nextafter(relief, 0.0)):
         expected = min(max(boom.predict([[spool, p]])[0], 0.0), pump_of(machine, "boom").flow)
-        assert step(model, spool, p, 0.0).q_in.boom == expected
-    assert step(model, spool, relief, 0.0).q_in.boom == 0.0
+        assert step(machine, model, spool, p, 0.0).q_in.boom == expected
+    assert step(machine, model, spool, relief, 0.0).q_in.boom == 0.0
     spool = Links(0.3 * spool_of(machine).bypass_closed, 0.0, spool_of(machine).end)  # the swing's is in its deadband
     passed = Links(0.0, 0.0, 40e5)
     (stick,) = (m for m in models if m.output.name == "stick.q_in")
     expected = stick.predict([[pump_of(machine, "series").flow, spool.stick, passed.stick]])[0]
-    assert step_all(model, spool, passed, Links(0.0, 0.0, 0.0)).q_in.stick == expected
+    assert step_all(machine, model, spool, passed, Links(0.0, 0.0, 0.0)).q_in.stick == expected
 
 
 def test_the_first_valve_shut_off_passes_nothing_on(machine):
     spool = Links(spool_of(machine).end, 0.0, spool_of(machine).end)
     for name, options in NETWORKS:
-        flows = step_all(build_flow(name, machine, **options), spool, Links(1e6, 1e6, 1e6), Links(1e5, 1e5, 1e5))
+        flows = step_all(
+            machine, build_flow(name, machine, **options), spool, Links(1e6, 1e6, 1e6), Links(1e5, 1e5, 1e5)
+        )
         assert flows.q_in.stick == 0.0
         assert flows.q_in.swing == pytest.approx(pump_of(machine, "series").flow, rel=0.02)
 
@@ -160,4 +162,8 @@ def test_nothing_enters_a_line_at_relief_pressure(machine):
     p, travel = pump_of(machine, "boom").relief, spool_of(machine).end
     for name, options in NETWORKS:
         model = build_flow(name, machine, **options)
-        assert step_all(model, Links(travel, travel, travel), Links(p, p, p), Links(0.0, 0.0, 0.0)).q_in == (0, 0, 0)
+        assert step_all(machine, model, Links(travel, travel, travel), Links(p, p, p), Links(0.0, 0.0, 0.0)).q_in == (
+            0,
+            0,
+            0,
+        )

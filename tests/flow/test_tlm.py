@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from helpers.flow_steps import layout_step, states
-from helpers.three_links import as_links
+from helpers.flow_steps import Links, flow_step, layout_step
+from helpers.valves import circuit_pump
 from polydraulic import build_flow, compare, load_machine, load_scenario, simulate
 from polydraulic.errors import InputError
-from polydraulic.flow import flow_step
 from polydraulic.machine.pump import delivered
-from polydraulic.machine.state import Links
 from polydraulic.thesis.excavator import with_pumps
 from polydraulic.units import to_si
 
@@ -27,43 +25,44 @@ def pumped(request, machine):
 def dead_ended(machine):
     """Without any orifice: the pump works into a closed line."""
     nothing = (0.0,) * 6
-    links = {
-        name: machine.function(name)._replace(
-            valve=machine.function(name).valve._replace(inlet=nothing, bypass=nothing)
-        )
-        for name in ("swing", "boom", "stick")
-    }
-    return machine._replace(**links)
+    return machine._replace(
+        functions=tuple(f._replace(valve=f.valve._replace(inlet=nothing, bypass=nothing)) for f in machine.functions)
+    )
 
 
 def test_a_closed_line_fills_in_steps(machine):
     """Each wave of the pump's flow doubles at the closed valve: 2 Z Q every second delay, mean rate Q / C."""
-    model = build_flow("tlm", dead_ended(machine), volume=1e-2, alpha=0.0, substeps=1)
-    Q, C = model.boom_pump.flow, model.compliance
+    closed = dead_ended(machine)
+    model = build_flow("tlm", closed, volume=1e-2, alpha=0.0, substeps=1)
+    Q, C = circuit_pump(machine, "boom").flow, model.parts["tlm_lines"].compliance
     Z = DT / C
     memory = np.array([1e6, 1e6, 1e6, 1e6, 1e6, 1e6, 1.0])
-    seen = [flow_step(model, memory, CENTRE, REST, REST, DT).boom.p_pump - 1e6 for _ in range(8)]
+    seen = [flow_step(closed, model, memory, CENTRE, REST, REST, DT).boom.p_pump - 1e6 for _ in range(8)]
     assert seen == pytest.approx([n * Z * Q for n in (0, 2, 2, 4, 4, 6, 6, 8)], rel=1e-12, abs=1e-6)
     assert 0.5 * C * (memory[0] + memory[1] - 2e6) == pytest.approx(8 * DT * Q, rel=1e-12)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.5])
 def test_the_low_pass_loses_no_oil(machine, alpha):
-    model = build_flow("tlm", dead_ended(machine), volume=1e-2, alpha=alpha, substeps=3)
+    closed = dead_ended(machine)
+    model = build_flow("tlm", closed, volume=1e-2, alpha=alpha, substeps=3)
     memory = np.array([1e6, 1e6, 1e6, 1e6, 1e6, 1e6, 1.0])
-    stored = [flow_step(model, memory, CENTRE, REST, REST, DT).boom.q_stored for _ in range(8)]
-    assert stored == pytest.approx([model.boom_pump.flow] * 8, rel=1e-9)
-    assert 0.5 * model.compliance * (memory[0] + memory[1] - 2e6) == pytest.approx(sum(stored) * DT, rel=1e-9)
+    stored = [flow_step(closed, model, memory, CENTRE, REST, REST, DT).boom.q_stored for _ in range(8)]
+    assert stored == pytest.approx([circuit_pump(machine, "boom").flow] * 8, rel=1e-9)
+    assert 0.5 * model.parts["tlm_lines"].compliance * (memory[0] + memory[1] - 2e6) == pytest.approx(
+        sum(stored) * DT, rel=1e-9
+    )
 
 
 def test_the_relief_valve_ends_the_rise_of_a_closed_line(pumped):
-    model = build_flow("tlm", dead_ended(pumped))
+    closed, boom = dead_ended(pumped), circuit_pump(pumped, "boom")
+    model = build_flow("tlm", closed)
     memory = np.zeros(7)
     for _ in range(400):
-        flows = flow_step(model, memory, CENTRE, REST, REST, DT)
-        assert flows.boom.p_pump <= pumped.pumps.relief
-    assert flows.boom.p_pump == pytest.approx(pumped.pumps.relief, rel=1e-9)
-    assert flows.boom.q_relief == pytest.approx(delivered(pumped.pumps.relief, model.boom_pump), rel=1e-9)
+        flows = flow_step(closed, model, memory, CENTRE, REST, REST, DT)
+        assert flows.boom.p_pump <= boom.relief
+    assert flows.boom.p_pump == pytest.approx(boom.relief, rel=1e-9)
+    assert flows.boom.q_relief == pytest.approx(delivered(boom.relief, boom), rel=1e-9)
 
 
 def test_waves_below_the_floor_are_made_up(pumped):
@@ -71,7 +70,7 @@ def test_waves_below_the_floor_are_made_up(pumped):
     model, low = build_flow("tlm", pumped, substeps=1), pumped.tank.floor
     memory = np.array([-3e7] * 6 + [1.0])
     for _ in range(20):
-        flows = flow_step(model, memory, spool, p_in, p_in, DT)
+        flows = flow_step(pumped, model, memory, spool, p_in, p_in, DT)
         assert min(flows.boom.p_pump, flows.series.p_pump, flows.p_between) >= low
         assert min(*flows.q_in, flows.boom.q_bypass, flows.series.q_bypass) >= 0.0
 
@@ -82,8 +81,8 @@ def test_held_still_it_becomes_exact(pumped, volume, alpha):
     spool, p_in = Links(0.0075, -0.0065, 0.0071), Links(500 * PSI, 1500 * PSI, 900 * PSI)
     memory = np.array([1e5, 3e7, 1e5, 1e7, 2e6, 3e6, 1.0])
     for _ in range(2000):
-        flows = flow_step(model, memory, spool, p_in, p_in, DT)
-    still = flow_step(build_flow("exact", pumped), np.zeros(1), spool, p_in, p_in, DT)
+        flows = flow_step(pumped, model, memory, spool, p_in, p_in, DT)
+    still = flow_step(pumped, build_flow("exact", pumped), np.zeros(1), spool, p_in, p_in, DT)
     assert flows.q_in == pytest.approx(still.q_in, rel=1e-6)
     assert flows.series == pytest.approx(still.series, rel=1e-6, abs=1e-12)
     assert flows.p_between == pytest.approx(still.p_between, rel=1e-6)
@@ -91,24 +90,10 @@ def test_held_still_it_becomes_exact(pumped, volume, alpha):
 
 def test_it_begins_at_rest(pumped):
     spool, p_in = Links(0.0075, -0.0065, 0.0071), Links(500 * PSI, 1500 * PSI, 900 * PSI)
-    flows = flow_step(build_flow("tlm", pumped), np.zeros(7), spool, p_in, p_in, DT)
-    still = flow_step(build_flow("exact", pumped), np.zeros(1), spool, p_in, p_in, DT)
+    flows = flow_step(pumped, build_flow("tlm", pumped), np.zeros(7), spool, p_in, p_in, DT)
+    still = flow_step(pumped, build_flow("exact", pumped), np.zeros(1), spool, p_in, p_in, DT)
     assert flows.q_in == pytest.approx(still.q_in, rel=1e-7)
     assert abs(flows.series.q_stored) < 1e-7 * flows.series.q_pump
-
-
-def test_the_excavator_as_links_has_the_same_bits(pumped):
-    older, memory = build_flow("tlm", pumped), np.zeros(7)
-    links = as_links(pumped)
-    step = layout_step(links, build_flow("tlm", links), DT)
-    for spool, p_in, p_out in states(pumped, 100):
-        wanted, found = flow_step(older, memory, spool, p_in, p_out, DT), step(spool, p_in, p_out)
-        assert (tuple(found.q_in), tuple(found.k_out)) == (tuple(wanted.q_in), tuple(wanted.k_out))
-        assert found.circuit_boom[:4] == wanted.boom[:4]
-        # what a line gains is a sum of waves, which is taken in another order than where it was written for one line
-        assert found.circuit_boom.q_stored == pytest.approx(wanted.boom.q_stored, abs=1e-12 * wanted.boom.q_pump)
-        assert found.circuit_series == wanted.series
-        assert (found.between_series_1, found.status) == (wanted.p_between, wanted.status)
 
 
 def test_circuits_of_any_length_become_exact():

@@ -9,7 +9,7 @@ def excavator_tree():
     circuits = tuple(c._replace(functions=tuple(f for f in c.functions if f != "bucket")) for c in machine.circuits)
     return machine._replace(
         links=machine.links[:3],
-        functions=tuple(f._replace(initial=getattr(older, f.name).initial) for f in machine.functions[:3]),
+        functions=tuple(f._replace(initial=older.function(f.name).initial) for f in machine.functions[:3]),
         circuits=circuits,
         tip=("stick", machine.link("bucket").at),
     )

@@ -1,28 +1,55 @@
-"""Flow models at single points and at random ones."""
+"""Flow models of cat215b at single points and at random ones."""
+
+from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.flow import (
-    FLOW_KINDS,
-    flow_name,
-    flow_step,
-)
-from polydraulic.machine.state import Links
-from polydraulic.thesis.excavator import spool_of, with_pumps
+from polydraulic.machine.pump import Circuit
 from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.thesis.excavator import spool_of, with_pumps
 from polydraulic.units import to_si
 
 PSI = to_si(1.0, "psi")
+_READY = {}  # machines and models that have been prepared, with what was made of them
 
 
-def step(model, spool, p_in, p_out):
+class Links(NamedTuple):
+    """One float per function."""
+
+    swing: float
+    boom: float
+    stick: float
+
+
+class Flows(NamedTuple):
+    """What the text of cat215b gives, by short names."""
+
+    q_in: Links
+    k_out: Links
+    boom: Circuit
+    series: Circuit
+    p_between: float
+    status: int
+
+
+def flow_step(machine, model, memory, spool, p_in, p_out, dt=0.005):
+    key = id(machine), id(model), dt
+    if key not in _READY:
+        _READY[key] = machine, model, prepare_layout(machine, dt, flow=model)
+    ready = _READY[key][-1]
+    points = (ready.module.Functions(*x) for x in (spool, p_in, p_out))
+    found = ready.module.flow_step(ready.valves, memory, *points, dt)
+    circuits = found.circuit_boom, found.circuit_series
+    return Flows(Links(*found.q_in), Links(*found.k_out), *circuits, found.between_series_1, found.status)
+
+
+def step(machine, model, spool, p_in, p_out):
     """Flows with the boom's valve moved and the other two centred."""
-    return step_all(model, Links(0.0, spool, 0.0), Links(0.0, p_in, 0.0), Links(0.0, p_out, 0.0))
+    return step_all(machine, model, Links(0.0, spool, 0.0), Links(0.0, p_in, 0.0), Links(0.0, p_out, 0.0))
 
 
-def step_all(model, spool, p_in, p_out):
-    memory = np.zeros(FLOW_KINDS[flow_name(model)].n_memory(model))
-    return flow_step(model, memory, spool, p_in, p_out, 0.005)
+def step_all(machine, model, spool, p_in, p_out):
+    return flow_step(machine, model, np.zeros(model.n_memory), spool, p_in, p_out)
 
 
 def layout_step(machine, flow, dt=0.005):
@@ -49,7 +76,7 @@ def points(machine, n=200):
 
 
 def states(machine, n=200, seed=4):
-    """Spools and line pressures of all links at random."""
+    """Spools and line pressures of all functions at random."""
     rng, travel = np.random.default_rng(seed), spool_of(machine).end
     for _ in range(n):
         spool, p_in, p_out = rng.uniform(-travel, travel, 3), *rng.uniform(0.0, 4000 * PSI, (2, 3))

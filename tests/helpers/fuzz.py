@@ -141,11 +141,10 @@ def _model(path):
 
 
 def _machine(path):
-    from polydraulic.machine.plant import prepare
-
     from polydraulic import load_machine
+    from polydraulic.simulation.layout.prepare import start_vector
 
-    prepare(load_machine(path), 5e-3, ())
+    start_vector(load_machine(path))
 
 
 def _scenario(path):

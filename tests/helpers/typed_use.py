@@ -12,7 +12,7 @@ from polydraulic import (
     AbductiveRegressor,
     Batch,
     Difference,
-    Machine,
+    LayoutMachine,
     Progress,
     RegionRegressor,
     Scenario,
@@ -28,16 +28,16 @@ from polydraulic import (
     simulate_batch,
 )
 from polydraulic.export import Exported, export_c, export_machine, to_text
-from polydraulic.flow import FlowModel, exact_flow, flow_name
+from polydraulic.flow import FlowModel, exact_flow
 from polydraulic.identification import Check, MachineFit, Replay, TableFit, check_models, fit_machine, fit_table, replay
 from polydraulic.measure import ChannelMap, Imported, import_log, load_channels
 from polydraulic.networks import Model, Network, Variable, check_range, learn_from, model_bounds
 from polydraulic.plotting import plot_run, save_figure
 
 machine = load_machine("cat215b")
-assert_type(machine, Machine)
-assert_type(machine.boom.body.mass, float)
-assert_type(machine.with_values({"boom.body.mass": 900, "spool.knots[1]": 0.005}), Machine)
+assert_type(machine, LayoutMachine)
+assert_type(machine.link("boom").mass, float)
+assert_type(machine.with_values({"links.boom.mass": 900, "gravity": 9.8}), LayoutMachine)
 assert_type(load_scenario("task"), Scenario)
 assert_type(random_operator(1, 10.0), Scenario)
 
@@ -60,7 +60,7 @@ assert_type(compare(run, run)["boom.angle"].largest, float)
 assert_type(simulate_batch([machine, "cat215b"], "exact", ["task"], progress=show), Batch)
 assert_type(simulate_batch(machine, "exact", np.zeros((4, 3))).final, np.ndarray)
 assert_type(build_flow("tlm", machine, alpha=0.2), FlowModel)
-assert_type(flow_name(exact_flow("cat215b")), str)
+assert_type(exact_flow("cat215b").name, str)
 
 learner = AbductiveRegressor().fit(run.matrix(["time"]), run["boom.angle"])
 assert_type(learner, AbductiveRegressor)
@@ -90,5 +90,5 @@ simulate("cat215b", 3, "single_08")  # type: ignore[arg-type]
 simulate("cat215b", "exact", "single_08", 1e-3)  # type: ignore[call-arg]
 simulate("cat215b", "exact", "single_08", step=1e-3)  # type: ignore[call-arg]
 simulate_batch(machine, "exact", "task", progress=lambda done: None)  # type: ignore[arg-type]
-machine.with_values({"boom.body.mass": "900 kg"})  # type: ignore[dict-item]
-print(machine.boom.body.weight)  # type: ignore[attr-defined]
+machine.with_values({"links.boom.mass": "900 kg"})  # type: ignore[dict-item]
+print(machine.link("boom").weight)  # type: ignore[attr-defined]

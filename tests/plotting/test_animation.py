@@ -8,7 +8,6 @@ import subprocess
 
 import numpy as np
 import pytest
-from polydraulic.plotting.shapes import excavator_drawing
 
 from helpers.made_runs import made_run, small_crane
 from polydraulic.errors import InputError
@@ -31,7 +30,7 @@ def test_the_page_holds_the_runs_and_needs_no_network(machine, whole, tmp_path):
     assert (data["title"], data["frames"], data["rate"]) == ("task", 13, 20.0)
     assert [run["name"] for run in data["runs"]] == ["exact", "iterative"]
     positions = np.array(data["runs"][1]["positions"])
-    drawing = excavator_drawing(machine)
+    drawing = layout_drawing(machine)
     frames = frames_of(whole, drawing.names, 20.0)
     assert positions == pytest.approx(frames.positions[1], abs=1e-5)
     assert all(len(channel["values"]) == 2 for channel in data["channels"])

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, load_machine
-from polydraulic.flow import circuit_database, sample_boom, sample_circuit
+from polydraulic.flow import circuit_table, sample_circuit
 from polydraulic.flow.layout.database import series_circuit_of
 from polydraulic.identification import fit_table
+from polydraulic.simulation.layout.flow_points import sample_flow
 
 
 def test_columns_belong_together():
@@ -37,13 +38,25 @@ def test_pressures_may_be_chosen_and_the_relief_valve_left_out():
 
 
 def test_any_machine_has_its_own_circuits(machine):
-    here, there = (np.random.default_rng(3) for _ in range(2))
-    assert np.array_equal(
-        circuit_database(machine, None, 5, rng=here)["boom.q_in"], sample_boom(machine, 5, rng=there)["boom.q_in"]
-    )
-    assert "lift.q_in" in circuit_database("wheel_loader", None, 5, rng=here).names
-    with pytest.raises(InputError, match="the machine has the circuits lift, slew_and_reach: say which one"):
-        circuit_database("loader_crane", None, 5, rng=here)
+    rng = np.random.default_rng(3)
+    assert "boom.q_in" in sample_circuit(machine, None, 5, rng=rng).names  # the first one
+    assert "lift.q_in" in sample_circuit("wheel_loader", None, 5, rng=rng).names
+
+
+def test_a_table_at_given_points_is_that_of_the_whole_text(machine):
+    """Next to the flow model by itself, whose kernels stand in the text of the step."""
+    table = sample_circuit(machine, "series", 200, rng=np.random.default_rng(4))
+    points = [np.zeros((200, 3)) for _ in range(3)]
+    for array, what in zip(points, ("spool", "p_in", "p_out"), strict=True):
+        array[:, [0, 2]] = table.matrix([f"{name}.{what}" for name in ("swing", "stick")])
+    found = sample_flow(machine, "exact", *points)
+    for place, name in ((0, "swing"), (2, "stick")):
+        assert table[f"{name}.q_in"] == pytest.approx(found.q_in[:, place], abs=1e-12 * found.q_in.max())
+        assert table[f"{name}.k_out"] == pytest.approx(found.k_out[:, place], rel=1e-12, abs=1e-20)
+    assert table["series.p_pump"] == pytest.approx(found.p_pump[:, 1], rel=1e-9)
+    assert found.q_bypass.shape == (200, 2)
+    with pytest.raises(InputError, match=r"spool, p_in and p_out have shapes \(5, 3\)"):
+        circuit_table(machine, "series", *np.zeros((3, 5, 3)))
 
 
 def test_what_cannot_be_sampled_is_named(machine):
@@ -51,9 +64,9 @@ def test_what_cannot_be_sampled_is_named(machine):
     with pytest.raises(InputError, match="rows = 0: must be at least 1"):
         sample_circuit("wheel_loader", "work", 0, rng=rng)
     with pytest.raises(InputError, match=r"unknown circuit 'boom'; choose one of \['work'\]"):
-        circuit_database("wheel_loader", "boom", 5, rng=rng)
+        sample_circuit("wheel_loader", "boom", 5, rng=rng)
     with pytest.raises(InputError, match=r"unknown circuit 'work'; choose one of \['boom', 'series'\]"):
-        circuit_database(machine, "work", 5, rng=rng)
+        sample_circuit(machine, "work", 5, rng=rng)
     plant = load_machine("wheel_loader")
     other = plant._replace(circuits=(plant.circuits[0]._replace(kind="shared"),))
     with pytest.raises(InputError, match="circuit 'work' is of the kind 'shared'; learning from samples is for valves"):

@@ -1,37 +1,15 @@
 """Networks in a machine of any layout: the bits of those written by hand for cat215b, and what does not fit is named."""
 
-import numpy as np
 import pytest
 
 from helpers.excavator_tree import excavator_tree
-from helpers.flow_steps import states, step_all
 from polydraulic import InputError, build_flow, load_machine, simulate
-from polydraulic.flow.polynomial import polynomial_flow, shipped_models
+from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks import Model
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant
-from polydraulic.simulation.layout.prepare import prepare_layout
 
 TREE = excavator_tree()
-
-
-@pytest.mark.parametrize(("arrangement", "limited"), [("cascade", False), ("cascade", True), ("direct", True)])
-def test_the_excavator_as_a_tree_has_the_flows_of_the_older_form(machine, arrangement, limited):
-    models = shipped_models(arrangement, limited=limited)
-    older, flow = polynomial_flow(machine, models=models), build_flow("polynomial", TREE, models=models)
-    ready = prepare_layout(TREE, 5e-3, flow=flow)
-    functions, memory = ready.module.Functions, np.zeros(ready.n_memory)
-    outside = 0
-    for spool, p_in, p_out in states(machine, 400):
-        wanted = step_all(older, spool, p_in, p_out)
-        found = ready.module.flow_step(
-            ready.valves, memory, functions(*spool), functions(*p_in), functions(*p_out), 5e-3
-        )
-        assert (tuple(found.q_in), tuple(found.k_out)) == (tuple(wanted.q_in), tuple(wanted.k_out))
-        assert (found.circuit_boom, found.circuit_series) == (wanted.boom, wanted.series)
-        assert found.status == wanted.status
-        outside += found.status != 0
-    assert 0 < outside < 400
 
 
 def test_networks_of_one_circuit_serve_what_moves_no_other():
@@ -86,7 +64,5 @@ def test_a_model_of_one_machine_is_refused_to_another(machine):
         InputError, match="is for the circuits boom \\(boom\\); series \\(swing, stick\\); this machine"
     ):
         simulate(load_machine("wheel_loader"), flow, "wheel_loader_cycle")
-    with pytest.raises(InputError, match="is for a machine with the circuits boom, series, described by links"):
-        simulate(machine, flow, "task")
-    with pytest.raises(InputError, match="PolynomialFlow knows the layout of 'cat215b' alone"):
-        simulate(TREE, polynomial_flow(machine, models=SHIPPED), "task")
+    with pytest.raises(InputError, match="dict is not a flow model; choose one of"):
+        simulate(machine, {}, "task")

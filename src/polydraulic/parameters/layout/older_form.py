@@ -70,7 +70,7 @@ def _places(node: Any, where: str) -> Iterator[tuple[str, str]]:
 
 def _check_tables(data: Mapping[str, Any], known: list[str], path: Path, where: str = "") -> None:
     """Check the keys of all tables above the parts that are taken whole."""
-    keys = {name.split(".")[0]: [] for name in known}
+    keys: dict[str, list[str]] = {name.split(".")[0]: [] for name in known}
     for name in known:
         first, _, rest = name.partition(".")
         keys[first] += [rest] if rest else []

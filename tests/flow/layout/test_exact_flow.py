@@ -2,14 +2,15 @@ import pytest
 
 from helpers.flow_steps import PSI, states, step, step_all, with_limit
 from polydraulic import build_flow
-from polydraulic.thesis.excavator import pump_of, spool_of
+from polydraulic.thesis.excavator import pump_of, spool_of, without_relief
 
 
 def test_the_torque_limit_lowers_both_flows(machine):
-    free, limited = build_flow("exact", machine), build_flow("exact", with_limit(machine))
+    lower = with_limit(machine)
+    free, limited = build_flow("exact", machine), build_flow("exact", lower)
     lowered = 0
     for spool, p_in, p_out in states(machine):
-        without, flows = step_all(free, spool, p_in, p_out), step_all(limited, spool, p_in, p_out)
+        without, flows = step_all(machine, free, spool, p_in, p_out), step_all(lower, limited, spool, p_in, p_out)
         for before, after in ((without.boom, flows.boom), (without.series, flows.series)):
             start = pump_of(machine, "boom").torque_limit_start
             if before.p_pump <= start:
@@ -22,11 +23,11 @@ def test_the_torque_limit_lowers_both_flows(machine):
 
 
 def test_relief_valve_bounds_the_pressure(machine):
-    exact, ideal = build_flow("exact", machine), build_flow("exact", machine, relief=False)
+    exact, without = build_flow("exact", machine), without_relief(machine)
     spool, p_in = spool_of(machine).bypass_closed, 4000 * PSI
-    bounded = step(exact, spool, p_in, 0.0)
+    bounded = step(machine, exact, spool, p_in, 0.0)
     assert bounded.boom.p_pump == pump_of(machine, "boom").relief
     assert bounded.boom.q_relief > 0.0
-    free = step(ideal, spool, p_in, 0.0)
+    free = step(without, exact, spool, p_in, 0.0)
     assert free.boom.p_pump > pump_of(machine, "boom").relief
     assert free.q_in.boom == pump_of(machine, "boom").flow
