@@ -7,11 +7,11 @@ come with the package; no scenario took part in their training.
 import argparse
 
 import numpy as np
-from polydraulic.flow.sample import sample_flow
 
 from polydraulic import build_flow, compare, load_machine, load_scenario, random_operator, simulate
-from polydraulic.flow import FLOW_KINDS, flow_name, table_bytes
+from polydraulic.flow import table_bytes
 from polydraulic.flow.polynomial import shipped_models
+from polydraulic.simulation.layout.flow_points import sample_flow
 from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
 from polydraulic.thesis.timing import PAIRS, time_runs
 from show import table
@@ -41,7 +41,7 @@ def map_errors(machine, model, n=20000):
     rng, travel = np.random.default_rng(0), spool_of(machine).end
     highest = [min(machine.function(link).line.relief, pump_of(machine, "boom").relief) for link in LINKS]
     spool, p_in = rng.uniform(-travel, travel, (n, 3)), rng.uniform(0.0, highest, (n, 3))
-    ours, true = (sample_flow(one, spool, p_in, p_in).q_in for one in (model, build_flow("exact", machine)))
+    ours, true = (sample_flow(machine, one, spool, p_in, p_in).q_in for one in (model, "exact"))
     error = 100.0 * (ours - true) / pump_of(machine, "series").flow
     return np.sqrt(np.mean(error**2, axis=0)), np.abs(error).max(axis=0)
 
@@ -78,7 +78,7 @@ def main():
     table("Largest distance of the tip from the exact run, mm", header, rows)
     rows = []
     for name, model in models.items():
-        if not FLOW_KINDS[flow_name(model)].has_state:
+        if not model.stores_oil:
             rms, largest = map_errors(machine, model)
             errors = [f"{a:.3g} / {b:.3g}" for a, b in zip(rms, largest, strict=True)]
             rows.append([name, *errors, f"{table_bytes(model) / 1e6:.3g}"])

@@ -1,4 +1,4 @@
-"""Steps of the machines that come with the package, single and in lanes, next to the three links of cat215b; as C; first compilation.
+"""Steps of the machines that come with the package, single and in lanes, next to those of cat215b; as C; first compilation.
 
 ``python benchmarks/layouts.py`` needs gcc for the machines as C, whose bits are asserted to be those of the loop. All machines do the work
 of the same random operator; rows are recorded, and the last one summed. Torque limits are those of the machines, or none where the
@@ -15,7 +15,6 @@ from pathlib import Path
 from shutil import which
 
 import numpy as np
-from polydraulic.simulation.loop import run
 
 from machine_c import LOOP
 from polydraulic import load_machine
@@ -26,7 +25,6 @@ from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import step_inputs
-from polydraulic.simulation.runs import arrange
 from polydraulic.thesis.timing import paired_times
 from show import left_out, show
 
@@ -74,11 +72,6 @@ def arranged_layout(name):
 
 def single(name):
     """A run of one machine: the sum of its last row."""
-    if name == "cat215b":
-        machine = load_machine(name)
-        scenario = random_operator(1, SECONDS, functions=machine.names)
-        arranged = arrange(machine, "exact", scenario, dt=DT)
-        return lambda: (run(*arranged), arranged.rows[-1].sum())[1]
     loop, arguments, rows = arranged_layout(name)
     return lambda: (loop(*arguments), rows[-1].sum())[1]
 

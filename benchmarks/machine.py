@@ -12,20 +12,15 @@ from time import perf_counter, process_time
 import llvmlite.binding as llvm
 import numba
 import numpy as np
-from polydraulic.machine.plant import prepare
-from polydraulic.simulation.loop import run
-from polydraulic.simulation.step import seen_pressures
 
-from polydraulic import build_flow, load_machine, load_scenario, simulate_batch
+from polydraulic import load_machine, load_scenario, simulate_batch
 from polydraulic._kernel import _DRIVER_OPTIONS, KERNEL_OPTIONS, driver, kernel
-from polydraulic.flow import exact_lanes
-from polydraulic.flow.dispatch import flow_lanes, flow_step
+from polydraulic.flow import exact_flow
 from polydraulic.flow.lanes import LANES
-from polydraulic.machine.pump import Circuit
-from polydraulic.machine.state import Links
-from polydraulic.simulation.batch import lanes
 from polydraulic.simulation.batch.batch import _processors
-from polydraulic.simulation.runs import arrange
+from polydraulic.simulation.batch.family import family_of
+from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.runs import prepared_run
 from polydraulic.thesis.excavator import pump_of, with_pumps
 from polydraulic.thesis.timing import Ratio, paired_ratio, paired_times
 from show import show
@@ -44,47 +39,59 @@ def fresh(function):
     return numba.njit(**_DRIVER_OPTIONS)(function)
 
 
+STEP = prepare_layout(load_machine("cat215b"), 5e-3).module
+
+
 @driver
-def lane_steps(model, plant, rows, n):
+def lane_steps(valves, plant, rows, n):
     for _ in range(n):
-        lanes._pilot_stage(plant, None, rows)
-        flow_lanes(model, None, rows, False)
-        lanes._position_stage(plant, None, rows)
-        lanes._hose_stage(plant, None, rows)
-        lanes._motion_stage(plant, None, rows)
+        STEP.pilot_stage(plant, None, rows)
+        STEP.flow_stage(valves, None, rows)
+        STEP.position_stage(plant, None, rows)
+        STEP.hose_stage(plant, None, rows)
+        STEP.motion_stage(plant, None, rows)
 
 
 @driver
-def lane_rest(model, plant, rows, n):
+def lane_rest(valves, plant, rows, n):
     """All stages but the flow model's."""
     for _ in range(n):
-        lanes._pilot_stage(plant, None, rows)
-        lanes._position_stage(plant, None, rows)
-        lanes._hose_stage(plant, None, rows)
-        lanes._motion_stage(plant, None, rows)
+        STEP.pilot_stage(plant, None, rows)
+        STEP.position_stage(plant, None, rows)
+        STEP.hose_stage(plant, None, rows)
+        STEP.motion_stage(plant, None, rows)
 
 
 @kernel
-def of_circuit(c: Circuit):
+def of_circuit(c):
     return c.q_pump + c.q_bypass + c.q_relief + c.p_pump + c.q_stored
 
 
 @kernel
-def of_links(x: Links):
+def of_links(x):
     return x.swing + x.boom + x.stick
 
 
 @driver
-def scalar_flows(model, memory, rows):
+def scalar_flows(valves, memory, rows):
     """Sum of everything that the flow model gives, so that the compiler leaves nothing out."""
     total = 0.0
     for k in range(rows.shape[0]):
         x = rows[k]
-        spool = Links(x[0], x[1], x[2])
-        seen = seen_pressures(spool, Links(x[3], x[4], x[5]), Links(x[6], x[7], x[8]))
-        q = flow_step(model, memory, spool, seen.p_in, seen.p_out, 0.005)
+        spool, p_a, p_b = (
+            STEP.Functions(x[0], x[1], x[2]),
+            STEP.Functions(x[3], x[4], x[5]),
+            STEP.Functions(x[6], x[7], x[8]),
+        )
+        seen = STEP.seen_pressures(spool, p_a, p_b)
+        q = STEP.flow_step(valves, memory, spool, seen.p_in, seen.p_out, 0.005)
         total += (
-            of_links(q.q_in) + of_links(q.k_out) + of_circuit(q.boom) + of_circuit(q.series) + q.p_between + q.status
+            of_links(q.q_in)
+            + of_links(q.k_out)
+            + of_circuit(q.circuit_boom)
+            + of_circuit(q.circuit_series)
+            + q.between_series_1
+            + q.status
         )
     return total
 
@@ -101,34 +108,25 @@ def throughput(body, wide, step, n_step):
     return paired_times(calls, work=work)["operation"]
 
 
-def compiled_step(model, plant, rows):
+def compiled_step(valves, plant, rows):
     """Assembly of the stages of a step with constant pump flow; each loop over lanes stands there once."""
     llvm.set_option("", "-unroll-full-max-count=1")
-    stages = [
-        numba.njit(**KERNEL_OPTIONS)(stage.py_func)
-        for stage in (
-            lanes._pilot_stage,
-            exact_lanes._valves,
-            exact_lanes._boom,
-            exact_lanes._series,
-            lanes._position_stage,
-            lanes._hose_stage,
-            lanes._motion_stage,
-        )
-    ]
-    pilot, valves, boom, series, position, hose, motion = stages
+    names = ("pilot", "valve", "free_boom", "free_series", "position", "hose", "motion")
+    parts = [name.replace("_", "_stage_") if "_" in name else f"{name}_stage" for name in names]
+    stages = [numba.njit(**KERNEL_OPTIONS)(getattr(STEP, part).py_func) for part in parts]
+    pilot, valve, boom, series, position, hose, motion = stages
 
-    def step(model, plant, rows):
+    def step(valves, plant, rows):
         pilot(plant, None, rows)
-        valves(model, None, rows)
-        boom(model, None, rows, False)
-        series(model, None, rows, False)
+        valve(valves, None, rows)
+        boom(valves, None, rows)
+        series(valves, None, rows)
         position(plant, None, rows)
         hose(plant, None, rows)
         motion(plant, None, rows)
 
     whole = fresh(step)
-    whole(model, plant, rows)
+    whole(valves, plant, rows)
     return whole.inspect_asm(whole.signatures[0])
 
 
@@ -155,40 +153,44 @@ def limits(assembly, step, n_step, lane_step):
 
 def one_block(machine, scenario):
     """Arguments of the loops over lanes, after a tenth of the scenario, voltages spread over the lanes."""
-    plant, model = prepare(machine, 5e-3, scenario.locked), build_flow("exact", machine)
-    arranged = arrange(machine, "exact", scenario)
-    spread = np.linspace(0.7, 1.3, LANES)
-    voltage = arranged.voltage[None] * spread[:, None, None]
+    ready, family = prepare_layout(machine, 5e-3, scenario.locked), family_of(machine, exact_flow(machine))
+    inputs = prepared_run(machine, "exact", scenario).args[4]
+    voltage = inputs[None] * np.linspace(0.7, 1.3, LANES)[:, None, None]
     batch = simulate_batch(machine, "exact", voltage, t_end=scenario.duration / 4)
-    rows = np.zeros((lanes.N_ROW, LANES))
-    names = [
-        f"{link}.{name}" for name in ("spool", "p_a", "p_b", "angle", "rate") for link in ("swing", "boom", "stick")
-    ]
-    rows[:15] = batch.final[:, [batch.place(name) for name in names]].T
-    rows[lanes._VOLTAGE : lanes._VOLTAGE + 3] = voltage[:, len(arranged.voltage) // 4].T
-    return model, plant, rows
+    rows = np.zeros((family.n_row, LANES))
+    names = [f"{link}.{name}" for name in ("spool", "p_a", "p_b", "angle", "rate") for link in machine.names]
+    rows[: len(names)] = batch.final[:, [batch.place(name) for name in names]].T
+    rows = rows.ravel()
+    for lane in range(LANES):
+        STEP.put_voltage(rows, lane, STEP.Functions(*voltage[lane, len(inputs) // 4]))
+    return ready.valves, ready.plant, rows
+
+
+def few_rows(machine, scenario):
+    """The compiled loop, which keeps the first row alone."""
+    valves, memory, plant, start, inputs, _, rows, counts = prepared_run(machine, "exact", scenario).args
+    return lambda: STEP.run(valves, memory, plant, start, inputs, 10**6, rows, counts)
 
 
 def steps(machine, name):
     scenario = load_scenario(name)
-    arranged = arrange(machine, "exact", scenario, every=10**6)
-    n_step = len(arranged.voltage)
-    every = arrange(machine, "exact", scenario)
-    run(*every)
-    states = np.ascontiguousarray(every.rows[:, :9])  # few bytes, since a step reads none
-    model, plant, start = one_block(machine, scenario)
-    voltage = arranged.voltage[None] * np.linspace(0.7, 1.3, MACHINES)[:, None, None]
+    every = prepared_run(machine, "exact", scenario)
+    every()
+    valves, memory, _, _, inputs, _, recorded, _ = every.args
+    few, n_step = few_rows(machine, scenario), len(inputs)
+    states = np.ascontiguousarray(recorded[:, :9])  # few bytes, since a step reads none
+    block_valves, plant, start = one_block(machine, scenario)
+    voltage = inputs[None] * np.linspace(0.7, 1.3, MACHINES)[:, None, None]
     n_lane = 500
 
     def repeated(loop):
-        rows = start.ravel().copy()
-        loop(model, plant, rows, n_lane)
+        loop(block_valves, plant, start.copy(), n_lane)
 
     scalar, batch = "scalar step", f"simulate_batch, {MACHINES} machines, 1 thread"
     alone, staged, rest = "scalar flow model alone", "stages in lanes", "the same without the flow model"
     calls = {
-        scalar: lambda: run(*arranged),
-        alone: lambda: scalar_flows(every.model, every.memory, states),
+        scalar: few,
+        alone: lambda: scalar_flows(valves, memory, states),
         staged: lambda: repeated(lane_steps),
         rest: lambda: repeated(lane_rest),
         batch: lambda: simulate_batch(machine, "exact", voltage, threads=1),
@@ -217,15 +219,15 @@ def threads(machine):
     All calls are about as long, so that other programs take about as much of each.
     """
     scenario, n = load_scenario("task"), _processors()
-    arranged = arrange(machine, "exact", scenario, every=10**6)
-    voltage = arranged.voltage[None] * np.linspace(0.7, 1.3, n * PER_PROCESSOR)[:, None, None]
+    loop, inputs = few_rows(machine, scenario), prepared_run(machine, "exact", scenario).args[4]
+    voltage = inputs[None] * np.linspace(0.7, 1.3, n * PER_PROCESSOR)[:, None, None]
     runs = len(voltage) // 3
-    calls = {"simulate, one machine": lambda: [run(*arranged) for _ in range(runs)]}
+    calls = {"simulate, one machine": lambda: [loop() for _ in range(runs)]}
     for count in sorted({1, n}):
         calls[f"simulate_batch, {len(voltage)} machines, {count} threads"] = lambda count=count: simulate_batch(
             machine, "exact", voltage, threads=count
         )
-    work = {name: len(arranged.voltage) * (runs if "one" in name else len(voltage)) for name in calls}
+    work = {name: len(inputs) * (runs if "one" in name else len(voltage)) for name in calls}
     times = paired_times(calls, pairs=7, clock=perf_counter, work=work)
     show(f"elapsed time of a step of a machine, {n} processors", times, "ns")
 
@@ -236,8 +238,7 @@ def main():
     for name in ("sine", "step"):
         steps(machine, name)
     measured = steps(machine, "task")
-    model, plant, rows = one_block(machine, load_scenario("task"))
-    limits(compiled_step(model, plant, rows.ravel()), *measured)
+    limits(compiled_step(*one_block(machine, load_scenario("task"))), *measured)
     for name in ("sine", "step"):
         steps(limited, name)
     threads(machine)

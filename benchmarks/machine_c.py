@@ -13,14 +13,12 @@ from pathlib import Path
 from shutil import which
 
 import numpy as np
-from polydraulic.export.excavator import outputs
-from polydraulic.simulation.loop import run
 
 from polydraulic import load_machine, load_scenario
 from polydraulic.export.fmu.machine import export_machine_fmu
-from polydraulic.export.machine import export_machine
-from polydraulic.flow.record import N_RECORD
-from polydraulic.simulation.runs import arrange
+from polydraulic.export.machine import export_machine, machine_parts
+from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.simulation.layout.runs import prepared_run
 from polydraulic.thesis.timing import paired_times
 from show import left_out, show
 
@@ -95,7 +93,7 @@ def compiled(machine, flow, locked, folder, flags):
     return ctypes.CDLL(str(library)).loop, code, data, sum(path.stat().st_size for path in paths)
 
 
-def imported(machine, flow, locked, folder):
+def imported(machine, flow, locked, folder, n_out):
     """The loop of an importer around the binary of an FMU, and the bytes of that binary and of the whole FMU."""
     path = export_machine_fmu(machine, flow, folder / "m.fmu", version=2, name="m", locked=locked).main
     with zipfile.ZipFile(path) as archive:
@@ -104,37 +102,39 @@ def imported(machine, flow, locked, folder):
     (folder / "loop.c").write_text(IMPORTER.replace("TOKEN", token))
     (binary,) = (folder / "binaries").rglob("m.*")
     library = folder / "loop.so"
-    flags = ["-O2", "-fPIC", "-shared", f"-DN_OUT={len(outputs())}", f"-Wl,-rpath,{binary.parent}"]
+    flags = ["-O2", "-fPIC", "-shared", f"-DN_OUT={n_out}", f"-Wl,-rpath,{binary.parent}"]
     subprocess.run(["gcc", *flags, "loop.c", binary, "-o", library], check=True, cwd=folder)
     return ctypes.CDLL(str(library)).loop, binary.stat().st_size, path.stat().st_size
 
 
 def compare(machine, flow, name):
     scenario = load_scenario(name)
-    arranged = arrange(machine, flow, scenario)
-    n = len(arranged.voltage)
-    calls, notes, rows = {"simulate's loop": lambda: run(*arranged)}, {}, {}
+    loop = prepared_run(machine, flow, scenario)
+    _, _, _, _, voltage, _, states, _ = loop.args
+    machine, n = adapted(machine, scenario), len(voltage)
+    n_out = len(machine_parts(machine, flow, locked=scenario.locked).outputs)
+    calls, notes, rows = {"simulate's loop": loop}, {}, {}
 
     def add(label, loop):
-        rows[label] = out = np.empty((n + 1, len(outputs())))
-        v, made = ctypes.c_void_p(arranged.voltage.ctypes.data), ctypes.c_void_p(out.ctypes.data)
+        rows[label] = out = np.empty((n + 1, n_out))
+        v, made = ctypes.c_void_p(voltage.ctypes.data), ctypes.c_void_p(out.ctypes.data)
         calls[label] = lambda: loop(v, ctypes.c_int64(n), made)
 
     with tempfile.TemporaryDirectory() as folder:
         for label, flags in COMPILERS.items():
             place = Path(folder) / label.replace(" ", "")
             place.mkdir()
-            loop, code, data, source = compiled(scenario.adapt(machine), flow, scenario.locked, place, flags)
+            loop, code, data, source = compiled(machine, flow, scenario.locked, place, flags)
             notes[label] = f"{code} bytes of code, {data} of data; {source} of source"
             add(label, loop)
         place = Path(folder) / "fmu"
         place.mkdir()
-        loop, binary, whole = imported(scenario.adapt(machine), flow, scenario.locked, place)
+        loop, binary, whole = imported(machine, flow, scenario.locked, place, n_out)
         notes["FMU, a step a call"] = f"binary of {binary} bytes, FMU of {whole}"
         add("FMU, a step a call", loop)
         times = paired_times(calls)
     for label, found in rows.items():
-        equal = np.array_equal(found[:, :N_RECORD], arranged.rows)
+        equal = np.array_equal(found[:, : states.shape[1]], states)
         assert equal or label == FUSED, f"{name}, flow {flow}: bits of {label} differ"
         notes[label] = f"bits {'equal' if equal else 'differ'}; {notes[label]}"
     show(f"{name}, flow {flow}: a step", times, "ns", per=n, notes=notes)

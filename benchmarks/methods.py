@@ -10,21 +10,15 @@ Rosenbrock method's preparation in Python.
 import time
 
 import numpy as np
-from polydraulic.simulation.loop import run
 
 from polydraulic import load_machine
-from polydraulic.flow import exact_flow
 from polydraulic.parameters.load import machine_names
 from polydraulic.parameters.scenario import load_scenario, random_operator, scenario_names
 from polydraulic.simulation.layout.columns import columns_of
-from polydraulic.simulation.layout.methods import lsoda as layout_lsoda
-from polydraulic.simulation.layout.methods import rosenbrock as layout_rosenbrock
+from polydraulic.simulation.layout.methods import lsoda, rosenbrock
 from polydraulic.simulation.layout.methods.known import run_known
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import step_inputs
-from polydraulic.simulation.runs import arrange
-from polydraulic.simulation.solvers import lsoda, rosenbrock
-from polydraulic.thesis.excavator import LINKS
 from polydraulic.thesis.timing import paired_times
 
 RASTER, SECONDS = 5e-3, 20.0
@@ -39,23 +33,8 @@ def raster(scenario):
     return np.arange(round(scenario.duration / RASTER) + 1) * RASTER
 
 
-def older_calls(machine, scenario):
-    """Runs of cat215b, whose methods are written by hand: of a step, of a tolerance, and the reference."""
-    model, times = exact_flow(machine), raster(scenario)
-
-    def loop(dt):
-        arranged = arrange(machine, model, scenario, dt=dt, every=round(RASTER / dt))
-        return lambda: (run(*arranged), arranged.rows)[1]
-
-    return (
-        loop,
-        lambda rtol: lambda: rosenbrock.integrate(machine, model, scenario, times, rtol)[0],
-        lambda: lsoda.integrate(machine, model, scenario, times, 1e-9)[0],
-    )
-
-
-def layout_calls(machine, scenario):
-    """The same of a machine of any layout."""
+def calls_of(machine, scenario):
+    """Runs: of a step, of a tolerance, and the reference."""
     times = raster(scenario)
 
     def loop(dt):
@@ -77,7 +56,7 @@ def layout_calls(machine, scenario):
     def known(rtol, method):
         return run_known(machine, scenario, times, rtol, method.__name__, method.integrate).rows
 
-    return loop, lambda rtol: lambda: known(rtol, layout_rosenbrock), lambda: known(1e-9, layout_lsoda)
+    return loop, lambda rtol: lambda: known(rtol, rosenbrock), lambda: known(1e-9, lsoda)
 
 
 def errors(rows, truth, n):
@@ -106,7 +85,7 @@ def said(off):
 def compared(machine, scenario):
     """Print a line for each goal."""
     functions = machine.names
-    loop, adaptive, reference = (older_calls if functions == LINKS else layout_calls)(machine, scenario)
+    loop, adaptive, reference = calls_of(machine, scenario)
     truth = reference().copy()
     for goal in GOALS:
         dt, semi_implicit, off = cheapest(STEPS, loop, truth, len(functions), goal)
@@ -125,7 +104,7 @@ def main():
     for name in ["cat215b", *(name for name in machine_names() if name != "cat215b")]:
         machine = load_machine(name)
         functions = machine.names
-        if functions != LINKS and machine.crossovers:  # of which the Rosenbrock method has no slopes
+        if machine.crossovers:  # of which the Rosenbrock method has no slopes
             continue
         own = "task" if name == "cat215b" else scenario_names(name)[0]
         print(f"  {name}", flush=True)

@@ -1,4 +1,4 @@
-"""Cost of n valves in series next to today's two: single circuits, and lanes of 64 with the passes outside of the lane loop.
+"""Cost of n valves in series next to the two that have a closed form: single circuits, and lanes of 64 with the passes outside of the lane loop.
 
 ``python benchmarks/series.py`` prints and asserts nothing. States are random spools of the machine's valves and random port pressures;
 every result is summed. What the certificate refuses is repaired inside of the times; how many that are stands behind them.
@@ -14,9 +14,8 @@ import numpy as np
 
 from polydraulic import load_machine
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
-from polydraulic.machine.pump import prepare_pump
-from polydraulic.machine.valve import orifices, prepare_valve
-from polydraulic.thesis.excavator import pump_of
+from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.thesis.excavator import pump_of, with_pumps
 from polydraulic.thesis.timing import PAIRED, paired_times
 from show import show
 
@@ -170,12 +169,13 @@ def circuit(name, n, text, folder):
 
 def random_states(machine, n, rng):
     """Blocks of lanes with random valves and port pressures."""
-    links, knots = (machine.swing, machine.stick, machine.boom), machine.functions[0].valve.knots
+    ready, knots = prepare_layout(machine, 5e-3), machine.functions[0].valve.knots
+    tables = [ready.valves.valve_swing, ready.valves.valve_stick, ready.valves.valve_boom]
+    orifices = getattr(ready.module, f"orifices_{len(knots)}")
     rows = np.zeros((BLOCKS, ROWS, LANES))
     for j in range(n):
-        table = prepare_valve(links[j % 3].valve, machine.spool)
         spools = rng.uniform(0.0, knots[-1], (BLOCKS, LANES))
-        found = np.array([[orifices(x, table)[:2] for x in block] for block in spools])
+        found = np.array([[orifices(x, tables[j % 3])[:2] for x in block] for block in spools])
         rows[:, 2 * j], rows[:, 2 * j + 1] = found[:, :, 0], found[:, :, 1]
     rows[:, 2 * n : 3 * n] = rng.uniform(0.0, pump_of(machine, "boom").relief, (BLOCKS, n, LANES))
     return rows.ravel()
@@ -198,14 +198,13 @@ def main():
         made = {n: circuit(f"series_{n}", n, GENERATED, folder) for n in numbers}
         states = {n: random_states(machine, n, rng) for n in numbers}
         for limited in (False, True):
-            pumps = machine.pumps._replace(torque_limit_enabled=limited)
-            pump = prepare_pump(machine._replace(pumps=pumps), pumps.series_flow)
+            pump = prepare_layout(with_pumps(machine, torque_limit_enabled=limited), 5e-3).valves.pump_series
             calls = {by_hand: lambda pump=pump: hand.single(states[2], pump)}
             calls |= {names[n]: lambda n=n, pump=pump: made[n].single(states[n], pump) for n in numbers}
             notes = {names[n]: f"{made[n].repaired(states[n], pump)} of {per} repaired" for n in numbers}
             title = f"single circuits{', torque limit' if limited else ''}: {PAIRED}"
             show(title, paired_times(calls), "ns", per=per, notes=notes)
-        pump = prepare_pump(machine, pump_of(machine, "series").flow)
+        pump = prepare_layout(machine, 5e-3).valves.pump_series
         calls = {by_hand: lambda: hand.lanes(states[2], pump)}
         calls |= {names[n]: lambda n=n: made[n].lanes(states[n], pump) for n in numbers}
         for n in numbers:

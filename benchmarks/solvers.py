@@ -15,20 +15,17 @@ from importlib.util import find_spec
 
 import numba
 import numpy as np
-from polydraulic.machine.plant import prepare
-from polydraulic.simulation.loop import run
-from polydraulic.simulation.solvers.rosenbrock import run_rosenbrock
-from polydraulic.simulation.solvers.rosenbrock_step import new_work
-from polydraulic.simulation.solvers.runge_kutta import run_runge_kutta
 from scipy.integrate import solve_ivp
 
-from polydraulic.flow import exact_flow
-from polydraulic.flow.record import N_RECORD, to_vector
-from polydraulic.machine.state import initial_state
-from polydraulic.simulation.events import edges_of, new_log
-from polydraulic.simulation.runs import step_voltages
-from polydraulic.simulation.solvers.adaptive import RODAS
-from polydraulic.simulation.solvers.spools import SpoolMotion, spool_motion
+from polydraulic.simulation.events import new_log
+from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.methods.event_log import N_KIND, event_limits
+from polydraulic.simulation.layout.methods.known import Watch, known_parts
+from polydraulic.simulation.layout.methods.rosenbrock import integrate
+from polydraulic.simulation.layout.methods.text import methods_module
+from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
+from polydraulic.simulation.layout.runs import step_inputs
+from polydraulic.simulation.solvers.spools import SpoolMotion
 from polydraulic.thesis.excavator import LINKS, spool_of
 from polydraulic.thesis.timing import paired_ratio, paired_times
 from show import left_out
@@ -38,7 +35,7 @@ from stiff_form import (
     MACHINE,
     N_FRAME,
     N_STIFF,
-    PLANT,
+    READY,
     SCENARIO,
     TAU,
     TIME,
@@ -49,6 +46,7 @@ from stiff_form import (
 )
 
 JOINT_GOAL, PRESSURE_GOAL = 0.1, 0.5  # %
+N_RECORD, N_FLAG = len(columns_of(MACHINE).columns), N_KIND * len(LINKS) + len(MACHINE.circuits)
 HOW = """the extra bench has them: pip install "polydraulic[bench]", here .venv/bin/pip install -e ".[bench]"
   (numbalsoda is built by a Fortran compiler: gfortran)"""
 
@@ -78,12 +76,12 @@ def errors(rows, truth):
 def semi_implicit(dt, voltages_held):
     many = round(FRAME / dt)
     t = np.arange(N_FRAME * many) * dt
-    voltage = np.repeat(HELD_VOLTS, many, axis=0) if voltages_held else step_voltages(MACHINE, SCENARIO, t)
+    voltage = np.repeat(HELD_VOLTS, many, axis=0) if voltages_held else step_inputs(MACHINE, SCENARIO, t)
     rows, counts = np.empty((N_FRAME + 1, N_RECORD)), np.zeros(2, dtype=np.int64)
-    plant, flow, x0, memory = prepare(MACHINE, dt), exact_flow(MACHINE), to_vector(initial_state(MACHINE)), np.zeros(1)
+    ready, memory = prepare_layout(MACHINE, dt), np.zeros(1)
 
     def call():
-        run(flow, memory, plant, x0, voltage, many, rows, counts)
+        ready.module.run(ready.valves, memory, ready.plant, ready.start, voltage, many, rows, counts)
         return rows
 
     return call
@@ -91,12 +89,12 @@ def semi_implicit(dt, voltages_held):
 
 def runge_kutta(dt):
     many = round(FRAME / dt)
-    voltage = step_voltages(MACHINE, SCENARIO, np.arange(2 * N_FRAME * many + 1) * (0.5 * dt))
+    voltage = step_inputs(MACHINE, SCENARIO, np.arange(2 * N_FRAME * many + 1) * (0.5 * dt))
     rows, counts = np.empty((N_FRAME + 1, N_RECORD)), np.zeros(2, dtype=np.int64)
-    flow, x0, memory = exact_flow(MACHINE), to_vector(initial_state(MACHINE)), np.zeros(1)
+    module = methods_module(MACHINE)
 
     def call():
-        run_runge_kutta(flow, memory, PLANT, TAU, dt, x0, voltage, many, rows, counts)
+        module.run_runge_kutta(READY.valves, READY.plant, TAU, dt, READY.start, voltage, many, rows, counts)
         return rows
 
     return call
@@ -116,15 +114,18 @@ def held_motion():
 
 
 def rosenbrock(rtol, voltages_held):
-    rows = np.empty((N_FRAME + 1, N_RECORD))
-    flow, x0, memory, work = exact_flow(MACHINE), to_vector(initial_state(MACHINE)), np.zeros(1), new_work(RODAS)
-    known, edges, log = held_motion() if voltages_held else None, edges_of(MACHINE), new_log()
+    rows, x0, n = np.empty((N_FRAME + 1, N_RECORD)), start_vector(MACHINE), len(LINKS)
+    (first,) = known_parts(MACHINE, SCENARIO, SCENARIO.duration)
+    given = first._replace(motion=held_motion()) if voltages_held else None
 
     def call():
-        motion = known or spool_motion(MACHINE, SCENARIO, SCENARIO.duration)  # part of the work where it is known
-        counts = np.zeros(4, dtype=np.int64)
-        log.number[0] = 0
-        run_rosenbrock(flow, memory, PLANT, RODAS, motion, x0, rtol, TIME, rows, counts, log, edges, work)
+        if given is None:  # what is known of the inputs is part of the work
+            (part,) = known_parts(MACHINE, SCENARIO, SCENARIO.duration)
+        else:
+            part = given
+        watch = Watch(new_log(), event_limits(MACHINE), *np.zeros((2, N_FLAG), dtype=np.int64))
+        rows[0, : len(x0)] = x0
+        integrate(part, x0[n:], rtol, TIME, rows, 1, watch, {})
         return rows
 
     return call

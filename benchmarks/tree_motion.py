@@ -1,4 +1,4 @@
-"""The generated equations of motion next to those written by hand for three joints: angles, mass matrix, torques and solution.
+"""The generated equations of motion of trees with three joints to six: angles, mass matrix, torques and solution.
 
 ``python benchmarks/tree_motion.py`` prints and asserts nothing. Each call goes through the same random states and sums all
 accelerations that it finds, so that nothing is left out. Times are processor times of the calling thread.
@@ -10,12 +10,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from polydraulic.machine.linkage import Held, motion, prepare_linkage, solve_motion
 
-from polydraulic import load_machine
-from polydraulic._kernel import driver, kernel
-from polydraulic.elementary import sincos
-from polydraulic.machine.state import Links
 from polydraulic.machine.tree.links import Link
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text, moving
 from polydraulic.thesis.timing import paired_times
@@ -40,28 +35,6 @@ def total(q, v, torque, held, constants, n):
         found += {sum}
     return found
 """
-
-
-@kernel
-def links_of(rows, i):
-    return Links(rows[i, 0], rows[i, 1], rows[i, 2])
-
-
-@driver
-def total_by_hand(q, v, torque, held, linkage, n):
-    found = 0.0
-    for k in range(n * q.shape[0]):
-        i = k % q.shape[0]
-        angle, rate, push = links_of(q, i), links_of(v, i), links_of(torque, i)
-        m = motion(sincos(angle.boom), sincos(angle.stick), rate, linkage)
-        right = Links(
-            push.swing - m.bias.swing - m.gravity.swing,
-            push.boom - m.bias.boom - m.gravity.boom,
-            push.stick - m.bias.stick - m.gravity.stick,
-        )
-        a = solve_motion(m.mass, held, right)
-        found += a.swing + a.boom + a.stick
-    return found
 
 
 def arm(name, parent, joint, axis, **place):
@@ -122,10 +95,8 @@ def generated(links, folder):
 
 
 def main():
-    states, linkage = random_states(3), prepare_linkage(load_machine("cat215b"))
-    calls = {"by hand": lambda: total_by_hand(*states, Held(False, False, False), linkage, REPEATS)}
     with tempfile.TemporaryDirectory() as folder:
-        calls |= {f"generated: {name}": generated(links, Path(folder)) for name, links in TREES.items()}
+        calls = {name: generated(links, Path(folder)) for name, links in TREES.items()}
         show(
             "Angles, equations of motion and their solution in one state",
             paired_times(calls),
