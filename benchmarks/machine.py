@@ -46,7 +46,7 @@ STEP = prepare_layout(load_machine("cat215b"), 5e-3).module
 def lane_steps(valves, plant, rows, n):
     for _ in range(n):
         STEP.pilot_stage(plant, None, rows)
-        STEP.flow_stage(valves, None, rows)
+        STEP.flow_stage(valves, None, rows, False)
         STEP.position_stage(plant, None, rows)
         STEP.hose_stage(plant, None, rows)
         STEP.motion_stage(plant, None, rows)
@@ -111,7 +111,7 @@ def throughput(body, wide, step, n_step):
 def compiled_step(valves, plant, rows):
     """Assembly of the stages of a step with constant pump flow; each loop over lanes stands there once."""
     llvm.set_option("", "-unroll-full-max-count=1")
-    names = ("pilot", "valve", "free_boom", "free_series", "position", "hose", "motion")
+    names = ("pilot", "valve", "inlet_boom", "inlet_series", "position", "hose", "motion")
     parts = [name.replace("_", "_stage_") if "_" in name else f"{name}_stage" for name in names]
     stages = [numba.njit(**KERNEL_OPTIONS)(getattr(STEP, part).py_func) for part in parts]
     pilot, valve, boom, series, position, hose, motion = stages

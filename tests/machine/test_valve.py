@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.flow.layout.model import exact_layout
+from polydraulic.flow.layout.model import exact_flow
 from polydraulic.machine.valve import orifice_flow, spool_edges
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import valves_of
@@ -10,7 +10,7 @@ from polydraulic.simulation.layout.prepare import valves_of
 @pytest.mark.parametrize("name", ["swing", "boom", "stick"])
 def test_orifices_meet_their_tables_are_linear_between_knots_and_exactly_shut(machine, name):
     module, valve = layout_module(machine), machine.function(name).valve
-    prepared = getattr(valves_of(machine, module, exact_layout(machine)), f"valve_{name}")
+    prepared = getattr(valves_of(machine, module, exact_flow(machine)), f"valve_{name}")
     opens, shut = spool_edges(valve)
     for sign, outlet in ((1.0, valve.outlet_positive), (-1.0, valve.outlet_negative)):
         travels = [*valve.knots[1:], *np.random.default_rng(0).uniform(0.0, 1.3 * valve.knots[-1], 30)]

@@ -4,12 +4,10 @@ import numba
 import numpy as np
 import pytest
 from numba.core import compiler, registry, typed_passes, types
-from polydraulic.export.excavator import machine_advance, outputs, prepared
 
+from polydraulic.export.machine import machine_parts
 from polydraulic.export.translate.program import Program
 from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct
-from polydraulic.flow import FLOW_KINDS
-from polydraulic.flow.dispatch import flow_step
 
 
 def numba_type(kind, layouts):
@@ -27,15 +25,12 @@ def numba_type(kind, layouts):
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
 @pytest.mark.parametrize("flow", ["exact", "polynomial", "neural", "iterative", "stiff", "tlm"])
 def test_types_are_those_that_numba_infers(machine, flow):
-    parts = prepared(machine, flow)
-    memory = np.zeros(FLOW_KINDS[flow].n_memory(parts.model))
-    program = Program()
-    program.entry("f", machine_advance, [parts, memory, np.zeros(len(outputs())), np.zeros(3)])
+    parts, program = machine_parts(machine, flow), Program()
+    arguments = [parts.numbers, np.zeros(parts.n_memory), np.zeros(len(parts.outputs)), np.zeros(len(parts.inputs))]
+    program.entry("f", parts.advance, arguments)
     target = registry.cpu_target
     compared = 0
     for function in program.functions.values():
-        if function.python is flow_step:  # numba has an overload in its place
-            continue
         arguments = tuple(numba_type(p.type, program.scope.layouts) for p in function.parameters)
         ir = compiler.run_frontend(function.python)
         target.typing_context.refresh()

@@ -12,7 +12,7 @@ import pytest
 
 from helpers.small_crane import crane_text_with_effects, with_effects
 from polydraulic import InputError, load_machine, simulate, simulate_batch
-from polydraulic.flow.layout.model import exact_layout
+from polydraulic.flow.layout.model import exact_flow
 from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.schema import Friction
@@ -129,7 +129,7 @@ def test_what_does_not_know_an_effect_says_which(crane):
         with pytest.raises(InputError, match=rf"functions.lift.friction.sticks: method '{method}' does not know it"):
             simulate(sticky, "exact", "random:1:1", method=method)
     pushed = changed(crane, "extend", {"flow_force": NOTHING})
-    networks = exact_layout(pushed)._replace(name="polynomial", kernels="networks")
+    networks = exact_flow(pushed)._replace(name="polynomial", kernels="networks")
     with pytest.raises(
         InputError, match="functions.extend.valve.flow_force: flow 'polynomial' does not know the inlets"
     ):

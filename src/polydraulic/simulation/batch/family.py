@@ -98,7 +98,7 @@ def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) 
         module.run,
         lanes,
         columns,
-        set(),  # they are always found
+        {of.place[key] for c in machine.circuits for key in circuit_keys(c, p_pump=True, stores_oil=flow.stores_oil)},
         tuple(of.columns[of.place[f"{f}.angle"]].name for f in machine.names),
         _layout_tips,
     )
