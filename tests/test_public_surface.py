@@ -74,10 +74,7 @@ def test_progress_has_one_shape(package):
 
 def test_help_and_completion_show_every_name_with_its_types():
     text = pydoc.render_doc(polydraulic, renderer=pydoc.plaintext)
-    assert (
-        "simulate(machine: polydraulic.parameters.schema.Machine | polydraulic.parameters.layout.schema.LayoutMachine | str | pathlib"
-        in text
-    )
+    assert "simulate(machine: polydraulic.parameters.layout.schema.LayoutMachine | str | pathlib" in text
     for name in polydraulic.__all__:
         assert re.search(rf"\b{name}\b", text), name
         assert name in dir(polydraulic)

@@ -27,7 +27,6 @@ from polydraulic.identification.log_replay import (
 )
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.tables import Table
-from polydraulic.thesis.excavator import pump_of, with_pumps
 
 FLOW = "iterative"  # as good as exact, and no lanes: plain Python fills 64 of them slowly
 
@@ -56,7 +55,7 @@ def test_the_machine_follows_its_own_log(found):
 
 
 def test_another_machine_does_not(machine, found, log):
-    slow = with_pumps(machine, boom_flow=0.7 * pump_of(machine, "boom").flow)
+    slow = machine.with_values({"circuits.boom.pump.flow": 0.7 * machine.circuit("boom").pump.flow})
     boom = replay(log, slow, FLOW, seconds=5.0).drifts[1]
     assert boom.largest > 5.0 * found.drifts[1].largest
 

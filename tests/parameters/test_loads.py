@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from polydraulic import InputError, load_scenario, simulate, simulate_batch
+from polydraulic import InputError, load_scenario
 from polydraulic.parameters.loads import Loads, Payload
 
 SCENARIO = """
@@ -54,9 +54,5 @@ def test_doubtful_loads_are_refused(tmp_path, old, new, words):
         load(tmp_path, SCENARIO.replace(old, new))
 
 
-def test_machines_without_links_of_their_own_refuse_loads(tmp_path):
-    scenario = load(tmp_path)
-    for call in (simulate, simulate_batch):
-        with pytest.raises(InputError, match="force or a payload at the tip"):
-            call("cat215b", "exact", scenario)
+def test_no_loads_are_no_forces():
     assert Loads().forces(np.zeros(2)).tolist() == [[0.0] * 3] * 2
