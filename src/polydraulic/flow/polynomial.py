@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from polydraulic.errors import InputError
-from polydraulic.flow.layout.model import LayoutFlow, circuits_of
+from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.flow.layout.networks import layout_networks
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.model_file import parse_models
@@ -49,6 +49,7 @@ def polynomial_flow(
     machine = as_machine(machine)
     if arrangement not in ARRANGEMENTS:
         raise InputError(f"arrangement = {arrangement!r}: choose one of {ARRANGEMENTS}")
+    check_circuits(machine, "polynomial")
     if models is None:
         _check_trained(machine, "polynomial")
         models = shipped_models(arrangement, limited=_limited(machine))
@@ -64,6 +65,7 @@ def neural_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model] 
         As for `polynomial_flow`.
     """
     machine = as_machine(machine)
+    check_circuits(machine, "neural")
     if models is None:
         _check_trained(machine, "neural")
         models = shipped_models("neural")
