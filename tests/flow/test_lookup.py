@@ -182,7 +182,7 @@ def test_tables_of_any_layout_are_exact_at_their_points():
 
 def test_circuits_of_more_than_two_valves_are_refused_by_name():
     with pytest.raises(
-        InputError, match=r"'lookup' is for circuits of at most 2 valves; circuit 'slew_and_reach' has 3"
+        InputError, match=r"'lookup' is for circuits of at most 2 valves in series; circuit 'slew_and_reach' has 3"
     ):
         build_flow("lookup", "loader_crane")
     with pytest.raises(
