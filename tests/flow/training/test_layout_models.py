@@ -87,5 +87,3 @@ def test_what_cannot_be_learnt_is_named():
         train_layout(CRANE, circuits=["boom"])
     with pytest.raises(InputError, match="circuits = \\[\\]: name some of \\['lift', 'slew_and_reach'\\]"):
         train_layout(CRANE, circuits=[])
-    with pytest.raises(InputError, match="has the older form"):
-        train_layout("cat215b")

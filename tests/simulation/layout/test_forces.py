@@ -5,7 +5,7 @@ import pytest
 
 from helpers.small_crane import with_effects
 from helpers.trees import mujoco_model
-from polydraulic import InputError, load_machine, simulate
+from polydraulic import load_machine, simulate
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.geometry import knee_at, lever, rocker
 from polydraulic.parameters.layout.parts import FourBar, Pins
@@ -174,8 +174,3 @@ def test_a_method_that_chooses_its_own_steps_gives_the_same_forces(crane):
     own = simulate(crane, "exact", scenario, dt=1e-2, method="rosenbrock", rtol=1e-6, forces=True)
     for name in ("lift.cylinder_force", "lift.pin_force_z", "slew.pin_moment_y", "extend.friction_force"):
         assert np.allclose(own[name], fine[name], atol=0.03 * np.ptp(fine[name])), name
-
-
-def test_the_older_form_has_none():
-    with pytest.raises(InputError, match="forces of pins are of machines that are described by links"):
-        simulate("cat215b", "exact", "task", forces=True)

@@ -133,7 +133,7 @@ def test_without_input_a_machine_at_rest_stays_where_oil_holds_it(crane):
             "polynomial",
             "random:1:1",
             {},
-            "flow 'polynomial': no networks come with the package for 'Small crane': train them",
+            "flow 'polynomial': no networks come with the package for 'Small crane': train networks for this machine",
         ),
         (
             "iterative",
@@ -156,10 +156,10 @@ def test_what_a_layout_cannot_do_is_refused_by_name(crane, flow, scenario, optio
 
 
 @pytest.mark.slow
-def test_the_excavator_as_a_tree_moves_like_the_closed_form():
-    older = load_machine("cat215b")
+def test_the_excavator_of_the_thesis_moves_like_the_file():
+    file = load_machine("cat215b")
     for name in ("task", "step", "sine", "pulse"):
-        tree, arm = simulate(excavator_tree(), "exact", name), simulate(older, "exact", name)
+        tree, arm = simulate(excavator_tree(), "exact", name), simulate(file, "exact", name)
         for link in ("swing", "boom", "stick"):
             assert (
                 np.abs(tree[f"{link}.angle"] - arm[f"{link}.angle"]).max() < 1e-8
