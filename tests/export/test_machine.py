@@ -49,7 +49,7 @@ def assert_equal_runs(machine, flow, voltage, folder, *, locked=(), **more):
 
 
 def operator_voltages(n, seed):
-    signals = random_signals(seed, n * 5e-3, links=LINKS, limit=5.0)
+    signals = random_signals(seed, n * 5e-3, links=LINKS, limit=5.0, functions=LINKS)
     return np.column_stack([signals[link](np.arange(n) * 5e-3) for link in LINKS])
 
 

@@ -64,7 +64,7 @@ def same_bits(a, b):
 
 
 def voltages(n, seed):
-    signals = random_signals(seed, n * 5e-3, links=LINKS, limit=5.0)
+    signals = random_signals(seed, n * 5e-3, links=LINKS, limit=5.0, functions=LINKS)
     return np.column_stack([signals[link](np.arange(n) * 5e-3) for link in LINKS])
 
 
