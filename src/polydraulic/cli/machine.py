@@ -275,6 +275,9 @@ def train(
     regions: Annotated[
         int | None, typer.Option(help="Most regions of a network; 64 if not given. Fewer are learnt sooner.")
     ] = None,
+    kind: Annotated[
+        str, typer.Option(help="polynomial, or neural: perceptrons.", autocompletion=lambda: ["polynomial", "neural"])
+    ] = "polynomial",
 ) -> None:
     """Train the networks of a whole machine from its exact flow model.
 
@@ -285,19 +288,29 @@ def train(
 
     - In seconds, for a first look: `polydraulic train --out loader.json --machine wheel_loader --regions 9 --tolerance 0.02`
 
+    - Perceptrons for `--flow neural`: `polydraulic train --out perceptrons.json --machine wheel_loader --kind neural`
+
     What comes next: `polydraulic simulate wheel_loader_cycle --flow polynomial --model loader.json`.
     """
     from polydraulic.flow.training.layout_models import TrainingEffort, train_layout
+    from polydraulic.flow.training.layout_perceptrons import train_layout_perceptrons
     from polydraulic.networks.model.model_file import save_models
     from polydraulic.parameters.load import load_machine
 
+    if kind not in ("polynomial", "neural"):
+        raise InputError(f"--kind {kind}: choose polynomial or neural")
+    if kind == "neural" and tolerance is not None:
+        raise InputError("--tolerance goes with --kind polynomial: perceptrons learn from points that are given")
     plant = load_machine(machine)
     given = {"tolerance": tolerance, "regions": regions}
     settings: Any = {name: value for name, value in given.items() if value is not None}
     if out.suffix.lower() != ".json":
         raise InputError(f"--out {out}: all networks go into one file, for example {out.name}.json")
     with progress_bar("train") as progress:
-        models = train_layout(plant, circuits=circuit or None, effort=TrainingEffort(**settings), progress=progress)
+        if kind == "neural":
+            models = train_layout_perceptrons(plant, circuits=circuit or None, progress=progress, **settings)
+        else:
+            models = train_layout(plant, circuits=circuit or None, effort=TrainingEffort(**settings), progress=progress)
         save_models(models, out)
     flows = {f: c.pump.flow for c in plant.circuits for f in (c.name, *c.functions)}
     for model in models:

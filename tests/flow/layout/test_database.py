@@ -67,6 +67,17 @@ def test_what_cannot_be_sampled_is_named(machine):
         sample_circuit("wheel_loader", "boom", 5, rng=rng)
     with pytest.raises(InputError, match=r"unknown circuit 'work'; choose one of \['boom', 'series'\]"):
         sample_circuit(machine, "work", 5, rng=rng)
+    for circuit in (None, "main_giving"):
+        with pytest.raises(
+            InputError, match="'main_giving' is of the kind 'crossover'; .*, of which this machine has none"
+        ):
+            sample_circuit("cat215b_crossover", circuit, 5, rng=rng)
+    plant = load_machine("loader_crane")
+    joined = plant._replace(circuits=(plant.circuits[0], plant.circuits[1]._replace(kind="crossover")))
+    assert "inner.q_in" in sample_circuit(joined, None, 5, rng=rng).names  # the one that there is
+    for circuit in ("slew_and_reach", "boom"):
+        with pytest.raises(InputError, match=r"choose one of \['lift'\]"):
+            sample_circuit(joined, circuit, 5, rng=rng)
     plant = load_machine("wheel_loader")
     other = plant._replace(circuits=(plant.circuits[0]._replace(kind="shared"),))
     with pytest.raises(InputError, match="circuit 'work' is of the kind 'shared'; learning from samples is for valves"):

@@ -7,7 +7,7 @@ import pytest
 from polydraulic import InputError, build_flow, load_machine
 from polydraulic.flow import TrainingEffort, sample_circuit, train_layout
 from polydraulic.flow.layout.circuit_sample import sample_valves
-from polydraulic.flow.training.layout_models import _affordable, _inlets, _modes
+from polydraulic.flow.training.layout_models import _inlets, _modes, affordable
 from polydraulic.machine.pump import limited_pump
 
 CRANE = load_machine("loader_crane")
@@ -41,9 +41,9 @@ def test_valves_behind_the_first_know_the_pump_by_what_reaches_them():
 
 def test_known_borders_are_given_as_far_as_regions_go():
     edges = {0: [1.0, 2.0], 1: [], 2: [1.0, 2.0], 3: [1.0]}
-    assert _affordable(edges, 64) == {0: [1.0, 2.0], 2: [1.0, 2.0], 3: [1.0]}
-    assert _affordable(edges, 9) == {0: [1.0, 2.0], 2: [1.0, 2.0]}
-    assert _affordable(edges, 2) == {}
+    assert affordable(edges, 64) == {0: [1.0, 2.0], 2: [1.0, 2.0], 3: [1.0]}
+    assert affordable(edges, 9) == {0: [1.0, 2.0], 2: [1.0, 2.0]}
+    assert affordable(edges, 2) == {}
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,7 @@ def sample_circuit(
     ----------
     machine : LayoutMachine, or name or path of a parameter set
     circuit : str or None
-        Name of a circuit; the first one if None.
+        Name of a circuit; the first one of valves in series if None.
     n : int
         Number of rows.
     rng : numpy Generator
@@ -54,7 +54,8 @@ def sample_circuit(
         If `n` is not positive, there is no such circuit, or it is not one of valves in series.
     """
     machine = as_machine(machine)
-    c = series_circuit_of(machine, machine.circuits[0].name if circuit is None else circuit)
+    first = [*series_circuits(machine), *machine.circuits][0]  # where none can be sampled, the refusal says why
+    c = series_circuit_of(machine, first.name if circuit is None else circuit)
     if n < 1:
         raise InputError(f"rows = {n}: must be at least 1")
     valves = [machine.function(f).valve for f in c.functions]
@@ -111,6 +112,11 @@ def circuit_table(
     return database_table(columns, c.name, relief)
 
 
+def series_circuits(machine: LayoutMachine) -> list[SupplyCircuit]:
+    """Circuits that can be sampled: of valves in series."""
+    return [c for c in machine.circuits if c.kind == "series"]
+
+
 def series_circuit_of(machine: LayoutMachine, name: str) -> SupplyCircuit:
     """The circuit of that name, of valves in series.
 
@@ -119,12 +125,14 @@ def series_circuit_of(machine: LayoutMachine, name: str) -> SupplyCircuit:
     InputError
         If there is none.
     """
+    able = series_circuits(machine)
     found = [c for c in machine.circuits if c.name == name]
     if not found:
-        raise InputError(f"unknown circuit {name!r}; choose one of {[c.name for c in machine.circuits]}")
-    if found[0].kind != "series":
+        raise InputError(f"unknown circuit {name!r}; choose one of {[c.name for c in able]}")
+    if found[0] not in able:
+        use = f"; choose one of {[c.name for c in able]}" if able else ", of which this machine has none"
         raise InputError(
-            f"circuit {name!r} is of the kind {found[0].kind!r}; learning from samples is for valves in series"
+            f"circuit {name!r} is of the kind {found[0].kind!r}; learning from samples is for valves in series{use}"
         )
     return found[0]
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from sklearn.base import clone
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
@@ -27,6 +28,7 @@ from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 
 SEED = 215
+_SINGLE = AbductiveRegressor(max_layers=1, kinds=("single",))
 _ALWAYS_OPEN = 1e3  # times its flow, a pump's relief valve is open at any spool travel
 _UP_TO = 16.0  # times its flow, the law of the torque limit goes on below its start: no flow of interest meets that end
 _LEAST = 1e-9  # of a pump's flow: what reaches a valve behind others, at least, so that pressures are known
@@ -50,7 +52,7 @@ class TrainingEffort(NamedTuple):
     rows: int = 1500
 
 
-class _Target(NamedTuple):
+class NetworkTarget(NamedTuple):
     """What a network has to learn: a function of points (n_point, n_input) in a box, with borders that are known."""
 
     place: Place
@@ -90,41 +92,73 @@ def train_layout(
     """
     machine = as_machine(machine)
     effort = TrainingEffort() if effort is None else effort
-    names = [c.name for c in machine.circuits] if circuits is None else list(circuits)
-    chosen = [series_circuit_of(machine, name) for name in names]
-    if not chosen:
-        raise InputError(f"circuits = []: name some of {[c.name for c in machine.circuits]}")
-    work: list[tuple[_Target, float, float, AbductiveRegressor, int, int]] = []
-    single = AbductiveRegressor(max_layers=1, kinds=("single",))
+    chosen = chosen_circuits(machine, circuits)
+    work: list[NetworkTask] = []
     for c in chosen:
-        for f in (machine.function(name) for name in c.functions):
-            high = max(f.valve.outlet_positive + f.valve.outlet_negative)
-            work.append((_outlet(f), 1e-3 * high, high, single, 300, 64))
+        work += [outlet_task(machine.function(name)) for name in c.functions]
         first = machine.function(c.functions[0])
         high = max(first.valve.inlet)
-        work.append((_first_conductance(first), 1e-5 * high, high, single, 300, 64))
+        work.append(NetworkTask(_first_conductance(first), 1e-5 * high, high, _SINGLE, 300, 64))
         for target in _inlets(machine, c):
             tolerance = effort.tolerance * c.pump.flow
-            work.append((target, tolerance, c.pump.flow, AbductiveRegressor(max_layers=3), effort.rows, effort.regions))
+            estimator = AbductiveRegressor(max_layers=3)
+            work.append(NetworkTask(target, tolerance, c.pump.flow, estimator, effort.rows, effort.regions))
     models = []
-    for done, (target, tolerance, high, settings, rows, regions) in enumerate(work):
-        output, inputs = target.place
+    for done, task in enumerate(work):
 
-        def told(what: str, asked: int, most: int, name: str = output.name, done: int = done) -> None:
+        def told(what: str, asked: int, most: int, name: str = task.target.place[0].name, done: int = done) -> None:
             progress(f"{name}: {what}, {asked} points", done, len(work))
 
         told("begins", 0, 0)
-        models.append(
-            learn_from(
-                target.function, target.box, tolerance=tolerance, edges=_affordable(target.edges, regions), budget=10_000_000,
-                max_regions=regions, rows=rows, estimator=settings.set_params(output_bounds=(0.0, high)), inputs=inputs,
-                output=output, random_state=SEED, progress=told,
-            ).model
-        )  # fmt: skip
+        models.append(learn(task, told))
     return models
 
 
-def _affordable(edges: dict[int, list[float]], regions: int) -> dict[int, list[float]]:
+class NetworkTask(NamedTuple):
+    """A target, how well it is to be learnt, and its largest value."""
+
+    target: NetworkTarget
+    tolerance: float
+    high: float
+    estimator: AbductiveRegressor
+    rows: int
+    regions: int
+
+
+def learn(task: NetworkTask, progress: Progress = quiet) -> Model:
+    """Learn a network."""
+    output, inputs = task.target.place
+    return learn_from(
+        task.target.function,
+        task.target.box,
+        tolerance=task.tolerance,
+        edges=affordable(task.target.edges, task.regions),
+        budget=10_000_000,
+        max_regions=task.regions,
+        rows=task.rows,
+        estimator=clone(task.estimator).set_params(output_bounds=(0.0, task.high)),
+        inputs=inputs,
+        output=output,
+        random_state=SEED,
+        progress=progress,
+    ).model
+
+
+def chosen_circuits(machine: LayoutMachine, circuits: Sequence[str] | None) -> list[SupplyCircuit]:
+    """Circuits to learn, all if none are named.
+
+    Raises
+    ------
+    InputError
+        If there is no such circuit, or it is not one of valves in series.
+    """
+    names = [c.name for c in machine.circuits] if circuits is None else list(circuits)
+    if not names:
+        raise InputError(f"circuits = []: name some of {[c.name for c in machine.circuits]}")
+    return [series_circuit_of(machine, name) for name in names]
+
+
+def affordable(edges: dict[int, list[float]], regions: int) -> dict[int, list[float]]:
     """Known borders of so many inputs, counted from the pump, that their cells are at most `regions`."""
     found: dict[int, list[float]] = {}
     cells = 1
@@ -135,35 +169,38 @@ def _affordable(edges: dict[int, list[float]], regions: int) -> dict[int, list[f
     return found
 
 
-def _cuts(f: MachineFunction, *, closing: bool = True) -> list[float]:
+def cuts_of(f: MachineFunction, *, closing: bool = True) -> list[float]:
     """Travels inside the range of a spool at which its valve opens, and at which its bypass closes."""
     opens, closes = spool_edges(f.valve)
     return [x for x in (opens, *([closes] if closing else [])) if 0.0 < x < f.valve.knots[-1]]
 
 
-def _outlet(f: MachineFunction) -> _Target:
-    full, cuts = f.valve.knots[-1], _cuts(f)
+def outlet_task(f: MachineFunction) -> NetworkTask:
+    """The conductance of an outlet, of the spool."""
+    full, cuts = f.valve.knots[-1], cuts_of(f)
     edges = sorted([*(-x for x in cuts), *cuts])
-    return _Target(outlet(f.name)[0], lambda X: outlet_at(f.valve, X[:, 0]), [(-full, full)], {0: edges})
+    target = NetworkTarget(outlet(f.name)[0], lambda X: outlet_at(f.valve, X[:, 0]), [(-full, full)], {0: edges})
+    high = max(f.valve.outlet_positive + f.valve.outlet_negative)
+    return NetworkTask(target, 1e-3 * high, high, _SINGLE, 300, 64)
 
 
-def _first_conductance(f: MachineFunction) -> _Target:
+def _first_conductance(f: MachineFunction) -> NetworkTarget:
     full = f.valve.knots[-1]
-    return _Target(
-        k_in(f.name), lambda X: np.interp(X[:, 0], f.valve.knots, f.valve.inlet), [(0.0, full)], {0: _cuts(f)}
+    return NetworkTarget(
+        k_in(f.name), lambda X: np.interp(X[:, 0], f.valve.knots, f.valve.inlet), [(0.0, full)], {0: cuts_of(f)}
     )
 
 
-def _inlets(machine: LayoutMachine, c: SupplyCircuit) -> list[_Target]:
+def _inlets(machine: LayoutMachine, c: SupplyCircuit) -> list[NetworkTarget]:
     functions = [machine.function(name) for name in c.functions]
     valves, n, flow = [f.valve for f in functions], len(functions), c.pump.flow
     free, relief, at_limit = _modes(machine, c)
     travel = [(0.0, f.valve.knots[-1]) for f in functions]
     pressure = [(0.0, min(f.line.relief, c.pump.relief)) for f in functions]
-    edges = {k: _cuts(f) for k, f in enumerate(functions)}
+    edges = {k: cuts_of(f) for k, f in enumerate(functions)}
     # past the closing of the first bypass nothing is passed on
     open_travel = [(0.0, min(spool_edges(valves[0])[1], travel[0][1])), *travel[1:]]
-    open_edges = {**edges, 0: _cuts(functions[0], closing=False)}
+    open_edges = {**edges, 0: cuts_of(functions[0], closing=False)}
 
     def entering(pump: Pump) -> Callable[[np.ndarray], np.ndarray]:
         return lambda X: np.minimum(sample_valves(valves, pump, X[:, :n], X[:, n:]).q_in[:, 0], flow)
@@ -175,28 +212,32 @@ def _inlets(machine: LayoutMachine, c: SupplyCircuit) -> list[_Target]:
         """The pressure behind the first valve does not matter while the relief valve is open."""
         return passing(relief)(np.insert(X, n, 0.0, axis=1))
 
-    found = [_Target(inlet(c, c.functions[0])[-1], entering(free), [*travel, *pressure], edges)]
+    found = [NetworkTarget(inlet(c, c.functions[0])[-1], entering(free), [*travel, *pressure], edges)]
     if c.pump.torque_limit_enabled:
-        found.append(_Target(inlet_limited(c, c.functions[0]), entering(at_limit), [*travel, *pressure], edges))
+        found.append(NetworkTarget(inlet_limited(c, c.functions[0]), entering(at_limit), [*travel, *pressure], edges))
     if n > 1:
-        found.append(_Target(passed_at_relief(c), behind, [*open_travel, *pressure[1:]], open_edges))
+        found.append(NetworkTarget(passed_at_relief(c), behind, [*open_travel, *pressure[1:]], open_edges))
         if c.pump.torque_limit_enabled:
-            found.append(_Target(passed_limited(c), passing(at_limit), [*open_travel, *pressure], open_edges))
-    for place in range(1, n):
-        rest = n - place
-
-        def fed(X: np.ndarray, place: int = place, rest: int = rest) -> np.ndarray:
-            arriving = np.maximum(X[:, 0], _LEAST * flow)
-            sampled = sample_valves(valves[place:], free, X[:, 1 : 1 + rest], X[:, 1 + rest :], arriving)
-            return np.minimum(sampled.q_in[:, 0], X[:, 0])
-
-        box = [(0.0, flow), *travel[place:], *pressure[place:]]
-        found.append(
-            _Target(
-                inlet(c, c.functions[place])[0], fed, box, {1 + k: _cuts(f) for k, f in enumerate(functions[place:])}
-            )
-        )
+            found.append(NetworkTarget(passed_limited(c), passing(at_limit), [*open_travel, *pressure], open_edges))
+    found += [fed_target(machine, c, place, c.pump.relief) for place in range(1, n)]
     return found
+
+
+def fed_target(machine: LayoutMachine, c: SupplyCircuit, place: int, highest: float) -> NetworkTarget:
+    """An inlet behind others, counted from 0, from the flow that reaches its valve; pressures up to the `highest` in Pa."""
+    functions = [machine.function(name) for name in c.functions[place:]]
+    valves, rest, flow = [f.valve for f in functions], len(functions), c.pump.flow
+    free = limited_pump(flow, NEVER, machine.tank.return_pressure, c.pump._replace(torque_limit_enabled=False))
+
+    def fed(X: np.ndarray) -> np.ndarray:
+        arriving = np.maximum(X[:, 0], _LEAST * flow)
+        sampled = sample_valves(valves, free, X[:, 1 : 1 + rest], X[:, 1 + rest :], arriving)
+        return np.minimum(sampled.q_in[:, 0], X[:, 0])
+
+    travel = [(0.0, f.valve.knots[-1]) for f in functions]
+    pressure = [(0.0, min(f.line.relief, highest)) for f in functions]
+    edges = {1 + k: cuts_of(f) for k, f in enumerate(functions)}
+    return NetworkTarget(inlet(c, c.functions[place])[0], fed, [(0.0, flow), *travel, *pressure], edges)
 
 
 def _modes(machine: LayoutMachine, c: SupplyCircuit) -> tuple[Pump, Pump, Pump]:
