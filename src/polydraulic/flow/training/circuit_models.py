@@ -84,6 +84,7 @@ def circuit_targets(machine: LayoutMachine) -> dict[str, Target]:
     """Input flows of a machine: ``boom``, ``swing``, ``stick`` (of what the swing leaves), ``stick direct``."""
     series, (*cuts, travel) = machine.circuit("series"), travels(machine)
     boom_pump, pump = exact_pump(machine, "boom"), exact_pump(machine, "series")
+    fed = pump._replace(log_least=0.0)  # what reaches a valve knows of no torque limit
     pressure = pressure_boxes(machine, BELOW_RELIEF)
     both = [(0.0, travel), (0.0, travel), pressure["swing"], pressure["stick"]]
     edges = {"swing.travel": cuts, "stick.travel": cuts}
@@ -97,7 +98,7 @@ def circuit_targets(machine: LayoutMachine) -> dict[str, Target]:
             q_in("swing"), BOTH, lambda X: input_flow(machine, pump, X, SERIES, "swing"), both, edges, pump.flow
         ),
         "stick": Target(
-            *inlet(series, "stick")[0], lambda X: sample_valves([stick], pump, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0],
+            *inlet(series, "stick")[0], lambda X: sample_valves([stick], fed, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0],
             [(0.0, pump.flow), (0.0, travel), pressure["stick"]], {"stick.travel": cuts}, pump.flow,
         ),
         "stick direct": Target(

@@ -110,7 +110,7 @@ def train_layout(
             progress(f"{name}: {what}, {asked} points", done, len(work))
 
         told("begins", 0, 0)
-        models.append(learn(task, told))
+        models.append(learn_target(task, told))
     return models
 
 
@@ -125,7 +125,7 @@ class NetworkTask(NamedTuple):
     regions: int
 
 
-def learn(task: NetworkTask, progress: Progress = quiet) -> Model:
+def learn_target(task: NetworkTask, progress: Progress = quiet) -> Model:
     """Learn a network."""
     output, inputs = task.target.place
     return learn_from(

@@ -20,7 +20,7 @@ from polydraulic.flow.training.layout_models import (
     chosen_circuits,
     cuts_of,
     fed_target,
-    learn,
+    learn_target,
     outlet_task,
 )
 from polydraulic.machine.pump import limited_pump
@@ -82,7 +82,7 @@ def train_layout_perceptrons(
     total, models = len(outlets) + len(targets), []
     for f in outlets:
         progress(f"{f.name}.k_out", len(models), total)
-        models.append(learn(outlet_task(f)))
+        models.append(learn_target(outlet_task(f)))
     for target, high in targets:
         output, inputs = target.place
         progress(output.name, len(models), total)
