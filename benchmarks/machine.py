@@ -14,7 +14,7 @@ import numba
 import numpy as np
 
 from polydraulic import load_machine, load_scenario, simulate_batch
-from polydraulic._kernel import _DRIVER_OPTIONS, KERNEL_OPTIONS, driver, kernel
+from polydraulic._kernel import _DRIVER_OPTIONS, _KERNEL_OPTIONS, driver, kernel
 from polydraulic.flow import exact_flow
 from polydraulic.flow.lanes import LANES
 from polydraulic.simulation.batch.batch import _processors
@@ -113,7 +113,7 @@ def compiled_step(valves, plant, rows):
     llvm.set_option("", "-unroll-full-max-count=1")
     names = ("pilot", "valve", "inlet_boom", "inlet_series", "position", "hose", "motion")
     parts = [name.replace("_", "_stage_") if "_" in name else f"{name}_stage" for name in names]
-    stages = [numba.njit(**KERNEL_OPTIONS)(getattr(STEP, part).py_func) for part in parts]
+    stages = [numba.njit(**_KERNEL_OPTIONS)(getattr(STEP, part).py_func) for part in parts]
     pilot, valve, boom, series, position, hose, motion = stages
 
     def step(valves, plant, rows):

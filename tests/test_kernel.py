@@ -21,6 +21,26 @@ def test_a_kernel_that_allocates_does_not_compile():
         allocates(3)
 
 
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
+def test_a_kernel_that_is_inlined_is_compiled_without_a_way_in_from_python():
+    @_kernel.kernel
+    def half(x):
+        return 0.5 * x
+
+    @_kernel.driver
+    def quarter(x):
+        return half(half(x))
+
+    assert quarter(4.0) == 1.0
+    assert not half.signatures  # nothing that Python could call
+    inlined = half.get_overload((numba.float64,))
+    assert half(4.0) == 2.0
+    assert half.signatures == [(numba.float64,)]
+    assert half.get_overload((numba.float64,)) is inlined  # callers have theirs still
+    written = [line for line in quarter.inspect_llvm((numba.float64,)).splitlines() if line.startswith("define")]
+    assert not [line for line in written if "half" in line]
+
+
 def test_all_kernels_are_in_the_digest():
     """numba sees an edit in the file of a kernel, not in those that it calls."""
     package = Path(_kernel.__file__).parent

@@ -24,8 +24,15 @@ from polydraulic._kernel_cache import keep_compiled, warn_uncached
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_DRIVER_OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "_nrt": False}
-KERNEL_OPTIONS: dict[str, Any] = {**_DRIVER_OPTIONS, "forceinline": True}
+_DRIVER_OPTIONS: dict[str, Any] = {
+    "error_model": "numpy",
+    "boundscheck": False,
+    "_nrt": False,
+    "no_cfunc_wrapper": True,
+}
+_KERNEL_OPTIONS: dict[str, Any] = {**_DRIVER_OPTIONS, "forceinline": True}
+# for what compiled code alone calls: to take named tuples out of Python, and bring them back, is longer than most kernels
+INLINED_OPTIONS: dict[str, Any] = {**_KERNEL_OPTIONS, "no_cpython_wrapper": True}
 _KEEP_DAYS = 30
 
 
@@ -104,8 +111,17 @@ def _compiled(function: F, options: dict[str, Any]) -> F:
 
 
 def kernel(function: F) -> F:
-    """Compile a pure function of floats and named tuples; it is inlined into its callers."""
-    return _compiled(function, KERNEL_OPTIONS)
+    """Compile a pure function of floats and named tuples; it is inlined into its callers.
+
+    Python calls one version of it, compiled functions another, to which Python has no way in: half of the time in which a layout
+    is compiled would go into ways that nobody takes.
+    """
+    called: Any = _compiled(function, _KERNEL_OPTIONS)
+    if not numba.config.DISABLE_JIT:
+        inlined: Any = _compiled(function, INLINED_OPTIONS)
+        called.get_call_template, called.get_overload = inlined.get_call_template, inlined.get_overload
+    compiled: F = called
+    return compiled
 
 
 def driver(function: F) -> F:

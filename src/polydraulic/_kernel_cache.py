@@ -37,7 +37,7 @@ def warn_uncached(folder: object, reason: object) -> None:
 
 def keep_compiled(dispatcher: Any, function: Callable[..., Any]) -> None:
     """Let a compiled function keep its machine code in `numba.config.CACHE_DIR`."""
-    dispatcher._cache = KernelCache(function)
+    dispatcher._cache = KernelCache(function, dispatcher.targetoptions)
 
 
 class _Locator(caching.UserProvidedCacheLocator):
@@ -59,7 +59,7 @@ class _Files:
     begin : str
         Path of all of them, up to the part that tells signatures apart.
     state : tuple
-        What must be the same for a file to be read: version of numba, digest of the source.
+        What must be the same for a file to be read: version of numba, digest of the source, options.
     """
 
     def __init__(self, begin: str, state: tuple[object, ...]) -> None:
@@ -97,15 +97,16 @@ class _Files:
 
 
 class KernelCache(caching.FunctionCache):
-    """numba's cache of one function, with files that are checked."""
+    """numba's cache of one function, compiled with certain options, with files that are checked."""
 
     _impl_class = _Implementation
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         super().__init__(function)
         locator = self._impl.locator
         begin = os.path.join(self._cache_path, self._impl.filename_base)
-        self._cache_file = _Files(begin, (numba.__version__, locator.get_source_stamp()))
+        compiled_with = (*sorted(options.items()), int(numba.config.OPT))
+        self._cache_file = _Files(begin, (numba.__version__, locator.get_source_stamp(), compiled_with))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Load a compiled function, or None: whatever cannot be used is compiled again."""

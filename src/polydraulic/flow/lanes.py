@@ -10,7 +10,7 @@ from typing import Any
 from numba import types
 from numba.extending import overload
 
-from polydraulic._kernel import KERNEL_OPTIONS
+from polydraulic._kernel import INLINED_OPTIONS
 
 LANES = 64
 GROUP = 16  # of machines that are packed together, since few of a block need more than the others
@@ -48,7 +48,7 @@ def leaves(parameters: Any) -> list[float]:
     return found
 
 
-@overload(at, jit_options=KERNEL_OPTIONS)
+@overload(at, jit_options=INLINED_OPTIONS)
 def _at_compiled(own: Any, shared: Any, lane: Any) -> Any:
     # numba wants the signature of `at`, annotations included
     names: dict[str, Any] = {"Any": Any}
