@@ -7,18 +7,37 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from polydraulic import AbductiveRegressor, RegionRegressor, load_models
+from polydraulic import load_models
 from polydraulic.errors import InputError
 from polydraulic.flow.polynomial import shipped_models
-from polydraulic.networks import PerceptronRegressor, Variable, dump_models, parse_models, save_models
+from polydraulic.networks import (
+    Model,
+    Network,
+    Node,
+    PerceptronRegressor,
+    Split,
+    Variable,
+    dump_models,
+    parse_models,
+    save_models,
+)
+from polydraulic.networks.model.nodes import DOUBLE
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 Y = np.abs(X[:, 0]) * X[:, 1]
-MODEL = (
-    RegionRegressor(AbductiveRegressor(max_layers=2), edges={0: [0.0]})
-    .fit(X, Y)
-    .to_model([Variable("x", "m"), Variable("p")], Variable("q", "m3/s"))
-)
+MODEL = Model(  # |x| p in two regions
+    (Variable("x", "m"), Variable("p")),
+    Variable("q", "m3/s"),
+    tuple(
+        Network(
+            (Node(DOUBLE, (0, 1), (0.0, 0.0, 0.0, 0.0, 0.0, sign, 0.0, 0.0)),),
+            (0.0, 0.0), (1.0, 0.5), (-1.0, -1.0), (1.0, 1.0), 0.0, 0.5, -1.0, 1.0,
+        )
+        for sign in (-1.0, 1.0)
+    ),
+    Split(0, 0.0, 0, 1),
+    {"fse": 0.01},
+)  # fmt: skip
 DATA = json.loads(dump_models([MODEL]))
 
 
