@@ -13,6 +13,9 @@ docs: .venv/ready
 	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
 	@echo docs/_build/html/index.html
 
+# Tests start many processes: what is kept of the sources as bytecode need not be compiled in each.
+test coverage test-all: export PYTHONDONTWRITEBYTECODE =
+
 # Whatever holds a kernel or calls one by itself: the rest is the same in plain Python, and slower.
 PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation tests/networks/model \
 	tests/networks/growth/test_least_squares.py tests/networks/growth/test_scoring.py \

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from polydraulic.measure.checks.excerpt import _PIECE, _PIECES, Excerpt
 
@@ -33,6 +34,23 @@ def test_of_a_long_one_pieces_from_all_over_are_segments_of_their_own():
     leaps = np.diff(table["time"]) > 1.0
     assert leaps.any()
     assert np.array_equal(np.diff(table["segment"]) == 1.0, leaps)
+
+
+@pytest.mark.parametrize(("n", "whole"), [(_PIECE * _PIECES, True), (_PIECE * (_PIECES + 1), False)])
+def test_a_table_is_kept_whole_up_to_so_many_pieces(n, whole):
+    table = filled(n, 90_000).table()
+    assert len(table) == (n if whole else n // 2 + _PIECE // 2)
+    pieces = table["time"].reshape(-1, _PIECE)
+    assert np.array_equal(np.diff(pieces, axis=1), np.ones((len(pieces), _PIECE - 1)))
+    assert np.array_equal(pieces[:, 0], np.arange(len(pieces)) * _PIECE * (1 if whole else 2))
+
+
+def test_segments_of_the_log_stay_apart():
+    excerpt = Excerpt(UNITS)
+    for segment, start in ((3.0, 0), (5.0, 30)):
+        row = np.arange(start, start + 30.0)
+        excerpt.add([row, np.full(30, segment), row])
+    assert excerpt.table()["segment"].tolist() == [0.0] * 30 + [1.0] * 30
 
 
 def test_no_rows_are_an_empty_table():
