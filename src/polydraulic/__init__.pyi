@@ -9,6 +9,8 @@ from .parameters.scenario import Scenario, load_scenario, random_operator
 from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
 from .simulation.runs import reference, simulate
+from .simulation.stepping.batch_simulator import BatchSimulator, SavedBatch
+from .simulation.stepping.simulator import SavedState, Simulator
 from .simulation.summary import run_summary
 from .simulation.trajectory import Difference, compare
 from .tables import Table, read_table, write_table
@@ -18,13 +20,17 @@ __version__: str
 __all__ = [
     "AbductiveRegressor",
     "Batch",
+    "BatchSimulator",
     "Difference",
     "InputError",
     "LayoutMachine",
     "Progress",
     "RegionRegressor",
+    "SavedBatch",
+    "SavedState",
     "Scenario",
     "SimulationError",
+    "Simulator",
     "Table",
     "build_flow",
     "compare",

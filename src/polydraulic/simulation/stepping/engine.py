@@ -1,0 +1,116 @@
+"""The compiled part of a single machine that is moved step by step: two drivers and the flat arrays that they change.
+
+A call of `Engine.run` holds Python's lock only until the compiled code begins, so that another thread may serve people meanwhile. One
+thread at a time may run an engine; what others are to see is copied between two calls.
+"""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import ModuleType
+
+import numpy as np
+
+from polydraulic.simulation.stepping.levers import hand_of
+from polydraulic.simulation.stepping.marks import FLAGS, MOST_CHANGES, STEPS, Hand
+from polydraulic.simulation.stepping.packed import pack_tree
+from polydraulic.simulation.stepping.setup import Setup, loaded_machine, readied
+from polydraulic.simulation.stepping.text import Places, places_of, single_module
+
+
+@dataclass
+class Engine:
+    """A machine as its drivers see it.
+
+    Attributes
+    ----------
+    begin, advance : drivers
+        See ``pages/single.py.txt``.
+    numbers, whole : arrays
+        Packed parameters.
+    live : array of float
+        Recorded row, levers, and all else that changes, by `places`.
+    counts : array of int
+        See `marks`.
+    delay : (n_function, n) array, V
+        Levers of the last steps, where there are dead times.
+    changes : (n, 1 + 2 n_record) array
+        Step, and recorded rows before and after it, of steps in which an event begins or ends.
+    start : (n_state,) array
+        The machine's own.
+    of : str
+        Tells engines that can take each other's arrays from others.
+    """
+
+    begin: Callable[..., int]
+    advance: Callable[..., int]
+    places: Places
+    hand: Hand
+    numbers: np.ndarray = field(repr=False)
+    whole: np.ndarray = field(repr=False)
+    live: np.ndarray = field(repr=False)
+    counts: np.ndarray = field(repr=False)
+    delay: np.ndarray = field(repr=False)
+    changes: np.ndarray = field(repr=False)
+    start: np.ndarray = field(repr=False)
+    of: str
+
+    def reset(self, state: np.ndarray) -> None:
+        """Start from a state, with nothing remembered."""
+        self.live[:], self.counts[:], self.delay[:] = 0.0, 0, 0.0
+        self.live[: len(state)] = state
+        self.begin(self.numbers, self.whole, self.live, self.counts)
+
+    def run(self, n: int) -> int:
+        """Make up to `n` steps; how many were made, and `counts` says why no more."""
+        return self.advance(self.numbers, self.whole, self.live, self.counts, self.delay, self.changes, n)
+
+    def weigh(self, setup: Setup, mass: float) -> None:
+        """Hang another mass at the tip; the flow model meets the state once more, as where a run of `simulate` goes on."""
+        ready = readied(setup, loaded_machine(setup, mass))
+        self.numbers, self.whole = pack_tree((ready.valves, ready.plant, self.hand))
+        if self.counts[STEPS] > 0:
+            met, memory = self.live.copy(), self.places.memory
+            self.begin(self.numbers, self.whole, met, self.counts.copy())
+            self.live[memory:] = met[memory:]
+
+
+def engine_of(setup: Setup, mass: float) -> Engine:
+    """Compile, or load, what moves a machine, with a mass in kg at its tip.
+
+    Raises
+    ------
+    InputError
+        What cannot be prepared: a time step that is too long for a declared effect, a dead time that is too long.
+    """
+    machine, hand = loaded_machine(setup, mass), hand_of(setup.machine, setup.dt, setup.locked)
+    ready, force = readied(setup, machine), bool(setup.loads.force)
+    parts = {"valves": ready.valves, "plant": ready.plant, "hand": hand}
+    module, places = single_module(machine, ready.module, parts, force=force), places_of(machine, force=force)
+    longest, packed = int(hand.wait.max()), pack_tree(tuple(parts.values()))
+    return Engine(
+        module.begin,
+        module.advance,
+        places,
+        hand,
+        *packed,
+        live=np.zeros(places.memory + ready.n_memory),
+        counts=np.zeros(FLAGS + 2 * places.n_flag, dtype=np.int64),
+        delay=np.zeros((len(machine.names), longest + 1 if longest else 0)),
+        changes=np.zeros((MOST_CHANGES, 1 + 2 * places.n_record)),
+        start=ready.start,
+        of=_digest(setup, module),
+    )
+
+
+def _digest(setup: Setup, module: ModuleType) -> str:
+    flow = (setup.flow.name, setup.flow.served, *(np.asarray(part).tobytes() for part in _arrays(setup.flow.parts)))
+    kept = (module.__name__, setup.machine, setup.dt, setup.locked, setup.loads.payload is None, flow)
+    return hashlib.sha256(repr(kept).encode()).hexdigest()
+
+
+def _arrays(parts: object) -> list[object]:
+    """All numbers and arrays of a flow model's parts, one after the other."""
+    if isinstance(parts, dict):
+        return [leaf for name in sorted(parts) for leaf in _arrays(parts[name])]
+    return [leaf for part in parts for leaf in _arrays(part)] if isinstance(parts, tuple) else [parts]

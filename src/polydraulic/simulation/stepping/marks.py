@@ -1,0 +1,48 @@
+"""What the compiled drivers and Python tell each other: places in the counters of a machine, and why a call ended.
+
+A machine that is moved step by step is a few flat arrays, which drivers change in place; nothing else has memory.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.simulation.layout.methods.event_log import EventLimits
+
+# places in `counts`
+STEPS = 0  # made since the start
+UNSETTLED = 1  # of these, steps whose flows did not converge
+OUTSIDE = 2  # and steps outside the flow model's domain
+CHANGES = 3  # pairs of rows in `changes`
+STOP = 4  # 1: end a call after a step in which an event begins or ends
+STATUS = 5  # why the last call ended
+WHICH = 6  # function whose lever was refused
+FLAGS = 7  # conditions that hold; then those of the step before
+
+DONE, REFUSED, LOST, NOTED = (
+    0,
+    1,
+    2,
+    3,
+)  # all steps made; a lever's voltage; a rate diverged; `changes` is full, or stopped
+MOST_CHANGES = 64  # pairs of rows that a call may leave
+
+
+class Hand(NamedTuple):
+    """What a machine makes of levers, and which events are seen.
+
+    Attributes
+    ----------
+    most : (n_function,) array, V
+        Largest voltage to either side.
+    moves : (n_function,) array of int
+        1, or 0 of a function that is locked.
+    wait : (n_function,) array of int
+        Dead time in steps.
+    limits : EventLimits
+    """
+
+    most: np.ndarray
+    moves: np.ndarray
+    wait: np.ndarray
+    limits: EventLimits

@@ -1,0 +1,389 @@
+"""`Simulator`: one machine, moved step by step by whoever holds its levers."""
+
+import time as clocks
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from math import ceil
+from pathlib import Path
+from types import MappingProxyType, TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from polydraulic.errors import InputError, SimulationError, briefly
+from polydraulic.flow.dispatch import FlowModel
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.loads import DIRECTIONS, Loads
+from polydraulic.parameters.schema import Machine
+from polydraulic.parameters.signals import Constant
+from polydraulic.simulation.events import MAX_EVENTS
+from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.stepping.engine import engine_of
+from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
+from polydraulic.simulation.stepping.marks import CHANGES, OUTSIDE, REFUSED, STATUS, STEPS, STOP, UNSETTLED, WHICH
+from polydraulic.simulation.stepping.noted import event_words, events_between
+from polydraulic.simulation.stepping.pace import Pace
+from polydraulic.simulation.stepping.per_machine import count
+from polydraulic.simulation.stepping.setup import outputs_of, set_up, state_from
+from polydraulic.simulation.stepping.tip_load import as_loads, check_kept, finite_number, mass_at
+from polydraulic.simulation.steps import MOST_STEPS
+
+_PIECE = 20_000  # steps of a call of compiled code, which cannot be interrupted
+
+
+@dataclass(frozen=True)
+class SavedState:
+    """All of a `Simulator` that changes, for `Simulator.restore`."""
+
+    of: str = field(repr=False)
+    live: np.ndarray = field(repr=False)
+    counts: np.ndarray
+    delay: np.ndarray = field(repr=False)
+    loads: Loads
+    mass: float  # kg at the tip
+
+
+class Simulator:
+    """A machine that is moved step by step; steps have the bits of `simulate`.
+
+    Parameters
+    ----------
+    machine : LayoutMachine, or name or path of a parameter set
+    flow : str or flow model
+        As for `simulate`.
+    dt : float, s
+        Time step; levers and force are constant over each.
+    locked : collection of str
+        Functions whose joints are held; their levers are ignored.
+    load : mapping or Loads, optional
+        What pushes and hangs at the tip, as for `step`. Whether there is a force, and whether there is a payload, is settled here; give 0
+        for one that comes later.
+    realtime : float, optional
+        Keep `step` to the pace of a clock, so many simulated seconds for each of its own; see `pace`.
+    clock, sleep : functions
+        Of that pace: () -> s, which never goes back, and (s) -> None.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Functions, in the order of the levers.
+    outputs : mapping from column to array of no axes
+        Read-only views of what the machine does now: columns as in the table of `simulate`, in the units of `units`. They follow every step.
+    values : (n,) array
+        All of them in one, at the places that `place` gives by name.
+    state : (n_state,) array
+        Those at its beginning: what `reset` takes.
+    events : list of [time in s, function or circuit, what]
+        Of the last call of `step` or `run_until`; as in the ``info`` of a run, whose bound they keep: `events_dropped` counts the rest.
+    pace : Pace or None
+        Overruns of real time.
+
+    Raises
+    ------
+    InputError
+        A machine, flow model, time step, name or load that cannot be used.
+
+    Examples
+    --------
+    >>> with Simulator("wheel_loader") as loader:
+    ...     loader.step({"lift": 0.5}, n=100)
+    ...     raised = float(loader["lift.angle"])
+    >>> round(loader.time, 6), raised > 0.0
+    (0.5, True)
+    """
+
+    def __init__(
+        self,
+        machine: Machine | LayoutMachine | str | Path,
+        flow: str | FlowModel = "exact",
+        *,
+        dt: float = 5e-3,
+        locked: Collection[str] = (),
+        load: Loads | Mapping[str, float] | None = None,
+        realtime: float | None = None,
+        clock: Callable[[], float] = clocks.perf_counter,
+        sleep: Callable[[float], None] = clocks.sleep,
+    ) -> None:
+        self._setup = set_up(machine, flow, dt, locked, as_loads(load))
+        self.machine, self.names, self.dt = self._setup.machine, self._setup.machine.names, dt
+        self._columns, self._loads = columns_of(self.machine), self._setup.loads
+        self._mass, self._next_mass = mass_at(self._loads.payload, 0, dt)
+        self._steady = True
+        self._engine = engine_of(self._setup, self._mass)
+        self._counts, self._live, given = self._engine.counts, self._engine.live, self._engine.places.given
+        self._shape = (len(self.names),)
+        self._levers, self._push = self._live[given:][: len(self.names)], given + len(self.names)
+        self.events: list[list[Any]] = []
+        self.events_dropped = 0
+        self.pace = None if realtime is None else Pace(realtime, clock=clock, sleep=sleep)
+        self._closed = False
+        self._views(self._engine.places.n_out)
+        self.reset()
+
+    def _views(self, n_out: int) -> None:
+        """Name what stands in the row."""
+        seen = self._live.view()
+        seen.flags.writeable = False
+        found = outputs_of(self._setup)
+        voltages_ = [(f"{f}.voltage", n_out + j) for j, f in enumerate(self.names) if f not in self._setup.locked]
+        self.place = MappingProxyType({c.name: c.place for c in found} | dict(voltages_))
+        self.units = MappingProxyType({c.name: c.unit for c in found} | {name: "V" for name, _ in voltages_})
+        self.values = seen[: n_out + len(self.names)]
+        self.state = seen[: self._columns.n_state]
+        self.outputs = MappingProxyType({name: seen[at : at + 1].reshape(()) for name, at in self.place.items()})
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.outputs:
+            raise InputError(f"no output {briefly(name)}; there are {list(self.outputs)}")
+        return self.outputs[name]
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the start."""
+        return int(self._counts[STEPS]) * self.dt
+
+    @property
+    def steps(self) -> int:
+        """Steps made since the start."""
+        return int(self._counts[STEPS])
+
+    @property
+    def steps_not_converged(self) -> int:
+        """Of these, steps whose flows did not converge."""
+        return int(self._counts[UNSETTLED])
+
+    @property
+    def steps_out_of_domain(self) -> int:
+        """Of these, steps outside the flow model's domain."""
+        return int(self._counts[OUTSIDE])
+
+    def reset(self, state: np.ndarray | Mapping[str, float] | None = None) -> None:
+        """Begin anew at time 0, with centred levers and the load that the simulator was built with.
+
+        Parameters
+        ----------
+        state : (n_state,) array, or mapping from column to value, optional
+            As `state` gives it; a mapping changes single values of the machine's own start.
+
+        Raises
+        ------
+        InputError
+            A state that cannot be used; the machine stays as it is.
+        """
+        start = state_from(self._setup, state, self._engine.start)
+        self._counts[STEPS] = 0
+        self._take(self._setup.loads)
+        self._loaded(1)
+        self._engine.reset(start)
+        self._take(self._setup.loads)
+        self._forget()
+
+    def step(self, inputs: Any = None, n: int = 1, load: Loads | Mapping[str, float] | None = None) -> None:
+        """Make `n` steps with constant levers.
+
+        Parameters
+        ----------
+        inputs : (n_function,) array, or mapping from function to V, optional
+            Voltages of the levers, in the order of `names`; functions that a mapping leaves out get 0 V. Without, levers stay as they are.
+            Pilots see them after their dead times, rounded up to whole steps.
+        n : int
+        load : mapping or Loads, optional
+            A mapping of ``"x"``, ``"y"``, ``"z"`` (force at the tip along the ground's axes, N) and ``"payload"`` (kg) holds from now on, and
+            what it leaves out stays; `Loads`, as of a scenario, are functions of the simulator's time. Another payload takes some
+            milliseconds to prepare.
+
+        Raises
+        ------
+        InputError
+            Voltages, number or load that cannot be used; nothing has moved. Where a lever is beyond its end, all are centred.
+        SimulationError
+            A rate grew without bound. The machine is as before that step.
+        """
+        if inputs is not None:
+            self._hold(inputs)
+        if load is not None:
+            loads = as_loads(load, self._loads)
+            check_kept(loads, self._setup.loads)
+            self._take(loads)
+        if n.__class__ is not int or not 1 <= n <= MOST_STEPS:
+            n = count(n, "n", MOST_STEPS)
+        if self.events:
+            self.events, self.events_dropped = [], 0
+        if self.pace is None:
+            self._run(n)
+            return
+        if not self.pace.running:
+            self.pace.start(self.time)
+        self._run(n)
+        self.pace.wait(self.time)
+
+    def run_until(
+        self, until: float | str | Callable[["Simulator"], bool], inputs: Any = None, *, limit: float = 600.0
+    ) -> bool:
+        """Make steps until a time, an event, or a condition.
+
+        Parameters
+        ----------
+        until : float, str or function
+            Simulated time in s; an event, ``"high stop met"`` of any function or ``"lift high stop met"`` of one; or a function of the
+            simulator that is asked after each step.
+        inputs : as for `step`
+        limit : float, s
+            The end if neither event nor condition comes.
+
+        Returns
+        -------
+        bool
+            Whether it has come.
+
+        Raises
+        ------
+        InputError, SimulationError
+            As `step`; a time that has passed, an event that cannot be, a limit that is no time.
+        """
+        if inputs is not None:
+            self._hold(inputs)
+        event = until if isinstance(until, str) else None
+        if event is not None and event not in (words := event_words(self.machine)):
+            raise InputError(f"until = {event!r}: no such event; there are {sorted(words)}")
+        timed = not (event or callable(until))
+        span = (
+            finite_number(until, "until", low=None, unit="s") - self.time
+            if timed
+            else finite_number(limit, "limit", low=0.0, unit="s")
+        )
+        if span < -1e-9 * max(self.time, 1.0):
+            raise InputError(f"until = {until} s: has passed, it is {self.time:g} s; `reset` begins anew")
+        left = ceil(span / self.dt - 1e-9)
+        if left > MOST_STEPS:
+            raise InputError(
+                f"{span:g} s are {left:.3g} steps of {self.dt} s; at most {MOST_STEPS:g} are made: run a shorter time"
+            )
+        self.events, self.events_dropped = [], 0
+        one_by_one = callable(until) or self.pace is not None
+        if self.pace is not None and not self.pace.running:
+            self.pace.start(self.time)
+        self._counts[STOP] = 1 if event else 0
+        try:
+            while left > 0:
+                before, seen = self.steps, len(self.events)
+                self._run(1 if one_by_one else left)
+                left -= self.steps - before
+                if self.pace is not None:
+                    self.pace.wait(self.time)
+                if event and any(event in (what, f"{where} {what}") for _, where, what in self.events[seen:]):
+                    return True
+                if callable(until) and until(self):
+                    return True
+        finally:
+            self._counts[STOP] = 0
+        return timed
+
+    def save(self) -> SavedState:
+        """All that changes, to come back to by `restore`: bit for bit."""
+        engine = self._engine
+        return SavedState(
+            engine.of, self._live.copy(), self._counts.copy(), engine.delay.copy(), self._loads, self._mass
+        )
+
+    def restore(self, saved: SavedState) -> None:
+        """Go back to what was saved, of this simulator or of one that is built alike.
+
+        Raises
+        ------
+        InputError
+            What another machine, step or flow model has saved.
+        """
+        if not isinstance(saved, SavedState) or saved.of != self._engine.of:
+            raise InputError(
+                "what was saved is of another machine, load, flow model, step or set of locked functions: restore it to one that is built alike"
+            )
+        if saved.mass != self._mass:
+            self._engine.weigh(self._setup, saved.mass)
+            self._mass = saved.mass
+        self._live[:], self._counts[:], self._engine.delay[:] = saved.live, saved.counts, saved.delay
+        self._take(saved.loads)
+        self._forget()
+
+    def close(self) -> None:
+        """End: further steps are refused, outputs can still be read."""
+        self._closed = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _hold(self, inputs: Any) -> None:
+        """Set the levers."""
+        if inputs.__class__ is np.ndarray and inputs.shape == self._shape and inputs.dtype == np.float64:
+            self._levers[:] = inputs
+            return
+        named = named_voltages(inputs, self.names, self._setup.locked) if isinstance(inputs, Mapping) else inputs
+        self._levers[:] = lever_voltages(named, self.names, self._shape)
+
+    def _take(self, loads: Loads) -> None:
+        """Let other loads act from now on."""
+        self._loads, self._steady = loads, False
+        self._next_mass = self.steps
+
+    def _run(self, n: int) -> None:
+        """Make steps; of an event that is waited for, up to it."""
+        if self._closed:
+            raise InputError("the simulator is closed; build another one")
+        counts, left = self._counts, n
+        while left:
+            piece = left if self._steady else self._loaded(left)
+            piece = min(piece, _PIECE)
+            made = self._engine.run(piece)
+            left -= made
+            if counts[CHANGES]:
+                self._note_events()
+                if counts[STOP]:
+                    return
+            elif made < piece:
+                self._fail()
+
+    def _loaded(self, most: int) -> int:
+        """Let the load of the next step act; for how many steps it stays."""
+        step = self.steps
+        if self._next_mass is not None and step >= self._next_mass:
+            mass, self._next_mass = mass_at(self._loads.payload, step, self.dt)
+            if mass != self._mass:
+                self._mass = mass
+                self._engine.weigh(self._setup, mass)
+        if self._setup.loads.force:
+            self._live[self._push : self._push + len(DIRECTIONS)] = self._loads.forces(np.array([step * self.dt]))[0]
+        if not all(isinstance(signal, Constant) for signal in self._loads.force.values()):
+            return 1
+        self._steady = self._next_mass is None
+        return most if self._next_mass is None else min(most, self._next_mass - step)
+
+    def _note_events(self) -> None:
+        """Events in the pairs of rows that the last call has left."""
+        for change in self._engine.changes[: self._counts[CHANGES]]:
+            self.events += events_between(self.machine, self._columns, self._setup.locked, self.dt, change)
+        self._counts[CHANGES] = 0
+        self.events_dropped += max(len(self.events) - MAX_EVENTS, 0)
+        del self.events[MAX_EVENTS:]
+
+    def _fail(self) -> None:
+        """Say why steps have not been made."""
+        if self._counts[STATUS] == REFUSED:
+            place = int(self._counts[WHICH])
+            value = float(self._levers[place])
+            self._levers[:] = 0.0
+            raise refused(self.machine.functions[place], value)
+        raise SimulationError(
+            f"diverged: a rate grew without bound after t = {self.time:g} s; try a smaller dt or check the parameter set"
+        )
+
+    def _forget(self) -> None:
+        """Nothing of the calls before."""
+        self.events, self.events_dropped = [], 0
+        self._counts[CHANGES] = self._counts[STOP] = 0
+        if self.pace is not None:
+            self.pace.stop()

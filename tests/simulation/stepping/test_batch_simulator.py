@@ -1,0 +1,263 @@
+"""Machines moved side by side have the bits of `simulate_batch` and of single ones; what begins anew leaves its neighbours alone."""
+
+import pickle
+
+import numba
+import numpy as np
+import pytest
+
+from helpers.held_levers import held_scenario, random_levers, random_split
+from polydraulic import BatchSimulator, InputError, Simulator, load_machine, simulate, simulate_batch
+from polydraulic.parameters.loads import Loads, Payload
+from polydraulic.parameters.signals import Constant
+from polydraulic.simulation.layout.columns import columns_of
+
+DT, N = 5e-3, 70  # more than stand side by side
+TIP = ("effector.x", "effector.y", "effector.z")
+
+
+def slowly(test):
+    """Of a text of its own, or with parameters of its own, which takes long to compile: quick in plain Python alone."""
+    return test if numba.config.DISABLE_JIT else pytest.mark.slow(test)
+
+
+STEPS = 6 if numba.config.DISABLE_JIT else 60  # of 128 lanes
+
+
+def levers_of(n_step, n_function, seed=0, n=N):
+    return np.stack([random_levers(seed + i, n_step, n_function, each=6, limit=1.0) for i in range(n)])
+
+
+def play(sim, levers, seed=0, begin=0):
+    """Play levers in calls of random lengths."""
+    rng = np.random.default_rng(seed)
+    for k in range(begin, levers.shape[1], 6):
+        for n in random_split(rng, min(6, levers.shape[1] - k)):
+            sim.step(levers[:, k], n=n)
+
+
+def assert_bits(sim, names, rows, which=slice(None)):
+    """Outputs are those of rows, (n_machine, n_column)."""
+    for place, name in enumerate(names):
+        if name in TIP:
+            assert np.allclose(sim[name][which], rows[which, place], rtol=0.0, atol=1e-12)
+        else:
+            assert np.array_equal(sim[name][which], rows[which, place]), name
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_any_division_into_calls_has_the_bits_of_a_batch(loader, threads):
+    levers = levers_of(STEPS, 2)
+    batch = simulate_batch(loader, "exact", levers, dt=DT, keep=["rows"])
+    with BatchSimulator(loader, N, threads=threads) as sim:
+        assert_bits(sim, batch.names, batch.rows[:, 0])
+        play(sim, levers, threads)
+        assert_bits(sim, batch.names, batch.final)
+        assert np.array_equal(sim.time, np.full(N, STEPS * DT))
+        assert not sim.diverged.any()
+        assert np.array_equal(sim.steps_not_converged, batch.not_converged)
+        assert set(sim.outputs) == set(batch.names)
+        assert dict(sim.units) == batch.units
+
+
+def test_single_machines_begin_anew_and_their_neighbours_do_not_notice(loader):
+    levers, again = levers_of(STEPS, 2), levers_of(STEPS, 2, 500)
+    mask = np.random.default_rng(1).random(N) < 0.3
+    batch = simulate_batch(loader, "exact", levers, dt=DT, keep=["rows"])
+    state = np.column_stack([batch.final[:, batch.place(column.name)] for column in columns_of(loader).columns[:10]])
+    fresh = simulate_batch(loader, "exact", again, dt=DT, x0=state, keep=["rows"])
+    half = STEPS // 12 * 6
+    with BatchSimulator(loader, N) as sim:
+        play(sim, levers[:, :half])
+        sim.reset(np.zeros(N, dtype=bool), {"lift.angle": 0.1})  # none
+        sim.reset(mask, state)
+        assert_bits(sim, batch.names, batch.rows[:, half], ~mask)
+        assert_bits(sim, batch.names, fresh.rows[:, 0], mask)
+        assert np.array_equal(sim.steps, np.where(mask, 0, half))
+        play(sim, np.where(mask[:, None, None], again[:, : STEPS - half], levers[:, half:]))
+        assert_bits(sim, batch.names, batch.rows[:, STEPS], ~mask)
+        assert_bits(sim, batch.names, fresh.rows[:, STEPS - half], mask)
+
+
+def test_what_is_saved_comes_back_bit_for_bit(loader):
+    levers = levers_of(STEPS // 5, 2)
+    with BatchSimulator(loader, N) as sim, BatchSimulator(loader, N) as other:
+        play(sim, levers)
+        saved = sim.save()
+        play(sim, levers)
+        wanted = {name: values.copy() for name, values in sim.outputs.items()}
+        for fresh in (sim, other):
+            fresh.restore(pickle.loads(pickle.dumps(saved)))
+            play(fresh, levers, 5)
+            assert all(np.array_equal(fresh[name], values) for name, values in wanted.items())
+        with pytest.raises(InputError, match="what was saved is of other machines"):
+            BatchSimulator(loader, 3).restore(saved)
+
+
+def test_a_machine_that_diverges_stands_still_alone(loader):
+    wild = np.arange(N) == 5
+    overflow = np.errstate(all="ignore")  # in plain Python
+    with overflow, BatchSimulator(loader, N) as sim, BatchSimulator(loader, N) as other:
+        sim.reset(wild, {"lift.rate": 1e300})
+        for each in (sim, other):
+            each.step({"lift": 0.5}, n=2)
+        assert np.array_equal(sim.diverged, wild)
+        assert np.array_equal(sim.steps, np.where(wild, 0, 2))
+        assert all(np.isnan(sim[name][5]) for name in sim.outputs)
+        assert all(np.array_equal(sim[name][~wild], other[name][~wild]) for name in sim.outputs)
+        sim.reset(wild)
+        assert not sim.diverged.any()
+        assert all(np.isfinite(sim[name]).all() for name in sim.outputs)
+
+
+def randomised(loader, n=N):
+    """Machines with other pilots, dead times and links."""
+    rng, found = np.random.default_rng(3), []
+    for _ in range(n):
+        functions = (
+            f._replace(
+                pilot=f.pilot._replace(
+                    gain=f.pilot.gain * rng.uniform(0.9, 1.1), dead_time=float(rng.integers(0, 4)) * DT
+                )
+            )
+            for f in loader.functions
+        )
+        links = (link._replace(mass=link.mass * rng.uniform(0.9, 1.1)) for link in loader.links)
+        found.append(loader._replace(functions=tuple(functions), links=tuple(links)))
+    return found
+
+
+@slowly
+def test_machines_of_their_own_with_dead_times(loader):
+    machines, levers = randomised(loader), levers_of(STEPS // 2, 2)
+    others, mask = randomised(loader)[::-1], np.arange(N) % 3 == 0
+    with BatchSimulator(machines) as sim:
+        play(sim, levers)
+        for i in (0, 31, 63, 64, 69):
+            run = simulate(machines[i], "exact", held_scenario(machines[i], levers[i], DT))
+            assert all(sim[name][i] == run[name][-1] for name in sim.outputs if name not in TIP)
+        before = sim["lift.angle"].copy()
+        sim.reset(mask, machines=others)
+        assert np.array_equal(sim["lift.angle"][~mask], before[~mask])
+        play(sim, levers)
+        run = simulate(others[63], "exact", held_scenario(others[63], levers[63], DT))
+        assert all(sim[name][63] == run[name][-1] for name in sim.outputs if name not in TIP)
+
+
+@slowly
+def test_forces_and_payloads_of_each_machine(loader):
+    mass, push = np.linspace(0.0, 2000.0, N), np.linspace(-5e3, 5e3, N)
+    levers = levers_of(STEPS // 2, 2)
+    with BatchSimulator(loader, N, load={"payload": mass, "z": push}) as sim:
+        play(sim, levers)
+        for i in (0, 40, 69):
+            load = Loads({"z": Constant(push[i])}, Payload((0.0,), (mass[i],)))
+            run = simulate(loader, "exact", held_scenario(loader, levers[i], DT, load=load))
+            assert all(sim[name][i] == run[name][-1] for name in sim.outputs if name not in TIP)
+        sim.reset(payload=mass[::-1])
+        sim.step(levers[:, 0], n=3, load={"z": 0.0, "x": push})
+        load = Loads({"z": Constant(0.0), "x": Constant(push[2])}, Payload((0.0,), (mass[::-1][2],)))
+        run = simulate(loader, "exact", held_scenario(loader, levers[2, :3], DT, load=load))
+        assert all(sim[name][2] == run[name][-1] for name in sim.outputs if name not in TIP)
+
+
+@slowly
+def test_locked_functions_in_lanes(loader):
+    with BatchSimulator(loader, 2, locked=["tilt"]) as sim, Simulator(loader, locked=["tilt"]) as one:
+        sim.step(np.full((2, 2), 0.5), n=4)
+        one.step([0.5, 0.5], n=4)
+        assert all(sim[name][1] == one[name] for name in sim.outputs)
+
+
+@pytest.fixture
+def pair(loader):
+    with BatchSimulator(loader, 3, columns=["lift.angle", "effector.z"]) as sim:
+        yield sim
+
+
+def test_chosen_columns_are_views(pair):
+    assert list(pair.outputs) == ["lift.angle", "effector.z"]
+    with pytest.raises(ValueError, match="read-only"):
+        pair["lift.angle"][0] = 0.0
+    angle = pair["lift.angle"]
+    before = angle.copy()
+    pair.step({"lift": [0.5, 0.0, -0.5]}, n=40 if not numba.config.DISABLE_JIT else 4)
+    assert np.sign(angle - before)[0] == 1.0
+    with pytest.raises(InputError, match="no output 'tilt.angle'"):
+        pair["tilt.angle"]
+
+
+@pytest.mark.parametrize(
+    ("inputs", "words"),
+    [
+        (np.zeros((2, 2)), r"inputs have the shape \(2, 2\); .*: give \(3, 2\)"),
+        (np.array([[0, 0], [0, np.nan], [0, 0]]), "tilt of machine 1: the lever's voltage is nan"),
+        (
+            np.array([[0, 0], [0, 0], [9.0, 0]]),
+            "lift of machine 2: the lever's voltage is 9 V; 0.8 V gives full travel",
+        ),
+        ({"lift": [0.1, 0.2]}, "lift = .*: must be one number for all machines, or 3"),
+        ({"boom": 0.1}, "inputs name 'boom'"),
+        ("half", "inputs = 'half'"),
+    ],
+)
+def test_doubtful_levers_are_refused_and_nothing_moves(pair, inputs, words):
+    with pytest.raises(InputError, match=words):
+        pair.step(inputs)
+    assert np.array_equal(pair.steps, [0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"mask": [True, False]}, r"mask: must be 3 values"),
+        ({"mask": np.array([0, 1, 2])}, "True or False"),
+        ({"state": np.zeros(4)}, r"state has the shape \(4,\)"),
+        ({"state": {"lift.angle": [0.0, 0.1, np.inf]}}, "state: lift.angle = inf of machine 2"),
+        ({"state": {"lift": 0.0}}, "state names 'lift'"),
+        ({"state": {"lift.angle": [0.0, 9.0, 0.0]}}, "lift.angle = 9 rad of machine 1: must lie between the stops"),
+        ({"payload": 3.0}, "payload: this simulator was built without"),
+        ({"machines": "wheel_loader"}, "machines: this simulator was built of one machine"),
+    ],
+)
+def test_doubtful_restarts_are_refused(pair, arguments, words):
+    here = pair["lift.angle"].copy()
+    with pytest.raises(InputError, match=words):
+        pair.reset(**arguments)
+    assert np.array_equal(pair["lift.angle"], here)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"n": None}, "n: give the number of machines"),
+        ({"n": 0}, "n = 0: must be a whole number, from 1 to"),
+        ({"machines": []}, "0 machines"),
+        ({"machines": ["wheel_loader"]}, "n = 3: there are 1 machines"),
+        ({"machines": ["wheel_loader", "loader_crane"], "n": None}, "has another layout than"),
+        ({"flow": "iterative"}, "flow 'iterative' has no form for machines side by side"),
+        ({"columns": ["lift"]}, "columns = .*: must be a list of some of"),
+        (
+            {"load": {"payload": [1.0, -1.0, 0.0]}},
+            "load: payload = -1.0 of machine 1: must be a finite number, at least 0",
+        ),
+        ({"load": {"u": 1.0}}, "load names 'u'"),
+        ({"threads": 0}, "threads = 0"),
+        ({"longest_delay": -1.0}, "longest_delay = -1.0 s: the machines have dead times"),
+    ],
+)
+def test_what_cannot_be_built_is_named(options, words):
+    with pytest.raises(InputError, match=words):
+        BatchSimulator(**{"machines": "wheel_loader", "n": 3} | options)
+
+
+def test_after_the_end_nothing_moves(loader):
+    sim = BatchSimulator(loader, 2, threads=2)
+    sim.close()
+    with pytest.raises(InputError, match="the simulator is closed"):
+        sim.step()
+    with pytest.raises(InputError, match="n = 0: must be a whole number"):
+        BatchSimulator(loader, 2).step(n=0)
+    with pytest.raises(InputError, match="a payload changes by `reset`"):
+        BatchSimulator(loader, 2).step(load={"payload": 1.0})
+    assert load_machine("wheel_loader") == loader
