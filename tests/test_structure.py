@@ -51,6 +51,7 @@ TESTED_ELSEWHERE = {
         "machines with parameters of their own",
     ),
     "simulation/stepping/per_machine.py": ("simulation/stepping/test_batch_simulator.py", "arguments of batches"),
+    "simulation/stepping/saved.py": ("simulation/stepping/test_simulator.py", "what is saved comes back there"),
     "simulation/stepping/setup.py": ("simulation/stepping/test_simulator.py", "what cannot be built is named there"),
     "simulation/stepping/tip_load.py": ("simulation/stepping/test_simulator.py", "loads are those of scenarios there"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),

@@ -9,8 +9,9 @@ from .parameters.scenario import Scenario, load_scenario, random_operator
 from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
 from .simulation.runs import reference, simulate
-from .simulation.stepping.batch_simulator import BatchSimulator, SavedBatch
-from .simulation.stepping.simulator import SavedState, Simulator
+from .simulation.stepping.batch_simulator import BatchSimulator
+from .simulation.stepping.saved import SavedBatch, SavedState
+from .simulation.stepping.simulator import Simulator
 from .simulation.summary import run_summary
 from .simulation.trajectory import Difference, compare
 from .tables import Table, read_table, write_table

@@ -1,7 +1,6 @@
 """`BatchSimulator`: thousands of machines side by side, moved step by step, each by levers of its own."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
 from math import ceil
 from pathlib import Path
 from types import MappingProxyType, TracebackType
@@ -21,23 +20,13 @@ from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.stepping.batch_engine import batch_engine, extra_rows
 from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
 from polydraulic.simulation.stepping.per_machine import as_many, count, per_machine
+from polydraulic.simulation.stepping.saved import SavedBatch
 from polydraulic.simulation.stepping.setup import set_up, states_from
 from polydraulic.simulation.stepping.tip_load import PAYLOAD, as_loads
 
 _MOST = 1_000_000  # machines
 _COUNTS = ("whole", "steps", "unsettled")
 AnyMachine = Machine | LayoutMachine | str | Path
-
-
-@dataclass(frozen=True)
-class SavedBatch:
-    """All of a `BatchSimulator` that changes, for `BatchSimulator.restore`."""
-
-    of: tuple[Any, ...] = field(repr=False)
-    arrays: dict[str, np.ndarray | None] = field(repr=False)
-    clock: int
-    machines: tuple[LayoutMachine, ...] = field(repr=False)
-    masses: np.ndarray = field(repr=False)
 
 
 class BatchSimulator:

@@ -2,7 +2,6 @@
 
 import time as clocks
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
 from math import ceil
 from pathlib import Path
 from types import MappingProxyType, TracebackType
@@ -24,23 +23,13 @@ from polydraulic.simulation.stepping.marks import CHANGES, OUTSIDE, REFUSED, STA
 from polydraulic.simulation.stepping.noted import event_words, events_between
 from polydraulic.simulation.stepping.pace import Pace
 from polydraulic.simulation.stepping.per_machine import count
+from polydraulic.simulation.stepping.saved import SavedState
 from polydraulic.simulation.stepping.setup import outputs_of, set_up, state_from
 from polydraulic.simulation.stepping.tip_load import as_loads, check_kept, finite_number, mass_at
 from polydraulic.simulation.steps import MOST_STEPS
 
 _PIECE = 20_000  # steps of a call of compiled code, which cannot be interrupted
-
-
-@dataclass(frozen=True)
-class SavedState:
-    """All of a `Simulator` that changes, for `Simulator.restore`."""
-
-    of: str = field(repr=False)
-    live: np.ndarray = field(repr=False)
-    counts: np.ndarray
-    delay: np.ndarray = field(repr=False)
-    loads: Loads
-    mass: float  # kg at the tip
+_MOST_NOTED = 1000  # calls that wait for the names of their events
 
 
 class Simulator:
@@ -73,8 +62,6 @@ class Simulator:
         All of them in one, at the places that `place` gives by name.
     state : (n_state,) array
         Those at its beginning: what `reset` takes.
-    events : list of [time in s, function or circuit, what]
-        Of the last call of `step` or `run_until`; as in the ``info`` of a run, whose bound they keep: `events_dropped` counts the rest.
     pace : Pace or None
         Overruns of real time.
 
@@ -113,8 +100,9 @@ class Simulator:
         self._counts, self._live, given = self._engine.counts, self._engine.live, self._engine.places.given
         self._shape = (len(self.names),)
         self._levers, self._push = self._live[given:][: len(self.names)], given + len(self.names)
-        self.events: list[list[Any]] = []
-        self.events_dropped = 0
+        self._events: list[list[Any]] = []
+        self._noted: list[np.ndarray] = []  # steps of which the events are not yet named
+        self._dropped = 0
         self.pace = None if realtime is None else Pace(realtime, clock=clock, sleep=sleep)
         self._closed = False
         self._views(self._engine.places.n_out)
@@ -136,6 +124,18 @@ class Simulator:
         if name not in self.outputs:
             raise InputError(f"no output {briefly(name)}; there are {list(self.outputs)}")
         return self.outputs[name]
+
+    @property
+    def events(self) -> list[list[Any]]:
+        """What happened in the last call of `step` or `run_until`, [time in s, function or circuit, what], as in the ``info`` of a run."""
+        self._name_events()
+        return self._events
+
+    @property
+    def events_dropped(self) -> int:
+        """How many of them there were beyond the number that a run keeps."""
+        self._name_events()
+        return self._dropped
 
     @property
     def time(self) -> float:
@@ -207,8 +207,8 @@ class Simulator:
             self._take(loads)
         if n.__class__ is not int or not 1 <= n <= MOST_STEPS:
             n = count(n, "n", MOST_STEPS)
-        if self.events:
-            self.events, self.events_dropped = [], 0
+        if self._noted or self._events:
+            self._no_events()
         if self.pace is None:
             self._run(n)
             return
@@ -259,7 +259,7 @@ class Simulator:
             raise InputError(
                 f"{span:g} s are {left:.3g} steps of {self.dt} s; at most {MOST_STEPS:g} are made: run a shorter time"
             )
-        self.events, self.events_dropped = [], 0
+        self._no_events()
         one_by_one = callable(until) or self.pace is not None
         if self.pace is not None and not self.pace.running:
             self.pace.start(self.time)
@@ -363,12 +363,22 @@ class Simulator:
         return most if self._next_mass is None else min(most, self._next_mass - step)
 
     def _note_events(self) -> None:
-        """Events in the pairs of rows that the last call has left."""
-        for change in self._engine.changes[: self._counts[CHANGES]]:
-            self.events += events_between(self.machine, self._columns, self._setup.locked, self.dt, change)
+        """Keep the pairs of rows that the last call has left: to name their events takes longer than many steps."""
+        self._noted.append(self._engine.changes[: self._counts[CHANGES]].copy())
         self._counts[CHANGES] = 0
-        self.events_dropped += max(len(self.events) - MAX_EVENTS, 0)
-        del self.events[MAX_EVENTS:]
+        if len(self._noted) == _MOST_NOTED:
+            self._name_events()
+
+    def _name_events(self) -> None:
+        """Events in the rows that were kept."""
+        for change in (row for rows in self._noted for row in rows):
+            self._events += events_between(self.machine, self._columns, self._setup.locked, self.dt, change)
+        self._noted.clear()
+        self._dropped += max(len(self._events) - MAX_EVENTS, 0)
+        del self._events[MAX_EVENTS:]
+
+    def _no_events(self) -> None:
+        self._events, self._noted, self._dropped = [], [], 0
 
     def _fail(self) -> None:
         """Say why steps have not been made."""
@@ -383,7 +393,7 @@ class Simulator:
 
     def _forget(self) -> None:
         """Nothing of the calls before."""
-        self.events, self.events_dropped = [], 0
+        self._no_events()
         self._counts[CHANGES] = self._counts[STOP] = 0
         if self.pace is not None:
             self.pace.stop()
