@@ -302,7 +302,6 @@ def test_after_the_end_nothing_moves(loader):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"machine": "cat215b"}, "not described by links, functions and circuits"),
         ({"locked": ["boom"]}, "locked names 'boom', which the machine does not have"),
         ({"locked": "lift"}, "locked = 'lift': must be a list of names"),
         ({"locked": ["lift", "tilt"]}, "nothing is left to move"),

@@ -9,12 +9,11 @@ from typing import Any, Self
 import numpy as np
 
 from polydraulic.errors import InputError, briefly
-from polydraulic.flow.record import EFFECTOR
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.loads import DIRECTIONS
-from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.batch.family import family_of
+from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.simulation.layout.prepare import start_vector
 from polydraulic.simulation.layout.text import layout_of
 from polydraulic.simulation.stepping.batch_engine import batch_engine, extra_rows
@@ -26,7 +25,7 @@ from polydraulic.simulation.stepping.tip_load import PAYLOAD, as_loads
 
 _MOST = 1_000_000  # machines
 _COUNTS = ("whole", "steps", "unsettled")
-AnyMachine = Machine | LayoutMachine | str | Path
+AnyMachine = LayoutMachine | str | Path
 
 
 class BatchSimulator:
@@ -288,9 +287,9 @@ class BatchSimulator:
     def _alike(self, machine: Any) -> LayoutMachine:
         """A machine that can stand beside the first one."""
         found = as_machine(machine)
-        if not isinstance(found, LayoutMachine) or layout_of(found) != layout_of(self.machine):
+        if layout_of(found) != layout_of(self.machine):
             raise InputError(
-                f"{getattr(found, 'title', found)!r} has another layout than {self.machine.title!r}; machines side by side differ in numbers alone"
+                f"{found.title!r} has another layout than {self.machine.title!r}; machines side by side differ in numbers alone"
             )
         return found
 

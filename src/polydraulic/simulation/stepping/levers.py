@@ -8,7 +8,8 @@ import numpy as np
 
 from polydraulic.display import amount
 from polydraulic.errors import InputError, briefly
-from polydraulic.parameters.layout.schema import LayoutMachine, MachineFunction
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.input_check import BEYOND
 from polydraulic.simulation.layout.methods.event_log import event_limits
 from polydraulic.simulation.stepping.marks import Hand

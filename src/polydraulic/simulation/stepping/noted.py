@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.events import CROSSOVER_CONDITION, LINK_CONDITIONS, PUMP_CONDITION
+from polydraulic.simulation.events import CROSSOVER_CONDITION, FUNCTION_CONDITIONS, PUMP_CONDITION
 from polydraulic.simulation.layout.columns import Columns
 from polydraulic.simulation.layout.events import layout_events
 
@@ -14,7 +14,7 @@ from polydraulic.simulation.layout.events import layout_events
 def event_words(machine: LayoutMachine) -> set[str]:
     """What can happen: ``"high stop met"``, and ``"boom high stop met"`` of a single function or circuit."""
     kinds: list[tuple[Sequence[str], Sequence[tuple[str, str]]]] = [
-        (machine.names, LINK_CONDITIONS),
+        (machine.names, FUNCTION_CONDITIONS),
         ([c.name for c in machine.circuits], (PUMP_CONDITION,)),
         ([x.name for x in machine.crossovers], (CROSSOVER_CONDITION,)),
     ]

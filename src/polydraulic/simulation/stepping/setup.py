@@ -9,17 +9,15 @@ import numpy as np
 from polydraulic.errors import InputError, briefly
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
-from polydraulic.flow.record import EFFECTOR
-from polydraulic.machine.plant import check_time_step
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.loads import Loads
-from polydraulic.parameters.schema import Machine
 from polydraulic.simulation.batch.family import family_of
-from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.columns import EFFECTOR, columns_of
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.stepping.per_machine import as_many
+from polydraulic.simulation.steps import check_time_step
 
 
 class Setup(NamedTuple):
@@ -44,7 +42,7 @@ class Setup(NamedTuple):
 
 
 def set_up(
-    machine: Machine | LayoutMachine | str | Path,
+    machine: LayoutMachine | str | Path,
     flow: str | FlowModel,
     dt: float,
     locked: Collection[str],
@@ -55,15 +53,10 @@ def set_up(
     Raises
     ------
     InputError
-        A machine of the older form, a flow model that does not fit, a time step that is none, functions that are unknown, all locked,
+        A flow model that does not fit, a time step that is none, functions that are unknown, all locked,
         or not served by the flow model.
     """
     found = as_machine(machine)
-    if not isinstance(found, LayoutMachine):
-        raise InputError(
-            "the machine is not described by links, functions and circuits: it can be simulated as a whole, not step by step; "
-            "'cat215b_bucket' is the same excavator in that form"
-        )
     check_time_step(dt)
     if isinstance(locked, str):
         raise InputError(f"locked = {locked!r}: must be a list of names, for example [{locked!r}]")

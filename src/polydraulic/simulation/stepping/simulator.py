@@ -13,7 +13,6 @@ from polydraulic.errors import InputError, SimulationError, briefly
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import DIRECTIONS, Loads
-from polydraulic.parameters.schema import Machine
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import columns_of
@@ -81,7 +80,7 @@ class Simulator:
 
     def __init__(
         self,
-        machine: Machine | LayoutMachine | str | Path,
+        machine: LayoutMachine | str | Path,
         flow: str | FlowModel = "exact",
         *,
         dt: float = 5e-3,
