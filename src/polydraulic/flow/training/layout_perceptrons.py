@@ -79,7 +79,7 @@ def train_layout_perceptrons(
     chosen, rng = chosen_circuits(machine, circuits), np.random.default_rng(SEED)
     outlets = [machine.function(f) for c in chosen for f in c.functions]
     targets = [(target, c.pump.flow) for c in chosen for target in inlet_targets(machine, c)]
-    total, models = len(outlets) + len(targets), []
+    total, models = len(outlets) + len(targets), list[Model]()
     for f in outlets:
         progress(f"{f.name}.k_out", len(models), total)
         models.append(learn_target(outlet_task(f)))

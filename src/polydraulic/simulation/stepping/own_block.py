@@ -6,7 +6,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from polydraulic._kernel import KERNEL_OPTIONS
+from polydraulic._kernel import INLINED_OPTIONS
 
 
 class Levered(NamedTuple):
@@ -44,7 +44,7 @@ def of_block(own: Any, b: Any) -> Any:
     return None if own is None else own[b]
 
 
-@overload(of_block, jit_options=KERNEL_OPTIONS)
+@overload(of_block, jit_options=INLINED_OPTIONS)
 def _of_block_compiled(own: Any, b: Any) -> Any:
     # numba wants the signature of `of_block`, annotations included
     def none(own: Any, b: Any) -> Any:
