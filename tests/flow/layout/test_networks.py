@@ -41,7 +41,6 @@ SHIPPED = shipped_models("cascade")
 @pytest.mark.parametrize(
     ("models", "words"),
     [
-        (None, "no networks come with the package for .*: train them \\(polydraulic train --machine MACHINE"),
         ([m for m in SHIPPED if m.output.name != "swing.k_out"], "needs one model of swing.k_out"),
         (
             renamed(SHIPPED, {"stick.q_in": SHIPPED[0].inputs * 3}),

@@ -1,4 +1,3 @@
-from polydraulic.flow import network_slots
 from polydraulic.flow.layout import slots
 from polydraulic.parameters.load import load_machine
 
@@ -6,16 +5,24 @@ CIRCUITS = {c.name: c for c in load_machine("cat215b_bucket").circuits}
 ARM = next(c for c in load_machine("excavator_22t").circuits if c.name == "arm")
 
 
+def said(place):
+    """Names of an output and of its inputs."""
+    return place[0].name, [v.name for v in place[1]]
+
+
 def test_two_valves_have_the_names_of_swing_and_stick():
-    series = CIRCUITS["series"]
-    assert slots.inlet(series, "swing") == [(network_slots.q_in("swing"), network_slots.BOTH)]
-    assert slots.inlet(series, "stick") == [
-        (network_slots.q_in("stick"), network_slots.PASSED),
-        (network_slots.q_in("stick"), network_slots.BOTH),
+    series, both = CIRCUITS["series"], ["swing.travel", "stick.travel", "swing.p_in", "stick.p_in"]
+    assert [said(place) for place in slots.inlet(series, "swing")] == [("swing.q_in", both)]
+    assert [said(place) for place in slots.inlet(series, "stick")] == [
+        ("stick.q_in", ["series.q_passed", "stick.travel", "stick.p_in"]),
+        ("stick.q_in", both),
     ]
-    assert slots.inlet_limited(series, "stick") == network_slots.STICK_LIMITED
-    assert slots.second_at_relief(series) == network_slots.STICK_RELIEF
-    assert slots.outlet("boom")[1] == network_slots.BOOM_OUT
+    assert said(slots.inlet_limited(series, "stick")) == ("stick.q_in_limited", both)
+    assert said(slots.second_at_relief(series)) == (
+        "stick.q_in_relief",
+        ["swing.travel", "stick.travel", "stick.root_below_relief"],
+    )
+    assert said(slots.outlet("boom")[1]) == ("boom.q_out", ["boom.spool", "boom.root_p_out"])
 
 
 def test_more_valves_read_what_reaches_them_and_what_stands_behind():
