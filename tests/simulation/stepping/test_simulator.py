@@ -350,11 +350,12 @@ def test_real_time_is_kept_by_deadlines_and_never_written_into_the_run(loader):
 def test_another_thread_runs_while_a_machine_moves(loader):
     """The compiled part lets go of Python's lock: states of a thread are those of a run without one."""
     sim, alone, counted = Simulator(loader), Simulator(loader), 0
-    thread = threading.Thread(target=lambda: sim.step([0.3, 0.2], n=3000))
+    n = 3_000 if numba.config.DISABLE_JIT else 400_000  # long enough for the other thread to be given a turn
+    thread = threading.Thread(target=lambda: sim.step([0.3, 0.2], n=n))
     thread.start()
     while thread.is_alive():
         counted += 1
     thread.join()
-    alone.step([0.3, 0.2], n=3000)
+    alone.step([0.3, 0.2], n=n)
     assert counted > 0
     assert np.array_equal(sim.values, alone.values)
