@@ -75,7 +75,7 @@ def _by_section(study: ThreeLinkStudy, settings: dict[str, Any]) -> list[Model]:
 def _climb(study: ThreeLinkStudy, models: list[Model], *, relief: bool) -> Rung:
     machine = study.machine()
     flow = build_flow("polynomial", machine, models=models)
-    errors = section_errors(study, "D", flow, relief=relief)
+    errors = section_errors(machine, "D", flow, relief=relief)
     swing, stick = (
         [units.from_si(float(size), "in3/s") for size in (np.sqrt(np.mean(error**2)), np.abs(error).max())]
         for error in (errors.swing, errors.stick)
@@ -203,7 +203,7 @@ def map_errors(study: ThreeLinkStudy) -> dict[str, MapError]:
 
     def found() -> dict[str, Any]:
         machine, flow = study.machine(), study.flow("ours")
-        series = section_errors(study, "D", flow, relief=True)
+        series = section_errors(machine, "D", flow, relief=True)
         box = np.array([(0.0, spool_of(machine).end), (0.0, PRESSURE_HIGH)])
         X = points_with_faces(box, N_JUDGE, np.random.default_rng(JUDGE_SEED))
         exact, ours = (boom_flow(machine, model, X[:, 0], X[:, 1], X[:, 1]).q_in for model in ("exact", flow))

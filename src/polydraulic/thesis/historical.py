@@ -1,5 +1,6 @@
 """Networks of the series circuit in the thesis' setting: one for each section of Table 3, from random points (5.1, 5.2)."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -99,16 +100,23 @@ def grow_series(
     ]
 
 
-def grow_outlets(machine: LayoutMachine, settings: dict[str, Any] = HISTORICAL, *, n: int = N_ROWS) -> list[Model]:
-    """Networks of Q_pop(x), Eq. (7), by the parts of its curve."""
+def grow_outlets(
+    machine: LayoutMachine,
+    settings: dict[str, Any] = HISTORICAL,
+    *,
+    n: int = N_ROWS,
+    edges: Sequence[float] | None = None,
+) -> list[Model]:
+    """Networks of Q_pop(x), Eq. (7), by the parts of its curve: between `edges` in m, those of Table 3 if not given."""
     opens, shut, travel = spool_of(machine)
+    edges = [-shut, -opens, opens, shut] if edges is None else list(edges)
     models = []
     for link in SERIES:
         rng = np.random.default_rng([SEED, len(SECTIONS), LINKS.index(link)])
         X = rng.uniform(-travel, travel, size=(n, 1))
         y = outlet_conductances(machine, link, X[:, 0])
         learner = AbductiveRegressor(domain=[(-travel, travel)], output_bounds=(0.0, float(y.max())), **settings)
-        fitted = RegionRegressor(learner, edges={0: [-shut, -opens, opens, shut]}).fit(X, y)
+        fitted = RegionRegressor(learner, edges={0: edges}).fit(X, y)
         output, inputs = outlet(link)[0]
         models.append(fitted.to_model(inputs, output))
     return models

@@ -130,19 +130,18 @@ def section_maps(study: ThreeLinkStudy, X: np.ndarray) -> dict[str, np.ndarray]:
     return {"swing": swing.predict(X), "stick": stick.predict(X)}
 
 
-def section_errors(study: ThreeLinkStudy, section: str, flow: Any, *, relief: bool) -> SectionErrors:
+def section_errors(machine: LayoutMachine, section: str, flow: Any, *, relief: bool) -> SectionErrors:
     """Errors of a flow model at random points of a section, as many again on its faces, and its corners.
 
     Parameters
     ----------
-    study : ThreeLinkStudy
+    machine : LayoutMachine
     section : {"A", "B", "C", "D", "E"}
     flow : flow model
     relief : bool
         Whether the judge is the whole circuit, to the setting of the swing's line relief, or that of Eqs (8)-(13), from
         which the networks in the thesis' setting are grown.
     """
-    machine = study.machine()
     box = sections(machine)[section]
     swing_high = min(PRESSURE_HIGH, machine.function("swing").line.relief) if relief else PRESSURE_HIGH
     edges = np.array([box.swing, box.stick, (0.0, swing_high), (0.0, PRESSURE_HIGH)])

@@ -6,6 +6,7 @@ from polydraulic.thesis.beyond import (
     BY_OPERATORS,
     FLOWS,
     N_OPERATORS,
+    Rung,
     ablation,
     costs,
     map_errors,
@@ -106,10 +107,21 @@ def _ideas(study: ThreeLinkStudy) -> Grid:
         *(f"{name} [mm]" for name in SCENARIOS),
     ]
     return Grid(
-        "What each step of the method contributes: map errors in section D and largest end-effector errors",
+        f"What each step of the method contributes: map errors in section D and largest end-effector errors{_prior_alone(ablation(study))}",
         header,
         rows,
     )
+
+
+def _prior_alone(rungs: dict[str, Rung]) -> str:
+    """Which runs the adaptive prior makes worse where nothing else is added to it, as the end of a caption."""
+    (_, first), (name, second) = list(rungs.items())[:2]
+    worse = [
+        f"{run} ({1e3 * first.tip[run]:.0f} to {1e3 * second.tip[run]:.0f} mm)"
+        for run in SCENARIOS
+        if second.tip[run] > first.tip[run]
+    ]
+    return f"; the {name.removeprefix('+ ')} alone makes {' and '.join(worse)} worse" if worse else ""
 
 
 def _flow_models(study: ThreeLinkStudy) -> Grid:
