@@ -64,7 +64,7 @@ def content(lab: Lab) -> Content:
         "single.aim_maps.Qi_error_max_in3_s": Computed(
             maps["q_in"], "networks in the thesis' setting; the sign depends on the random seed"
         ),
-        "single.aim_maps.Qi_error_percent": Computed(maps["q_in_percent"]),
+        "single.aim_maps.Qi_error_percent": Computed(maps["q_in_percent"], "of the error above"),
         "single.aim_maps.Qi_worst_region_in": Computed(maps["q_in_region"]),
         "single.aim_maps.Qo_error_max_in3_s": Computed(maps["q_out"], smaller),
         "single.aim_maps.Qo_error_percent": Computed(maps["q_out_percent"], smaller),
