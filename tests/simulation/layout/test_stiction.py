@@ -6,12 +6,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from helpers.small_crane import with_effects
-from polydraulic import simulate
+from polydraulic import simulate, simulate_batch
 from polydraulic.parameters.loads import Loads
-from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.schema import Friction
 from polydraulic.parameters.signals import Constant, Piecewise
 from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.text import _written as layout_written
+from polydraulic.simulation.layout.text import layout_of, layout_text
 
 COMPILED = not numba.config.DISABLE_JIT
 
@@ -97,7 +99,9 @@ def test_coupled_joints_meet_coulombs_law(sticky):
         mass = plain["position"](module.Functions(*q), module.Functions(*w), plant).motion.mass
         torque = rng.normal(0.0, 2.0, 3) * [f.friction.static for f in sticky.functions]
         momentum = module.momentum_after(mass, module.Functions(*w), module.Functions(*torque), plant.dt)
-        after = plain["rubbed"](mass, module.Held(False, False, False), module.Functions(*w), momentum, plant)
+        rubbed = plain["rubbed"](mass, module.Held(False, False, False), module.Functions(*w), momentum, plant)
+        assert not rubbed.unsettled
+        after = rubbed.rate
         taken = np.array(momentum) - np.array(module.times(mass, after))
         for i, name in enumerate(names):
             f = sticky.function(name).friction
@@ -109,6 +113,21 @@ def test_coupled_joints_meet_coulombs_law(sticky):
                 assert taken[i] == pytest.approx(np.sign(after[i]) * most, rel=1e-6)
                 moved += 1
     assert min(stood, moved) > 150
+
+
+def test_friction_that_does_not_settle_counts_as_not_converged_in_runs_and_lanes_alike(sticky, monkeypatch):
+    """With a single pass, a joint that turns round or lets go within a step is not settled in it."""
+    text = layout_text(sticky)
+    hasty = text.replace("STICK_PASSES = 8", "STICK_PASSES = 1")
+    assert hasty != text
+    scenario = random_operator(4, 4.0, functions=sticky.names)
+    patient = simulate(sticky, "exact", scenario)
+    assert patient.info["steps_not_converged"] == 0
+    monkeypatch.setitem(layout_written, (layout_of(sticky), "exact", False), hasty)
+    alone = simulate(sticky, "exact", scenario)
+    assert alone.info["steps_not_converged"] > 10
+    together = simulate_batch(sticky, "exact", [scenario, random_operator(5, 4.0, functions=sticky.names)])
+    assert together.not_converged[0] == alone.info["steps_not_converged"]
 
 
 def test_stick_slip_of_a_slow_slew_is_that_of_an_event_driven_solver(sticky):
