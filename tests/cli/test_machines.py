@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from helpers.small_crane import crane_text, write_crane
+from helpers.small_crane import crane_text, crane_text_with_effects, write_crane
 from polydraulic import load_machine, read_table
 
 OLDER = Path(__file__).parents[1] / "parameters" / "layout" / "data" / "cat215b_older.toml"
@@ -74,6 +74,16 @@ def test_the_kernels_of_a_layout_are_shown(call, tmp_path):
     assert code == 0
     compile(out, "shown", "exec")
     assert "def run_rosenbrock(" in out
+
+
+def test_methods_that_would_refuse_a_machine_are_not_shown_for_it(call, tmp_path):
+    (tmp_path / "effects.toml").write_text(crane_text_with_effects(), encoding="utf-8")
+    code, out, err = call("machine show effects.toml --methods")
+    assert (code, out) == (2, "")
+    assert "does not know it; use 'semi-implicit', or leave it out" in err
+    code, out, _ = call("machine check effects.toml")
+    assert code == 0
+    assert "methods of simulate: semi-implicit alone" in out
 
 
 def test_a_machine_of_ones_own_is_simulated_recorded_and_refused_where_it_must_be(call, tmp_path):

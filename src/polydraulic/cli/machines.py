@@ -45,7 +45,7 @@ def list_machines(
 
 @machines.command()
 def check(machine: MachineArgument) -> None:
-    """Check a machine file: everything that is wrong in it at once, then what is unusual, then a summary of the machine.
+    """Check a machine file: all that is wrong at once, or a summary, the methods of `simulate` that serve it, and what is unusual.
 
     Exits with 2 if the file cannot be used; unusual values are warnings.
 
@@ -56,9 +56,12 @@ def check(machine: MachineArgument) -> None:
     from polydraulic.parameters.layout.describe import described
     from polydraulic.parameters.layout.usual import unusual
     from polydraulic.parameters.load import load_machine
+    from polydraulic.simulation.layout.served_methods import method_lines
 
     found = load_machine(machine)
     for line in described(found):
+        print(line)
+    for line in method_lines(found):
         print(line)
     for line in unusual(found):
         print(f"warning: {line}")
@@ -96,13 +99,19 @@ def show(
 ) -> None:
     """Print the kernels of a machine's layout: the code of a step, written out with the machine's own names.
 
+    `--methods` is for machines that the methods serve: those without declared effects; `polydraulic machine check` says which do.
+
     Example: `polydraulic machine show excavator_22t | less`
     """
     from polydraulic.parameters.load import load_machine
     from polydraulic.simulation.layout.methods.text import methods_text
+    from polydraulic.simulation.layout.served_methods import check_method
     from polydraulic.simulation.layout.text import layout_text
 
-    print((methods_text if methods else layout_text)(load_machine(machine)))
+    found = load_machine(machine)
+    if methods:
+        check_method(found, "rk4")  # what it refuses, all methods in continuous time refuse
+    print((methods_text if methods else layout_text)(found))
 
 
 @machines.command()

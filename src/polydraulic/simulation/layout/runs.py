@@ -35,6 +35,8 @@ from polydraulic.simulation.layout.methods.known import Integrate, run_known
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
+from polydraulic.simulation.layout.served_methods import check_method
+from polydraulic.simulation.layout.step_check import step_warnings
 from polydraulic.simulation.steps import FASTEST, n_steps
 from polydraulic.tables import Table
 
@@ -77,9 +79,7 @@ def simulate_layout(
         raise InputError(
             f"flow {model.name!r} with method {method!r}: this method integrates flow 'exact' alone; use method 'semi-implicit', or flow 'exact'"
         )
-    declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
-    if declared and method != "semi-implicit":
-        raise InputError(f"{declared[0]}: method {method!r} does not know it; use 'semi-implicit', or leave it out")
+    check_method(machine, method)
     if energy and not model.gives_pump_pressure:
         raise InputError(
             f"the energy account needs pressures of pumps, which flow {model.name!r} does not give; use 'exact'"
@@ -98,7 +98,10 @@ def simulate_layout(
     time = np.arange(n_step // every + 1) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
     full_lever = {f.name: f.valve.knots[-1] / f.pilot.gain for f in machine.functions}
-    if doubts := input_warnings(scenario, full_lever, t_end):
+    doubts = input_warnings(scenario, full_lever, t_end)
+    if method == "semi-implicit":
+        doubts += step_warnings(machine, prepare_layout(machine, dt, scenario.locked, flow=model), dt)
+    if doubts:
         info["doubtful_inputs"] = doubts
     info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}

@@ -5,11 +5,10 @@ import pytest
 
 from helpers.layout_states import check_jacobian
 from helpers.mechanical_energy import joint_columns
-from polydraulic import InputError, reference, simulate
+from polydraulic import reference, simulate
 from polydraulic.parameters.loads import Loads, Payload
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant, Piecewise
-from polydraulic.simulation.layout.methods.rosenbrock import check_slopes
 
 VOLTS = {"slew": Constant(0.4), "lift": Constant(0.7), "extend": Constant(0.5)}
 PUSH = {"y": Piecewise(np.array([0.3, 0.6, 1.0]), np.array([0.0, 800.0, -300.0]))}
@@ -90,12 +89,3 @@ def test_a_run_of_one_row_is_its_start(crane):
         assert len(found) == 1
         for name in found.names:
             assert found[name][0] == pytest.approx(start[name][0], rel=1e-12, abs=1e-12), name
-
-
-def test_a_circuit_without_slopes_is_refused_by_name(crane):
-    check_slopes(crane)
-    other = crane._replace(circuits=(crane.circuits[0], crane.circuits[1]._replace(kind="crossover")))
-    with pytest.raises(
-        InputError, match="circuit 'second' is of the kind 'crossover', whose slopes method 'rosenbrock'"
-    ):
-        check_slopes(other)

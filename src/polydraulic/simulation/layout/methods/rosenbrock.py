@@ -10,24 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.errors import InputError
-from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.methods.known import KnownPart, Reached, Watch, breaks_of, first_piece, sizes
 from polydraulic.simulation.layout.tree import tree_of
 from polydraulic.simulation.solvers.adaptive import DONE, FAILURES, RODAS
 
-_SLOPED = ("series",)  # kinds of circuits whose slopes are known
 _COUNTS = ("steps", "steps_rejected", "events_located")
-
-
-def check_slopes(machine: LayoutMachine) -> None:
-    """Refuse a machine with a circuit of which no slopes are known."""
-    for c in machine.circuits:
-        if c.kind not in _SLOPED:
-            raise InputError(
-                f"circuit {c.name!r} is of the kind {c.kind!r}, whose slopes method 'rosenbrock' does not have; "
-                "use 'semi-implicit', 'rk4' or 'reference'"
-            )
 
 
 def integrate(
@@ -42,7 +29,6 @@ def integrate(
 ) -> Reached:
     """Integrate a part of a run; see `known.Integrate`."""
     module, machine, motion = part.module, part.machine, part.motion
-    check_slopes(machine)
     slopes = module.prepare_slopes(tree_of(machine), machine.gravity)
     work = step_scratch(
         module, len(machine.names), motion.coefficients.shape[1], len(machine.circuits) + len(machine.crossovers)

@@ -1,0 +1,51 @@
+"""Which methods of `simulate` serve a machine of any layout, and why the others do not."""
+
+from polydraulic.errors import InputError
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+STEPPED = "semi-implicit"
+CONTINUOUS = ("rk4", "rosenbrock", "reference")
+_SLOPED = ("series",)  # kinds of circuits whose slopes are known
+
+
+def check_method(machine: LayoutMachine, method: str) -> None:
+    """Refuse a method that does not serve a machine.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    method : str
+        One of those of `simulate`.
+
+    Raises
+    ------
+    InputError
+        Naming the effect or circuit that the method does not know, and what to do.
+    """
+    if method == STEPPED:
+        return
+    declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
+    if declared:
+        raise InputError(f"{declared[0]}: method {method!r} does not know it; use {STEPPED!r}, or leave it out")
+    for c in machine.circuits:
+        if method == "rosenbrock" and c.kind not in _SLOPED:
+            raise InputError(
+                f"circuit {c.name!r} is of the kind {c.kind!r}, whose slopes method 'rosenbrock' does not have; "
+                "use 'semi-implicit', 'rk4' or 'reference'"
+            )
+
+
+def method_lines(machine: LayoutMachine) -> list[str]:
+    """Lines for people: the methods that serve a machine, and the reason for each that does not."""
+    refused: dict[str, str] = {}
+    for method in CONTINUOUS:
+        try:
+            check_method(machine, method)
+        except InputError as error:
+            refused[method] = str(error)
+    served = [STEPPED, *(method for method in CONTINUOUS if method not in refused)]
+    lines = [f"methods of simulate: {', '.join(served)}"]
+    if len(refused) == len(CONTINUOUS):
+        what = next(iter(refused.values())).split(":")[0]
+        return [f"{lines[0]} alone, since the others do not know {what}"]
+    return [*lines, *(f"  not {method}: {why}" for method, why in refused.items())]
