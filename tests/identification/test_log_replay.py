@@ -54,6 +54,14 @@ def test_the_machine_follows_its_own_log(found):
         assert drift.moved > 5.0 * drift.median
 
 
+def test_the_step_is_a_choice(machine, log, found):
+    fine, usual = replay(log, machine, FLOW, seconds=5.0, dt=2.5e-3).windows[0].run, found.windows[0].run
+    assert np.any(fine != usual)
+    assert fine == pytest.approx(usual, abs=0.02)
+    with pytest.raises(InputError, match="dt = 0 s: must be a positive number of seconds; 0.005 s is usual"):
+        replay(log, machine, "exact", dt=0.0)
+
+
 def test_another_machine_does_not(machine, found, log):
     slow = machine.with_values({"circuits.boom.pump.flow": 0.7 * machine.circuit("boom").pump.flow})
     boom = replay(log, slow, FLOW, seconds=5.0).drifts[1]

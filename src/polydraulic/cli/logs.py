@@ -218,6 +218,7 @@ def replay(
         list[Path] | None, typer.Option(help="Model file for polynomial or neural; repeat for more.")
     ] = None,
     seconds: Annotated[float, typer.Option(help="Length of a window in s.")] = 10.0,
+    dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
     plot: Annotated[
         Path | None, typer.Option(help="Picture of the first windows to write, .svg, .png or .pdf.")
     ] = None,
@@ -250,7 +251,7 @@ def replay(
     models = [found for path in model for found in load_models(path)] if model else None
     with progress_bar("replay") as progress:
         progress(f"flow {flow}, compiled once after an installation", 0, 1)
-        found = run(table, machine, flow, models=models, seconds=seconds, progress=progress)
+        found = run(table, machine, flow, models=models, seconds=seconds, dt=dt, progress=progress)
         if plot is not None:
             progress(f"draw {plot}", 0, 1)
             save_figure(plot_replay(found, units=units), plot)

@@ -30,7 +30,7 @@ from polydraulic.tables import Table, began
 SECONDS = 10.0
 DRIFT_HEADS = ("joint", "median", "largest", "moved")
 _UNITS = UNITS | {"voltage": "V", "angle": "rad", "position": "m"}
-_DT = 5e-3  # s
+DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
 _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
 _ROWS_NEAR = 5
@@ -134,6 +134,7 @@ def replay(
     *,
     models: Sequence[Model] | str | Path | None = None,
     seconds: float = SECONDS,
+    dt: float = DT,
     rows: np.ndarray | None = None,
     progress: Progress = quiet,
 ) -> Replay:
@@ -158,6 +159,8 @@ def replay(
         layout of cat215b.
     seconds : float
         Length of a window.
+    dt : float, s
+        Time step of the run.
     rows : (n_row,) array of bool, optional
         Which rows may be in a window; all if not given.
     progress : Progress, optional
@@ -190,7 +193,7 @@ def replay(
         raise InputError(
             f"flow {flow.name!r} has no networks for {', '.join(idle)}; train networks of their circuits, too"
         )
-    windows = replayed(plant, flow, table, seconds=seconds, rows=rows, progress=progress)
+    windows = replayed(plant, flow, table, seconds=seconds, dt=dt, rows=rows, progress=progress)
     if not windows:
         raise InputError(f"{source}: no piece of {seconds:g} s without a gap; choose shorter windows")
     return Replay(windows, drifts(plant, windows), seconds, began(table))
@@ -216,6 +219,7 @@ def replayed(
     log: Table,
     *,
     seconds: float = SECONDS,
+    dt: float = DT,
     rows: np.ndarray | None = None,
     progress: Progress = quiet,
 ) -> list[Window]:
@@ -224,18 +228,20 @@ def replayed(
         si = _UNITS[name.split(".")[-1]]
         if len(log[name]) and log.unit(name) not in ("", si):
             raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine runs in SI, this in {si!r}")
-    if not _DT * 2 <= seconds < np.inf:
-        raise InputError(f"a window of {seconds:g} s: must be finite and two time steps of {_DT:g} s at least")
+    if not 0.0 < dt < np.inf:
+        raise InputError(f"dt = {dt:g} s: must be a positive number of seconds; {DT:g} s is usual")
+    if not dt * 2 <= seconds < np.inf:
+        raise InputError(f"a window of {seconds:g} s: must be finite and two time steps of {dt:g} s at least")
     time = log["time"]
     if np.any(np.diff(time) <= 0.0):
         raise InputError("column 'time' does not rise from row to row; a replay needs a log as it was recorded")
     begins = _begins(time, np.ones(len(time), dtype=bool) if rows is None else rows, seconds, parts_of(log))
     if not begins:
         return []
-    joints, n_step = joints_of(machine), round(seconds / _DT)
+    joints, n_step = joints_of(machine), round(seconds / dt)
     voltage, x0 = np.empty((len(begins), n_step, len(joints))), []
     for number, begin in enumerate(begins):
-        at = time[begin] + np.arange(n_step) * _DT
+        at = time[begin] + np.arange(n_step) * dt
         own = _part_with(parts_of(log), begin)
         for place, joint in enumerate(joints):
             voltage[number, :, place] = np.interp(
@@ -245,11 +251,11 @@ def replayed(
         x0.append(start_from(machine, state))
     columns = [joint.column for joint in joints]
     batch = simulate_batch(
-        machine, flow, voltage, dt=_DT, x0=np.array(x0), keep=["rows"], columns=columns, progress=progress
+        machine, flow, voltage, dt=dt, x0=np.array(x0), keep=["rows"], columns=columns, progress=progress
     )  # after the dead time
     windows = []
     for number, begin in enumerate(begins):
-        inside = slice(begin, int(np.searchsorted(time, time[begin] + seconds - 0.5 * _DT)))
+        inside = slice(begin, int(np.searchsorted(time, time[begin] + seconds - 0.5 * dt)))
         run = [np.interp(time[inside] - time[begin], batch.time, batch[name][number]) for name in columns]
         windows.append(Window(time[inside], log.matrix(columns)[inside], np.column_stack(run)))
     return windows
