@@ -13,7 +13,7 @@ from helpers.valves import changed
 from polydraulic import load_scenario, simulate
 from polydraulic._kernel import driver
 from polydraulic.errors import InputError
-from polydraulic.export.machine import export_machine, machine_c, machine_parts
+from polydraulic.export.machine import export_machine, export_name, machine_c, machine_parts
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.operator import random_signals
@@ -241,6 +241,16 @@ def test_the_name_of_a_machine_may_be_part_of_those_of_kernels(machine, tmp_path
     c_machine.compiled(files, tmp_path, "-shared", "-fPIC")
 
 
+def test_the_name_of_an_export_is_that_of_the_machine_it_came_from(machine):
+    assert export_name("loader_crane") == "loader_crane"
+    assert export_name("some/where/my crane.v2.toml") == "my_crane_v2"
+    assert export_name("int.toml") == "int_"
+    assert export_name(machine) == "machine"
+    assert "cat215b.h" in machine_c("cat215b", "exact")
+
+
 def test_tables_that_are_too_large_for_a_c_file_are_refused(machine):
-    with pytest.raises(InputError, match=r"flow 'polynomial' holds \d+ numbers; a C file takes up to 100: make it"):
+    with pytest.raises(
+        InputError, match=r"flow 'polynomial' holds \d+ numbers; a C file takes up to 100: learn networks"
+    ):
         machine_c(machine, "polynomial", most_numbers=100)

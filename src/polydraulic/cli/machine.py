@@ -59,7 +59,8 @@ def simulate(
     method: Annotated[
         str,
         typer.Option(
-            help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps.",
+            help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps. Machines with declared effects know the first alone: "
+            "`polydraulic machine check` says which serve.",
             autocompletion=lambda: ["semi-implicit", "rk4", "rosenbrock", "reference"],
         ),
     ] = "semi-implicit",
@@ -282,7 +283,8 @@ def train(
     """Train the networks of a whole machine from its exact flow model.
 
     All networks go into one file: of each circuit what enters its valves
-    and what leaves the actuators. It prints the largest error that was found of each, as a share of the pump's flow or of the widest orifice.
+    and what leaves the actuators. It prints the largest error that was found of each, as a share of the pump's flow or of the widest orifice, and
+    warns of those above 5 %.
 
     Example: `polydraulic train --out loader.json --machine wheel_loader`
 
@@ -294,6 +296,7 @@ def train(
     """
     from polydraulic.flow.training.layout_models import TrainingEffort, train_layout
     from polydraulic.flow.training.layout_perceptrons import train_layout_perceptrons
+    from polydraulic.flow.training.map_shares import large_errors, map_shares
     from polydraulic.networks.model.model_file import save_models
     from polydraulic.parameters.load import load_machine
 
@@ -306,18 +309,20 @@ def train(
     settings: Any = {name: value for name, value in given.items() if value is not None}
     if out.suffix.lower() != ".json":
         raise InputError(f"--out {out}: all networks go into one file, for example {out.name}.json")
+    effort = TrainingEffort(**settings)
     with progress_bar("train") as progress:
         if kind == "neural":
             models = train_layout_perceptrons(plant, circuits=circuit or None, progress=progress, **settings)
         else:
-            models = train_layout(plant, circuits=circuit or None, effort=TrainingEffort(**settings), progress=progress)
+            models = train_layout(plant, circuits=circuit or None, effort=effort, progress=progress)
         save_models(models, out)
-    flows = {f: c.pump.flow for c in plant.circuits for f in (c.name, *c.functions)}
+    shares = map_shares(models, plant)
     for model in models:
-        largest: Any = model.training["largest_error"]
-        whole = flows[model.output.name.split(".")[0]] if model.output.unit == "m3/s" else model.networks[0].y_high
-        print(f"{model.output.name:32s} {len(model.networks):3d} regions, largest error {largest / whole:.2%}")
+        name = model.output.name
+        print(f"{name:32s} {len(model.networks):3d} regions, largest error {shares[name]:.2%}")
     print(out)
+    for line in large_errors(shares, effort.tolerance, effort.regions if kind == "polynomial" else None):
+        print(f"warning: {line}")
 
 
 @app.command()
@@ -329,7 +334,9 @@ def export_machine(
         list[Path] | None,
         typer.Option(help="Model file for polynomial or neural; repeat for more."),
     ] = None,
-    name: Annotated[str, typer.Option(help="Name of the export, a C identifier.")] = "machine",
+    name: Annotated[
+        str | None, typer.Option(help="Name of the export, a C identifier; that of the machine if not given.")
+    ] = None,
     dt: Annotated[float, typer.Option(help="Internal time step in s.")] = 0.005,
     cross: Annotated[
         bool, typer.Option("--cross", help="FMU also for Windows, macOS and arm64, using the package ziglang.")
@@ -355,13 +362,14 @@ def export_machine(
     """
     from polydraulic.export.fmu.machine import export_machine_fmu
     from polydraulic.export.machine import export_machine as write_c
+    from polydraulic.export.machine import export_name
     from polydraulic.flow.dispatch import FlowModel, build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
 
     if to not in ("c", "fmi2", "fmi3"):
         raise InputError(f"--to {to!r}: the machine can be written as c, fmi2 or fmi3")
-    plant = load_machine(machine)
+    plant, name = load_machine(machine), export_name(machine) if name is None else name
     chosen: str | FlowModel = flow
     if model:
         if flow not in ("polynomial", "neural"):

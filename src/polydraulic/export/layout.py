@@ -4,7 +4,7 @@ from collections.abc import Collection
 from math import ceil
 
 from polydraulic.errors import InputError
-from polydraulic.export.machine_parts import MachineParts
+from polydraulic.export.machine_parts import MachineParts, check_size
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.lookup import table_bytes
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -50,10 +50,7 @@ def layout_parts(
     if missing:
         raise InputError(f"flow {model.name!r} does not serve {', '.join(missing)}; give locked={missing}")
     numbers_held = table_bytes(model.parts) // 8
-    if numbers_held > most_numbers:
-        raise InputError(
-            f"flow {model.name!r} holds {numbers_held} numbers; a C file takes up to {most_numbers}: make it smaller"
-        )
+    check_size(model.name, numbers_held, most_numbers)
     ready = prepare_layout(machine, dt, locked, force=force, flow=model)
     module = ready.module
     numbers = module.Prepared(

@@ -42,7 +42,7 @@ def machine_c(
     machine: LayoutMachine | str | Path,
     flow: str | FlowModel,
     *,
-    name: str = "machine",
+    name: str | None = None,
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,
@@ -55,8 +55,9 @@ def machine_c(
     machine : LayoutMachine, or name or path of a parameter set
     flow : str or flow model
         ``"exact"``, ``"iterative"``, ``"stiff"``, ``"tlm"``, or networks: those of the package for cat215b, others from `build_flow`.
-    name : str
-        Of the machine, before all names that the linker sees.
+    name : str, optional
+        Of the machine, before all names that the linker sees; that of its file or parameter set if not given, ``"machine"`` where
+        it comes without one.
     dt : float, s
         Time step; part of the numbers, so that it cannot change later.
     locked : collection of str
@@ -72,6 +73,7 @@ def machine_c(
         If the flow model does not serve a function that is free, or its tables are too large for a C file; if `name` is not a C
         identifier; with file and line where a kernel does not translate.
     """
+    name = export_name(machine) if name is None else name
     if c_name(name) != name:
         raise InputError(
             f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken"
@@ -79,6 +81,11 @@ def machine_c(
     return c_files(
         machine_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers), name, dt, locked
     )
+
+
+def export_name(machine: LayoutMachine | str | Path) -> str:
+    """Identifier of an export: the name of a machine's file or parameter set, ``"machine"`` for one that comes without."""
+    return c_name(Path(machine).stem) if isinstance(machine, (str, Path)) else "machine"
 
 
 def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) -> dict[str, str]:
@@ -122,7 +129,7 @@ def export_machine(
     flow: str | FlowModel,
     folder: str | Path,
     *,
-    name: str = "machine",
+    name: str | None = None,
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from polydraulic.errors import InputError
+
 
 class MachineParts(NamedTuple):
     """A machine as the exporters want it.
@@ -41,3 +43,22 @@ class MachineParts(NamedTuple):
     def size(self) -> int:
         """Numbers of 8 bytes in the struct of the machine."""
         return len(self.outputs) + self.n_memory + len(self.functions) * max(1, *self.delays) + 2
+
+
+def check_size(flow: str, numbers: int, most: int) -> None:
+    """Refuse a flow model whose tables do not go into a C file; `flow` is its name, `numbers` those of its tables.
+
+    Raises
+    ------
+    InputError
+        Naming the flow models to take instead where none of any size would do.
+    """
+    if flow == "lookup":
+        raise InputError(
+            f"flow 'lookup' is not exported at any size: its search for a cell has no bound, and its tables hold {numbers} numbers "
+            f"(a C file takes up to {most}); export flow 'exact', or networks"
+        )
+    if numbers > most:
+        raise InputError(
+            f"flow {flow!r} holds {numbers} numbers; a C file takes up to {most}: learn networks with fewer regions, or raise most_numbers"
+        )

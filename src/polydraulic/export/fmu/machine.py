@@ -13,7 +13,7 @@ from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.machine_parameters import MachineParameter, direct_parameters
 from polydraulic.export.fmu.package import write_fmu
-from polydraulic.export.machine import machine_c, machine_parts
+from polydraulic.export.machine import export_name, machine_c, machine_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.translate.names import field_name
 from polydraulic.flow.layout.model import LayoutFlow
@@ -31,7 +31,7 @@ def export_machine_fmu(
     path: str | Path,
     *,
     version: int = 3,
-    name: str = "machine",
+    name: str | None = None,
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,
@@ -49,8 +49,8 @@ def export_machine_fmu(
         Ends in .fmu.
     version : int
         FMI 2 or 3.
-    name : str
-        Model name, a C identifier.
+    name : str, optional
+        Model name, a C identifier; see `machine_c`.
     dt : float, s
         Internal step. A communication step may be of any length: a whole number of internal steps, up to rounding, makes
         that number, at any time; of other lengths the machine makes the steps that have become due and carries the rest
@@ -74,6 +74,7 @@ def export_machine_fmu(
     InputError
         As `machine_c` and `write_fmu`.
     """
+    name = export_name(machine) if name is None else name
     machine = as_machine(machine)
     parts = machine_parts(machine, flow, dt=dt, locked=locked, force=force)
     sources = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force)
