@@ -59,8 +59,7 @@ def simulate(
     method: Annotated[
         str,
         typer.Option(
-            help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps. Machines with declared effects know the first alone: "
-            "`polydraulic machine check` says which serve.",
+            help="semi-implicit, rk4, rosenbrock or reference; the last two choose their own steps. `machine check` says which serve a machine.",
             autocompletion=lambda: ["semi-implicit", "rk4", "rosenbrock", "reference"],
         ),
     ] = "semi-implicit",
@@ -282,9 +281,8 @@ def train(
 ) -> None:
     """Train the networks of a whole machine from its exact flow model.
 
-    All networks go into one file: of each circuit what enters its valves
-    and what leaves the actuators. It prints the largest error that was found of each, as a share of the pump's flow or of the widest orifice, and
-    warns of those above 5 %.
+    All networks go into one file: of each circuit what enters its valves and what leaves the actuators. It prints the largest error of each, as a
+    share of the pump's flow or of the widest orifice, and warns above 5 %.
 
     Example: `polydraulic train --out loader.json --machine wheel_loader`
 
@@ -317,8 +315,7 @@ def train(
             models = train_layout(plant, circuits=circuit or None, effort=effort, progress=progress)
         save_models(models, out)
     shares = map_shares(models, plant)
-    for model in models:
-        name = model.output.name
+    for name, model in zip(shares, models, strict=True):
         print(f"{name:32s} {len(model.networks):3d} regions, largest error {shares[name]:.2%}")
     print(out)
     for line in large_errors(shares, effort.tolerance, effort.regions if kind == "polynomial" else None):
