@@ -137,3 +137,37 @@ def test_strange_values_anywhere_in_a_map_are_one_error(value, tmp_path):
         path.write_text("\n".join([*lines[:k], f"{lines[k].split(' = ')[0]} = {value}", *lines[k + 1 :]]))
         with pytest.raises(InputError, match="map.toml"):
             load_channels(path)
+
+
+RATE = """
+[[derivative]]
+name = "stroke.rate"
+of = "stroke"
+window = "50 ms"
+"""
+
+
+def test_rates_have_units_of_their_own():
+    found = channel_map(tomllib.loads(MAP + FLOW + RATE))
+    assert found.of_role("output") == ["speed", "q", "stroke.rate"]
+    assert found.made() == {"q": "m3/s", "stroke.rate": "m/s"}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('"50 ms"', '"20 ms"'), "window of derivative 'stroke.rate' = 0.02 s: must be 0.03 s at least, three rasters"),
+        (('of = "stroke"', 'of = "lever"'), "of in derivative 'stroke.rate' = 'lever' is in V; it must be in one of"),
+        (('of = "stroke"', 'of = "strike"'), "'strike': no such column"),
+        (('unit = "mm"', 'unit = "mm"\nbetween = "hold"'), "'stroke' is held between its samples: steps have no rate"),
+        (('unit = "mm"', 'unit = "mm"\nraster = "20 ms"'), "must be 0.06 s at least"),
+        (('name = "stroke.rate"', 'name = "time"'), "derivative 'time': the table has a column of this name"),
+        (('name = "stroke.rate"', 'name = "q"'), "two channels have the name 'q'"),
+        (('window = "50 ms"', ""), "missing key 'window' in derivative 1"),
+    ],
+)
+def test_doubtful_rates_are_refused(change, message):
+    text = (MAP + FLOW + RATE).replace(*change)
+    assert text != MAP + FLOW + RATE
+    with pytest.raises(InputError, match=message):
+        channel_map(tomllib.loads(text))

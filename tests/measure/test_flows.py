@@ -5,8 +5,8 @@ import pytest
 
 from polydraulic import load_scenario, simulate
 from polydraulic.measure import add_flows, reconstruct_flow
-from polydraulic.measure.channels import FlowChannel
-from polydraulic.measure.flows import FlowStream, flow_statement
+from polydraulic.measure.columns_made import FlowChannel, RateChannel
+from polydraulic.measure.flows import FlowStream, flow_statement, rate_statement
 from polydraulic.parameters.layout.geometry import triangle
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import spool_of
@@ -68,3 +68,12 @@ def test_the_flow_of_the_boom_is_found_from_its_stroke(machine):
         errors.append(np.sqrt(np.mean((flow - run["boom.q_in"])[up] ** 2)) / np.max(run["boom.q_in"]))
     assert errors[0] < 0.05
     assert errors[0] < 0.5 * errors[1]
+
+
+def test_a_rate_is_the_derivative_of_its_column_and_says_how_it_is_smoothed():
+    table, rate = made(((0, 300),)), RateChannel("v", "stroke", 0.1)
+    stream = FlowStream(["stroke", "p"], [FLOW, rate], 0.01)
+    rows = [*stream.add(table["time"], table["segment"], [table["stroke"], table["p"]]), *stream.end()]
+    v = np.concatenate([columns[-1] for _, _, columns in rows])
+    assert v == pytest.approx(0.3 * np.cos(table["time"]), abs=1e-4)
+    assert rate_statement(rate, "m/s", 0.01).startswith("v = d(stroke)/dt in m/s, by a cubic over 0.11 s: assumes that")

@@ -8,6 +8,7 @@ from typing import Any
 
 from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError, briefly
+from polydraulic.measure.columns_made import RATES, FlowChannel, RateChannel
 from polydraulic.measure.log_units import conversion, quantity, says_pressure
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.keys import check_keys
@@ -21,8 +22,9 @@ SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
 FARTHEST = 1e100  # of ranges: differences and squares are numbers
 THINNEST, DENSEST = 0.3e5, 1.2e5  # Pa, of atmospheres: from the highest mountain to the deepest mine
 _SI_OF_KIND = {kind.name: kind.si for kind in KINDS}
-_MAP = {"raster", "interval", "atmosphere", "channel", "flow"}
+_MAP = {"raster", "interval", "atmosphere", "channel", "flow", "derivative"}
 _CHANNEL = {"source", "name", "role", "kind", "unit", "raster", "between", "range", "sign", "dates"}
+_DERIVATIVE = {"name", "of", "window", "role"}
 _FLOW = {"name", "position", "area", "pressure", "compliance", "window", "role"}
 
 
@@ -68,33 +70,6 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class FlowChannel:
-    """A flow that nobody measured, from the motion of its actuator; see `polydraulic.measure.flows`.
-
-    Attributes
-    ----------
-    name : str
-    position : str
-        Column of a stroke (m) or an angle (rad).
-    area : float, m2 or m3/rad
-    pressure : str or None
-        Column of the pressure in the line; None leaves the compliance term out.
-    compliance : float, m3/Pa
-    window : float, s
-        Of the differentiation.
-    role : str
-    """
-
-    name: str
-    position: str
-    area: float
-    pressure: str | None = None
-    compliance: float = 0.0
-    window: float = 0.1
-    role: str = "output"
-
-
-@dataclass(frozen=True)
 class ChannelMap:
     """All channels of a log.
 
@@ -109,6 +84,8 @@ class ChannelMap:
         Between rows, of a log that has no channel of the time.
     atmosphere : float, Pa, or None
         Subtracted from absolute pressures; the standard atmosphere where it is None.
+    rates : tuple of RateChannel
+        To differentiate.
     """
 
     raster: float
@@ -116,6 +93,7 @@ class ChannelMap:
     flows: tuple[FlowChannel, ...] = ()
     interval: float | None = None
     atmosphere: float | None = None
+    rates: tuple[RateChannel, ...] = ()
 
     def conversion(self, channel: Channel, unit: str | None = None) -> Conversion:
         """How a channel converts to SI, or would if its numbers were in `unit`."""
@@ -133,9 +111,13 @@ class ChannelMap:
         return [c for c in self.channels if c.role in ("input", "output")]
 
     def of_role(self, role: str) -> list[str]:
-        """Columns that are inputs or outputs, reconstructed flows among them."""
-        found = [c.name for c in self.used if c.role == role]
-        return found + [flow.name for flow in self.flows if flow.role == role]
+        """Columns that are inputs or outputs, those that are made among them."""
+        return [one.name for one in (*self.used, *self.flows, *self.rates) if one.role == role]
+
+    def made(self) -> dict[str, str]:
+        """SI units of columns that are made of others."""
+        of = {c.name: self.conversion(c).si for c in self.used}
+        return {flow.name: "m3/s" for flow in self.flows} | {rate.name: RATES[of[rate.of]] for rate in self.rates}
 
 
 def load_channels(path: str | Path) -> ChannelMap:
@@ -147,7 +129,8 @@ def load_channels(path: str | Path) -> ChannelMap:
         A TOML file: ``raster = "10 ms"`` of the table; ``interval = "10 ms"`` between rows where no channel is the time;
         ``atmosphere = "1.01325 bar"``, subtracted from absolute pressures; for each channel a ``[[channel]]`` with ``source``, ``role``, and
         optional ``name``, ``kind`` (such as ``"pressure"``), ``unit``, ``raster``, ``between``, ``range``, ``sign``; for each flow to reconstruct a ``[[flow]]`` with
-        ``name``, ``position``, ``area``, and optional ``pressure``, ``compliance``, ``window``, ``role``.
+        ``name``, ``position``, ``area``, and optional ``pressure``, ``compliance``, ``window``, ``role``; for each rate a
+        ``[[derivative]]`` with ``name``, ``of``, ``window``, and optional ``role``.
 
     Raises
     ------
@@ -183,7 +166,8 @@ def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     pressures = {flow.pressure for flow in flows}
     channels = tuple(_channel(item, f"channel {n}", pressures) for n, item in enumerate(_tables(data, "channel"), 1))
     interval = duration(data["interval"], "interval") if "interval" in data else None
-    found = ChannelMap(raster, channels, flows, interval, _atmosphere(data))
+    rates = tuple(_rate(item, f"derivative {n}") for n, item in enumerate(_tables(data, "derivative"), 1))
+    found = ChannelMap(raster, channels, flows, interval, _atmosphere(data), rates)
     clocks = [c.source for c in channels if c.role == "time"]
     if len(clocks) > 1:
         raise InputError(f"channels {clocks[0]!r} and {clocks[1]!r} both have the role 'time'; one log has one time")
@@ -192,7 +176,7 @@ def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     if not found.used:
         raise InputError("no channel has the role 'input' or 'output'; give at least one of them")
     for what, names in (
-        ("name", [*(c.name for c in found.used), *(flow.name for flow in flows)]),
+        ("name", [one.name for one in (*found.used, *flows, *rates)]),
         ("source", [c.source for c in channels if c.role != "ignore"]),
     ):
         twice = next((name for name in names if names.count(name) > 1), None)
@@ -200,6 +184,8 @@ def channel_map(data: Mapping[str, Any]) -> ChannelMap:
             raise InputError(f"two channels have the {what} {twice!r}; each needs its own")
     for flow in flows:
         _check_flow(flow, found)
+    for rate in rates:
+        _check_rate(rate, found)
     return found
 
 
@@ -327,6 +313,36 @@ def _flow(item: Any, where: str) -> FlowChannel:
         duration(item.get("window", "0.1 s"), f"window of {where}"),
         text(item.get("role", "output"), f"role of {where}", ("input", "output")),
     )
+
+
+def _rate(item: Any, where: str) -> RateChannel:
+    check_keys(item, _DERIVATIVE, {"name", "of", "window"}, where)
+    name = text(item["name"], f"name in {where}")
+    if name in RESERVED:
+        raise InputError(f"name of derivative {name!r}: the table has a column of this name already; choose another")
+    where = f"derivative {name!r}"
+    role = text(item.get("role", "output"), f"role of {where}", ("input", "output"))
+    return RateChannel(name, text(item["of"], f"of in {where}"), duration(item["window"], f"window of {where}"), role)
+
+
+def _check_rate(rate: RateChannel, channels: ChannelMap) -> None:
+    columns = {c.name: c for c in channels.used}
+    if rate.of not in columns:
+        raise InputError(f"of in derivative {rate.name!r} = {rate.of!r}: no such column; there are {list(columns)}")
+    source = columns[rate.of]
+    if (si := channels.conversion(source).si) not in RATES:
+        raise InputError(
+            f"of in derivative {rate.name!r} = {rate.of!r} is in {si or 'plain numbers'}; it must be in one of {list(RATES)}"
+        )
+    if source.between == "hold":
+        raise InputError(
+            f'of in derivative {rate.name!r} = {rate.of!r} is held between its samples: steps have no rate; use between = "linear"'
+        )
+    least = 3.0 * max(channels.raster, source.raster or 0.0)
+    if rate.window < least:
+        raise InputError(
+            f"window of derivative {rate.name!r} = {rate.window:g} s: must be {least:g} s at least, three rasters of table and channel"
+        )
 
 
 def _check_flow(flow: FlowChannel, channels: ChannelMap) -> None:

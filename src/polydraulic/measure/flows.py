@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from polydraulic.measure.channels import FlowChannel
+from polydraulic.measure.columns_made import FlowChannel, RateChannel
 from polydraulic.measure.smoothing import LEAST, assumption, differentiate, window_length
 from polydraulic.tables import Table
 
@@ -58,6 +58,11 @@ def flow_statement(flow: FlowChannel, raster: float) -> str:
     return f"{motion}, SI; {volume}; friction does not enter; leakage is left out. Derivatives by {assumption(raster, flow.window)}"
 
 
+def rate_statement(rate: RateChannel, unit: str, raster: float) -> str:
+    """In words how a rate was made and what that assumes."""
+    return f"{rate.name} = d({rate.of})/dt in {unit}, by {assumption(raster, rate.window)}"
+
+
 def add_flows(table: Table, flows: Sequence[FlowChannel], raster: float) -> Table:
     """Return an imported table with flows reconstructed, segment by segment.
 
@@ -83,17 +88,18 @@ def add_flows(table: Table, flows: Sequence[FlowChannel], raster: float) -> Tabl
 
 
 class FlowStream:
-    """Adds flows to rows that come block by block; a window of rows waits for those that follow.
+    """Adds flows and rates to rows that come block by block; a window of rows waits for those that follow.
 
     Parameters
     ----------
     names : sequence of str
         Of the columns that come in.
-    flows : sequence of FlowChannel
+    flows : sequence of FlowChannel or RateChannel
+        Columns to make, in this order.
     raster : float, s
     """
 
-    def __init__(self, names: Sequence[str], flows: Sequence[FlowChannel], raster: float) -> None:
+    def __init__(self, names: Sequence[str], flows: Sequence[FlowChannel | RateChannel], raster: float) -> None:
         self.places: Mapping[str, int] = {name: n for n, name in enumerate(names)}
         self.flows, self.raster = flows, raster
         self.half = max((window_length(raster, flow.window) // 2 for flow in flows), default=0)
@@ -137,7 +143,9 @@ class FlowStream:
         self._time, self._ready = self._time[begin:], stop - begin
         self._columns = [column[begin:] for column in self._columns]
 
-    def _flow(self, flow: FlowChannel) -> np.ndarray:
+    def _flow(self, flow: FlowChannel | RateChannel) -> np.ndarray:
+        if isinstance(flow, RateChannel):
+            return differentiate(self._columns[self.places[flow.of]], self.raster, flow.window)
         pressure = None if flow.pressure is None else self._columns[self.places[flow.pressure]]
         return reconstruct_flow(
             self._columns[self.places[flow.position]],

@@ -29,6 +29,7 @@ from polydraulic.unit_table import ATMOSPHERE
 from polydraulic.units import Conversion, unit_kind
 
 STEPS = 1000  # of the progress
+_ROUNDING = 1e-6  # of a raster that was found
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Imported:
     n_row, n_segment : int
         Of the table.
     too_short : int
-        Rows of segments in which no flow could be reconstructed.
+        Rows of segments in which no flow or rate could be made.
     excerpt : Table
         Rows from all over the table, or all of them if they are few.
     began : float, s since 1970
@@ -68,7 +69,7 @@ class Imported:
     def shown(self, units: str = DEFAULT) -> dict[str, Conversion]:
         """How the columns convert to the units that people read: those of `units`, or of the log where that system has none."""
         found = {c.name: self.channels.conversion(c) for c in self.channels.used}
-        found |= {flow.name: conversion("m3/s") for flow in self.channels.flows}
+        found |= {name: conversion(si) for name, si in self.channels.made().items()}
         for name, own in found.items():
             read = shown_unit(own.si, units)
             if units == "si":
@@ -117,9 +118,9 @@ def import_log(
         groups = _groups(log, channels)
         _names_and_units(log, channels, findings)
         resampler = Resampler(channels.raster, [c.between for c in channels.used])
-        flows = FlowStream([c.name for c in channels.used], channels.flows, channels.raster)
+        flows = FlowStream([c.name for c in channels.used], (*channels.flows, *channels.rates), channels.raster)
         units = {"time": "s", "segment": "1", **{c.name: channels.conversion(c).si for c in channels.used}}
-        units |= {flow.name: "m3/s" for flow in channels.flows}
+        units |= channels.made()
         info = {
             "source": log.path.name,
             "raster": channels.raster,
@@ -140,6 +141,7 @@ def import_log(
                 for time, segment, columns in flows.end():
                     write([time, segment, *columns])
                     excerpt.add([time, segment, *columns])
+                _check_windows(channels, merged.checks)
                 if excerpt.n_row == 0:
                     raise _NoRowsError
         except _NoRowsError:
@@ -278,6 +280,17 @@ def _compare_units(log: Log, channels: ChannelMap, channel: Channel, findings: F
         )
     if found.absolute and channels.atmosphere is None:
         findings.add("atmosphere", channel.source, f"{ATMOSPHERE / 1e5:g} bar were subtracted from {channel.unit!r}")
+
+
+def _check_windows(channels: ChannelMap, checks: list[ChannelCheck]) -> None:
+    """Refuse rates over windows that hold hardly any samples of what is differentiated."""
+    rasters = {check.channel.name: check.raster for check in checks}
+    for rate in channels.rates:
+        if rate.window < 3.0 * rasters[rate.of] * (1.0 - _ROUNDING):
+            raise InputError(
+                f"window of derivative {rate.name!r} = {rate.window:g} s: {rate.of!r} has a sample every {rasters[rate.of]:.3g} s only; "
+                f"{3.0 * rasters[rate.of]:.3g} s at least"
+            )
 
 
 def _copies(checks: list[ChannelCheck], findings: Findings) -> None:

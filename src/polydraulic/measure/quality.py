@@ -10,7 +10,7 @@ from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
 from polydraulic.measure.findings import Finding
-from polydraulic.measure.flows import flow_statement
+from polydraulic.measure.flows import flow_statement, rate_statement
 from polydraulic.measure.importing import Imported
 from polydraulic.pages.html import Cell, bullets, document, table
 from polydraulic.unit_table import ATMOSPHERE
@@ -91,9 +91,15 @@ def quality_data(imported: Imported, told: Told, *, units: str = DEFAULT) -> dic
         ],
         "channels": [_statistics(check) for check in imported.checks],
         "flows": [flow_statement(flow, channels.raster) for flow in channels.flows],
+        "rates": _rates(imported),
         "deadbands": [d._asdict() | {"text": d.statement(shown.get(d.input))} for d in told.deadbands],
         "coverage": None if told.coverage is None else _coverage_data(told.coverage, shown),
     }
+
+
+def _rates(imported: Imported) -> list[str]:
+    channels, units = imported.channels, imported.channels.made()
+    return [rate_statement(rate, units[rate.name], channels.raster) for rate in channels.rates]
 
 
 def _atmosphere(imported: Imported) -> float | None:
@@ -170,6 +176,8 @@ def _page(imported: Imported, told: Told, units: str) -> str:
 {deadbands or "<p>No output that is a rate, a flow or a position is explained by an input well enough to look for one.</p>"}
 <h3>Reconstructed flows</h3>
 {flows or "<p>None asked for.</p>"}
+<h3>Rates by differentiation</h3>
+{bullets(_rates(imported)) or "<p>None asked for.</p>"}
 <h3>Coverage of the inputs</h3>
 {_coverage(told.coverage, shown)}
 {coverage_svg(told.coverage, shown) if told.coverage is not None and told.coverage.pairs else ""}"""
