@@ -112,7 +112,8 @@ class ChannelMap:
 
     def of_role(self, role: str) -> list[str]:
         """Columns that are inputs or outputs, those that are made among them."""
-        return [one.name for one in (*self.used, *self.flows, *self.rates) if one.role == role]
+        found = [c.name for c in self.used if c.role == role]
+        return found + [f.name for f in self.flows if f.role == role] + [r.name for r in self.rates if r.role == role]
 
     def made(self) -> dict[str, str]:
         """SI units of columns that are made of others."""
@@ -176,7 +177,7 @@ def channel_map(data: Mapping[str, Any]) -> ChannelMap:
     if not found.used:
         raise InputError("no channel has the role 'input' or 'output'; give at least one of them")
     for what, names in (
-        ("name", [one.name for one in (*found.used, *flows, *rates)]),
+        ("name", [*(c.name for c in found.used), *(f.name for f in flows), *(r.name for r in rates)]),
         ("source", [c.source for c in channels if c.role != "ignore"]),
     ):
         twice = next((name for name in names if names.count(name) > 1), None)
