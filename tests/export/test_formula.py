@@ -41,6 +41,13 @@ def model_of(which: str) -> Model:
         return two_layers.fit(X[:, :1], X[:, 0] ** 2).to_model()
     if which == "perceptron":
         return PerceptronRegressor(hidden_units=3, max_iter=20, n_starts=1).fit(X, Y).to_model(*NAMED)
+    if which == "ramps":
+        nodes = Node(5, (0, 1), (-0.2, 0.6, 0.3)), Node(5, (2,), (-0.1, -0.8)), Node(2, (3, 4, 2), (0.1,) * 14)
+        return Model(
+            tuple(NAMED[0]),
+            NAMED[1],
+            (Network(nodes, (0.1,) * 3, (0.5,) * 3, (-1.0,) * 3, (1.0,) * 3, 0.5, 3.0, -9.0, 9.0),),
+        )
     if which == "constant":
         return two_layers.fit(X, np.full(len(X), -2.5)).to_model()
     return shipped_models()[3]
@@ -53,6 +60,7 @@ MODELS = (
     "raw units",
     "one input",
     "perceptron",
+    "ramps",
     "constant",
     "shipped",
 )

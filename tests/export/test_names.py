@@ -25,7 +25,7 @@ CPP_WORDS = "class template new map list vector function char8_t and not_eq this
 PYTHON_WORDS = "lambda None True print len float hasattr sum min match type __debug__ json random numpy".split()
 SYMPY_WORDS = "S N E pi beta Symbol Add Float zeta oo distribute Piecewise".split()
 OUR_WORDS = (
-    "x y z k v r0 slopes zero bad near outside memory partials clamp sigmoid not_a_number value_0_0 value_0_0_slopes region_0 near_y "
+    "x y z k v r0 slopes zero bad near outside memory partials clamp sigmoid ramp not_a_number value_0_0 value_0_0_slopes region_0 near_y "
     "test_x own own_x fmu FMU fmu_v fmu_state fmi2 fmi3DoStep instance failed done none enter config equations math CON m_ inputs"
 ).split()
 ODD = [
@@ -61,8 +61,8 @@ X = np.linspace(-1.0, 1.0, 7)[:, None]
 
 
 def model(output, x="u", y=0.0):
-    """2 + y + 3 x^3 and a sigmoid of it: all that a network can call."""
-    nodes = (Node(0, (0,), (2.0 + y, 0.0, 0.0, 3.0)), Node(4, (1,), (0.0, 1.0)))
+    """2 + y + 3 x^3, a sigmoid and a ramp of it: all that a network can call."""
+    nodes = (Node(0, (0,), (2.0 + y, 0.0, 0.0, 3.0)), Node(4, (1,), (0.0, 1.0)), Node(5, (2,), (-0.5, 2.0)))
     network = Network(nodes, (0.0,), (1.0,), (-1.0,), (1.0,), 0.0, 1.0, -5.0, 5.0)
     return Model((Variable(x),), Variable(output), (network,))
 

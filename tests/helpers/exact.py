@@ -3,7 +3,7 @@
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
-from polydraulic.networks.model.nodes import SIGMOID, terms
+from polydraulic.networks.model.nodes import RAMP, SIGMOID, terms
 
 
 def exact_output(network, x):
@@ -18,6 +18,7 @@ def exact_output(network, x):
                 term *= v[slot] ** e
             last += term
         last = _logistic(last) if node.kind == SIGMOID else last
+        last = min(max(last, Fraction(0)), Fraction(1)) if node.kind == RAMP else last
         v.append(last)
     return Fraction(network.y_mean) + Fraction(network.y_scale) * last
 

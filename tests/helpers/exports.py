@@ -22,6 +22,8 @@ def made() -> dict[str, list[Model]]:
     raw = X * [1.0, 1e-6, 300.0] + [1e5, 0.0, 0.0]
     few = two.fit(X[:, 1:], X[:, 1] * X[:, 2]).to_model(ABC[1:], Variable("few", "bar"))
     perceptron = PerceptronRegressor(hidden_units=3, max_iter=20, n_starts=1).fit(X, Y).to_model(ABC, Variable("mlp"))
+    ramps = Node(5, (0, 1), (-0.2, 0.6, 0.3)), Node(5, (2,), (-0.1, -0.8)), Node(2, (3, 4, 2), (0.1,) * 14)
+    ramped = Network(ramps, (0.1, 0.0, -0.2), (0.5, 1.0, 2.0), (-1.0,) * 3, (1.0,) * 3, 0.5, 3.0, -20.0, 20.0)
     boxes = regions.fit(X, Y).to_model(ABC, Variable("out put", "Pa"))
     return {
         "single": [AbductiveRegressor(max_layers=3).fit(X, Y).to_model(output=Variable("y"))],
@@ -29,20 +31,21 @@ def made() -> dict[str, list[Model]]:
         "regions": [boxes],
         "constant": [AbductiveRegressor().fit(X, np.full(400, -2.5)).to_model(output=Variable("int"))],
         "perceptron": [perceptron],
+        "ramps": [Model(tuple(ABC), Variable("ramped", "m"), (ramped,))],
         "raw units": [two.fit(raw, 1e6 * Y).to_model(output=Variable("raw"))],
         "several": [few, boxes, perceptron],
         "shipped": [shipped_models()[3]],
     }
 
 
-NAMES = ("single", "linear", "regions", "constant", "perceptron", "raw units", "several", "shipped")
+NAMES = ("single", "linear", "regions", "constant", "perceptron", "ramps", "raw units", "several", "shipped")
 
 
 def drawn_nodes(draw, n_input, coefficient) -> tuple[Node, ...]:
     """Up to four nodes of any kind behind inputs, each on earlier slots."""
     nodes = []
     for slot in range(n_input, n_input + draw(st.integers(1, 4))):
-        kind = draw(st.integers(0, 4))
+        kind = draw(st.integers(0, 5))
         size = draw(st.integers(1, slot)) if kind >= LINEAR else kind + 1
         slots = tuple(draw(st.lists(st.integers(0, slot - 1), min_size=size, max_size=size)))
         n_term = len(terms(kind, size))

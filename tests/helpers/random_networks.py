@@ -13,7 +13,7 @@ def networks(draw, n_input=None):
     n_input = draw(st.integers(1, 4)) if n_input is None else n_input
     nodes = []
     for number in range(draw(st.integers(0, 4))):
-        kind = draw(st.sampled_from([0, 1, 2, 3, 4]))
+        kind = draw(st.sampled_from([0, 1, 2, 3, 4, 5]))
         size = kind + 1 if kind < 3 else draw(st.integers(1, 5))
         slots = tuple(draw(st.integers(0, n_input + number - 1)) for _ in range(size))
         coef = tuple(draw(value) for _ in terms(kind, size))

@@ -17,7 +17,7 @@ from polydraulic.errors import InputError
 from polydraulic.export.c.network import bounded, polynomial
 from polydraulic.export.c.text import literal, one_line
 from polydraulic.networks.model.model import Model, Variable, describe
-from polydraulic.networks.model.nodes import KIND_NAMES, SIGMOID, terms
+from polydraulic.networks.model.nodes import KIND_NAMES, RAMP, SIGMOID, terms
 from polydraulic.networks.model.table import Network, Node
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ _LOSS = Fraction(1, 10**9)  # and may lose this share of the output's scale to r
 _ROUNDING = Fraction(1, 2**53)
 _DIGITS = 17  # SymPy writes code with as many digits as a number has; fewer do not read back exactly
 _TERMS_A_LINE = 4
+_LATEX_BENT = {SIGMOID: "1 / (1 + \\exp(-({})))", RAMP: "\\min(\\max({},\\, 0),\\, 1)"}
 
 # The sigmoid of `networks.table` with the exponential of `elementary`, operation by operation.
 _PYTHON_SIGMOID = """
@@ -44,6 +45,7 @@ _PYTHON_SIGMOID = """
             + z * (6.61375632143793436117e-05 + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08))))
         return 1.0 / (1.0 + ldexp(1.0 - ((low - (r * c) / (2.0 - c)) - high), int(k)))
 """.splitlines()[1:]
+_PYTHON_RAMP = ["    def ramp(h):", "        return min(max(h, 0.0), 1.0)"]
 
 
 def to_text(model: Model) -> str:
@@ -103,11 +105,12 @@ def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "s
         raise InputError(f"the inputs are named {names}: symbols need different names")
     symbols = [sympy.Symbol(name) for name in names]
     cases, number = [], partial(sympy.Float, dps=_DIGITS)
+    bent = {SIGMOID: lambda h: 1 / (1 + sympy.exp(-h)), RAMP: lambda h: _clamped(sympy, h, 0.0, 1.0)}
     with distribute(False):  # a gain multiplied into (x - mean) would cost digits
         for k, network in enumerate(model.networks):
             limits = zip(symbols, network.x_low, network.x_high, strict=True)
             x = [_clamped(sympy, *limit) for limit in limits] if clamp else symbols
-            y = _expanded(sympy, network, x) if expanded else _value(network, x, number, sympy.exp)
+            y = _expanded(sympy, network, x) if expanded else _value(network, x, number, bent)
             if clamp and bounded(network):
                 y = _clamped(sympy, y, network.y_low, network.y_high)
             cases.append((y, _condition(sympy, model, k, symbols)))
@@ -185,8 +188,8 @@ def to_python(model: Model, name: str) -> str:
         "        inputs = inputs[0]",
         f"    {unpacked} = map(float, inputs)",
     ]
-    if any(node.kind == SIGMOID for network in model.networks for node in network.nodes):
-        lines += _PYTHON_SIGMOID
+    kinds = {node.kind for network in model.networks for node in network.nodes}
+    lines += [*(_PYTHON_SIGMOID if SIGMOID in kinds else []), *(_PYTHON_RAMP if RAMP in kinds else [])]
     for k, network in enumerate(model.networks):
         last = k == len(model.networks) - 1
         if len(model.networks) > 1:
@@ -196,17 +199,16 @@ def to_python(model: Model, name: str) -> str:
     return re.sub(r"[ ]+\n", "\n", "\n".join(lines)) + "\n"
 
 
-def _value(network: Network, x: Sequence[Any], number: Callable[[float], Any], exp: Callable[[Any], Any]) -> Any:
-    """Output of `network` before its bounds, in whatever algebra `x`, `number` and `exp` live in."""
+def _value(network: Network, x: Sequence[Any], number: Callable[[float], Any], bent: dict[int, Any]) -> Any:
+    """Output of `network` before its bounds, in whatever algebra `x`, `number` and, by kind, what is `bent` live in."""
     slots = [
         (value - number(mean)) * number(1.0 / scale)
         for value, mean, scale in zip(x, network.x_mean, network.x_scale, strict=True)
     ]
     for node in network.nodes:
         value = sum(number(c) * prod(slots[i] ** e for i, e in factors) for c, factors in _factors(node))
-        slots.append(1 / (1 + exp(-value)) if node.kind == SIGMOID else value)
-    y = number(network.y_mean)
-    return y + number(network.y_scale) * slots[-1] if network.nodes else y
+        slots.append(bent[node.kind](value) if node.kind in bent else value)
+    return number(network.y_mean) + (number(network.y_scale) * slots[-1] if network.nodes else 0)
 
 
 def _factors(node: Node) -> list[tuple[float, list[tuple[int, int]]]]:
@@ -235,8 +237,8 @@ def _condition(sympy: Any, model: Model, k: int, symbols: Sequence[Any]) -> Any:
 
 def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
     """One polynomial in `x`; multiplied out with exact fractions, rounded once."""
-    if any(node.kind == SIGMOID for node in network.nodes):
-        raise InputError("a network with sigmoid nodes is not a polynomial: leave out expanded=True")
+    if bent := [KIND_NAMES[node.kind] for node in network.nodes if node.kind in (SIGMOID, RAMP)]:
+        raise InputError(f"a network with {bent[0]} nodes is not a polynomial: leave out expanded=True")
     degrees = [1] * network.n_inputs
     needed = [{i} for i in range(network.n_inputs)]
     for node in network.nodes:
@@ -255,7 +257,7 @@ def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
 
     parts = [
         (Fraction(int(c.numerator), int(c.denominator)), powers)
-        for powers, c in ring(_value(network, generators, exact, exact)).terms()
+        for powers, c in ring(_value(network, generators, exact, {})).terms()
     ]
     reach = [
         max(abs(Fraction(low)), abs(Fraction(high))) for low, high in zip(network.x_low, network.x_high, strict=True)
@@ -333,7 +335,7 @@ def _aligned(model: Model, network: Network, names: Sequence[str], digits: int) 
             "\\,".join([_latex_number(c, digits), *(slots[i] + (f"^{{{e}}}" if e > 1 else "") for i, e in factors)])
             for c, factors in _factors(node)
         ] or ["0"]
-        parts = [f"1 / (1 + \\exp(-({_latex_sum(parts)})))"] if node.kind == SIGMOID else parts
+        parts = [_LATEX_BENT[node.kind].format(_latex_sum(parts))] if node.kind in _LATEX_BENT else parts
         for start in range(0, len(parts), _TERMS_A_LINE):
             rest = _latex_sum(parts[start : start + _TERMS_A_LINE])
             signed = f"- {rest[1:]}" if rest.startswith("-") else f"+ {rest}"

@@ -203,10 +203,13 @@ class _Term:
         power = graph.op("Exp", graph.op("Neg", self.clipped(-700.0, 700.0).name))
         return _Term(graph, graph.op("Div", graph.number(1.0), graph.op("Add", graph.number(1.0), power)))
 
+    def ramp(self) -> "_Term":
+        return self.clipped(0.0, 1.0)
+
 
 def _value(graph: _Graph, network: Network, columns: Sequence[str]) -> str:
     inputs, nodes = used_slots(network)
-    slots: dict[str, Any] = {"sigmoid": _Term.sigmoid}
+    slots: dict[str, Any] = {"sigmoid": _Term.sigmoid, "ramp": _Term.ramp}
     for i in inputs:
         inside = _Term(graph, columns[i]).clipped(network.x_low[i], network.x_high[i])
         slots[f"n{i}"] = (inside - network.x_mean[i]) * (1.0 / network.x_scale[i])

@@ -21,7 +21,7 @@ from polydraulic.networks import (
     parse_models,
     save_models,
 )
-from polydraulic.networks.model.nodes import DOUBLE
+from polydraulic.networks.model.nodes import DOUBLE, KIND_NAMES
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 Y = np.abs(X[:, 0]) * X[:, 1]
@@ -61,6 +61,7 @@ def test_files_follow_the_published_schema():
     perceptron = PerceptronRegressor(hidden_units=2, max_iter=2, n_starts=1).fit(X, Y).to_model()
     assert not list(validator.iter_errors(json.loads(dump_models([MODEL, perceptron]))))
     assert not list(validator.iter_errors(json.loads(dump_models(shipped_models()))))
+    assert schema["$defs"]["node"]["properties"]["kind"]["enum"] == list(KIND_NAMES)
     assert list(validator.iter_errors(json.loads(change((*N, "nodes", 0, "kind"), "quadruple"))))
     assert list(validator.iter_errors(json.loads(change((*M, "partition"), "left"))))
     assert not list(validator.iter_errors(json.loads(dynamic())))

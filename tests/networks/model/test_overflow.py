@@ -5,7 +5,7 @@ import pytest
 
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks import Network, Node
-from polydraulic.networks.model.nodes import DOUBLE, SIGMOID, SINGLE
+from polydraulic.networks.model.nodes import DOUBLE, RAMP, SIGMOID, SINGLE
 from polydraulic.networks.model.overflow import overflows
 
 CUBE = Network((Node(SINGLE, (0,), (0.0, 0.0, 0.0, 1.0)),), (0.0,), (1.0,), (-2.0,), (2.0,), 0.0, 1.0)
@@ -20,6 +20,7 @@ CUBE = Network((Node(SINGLE, (0,), (0.0, 0.0, 0.0, 1.0)),), (0.0,), (1.0,), (-2.
         {"y_scale": 1e308, "x_high": (5.0,)},
         {"nodes": (Node(SINGLE, (0,), (0.0, 0.0, 0.0, 1e308)),), "x_high": (5.0,)},
         {"nodes": (Node(SIGMOID, (0,), (1e308, 1e308)),)},
+        {"nodes": (Node(RAMP, (0,), (1e308, 1e308)),)},
     ],
 )
 def test_a_value_beyond_all_numbers_is_seen(change):

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 
 from helpers.random_networks import model_of, networks
-from polydraulic.networks.model.nodes import SIGMOID, design
+from polydraulic.networks.model.nodes import RAMP, SIGMOID, design
 
 
 def by_terms(network, X):
@@ -14,6 +14,8 @@ def by_terms(network, X):
         last = design(node.kind, v[:, list(node.inputs)]) @ np.array(node.coef)
         if node.kind == SIGMOID:
             last = 0.5 + 0.5 * np.tanh(0.5 * last)
+        elif node.kind == RAMP:
+            last = np.clip(last, 0.0, 1.0)
         v = np.column_stack([v, last])
     return np.clip(network.y_mean + network.y_scale * last, network.y_low, network.y_high)
 

@@ -13,7 +13,7 @@ from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks import Model, Network, Node, Variable, grid
-from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE, TRIPLE, terms
+from polydraulic.networks.model.nodes import DOUBLE, LINEAR, RAMP, SIGMOID, SINGLE, TRIPLE, terms
 from polydraulic.networks.model.table import UNBOUNDED
 from polydraulic.networks.proof.bounds import check_range, model_bounds, network_bounds
 
@@ -26,7 +26,7 @@ def networks(draw, n_input=None):
     n_input = n_input or draw(st.integers(1, 3))
     nodes = []
     for k in range(draw(st.integers(0, 3))):
-        kind = draw(st.sampled_from([SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID]))
+        kind = draw(st.sampled_from([SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID, RAMP]))
         size = kind + 1 if kind < LINEAR else draw(st.integers(1, 4))
         # The last node reads the one before, so that most nodes matter.
         slots = [draw(st.integers(0, n_input + k - 1)) for _ in range(size)]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from helpers.exact import exact_output
 from polydraulic.networks import Network, Node
-from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE, TRIPLE, terms
+from polydraulic.networks.model.nodes import DOUBLE, LINEAR, RAMP, SIGMOID, SINGLE, TRIPLE, terms
 from polydraulic.networks.model.table import used_slots
 from polydraulic.networks.proof.taylor import Form, enclose_output, enclose_slopes, layout
 
@@ -20,7 +20,7 @@ def chains(draw):
     n_input = draw(st.integers(1, 4))
     nodes = []
     for k, kind in enumerate(
-        draw(st.lists(st.sampled_from([SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID]), min_size=1, max_size=3))
+        draw(st.lists(st.sampled_from([SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID, RAMP]), min_size=1, max_size=3))
     ):
         size = kind + 1 if kind < LINEAR else draw(st.integers(1, 3))
         slots = draw(

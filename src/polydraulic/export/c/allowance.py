@@ -16,7 +16,7 @@ from polydraulic.export.c.network import input_limits, offset, output_limits
 from polydraulic.export.c.rounded import Rounded, constant, given
 from polydraulic.export.c.text import FLOAT, held_in, rounded_down
 from polydraulic.networks.model.model import Model
-from polydraulic.networks.model.nodes import LINEAR, SIGMOID
+from polydraulic.networks.model.nodes import LINEAR, RAMP, SIGMOID
 from polydraulic.networks.model.partition import Partition, region_boxes
 from polydraulic.networks.model.table import Network, used_slots
 from polydraulic.networks.proof.branch_and_bound import Ends, search
@@ -223,7 +223,7 @@ def _errors(
 
 def _may_fuse(network: Network) -> bool:
     """Whether a compiler may add a slot that is a product without rounding it, where another node reads it rounded."""
-    sums = [node for node in network.nodes if node.kind in (LINEAR, SIGMOID)]
+    sums = [node for node in network.nodes if node.kind in (LINEAR, SIGMOID, RAMP)]
     return any(abs(held_in(c, FLOAT)) == 1.0 for node in sums for c in node.coef)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from polydraulic.export.c.text import DOUBLE, FLOAT, Real, held_in, inner_ends, literal, rounded_down
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import DOUBLE as TWO
-from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, SIGMOID, SINGLE
+from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, RAMP, SIGMOID, SINGLE
 from polydraulic.networks.model.partition import Partition, Split
 from polydraulic.networks.model.table import UNBOUNDED, Network, Node, used_slots
 
@@ -48,6 +48,13 @@ def helpers(models: Sequence[Model], real: Real) -> str:
     const {t} z = r * r;
     const {t} c = r - z * ({c});
     return 1.0{s} / (1.0{s} + ldexp{s}(1.0{s} - ((low - (r * c) / (2.0{s} - c)) - high), (int)k));
+}}
+
+"""
+    if any(network.nodes[place].kind == RAMP for network in networks for place in used_slots(network)[1]):
+        found += f"""static {t} ramp({t} h)
+{{
+    return clamp(h, 0.0{s}, 1.0{s});
 }}
 
 """
@@ -125,8 +132,8 @@ def polynomial(node: Node, names: Sequence[str], real: Real = DOUBLE) -> str:
     v = [names[slot] for slot in node.inputs]
     if node.kind == LINEAR:
         return " + ".join(f"{a} * {b}" for a, b in zip(c, v, strict=True))
-    if node.kind == SIGMOID:
-        return f"sigmoid({' + '.join([c[0], *(f'{a} * {b}' for a, b in zip(c[1:], v, strict=True))])})"
+    if node.kind in (SIGMOID, RAMP):
+        return f"{KIND_NAMES[node.kind]}({' + '.join([c[0], *(f'{a} * {b}' for a, b in zip(c[1:], v, strict=True))])})"
     if node.kind == SINGLE:
         a = v[0]
         return f"{c[0]} + {a} * ({c[1]} + {a} * ({c[2]} + {a} * {c[3]}))"
@@ -153,6 +160,9 @@ def _slopes(node: Node, names: Sequence[str], own: str, real: Real) -> list[str]
     if node.kind == SIGMOID:
         one = literal(1.0, real)
         return [f"{own} * ({one} - {own}) * {weight}" for weight in c[1:]]
+    if node.kind == RAMP:
+        zero, one = literal(0.0, real), literal(1.0, real)
+        return [f"(({own} > {zero}) && ({own} < {one})) ? {weight} : {zero}" for weight in c[1:]]
 
     def own_terms(a: str, square: int, cube: int) -> str:
         return f"{a} * ({literal(2.0 * node.coef[square], real)} + {a} * {literal(3.0 * node.coef[cube], real)})"

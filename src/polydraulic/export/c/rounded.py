@@ -72,6 +72,11 @@ class Rounded:
         low, high = (0.5 + 0.5 * np.tanh(0.5 * end) for end in (self.low, self.high))
         return Rounded(low - _LOGISTIC, high + _LOGISTIC, (0.25 * self.error + _LOGISTIC) * _UP)
 
+    def ramp(self) -> "Rounded":
+        """The nearest number in [0, 1], which takes no rounding and brings two values no further apart."""
+        alike = (self.high + self.error <= 0.0) | (self.low - self.error > 1.0)
+        return Rounded(np.clip(self.low, 0.0, 1.0), np.clip(self.high, 0.0, 1.0), np.where(alike, 0.0, self.error))
+
     def is_zero(self) -> bool:
         """Whether no value is anything but zero."""
         return not np.any(self.low) and not np.any(self.high)

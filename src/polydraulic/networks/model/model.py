@@ -13,7 +13,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.names import checked_name, checked_text
 from polydraulic.networks.model.lags import Dynamics
-from polydraulic.networks.model.nodes import KIND_NAMES, SIGMOID, terms
+from polydraulic.networks.model.nodes import KIND_NAMES, RAMP, SIGMOID, terms
 from polydraulic.networks.model.partition import (
     EVERYWHERE,
     Partition,
@@ -151,7 +151,11 @@ def describe(network: Network, inputs: Sequence[Variable]) -> list[str]:
             ]
             parts.append(" ".join([f"{coef:+.6g}", *factors]))
         names.append(f"z{number}")
-        value = f"1 / (1 + exp(-({' '.join(parts)})))" if node.kind == SIGMOID else " ".join(parts)
+        value = " ".join(parts)
+        if node.kind == SIGMOID:
+            value = f"1 / (1 + exp(-({value})))"
+        elif node.kind == RAMP:
+            value = f"min(max({value}, 0), 1)"
         lines.append(f"z{number} = {value}    ({KIND_NAMES[node.kind]})")
     last = f" + {network.y_scale:.6g} {names[-1]}" if network.nodes else ""
     return [*lines, f"y = {network.y_mean:.6g}{last}"]

@@ -3,15 +3,16 @@
 `TERMS` is the single source: a term is the tuple of exponents of the node's inputs. Design matrices are built from it,
 and the compiled evaluation and the generated C are tested against it. A linear node has one term for each input and no
 constant. A sigmoid node, of which perceptrons are made, has a constant and one term for each input, and its value is
-1 / (1 + exp(-sum)).
+1 / (1 + exp(-sum)). A ramp has the same terms; its value is the sum where that is between 0 and 1, else the nearer of the two:
+the edge of a dead zone, and where a valve is open.
 """
 
 from functools import cache
 
 import numpy as np
 
-SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID = range(5)
-KIND_NAMES = ("single", "double", "triple", "linear", "sigmoid")
+SINGLE, DOUBLE, TRIPLE, LINEAR, SIGMOID, RAMP = range(6)
+KIND_NAMES = ("single", "double", "triple", "linear", "sigmoid", "ramp")
 POLYNOMIALS = KIND_NAMES[:4]
 N_INPUTS = (1, 2, 3)
 
@@ -39,8 +40,8 @@ TERMS: dict[int, tuple[tuple[int, ...], ...]] = {
 
 def terms(kind: int, n_inputs: int) -> tuple[tuple[int, ...], ...]:
     """Exponents of a node's terms, one tuple per term."""
-    if kind in (LINEAR, SIGMOID):
-        constant = ((0,) * n_inputs,) if kind == SIGMOID else ()
+    if kind in (LINEAR, SIGMOID, RAMP):
+        constant = () if kind == LINEAR else ((0,) * n_inputs,)
         return constant + tuple(tuple(int(i == j) for j in range(n_inputs)) for i in range(n_inputs))
     return TERMS[kind]
 

@@ -9,7 +9,7 @@ from math import isfinite
 
 import numpy as np
 
-from polydraulic.networks.model.nodes import SIGMOID, design, terms
+from polydraulic.networks.model.nodes import RAMP, SIGMOID, design, terms
 from polydraulic.networks.model.table import Network
 
 _CORNERS = 256  # looked at, at most
@@ -37,7 +37,7 @@ def _largest(network: Network, gains: list[float]) -> float:
                     part *= sizes[slot]
             size += part
         total += size
-        sizes.append(1.0 if node.kind == SIGMOID else size)
+        sizes.append(1.0 if node.kind in (SIGMOID, RAMP) else size)
     return total + abs(network.y_mean) + abs(network.y_scale) * (sizes[-1] if network.nodes else 0.0)
 
 
@@ -53,6 +53,8 @@ def _finite_at_ends(network: Network, gains: np.ndarray) -> bool:
             value = design(node.kind, np.column_stack([values[slot] for slot in node.inputs])) @ np.array(node.coef)
             if not np.isfinite(value).all():
                 return False
+            if node.kind == RAMP:
+                value = np.clip(value, 0.0, 1.0)
             values.append(1.0 / (1.0 + np.exp(-value)) if node.kind == SIGMOID else value)
         output = network.y_mean + network.y_scale * (values[-1] if network.nodes else np.zeros(len(X)))
     return bool(np.isfinite(values).all() and np.isfinite(output).all())

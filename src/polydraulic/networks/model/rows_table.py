@@ -9,7 +9,7 @@ import numpy as np
 from polydraulic._kernel import driver, kernel
 from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE, TRIPLE
 from polydraulic.networks.model.partition import Partition, networks_of, region_of
-from polydraulic.networks.model.table import NetworkTable, double, sigmoid, single, triple, work_size
+from polydraulic.networks.model.table import NetworkTable, double, ramp, sigmoid, single, triple, work_size
 
 LANES = 64
 
@@ -82,13 +82,17 @@ def _node_lanes(table: NetworkTable, j: int, work: np.ndarray, slot: int) -> Non
             work[slot, lane] = c0 * work[ia, lane]
         for i in range(1, table.n_in[j]):
             _add_lanes(work, slot, table.inputs[j, i], c[i])
-    elif kind == SIGMOID:
+    else:
         for lane in range(LANES):
             work[slot, lane] = c0
         for i in range(table.n_in[j]):
             _add_lanes(work, slot, table.inputs[j, i], c[i + 1])
-        for lane in range(LANES):
-            work[slot, lane] = sigmoid(work[slot, lane])
+        if kind == SIGMOID:
+            for lane in range(LANES):
+                work[slot, lane] = sigmoid(work[slot, lane])
+        else:
+            for lane in range(LANES):
+                work[slot, lane] = ramp(work[slot, lane])
 
 
 @kernel

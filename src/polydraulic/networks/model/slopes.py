@@ -1,13 +1,13 @@
 """What a model's outputs do around a point: exact slopes, and how far the point lies outside the domain.
 
 The definitions that exported models are held to. A slope is that of what is returned: it is 0 where an input is moved to
-the border of the domain, or the output to its bounds; on a border it is the one from inside.
+the border of the domain, or the output to its bounds; on a border it is the one from inside. That of a ramp is 0 at both of its ends.
 """
 
 import numpy as np
 
 from polydraulic.networks.model.model import Model
-from polydraulic.networks.model.nodes import LINEAR, SIGMOID, design
+from polydraulic.networks.model.nodes import LINEAR, RAMP, SIGMOID, design
 from polydraulic.networks.model.nodes import slopes as node_slopes
 from polydraulic.networks.model.partition import region_of
 from polydraulic.networks.model.table import Network, Node
@@ -92,5 +92,8 @@ def _node(node: Node, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if node.kind == SIGMOID:
         value = 1.0 / (1.0 + np.exp(-np.clip(coef[0] + x @ coef[1:], -700.0, 700.0)))
         return value, (value * (1.0 - value))[:, None] * coef[1:]
+    if node.kind == RAMP:
+        value = np.clip(coef[0] + x @ coef[1:], 0.0, 1.0)
+        return value, np.where((value > 0.0) & (value < 1.0), 1.0, 0.0)[:, None] * coef[1:]
     matrix = x if node.kind == LINEAR else design(node.kind, x)
     return matrix @ coef, node_slopes(node.kind, x, coef, None if node.kind == LINEAR else matrix)

@@ -177,6 +177,12 @@ def sigmoid(h: float) -> float:
 
 
 @kernel
+def ramp(h: float) -> float:
+    """Value of a ramp from the sum of its terms."""
+    return min(max(h, 0.0), 1.0)
+
+
+@kernel
 def evaluate(table: NetworkTable, k: int, work: np.ndarray) -> float:
     """Output of network `k`.
 
@@ -212,11 +218,11 @@ def evaluate(table: NetworkTable, k: int, work: np.ndarray) -> float:
             y = c[0] * a
             for i in range(1, table.n_in[j]):
                 y = y + c[i] * work[table.inputs[j, i]]
-        elif kind == SIGMOID:
+        else:
             y = c[0]
             for i in range(table.n_in[j]):
                 y = y + c[i + 1] * work[table.inputs[j, i]]
-            y = sigmoid(y)
+            y = sigmoid(y) if kind == SIGMOID else ramp(y)
         work[slot] = y
         slot = slot + 1
     return min(max(table.y_mean[k] + table.y_scale[k] * y, table.y_low[k]), table.y_high[k])

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SIGMOID, SINGLE
+from polydraulic.networks.model.nodes import DOUBLE, LINEAR, RAMP, SIGMOID, SINGLE
 from polydraulic.networks.model.table import Network, Node, used_slots
 
 # How much further from the exact value a slot may be, given the forms of the slots before it and its own derivatives by them.
@@ -146,6 +146,32 @@ class Form:
         error, local = (np.where(narrow, own, half) for own in (expanded.error, expanded.local))
         return Form(poly, error, self.layout, local)
 
+    def ramp(self) -> "Form":
+        """The nearest to the form in [0, 1], by the chord over its range and what lies off it."""
+        low, high = self.lower()[0], self.upper()[0]
+        known = np.isfinite(low) & np.isfinite(high)
+        ends = [np.where(known, end, 0.0) for end in (low, high)]
+        width = ends[1] - ends[0]
+        slope = np.where(width > 0.0, (_ramp(ends[1]) - _ramp(ends[0])) / np.where(width > 0.0, width, 1.0), 0.0)
+        slope = np.where(
+            (ends[0] >= 0.0) & (ends[1] <= 1.0), 1.0, np.where((ends[1] <= 0.0) | (ends[0] >= 1.0), 0.0, slope)
+        )
+        # what lies off a chord does so most at an end or at a kink
+        off = np.array([_ramp(x) - slope * x for x in (*ends, *(np.clip(kink, *ends) for kink in (0.0, 1.0)))])
+        least, most = off.min(axis=0), off.max(axis=0)
+        size = np.maximum(np.abs(ends[0]), np.abs(ends[1]))
+        slack = np.where(most > least, 16.0 * _EPS * (1.0 + slope * size), 0.0)
+        half = np.where(known, 0.5 * (most - least) + slack, np.inf)
+        return (self * slope + (0.5 * least + 0.5 * most))._widened(half)
+
+    def ramp_slope(self) -> "Form":
+        """Derivative of `ramp` by the form: 1 inside, 0 outside, and either where a kink is in its range."""
+        low, high = self.lower()[0], self.upper()[0]
+        inside, outside = (low > 0.0) & (high < 1.0), (high <= 0.0) | (low >= 1.0)
+        poly = np.zeros_like(self.poly)
+        poly[0] = np.where(inside, 1.0, np.where(outside, 0.0, 0.5))
+        return Form(poly, np.where(inside | outside, 0.0, 0.5), self.layout)
+
     def lower(self) -> tuple[np.ndarray, np.ndarray]:
         """Proved lower bounds (m,), -inf where anything overflowed, and where about they are reached, e (n, m)."""
         n = self.layout.n
@@ -172,6 +198,10 @@ class Form:
         for first, last in pairwise([*at.degree[1:], len(terms)]):
             terms[first:last] = terms[at.parent[first:last]] * e[at.axis[first:last]]
         return (self.poly * terms).sum(axis=0)
+
+
+def _ramp(x: np.ndarray) -> np.ndarray:
+    return np.clip(x, 0.0, 1.0)
 
 
 def enclose_output(network: Network, low: np.ndarray, high: np.ndarray) -> Form:
@@ -278,11 +308,9 @@ def node_value(node: Node, values: Mapping[int, Any]) -> Any:
         for slot, coef in zip(node.inputs[1:], c[1:], strict=True):
             total = total + coef * values[slot]
         return total
-    if node.kind == SIGMOID:
-        total = c[0] + c[1] * a
-        for slot, coef in zip(node.inputs[1:], c[2:], strict=True):
-            total = total + coef * values[slot]
-        return total.logistic()
+    if node.kind in (SIGMOID, RAMP):
+        total = _sum_of(node, values)
+        return total.logistic() if node.kind == SIGMOID else total.ramp()
     b = values[node.inputs[1]]
     if node.kind == DOUBLE:
         return c[0] + a * (c[1] + a * (c[3] + a * c[6]) + b * c[5]) + b * (c[2] + b * (c[4] + b * c[7]))
@@ -295,11 +323,22 @@ def node_value(node: Node, values: Mapping[int, Any]) -> Any:
     )
 
 
+def _sum_of(node: Node, values: Mapping[int, Any]) -> Any:
+    """The sum that a sigmoid or ramp is a function of."""
+    total = node.coef[0] + node.coef[1] * values[node.inputs[0]]
+    for slot, coef in zip(node.inputs[1:], node.coef[2:], strict=True):
+        total = total + coef * values[slot]
+    return total
+
+
 def _partials(node: Node, values: dict[int, Form], value: Form) -> list[Form]:
     """Derivatives of a node's output, whose form is `value`, by each of its inputs."""
     c = node.coef
     if node.kind == SIGMOID:
         slope = value * (1.0 + -1.0 * value)
+        return [slope * weight for weight in c[1:]]
+    if node.kind == RAMP:
+        slope = _sum_of(node, values).ramp_slope()
         return [slope * weight for weight in c[1:]]
     a = values[node.inputs[0]]
     if node.kind == LINEAR:
