@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
-.PHONY: report docs test coverage test-all bench bench-peers mutants lint surface build changes clean
+.PHONY: report docs test coverage test-all bench bench-joints bench-peers mutants lint surface build changes clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
@@ -58,6 +58,10 @@ bench: .venv/ready
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.
 bench-peers: .venv/ready .venv-peers/ready
 	$(BIN)/python benchmarks/networks.py --peers $(if $(DATA),--data $(DATA))
+
+# Joints learnt from commands on a public log, which DATA=folder holds.
+bench-joints: .venv/ready
+	$(BIN)/python benchmarks/keep.py joints --data $(DATA)
 
 # Whether tests notice changes of the code that decides what holds: hours, or minutes with MODULE=measure.checks.clock.
 # First what stands in functions, then constants of modules; what no test noticed is listed. In plain Python, since

@@ -26,6 +26,11 @@ TESTED_ELSEWHERE = {
         "parameters of the machine that is exported there",
     ),
     "export/machine_parts.py": ("export/test_machine.py", "a record"),
+    "networks/dynamic/joint_network.py": (
+        "networks/dynamic/test_joint_regressor.py",
+        "the network runs as the polynomial that was learnt, on new logs",
+    ),
+    "networks/dynamic/signal_names.py": ("networks/dynamic/test_joint_regressor.py", "models under other names"),
     "parameters/entries.py": ("parameters/test_load.py", "entries are read as parts of files"),
     "parameters/layout/conditions.py": ("parameters/layout/test_load.py", "conditions refuse files"),
     "parameters/layout/reader.py": ("parameters/layout/test_load.py", "parts are read as parts of files"),

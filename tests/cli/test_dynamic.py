@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from helpers.joint_log import joint_log
 from helpers.logs_with_memory import memory_log
 from polydraulic import load_models, save_models
 from polydraulic.networks import Model, Network, Variable
@@ -112,3 +113,16 @@ def test_help_shows_an_example(call):
     assert code == 0
     assert "Example: polydraulic run" in re.sub(r"\s+", " ", out)
     assert "--dynamic" in call("fit --help")[1]
+
+
+def test_joints_are_learnt_from_their_commands(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_table(joint_log(n=1500), "log.parquet")
+    code, out, _ = call(
+        "fit-joints log.parquet --commands lever.a --joints a --more-inputs lever.b --horizon 5 --out j.json"
+    )
+    assert code == 0
+    assert "lever.a moves it beyond" in out
+    assert load_models("j.json")[0].output.name == "a"
+    code, _, err = call("fit-joints log.parquet --commands lever.a,lever.b --joints a --out k.json")
+    assert (code, "2 commands for 1 joints" in err) == (2, True)

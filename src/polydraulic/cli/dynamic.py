@@ -1,4 +1,4 @@
-"""Command of dynamic models: run."""
+"""Commands of dynamic models: fit-joints, run."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +7,66 @@ import typer
 
 from polydraulic.cli.application import METRIC, UnitsOption, app
 from polydraulic.terminal import progress_bar
+
+
+@app.command()
+def fit_joints(
+    table: Annotated[
+        list[str],
+        typer.Argument(help="Imported log with columns time and segment; several tables, or a pattern in quotes."),
+    ],
+    commands: Annotated[
+        str,
+        typer.Option(
+            help="Columns of the commands (levers, valve currents), separated by commas, in the order of --joints."
+        ),
+    ],
+    joints: Annotated[
+        str,
+        typer.Option(help="Columns of angles or strokes, separated by commas; the first command moves the first one."),
+    ],
+    out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
+    more_inputs: Annotated[
+        str | None, typer.Option(help="What else speeds may depend on, such as engine speed, separated by commas.")
+    ] = None,
+    longest: Annotated[
+        float, typer.Option(help="Time in s after which the response of a speed to its command is over.")
+    ] = 0.8,
+    horizon: Annotated[float, typer.Option(help="Length in s of the free runs that are fitted.")] = 10.0,
+    card: Annotated[
+        Path | None, typer.Option(help="Model card to write, .html: errors of free runs, intervals, proofs, equations.")
+    ] = None,
+    boxes: Annotated[int, typer.Option(help="With --card: sub-boxes per joint that its proofs may take.", min=1)] = 200,
+    units: UnitsOption = METRIC,
+) -> None:
+    """Learn how the joints of a machine follow its commands, from angles or strokes alone; nothing need be known of its hydraulics.
+
+    Finds dead time, lag and dead zone of each command, then the speed of each joint as the fewest terms that run well by themselves; joints
+    may see each other (shared pump, gravity). A joint stands still within its dead zone, and stops where the log shows a stop.
+
+    Bring the log onto a raster of 20 to 50 ms first (`polydraulic import`). Every fifth block of time is held out to state the errors.
+
+    Example: `polydraulic fit-joints log.parquet --commands boom.lever,stick.lever --joints boom.angle,stick.angle --out joints.json --card joints.html`
+
+    What comes next: `polydraulic run joints.json later.parquet --every 10 --plot run.svg` shows it running, `polydraulic check joints.json
+    --data later.parquet` whether it holds, `polydraulic export joints.json --to fmi3 --out joints.fmu` takes it elsewhere.
+    """
+    from polydraulic.cli.networks import names_in
+    from polydraulic.identification.dynamic_fit import fit_joints as fit
+    from polydraulic.identification.model_card import card_ending, write_card
+    from polydraulic.networks.model.model_file import model_ending, save_models
+
+    model_ending(out)
+    if card is not None:
+        card_ending(card)
+    read, moved = names_in(commands, "--commands"), names_in(joints, "--joints")
+    more = [] if more_inputs is None else names_in(more_inputs, "--more-inputs")
+    with progress_bar("fit-joints") as progress:
+        found = fit(table, read, moved, more_inputs=more, longest=longest, horizon=horizon, progress=progress)
+        save_models(found.models, out)
+        if card is not None:
+            write_card(found, card, max_boxes=boxes, units=units, progress=progress)
+    print(found.text(units))
 
 
 @app.command()

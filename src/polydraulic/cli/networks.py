@@ -94,7 +94,7 @@ def fit(
     from polydraulic.networks.model.model_file import model_ending, save_models
 
     model_ending(out)
-    names, targets = _names(inputs, "--inputs"), _names(outputs, "--outputs")
+    names, targets = names_in(inputs, "--inputs"), names_in(outputs, "--outputs")
     if card is not None:
         card_ending(card)
     settings: dict[str, Any] = {} if layers is None else {"max_layers": layers}
@@ -263,7 +263,8 @@ def verify(
         raise typer.Exit(1)
 
 
-def _names(text: str, option: str) -> list[str]:
+def names_in(text: str, option: str) -> list[str]:
+    """Column names that an option holds."""
     names = [name.strip() for name in text.split(",")]
     if not all(names) or len(set(names)) < len(names):
         raise InputError(f"{option} {text!r}: must be different column names separated by commas")

@@ -1,4 +1,4 @@
-from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic
+from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic, fit_joints
 from .judging import Errors, HeldOut, OutputFit
 from .log_replay import Drift, Replay, Window, replay
 from .machine_card import Covered, machine_coverage
@@ -29,6 +29,7 @@ __all__ = [
     "Window",
     "check_models",
     "fit_dynamic",
+    "fit_joints",
     "fit_machine",
     "fit_table",
     "machine_coverage",

@@ -1,6 +1,6 @@
 """Fit a log with memory: one dynamic model of all outputs, with the errors of its runs through blocks of time held out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
@@ -16,8 +16,10 @@ from polydraulic.identification.arguments import check_columns, parts_of, table_
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
+from polydraulic.networks.dynamic.command_response import response_facts, response_in_words
 from polydraulic.networks.dynamic.dynamic_regressor import DynamicRegressor
 from polydraulic.networks.dynamic.free_run import dynamics_of
+from polydraulic.networks.dynamic.joint_regressor import JointRegressor
 from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, spans_of
 from polydraulic.networks.growth.regressor import AbductiveRegressor
@@ -34,6 +36,7 @@ from polydraulic.tables import Table
 LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
 _FEWER = 0.1  # by which the share of rows in their intervals may fall below the level without a word
+_MOST_LAGS = 60  # of a joint's command
 _FEW_BLOCKS = 10  # of a short log, two of them held out
 
 
@@ -155,24 +158,98 @@ def fit_dynamic(
     InputError
         As `fit_table`; no raster in the times, or too few rows that follow each other.
     """
+
+    def learner(raster: float, tell: Progress) -> DynamicRegressor:
+        def choices(choice: str, tried: int, most: int) -> None:
+            tell(f"choice {tried}, {choice}", tried, most)
+
+        return DynamicRegressor(estimator, longest_lag=longest_lag, raster=raster, progress=choices)
+
+    return _fit(table, inputs, outputs, learner, lambda raster: longest_lag, progress)
+
+
+def fit_joints(
+    table: Table | str | Path | Sequence[Table | str | Path],
+    commands: Sequence[str],
+    joints: Sequence[str],
+    *,
+    more_inputs: Sequence[str] = (),
+    longest: float = 0.8,
+    horizon: float = 10.0,
+    progress: Progress = quiet,
+) -> DynamicFit:
+    """Fit angles or strokes of joints to the commands that move them, where nothing is known of the hydraulics.
+
+    Dead time, lag and dead zone of each command are found, then the rate of each joint, which may depend on what the others do; see
+    `JointRegressor`. Blocks of time are held out as by `fit_dynamic`, which also says what is stated.
+
+    Parameters
+    ----------
+    table : Table, str, Path or sequence of them
+        As for `fit_dynamic`.
+    commands, joints : sequence of str
+        The first command moves the first joint, and so on.
+    more_inputs : sequence of str
+        What else rates may depend on, such as engine speed.
+    longest : float, s
+        After which the response of a rate to its command must be over, nearly.
+    horizon : float, s
+        Of the free runs that are fitted.
+    progress : Progress, optional
+        Called with each joint.
+
+    Returns
+    -------
+    DynamicFit
+
+    Raises
+    ------
+    InputError
+        As `fit_dynamic`; as many commands as joints are needed, and each must move its own.
+    """
+    if len(commands) != len(joints):
+        raise InputError(
+            f"{len(commands)} commands for {len(joints)} joints: name the command of each joint, in the order of the joints"
+        )
+    for name, value in (("longest", longest), ("horizon", horizon)):
+        if not 0.0 < value < inf:
+            raise InputError(f"{name} = {value!r} s: must be a time above 0")
+
+    def lag(raster: float) -> int:
+        return max(4, min(_MOST_LAGS, round(longest / raster)))
+
+    def learner(raster: float, tell: Progress) -> JointRegressor:
+        return JointRegressor(
+            longest_lag=lag(raster), horizon=max(20, round(horizon / raster)), raster=raster, progress=tell,
+            signal_names=[*commands, *more_inputs, *joints],
+        )  # fmt: skip
+
+    return _fit(table, [*commands, *more_inputs], joints, learner, lag, progress)
+
+
+def _fit(
+    table: Table | str | Path | Sequence[Table | str | Path], inputs: Sequence[str], outputs: Sequence[str],
+    learner: Callable[[float, Progress], Any], lag: Callable[[float], int], progress: Progress,
+) -> DynamicFit:  # fmt: skip
+    """Learn without the blocks held out, judge by these, learn from all rows; the learner and its longest lag go by the raster."""
     table, source = table_of(table, [*inputs, *outputs], ["time", "segment"])
     check_columns(table, inputs, outputs)
     rows = log_rows(table)
+    raster = rows.raster or 0.0  # never None where the table has times
     spans = spans_of(rows.segments, np.ones(len(table), dtype=bool))
-    held = _held_out(spans, longest_lag, parts_of(table))
+    held = _held_out(spans, lag(raster), parts_of(table))
     X, y = table.matrix(inputs), table.matrix(outputs)
     without = y.copy()
     without[rows_of(held)] = np.nan  # a gap, across which nothing is learnt
     names = [Variable(name, table.unit(name)) for name in inputs], [Variable(o, table.unit(o)) for o in outputs]
 
-    def search(targets: np.ndarray, what: str, done: int) -> DynamicRegressor:
+    def search(targets: np.ndarray, what: str, done: int) -> Any:
         progress(what, done, 2)
 
-        def tell(choice: str, tried: int, most: int) -> None:
-            progress(f"{what}: choice {tried}, {choice}", done, 2)
+        def tell(step: str, _: int, __: int) -> None:
+            progress(f"{what}: {step}", done, 2)
 
-        regressor = DynamicRegressor(estimator, longest_lag=longest_lag, raster=rows.raster, progress=tell)
-        return regressor.fit(X, targets, rows.segments)
+        return learner(raster, tell).fit(X, targets, rows.segments)
 
     judged = search(without, "hold out", 0)
     lags = judged.choice_.input_lags, judged.choice_.output_lags
@@ -186,6 +263,8 @@ def fit_dynamic(
     choices = {"choice": _choice(final.choice_), "choice_held_out": _choice(judged.choice_)}
     for k, model in enumerate(final.to_models(*names)):
         model.training.update({"rows": len(table), "held_out": "blocks of time", **choices})
+        if isinstance(final, JointRegressor):
+            model.training["response"] = response_facts(final.responses_[k], inputs[k], table.unit(inputs[k]), raster)
         fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
     return DynamicFit(fits, table, source)
 
@@ -229,6 +308,8 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     if chosen != judged:
         lags = f"lags of inputs {judged['input_lags']}, of outputs {judged['output_lags']}"
         found.append(f"all rows led to another choice than the one these errors are of: {lags}, {_how(judged)}")
+    response: Any = model.training.get("response")
+    found += [response_in_words(response)] if response else []
     return [*found, f"reads {lags_in_words(dynamics_of(model))}; {model.n_coefficients} coefficients, {_how(chosen)}"]
 
 

@@ -1,6 +1,7 @@
 from .adaptation import Adapter
 from .dynamic.dynamic_regressor import DynamicRegressor
 from .dynamic.free_run import free_run
+from .dynamic.joint_regressor import JointRegressor
 from .growth.classifier import AbductiveClassifier
 from .growth.regressor import AbductiveRegressor as AbductiveRegressor
 from .model.compiled import compiled
@@ -24,6 +25,7 @@ __all__ = [
     "Bounds",
     "DynamicRegressor",
     "Dynamics",
+    "JointRegressor",
     "Lag",
     "Learnt",
     "Model",

@@ -15,6 +15,7 @@ from polydraulic.networks.dynamic.free_run import prepare_loop, run_windows, sim
 from polydraulic.networks.dynamic.lag_selection import LADDER, Choice, Options, checked_lags, select, select_terms
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, frame_of
 from polydraulic.networks.dynamic.refine_free_run import refine_over_steps, spread
+from polydraulic.networks.dynamic.signal_names import renamed
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, lagged, rows_of, spans_of, without
 from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 from polydraulic.networks.dynamic.term_network import places_read, term_networks
@@ -186,16 +187,7 @@ class DynamicRegressor(BaseEstimator):
         signals = [*variables(self, inputs), *(self._outputs() if outputs is None else outputs)]
         if len(signals) != self.n_features_in_ + self.n_outputs_:
             raise InputError(f"{len(outputs or [])} output names for a model with {self.n_outputs_} outputs")
-        known = dict(zip(self._names(), signals, strict=True))
-        found = []
-        for model, output in zip(self.models_, signals[self.n_features_in_ :], strict=True):
-            lags = tuple(Lag(known[lag.signal].name, lag.steps) for lag in self._dynamics.lags)
-            units = [known[lag.signal].unit for lag in self._dynamics.lags]
-            names = tuple(Variable(str(lag), unit) for lag, unit in zip(lags, units, strict=True))
-            assert model.dynamics is not None
-            dynamics = replace(model.dynamics, lags=lags)
-            found.append(replace(model, inputs=names, output=output, dynamics=dynamics))
-        return found
+        return renamed(self.models_, dict(zip(self._names(), signals, strict=True)))
 
     def _choose(self, signals: np.ndarray, spans: list[Span]) -> list[Choice]:
         """Return everything tried, and the chosen one at the end."""

@@ -31,7 +31,13 @@ class Frame(NamedTuple):
 
 
 def frame_of(
-    signals: np.ndarray, n_output: int, reads: Sequence[tuple[int, int]], spans: Sequence[Span], margin: float
+    signals: np.ndarray,
+    n_output: int,
+    reads: Sequence[tuple[int, int]],
+    spans: Sequence[Span],
+    margin: float,
+    *,
+    n_raw: int = 0,
 ) -> Frame:
     """Signals normalized by what rows to answer hold.
 
@@ -46,9 +52,12 @@ def frame_of(
         Rows to answer; as many rows as the longest lag stand before each start.
     margin : float
         Share of their range, by which answers may leave it.
+    n_raw : int
+        So many of the first signals stay as they are.
     """
     rows = rows_of(spans)
     mean, scale = signals[rows].mean(axis=0), spread(signals[rows])
+    mean[:n_raw], scale[:n_raw] = 0.0, 1.0
     normal = (signals - mean) / scale
     read, y = lagged(normal, reads, rows), normal[rows, -n_output:]
     wider = margin * np.ptp(y, axis=0)

@@ -27,7 +27,9 @@ _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
-def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS) -> Iterator[Terms]:
+def grow_terms(
+    frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS, driven_by: Sequence[int] = ()
+) -> Iterator[Terms]:
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -39,21 +41,28 @@ def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: 
         Rows that runs go on before they restart from measured outputs.
     all_pairs : int
         Lagged values at most, of which any two may be multiplied.
+    driven_by : sequence of int
+        Places of lagged values that drive the outputs: each term holds one of them, and the last value counts as it is, so that outputs
+        rest where all of these are zero. Anything may stand alone if not given.
     """
     windows = pieces(spans, horizon)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
-    terms, error = _refined(frame, _held(frame), many, 1.0)
+    start, drives = _held(frame, bool(driven_by)), {1 + place for place in driven_by}
+    fixed = len(start.coef) if drives else 0
+    terms, error = _refined(frame, start, many, 1.0, fixed)
     most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
     yield terms
     while len(terms.coef) < most:
-        more = _best_term(frame, terms, few, all_pairs) if error > _EXACT else None
+        more = _best_term(frame, terms, few, all_pairs, drives, fixed) if error > _EXACT else None
         if more is None:
             return
-        terms, error = _refined(frame, more, many, error)
+        terms, error = _refined(frame, more, many, error, fixed)
         yield terms
 
 
-def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int) -> Terms:
+def grow_average(
+    frame: Frame, spans: Sequence[Span], horizon: int, n_term: int, *, driven_by: Sequence[int] = ()
+) -> Terms:
     """Grow polynomials of this many terms, each without another part of the rows, and average them.
 
     Which terms are chosen, and so how a run ends, hangs on a few rows; the average hangs on them less. One that runs badly through
@@ -67,11 +76,13 @@ def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int)
     horizon : int
     n_term : int
         Of each polynomial at most.
+    driven_by : sequence of int
+        As for `grow_terms`.
     """
     members, weights = [], []
     for left_out in blocks_of(spans, _MEMBERS):
         rest = without(spans, left_out) or spans
-        for member in grow_terms(frame, rest, horizon):
+        for member in grow_terms(frame, rest, horizon, driven_by=driven_by):
             if len(member.coef) >= n_term:
                 break
         members.append(member)
@@ -79,22 +90,28 @@ def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int)
     return averaged(members, np.array(weights))
 
 
-def _held(frame: Frame) -> Terms:
-    """The last value of each output and a constant: where growth begins."""
+def _held(frame: Frame, driven: bool) -> Terms:
+    """The last value of each output and a constant, or the last value alone: where growth begins."""
     n_output, factors, output, coef = len(frame.y_low), [], [], []
     for k in range(n_output):
         own = np.flatnonzero(frame.column == frame.signals.shape[1] - n_output + k)
         latest = [1 + int(own[np.argmin(frame.steps[own])])] if own.size else []
+        if driven:
+            factors += [[latest[0], 0, 0]]
+            output += [k]
+            coef += [1.0]
+            continue
         factors += [[place, 0, 0] for place in (0, *latest)]
         output += [k] * (1 + len(latest))
         coef += [1e-6, *([0.98] * len(latest))]  # a run that holds forever has no slopes to go by
     return Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
 
 
-def _candidates(terms: Terms, n_lag: int, all_pairs: int) -> tuple[np.ndarray, np.ndarray]:
+def _candidates(terms: Terms, n_lag: int, all_pairs: int, drives: set[int]) -> tuple[np.ndarray, np.ndarray]:
     """Terms that may be added: powers, products of two values, and of three where the product of two of them is there.
 
-    With many lagged values one of two has to be in the polynomial, too, since there are too many pairs.
+    With many lagged values one of two has to be in the polynomial, too, since there are too many pairs; where some drive the outputs, one
+    of these has to be in each term.
     """
     factors, output = [], []
     places = range(1, n_lag + 1)
@@ -105,19 +122,22 @@ def _candidates(terms: Terms, n_lag: int, all_pairs: int) -> tuple[np.ndarray, n
         pairs = {(max(a, b), min(a, b), 0) for a in partners for b in places if a != b}
         grown = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
         triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in grown for c in places if c not in (a, b)}
-        new = sorted((powers | pairs | triples) - there)
+        new = sorted(one for one in (powers | pairs | triples) - there if not drives or drives & set(one))
         factors += new
         output += [k] * len(new)
     return np.array(factors, dtype=np.int64).reshape(-1, 3), np.array(output, dtype=np.int64)
 
 
-def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: int) -> Terms | None:
+def _best_term(
+    frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: int, drives: set[int], fixed: int
+) -> Terms | None:
     """Terms with the candidate that lowers the squared error most; None if none does."""
-    candidates = _candidates(terms, len(frame.column), all_pairs)
-    n, wider = len(terms.coef), terms.and_also(*candidates)
+    candidates = _candidates(terms, len(frame.column), all_pairs, drives)
+    n, wider = len(terms.coef) - fixed, terms.and_also(*candidates)
     gram, cross, size = np.zeros((n, n)), np.zeros((n, len(candidates[1]))), np.zeros(len(candidates[1]))
-    downhill = np.zeros(len(wider.coef))
-    for errors, slopes in run_terms(frame, wider, windows):
+    downhill = np.zeros(len(wider.coef) - fixed)
+    for errors, every in run_terms(frame, wider, windows):
+        slopes = every[:, fixed:]
         own, new = slopes[:, :n], slopes[:, n:]
         gram += own.T @ own
         cross += own.T @ new
@@ -127,9 +147,9 @@ def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: i
         root = np.linalg.cholesky(gram + 1e-9 * np.diag(np.diagonal(gram) + 1e-300))
     except LinAlgError:
         return None
-    explained = solve_triangular(root, cross, lower=True)
+    explained = solve_triangular(root, cross, lower=True) if n else cross
     left = size - np.einsum("ij,ij->j", explained, explained)
-    across = downhill[n:] - solve_triangular(root, downhill[:n], lower=True) @ explained
+    across = downhill[n:] - (solve_triangular(root, downhill[:n], lower=True) @ explained if n else 0.0)
     gain = np.where(left > _NEW * size, across**2 / np.where(left > 0.0, left, 1.0), 0.0)
     if not gain.size or not gain.max() > 0.0:
         return None
@@ -137,29 +157,35 @@ def _best_term(frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: i
     return terms.and_also(candidates[0][best], candidates[1][best])
 
 
-def _refined(frame: Frame, terms: Terms, windows: Sequence[Span], before: float) -> tuple[Terms, float]:
-    """Terms with better coefficients (a few steps of Levenberg-Marquardt), and the mean squared error of runs."""
+def _refined(frame: Frame, terms: Terms, windows: Sequence[Span], before: float, fixed: int) -> tuple[Terms, float]:
+    """Terms with better coefficients (a few steps of Levenberg-Marquardt) but the first `fixed`, and the mean squared error of runs."""
     ridge = _RIDGE * before
+    if len(terms.coef) == fixed:
+        return terms, _loss(frame, terms, windows, 0.0)
+
+    def moved(coef: np.ndarray) -> Terms:
+        return terms._replace(coef=np.append(terms.coef[:fixed], coef))
 
     def evaluate(coef: np.ndarray, limit: float) -> Equations | None:
-        moved = terms._replace(coef=coef)  # runs without slopes cost little
-        return _normal_equations(frame, moved, windows, ridge) if _loss(frame, moved, windows, ridge) < limit else None
+        near = _loss(frame, moved(coef), windows, ridge) < limit  # runs without slopes cost little
+        return _normal_equations(frame, moved(coef), windows, ridge, fixed) if near else None
 
-    here = _normal_equations(frame, terms, windows, ridge)
-    coef, there = lower_loss(terms.coef, here, evaluate, _RULES, max_steps=_STEPS)
-    return terms._replace(coef=coef), there.error
+    here = _normal_equations(frame, terms, windows, ridge, fixed)
+    coef, there = lower_loss(terms.coef[fixed:], here, evaluate, _RULES, max_steps=_STEPS)
+    return moved(coef), there.error
 
 
-def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> Equations:
-    n = len(terms.coef)
+def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float, fixed: int) -> Equations:
+    n = len(terms.coef) - fixed
     gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, 0
-    for errors, slopes in run_terms(frame, terms, windows):
+    for errors, every in run_terms(frame, terms, windows):
+        slopes = every[:, fixed:]
         gram += slopes.T @ slopes
         gradient += errors @ slopes
         squares, count = squares + float(errors @ errors), count + len(errors)
     coef, error = terms.coef, squares / count
     return Equations(
-        gram / count + ridge * np.eye(n), gradient / count + ridge * coef, error + ridge * coef @ coef, error
+        gram / count + ridge * np.eye(n), gradient / count + ridge * coef[fixed:], error + ridge * coef @ coef, error
     )
 
 

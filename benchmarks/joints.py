@@ -1,0 +1,131 @@
+"""Joints of a public excavator's log, from valve commands alone: learnt from three runs, run on their own through two others.
+
+    python benchmarks/keep.py joints --data FOLDER
+
+FOLDER holds ``rc_excavator/manual_1.csv.gz`` to ``manual_5.csv.gz``: a hydraulic model excavator (1:14) driven by joysticks, about 20 rows a second
+with an irregular clock; commands of the valves, strokes of the cylinders, angle of the swing. Logs go through the import, onto a raster of 50 ms.
+Windows of 10 s and 30 s begin every half second; the error at their end, mean over windows, is given in % of the joint's range in the
+logs that were learnt from. Runs 4 and 5 play no part in any choice.
+"""
+
+import argparse
+import tempfile
+import warnings
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from polydraulic.identification import fit_dynamic, fit_joints
+from polydraulic.measure.channels import channel_map
+from polydraulic.measure.importing import import_log
+from polydraulic.networks.dynamic.free_run import prepare_loop, run_windows
+from polydraulic.networks.dynamic.spans import lagged, rows_of, spans_of
+from polydraulic.tables import read_table
+from polydraulic.thesis.timing import timed
+from show import left_out
+
+NAMES = ("Boom", "Stick", "Bucket", "Swing")
+COMMANDS, JOINTS = [f"{name}.command" for name in NAMES], [f"{name}.joint" for name in NAMES]
+RASTER, SECONDS, EVERY, FIRST = 0.05, (10, 30), 10, 20
+LEARNT, JUDGED = (1, 2, 3), (4, 5)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", required=True, type=Path, help="folder with the public logs")
+    parser.add_argument("--networks", action="store_true", help="also DynamicRegressor, which takes minutes to an hour")
+    options = parser.parse_args()
+    folder = options.data / "rc_excavator"
+    if not folder.is_dir():
+        left_out("rc_excavator", f"put it into {options.data}")
+        return
+    with warnings.catch_warnings(), threadpool_limits(1), tempfile.TemporaryDirectory() as into:
+        warnings.simplefilter("ignore")
+        logs = {k: imported(folder / f"manual_{k}.csv.gz", Path(into)) for k in (*LEARNT, *JUDGED)}
+        show([logs[k] for k in LEARNT], [logs[k] for k in JUDGED], options.networks)
+
+
+def imported(path, into):
+    """The log as a table."""
+    channels = [{"source": "Time", "role": "time", "unit": "s"}]
+    for name in NAMES:
+        channels.append({"source": f"{name} Cmd", "name": f"{name}.command", "role": "input"})
+        unit = "rad" if name == "Swing" else "cm"
+        channels.append({"source": f"{name} Ms", "name": f"{name}.joint", "role": "output", "unit": unit})
+    out = into / f"{path.name}.parquet"
+    import_log(path, channel_map({"raster": "50 ms", "channel": channels}), out)
+    return read_table(out)
+
+
+def show(learnt, judged, networks):
+    scale = np.ptp(np.vstack([log.matrix(JOINTS) for log in learnt]), axis=0)
+    print("\n### Mean error at the end of free runs, % of the joint's range: boom / stick / bucket / swing\n")
+    print("| model | coefficients | after 10 s | after 30 s | seconds of fit |\n|---|---|---|---|---|")
+
+    def row(name, sizes, seconds, run):
+        cells = []
+        for length in SECONDS:
+            errors = np.concatenate([ends(run, log, round(length / RASTER)) for log in judged]) / scale
+            cells.append(" / ".join(f"{100.0 * value:.1f}" for value in errors.mean(axis=0)))
+        print(f"| {name} | {' / '.join(map(str, sizes))} | {' | '.join(cells)} | {seconds:.0f} |", flush=True)
+
+    row("last value held", [0] * 4, 0.0, lambda signals, a, b: signals[a - 1, 4:])
+    for name, own in (("ARX(3, 3) of all signals", False), ("ARX(3, 3) of its own signals", True)):
+        coef, seconds = timed(lambda own=own: arx(learnt, own))
+        row(
+            name,
+            [int((column != 0.0).sum()) for column in coef[0].T],
+            seconds,
+            lambda s, a, b, c=coef: run_arx(c, s, a, b),
+        )
+    fits = {"joint models (`fit_joints`)": fit_joints}
+    if networks:
+        fits["`fit_dynamic`, all chosen"] = fit_dynamic
+    for name, fit in fits.items():
+        found, seconds = timed(lambda fit=fit: fit(learnt, COMMANDS, JOINTS))
+        loop = prepare_loop(found.models, [*COMMANDS, *JOINTS])
+        row(name, [model.n_coefficients for model in found.models], seconds,
+            lambda s, a, b, loop=loop: run_windows(loop, s[:b], [(a, b)])[b - 1])  # fmt: skip
+        if fit is fit_joints:
+            for one in found.models:
+                print(f"\n{one.output.name}: {one.training['response']}", flush=True)
+
+
+def ends(run, log, horizon):
+    """Size of the error at the end of each window, (n_window, n_joint)."""
+    signals = log.matrix([*COMMANDS, *JOINTS])
+    spans = spans_of(log["segment"], np.ones(len(log), dtype=bool))
+    starts = [a for low, high in spans for a in range(low + FIRST, high - horizon + 1, EVERY)]
+    return np.abs([run(signals, a, a + horizon) - signals[a + horizon - 1, 4:] for a in starts])
+
+
+READS = [(column, step) for step in (1, 2, 3) for column in range(8)]
+
+
+def arx(logs, own):
+    """Least squares one step ahead: coefficients (n_lag + 1, n_joint), and the range of the joints."""
+    X, y = [], []
+    for log in logs:
+        signals = log.matrix([*COMMANDS, *JOINTS])
+        rows = rows_of([(a + 3, b) for a, b in spans_of(log["segment"], np.ones(len(log), dtype=bool))])
+        X.append(np.column_stack([lagged(signals, READS, rows), np.ones(len(rows))]))
+        y.append(signals[rows, 4:])
+    X, y = np.vstack(X), np.vstack(y)
+    coef = np.zeros((X.shape[1], 4))
+    for k in range(4):
+        read = [n for n, (column, _) in enumerate(READS) if not own or column % 4 == k] + [X.shape[1] - 1]
+        coef[read, k] = np.linalg.lstsq(X[:, read], y[:, k], rcond=None)[0]
+    return coef, y.min(axis=0), y.max(axis=0)
+
+
+def run_arx(fitted, signals, a, b):
+    coef, low, high = fitted
+    signals = signals[:b].copy()
+    for t in range(a, b):
+        signals[t, 4:] = np.clip(np.append(signals[t - 3 : t][::-1].ravel(), 1.0) @ coef, low, high)
+    return signals[b - 1, 4:]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,221 @@
+"""How the rate of a joint follows its command: dead time, lag, dead zone, and where the valve is open.
+
+A command passes a dead time and a lag of first order; what comes out moves two ramps, one to each side of the dead zone. The rate is taken
+for proportional to each ramp while these numbers are sought, so that an edge is where the straight line through the motion begins; what the line
+leaves is learnt afterwards. Rates are compared as travel over windows of time: noise of the joint, which a derivative would blow up, hardly counts.
+A joint that is driven against a stop says nothing of its command: once stops are found, windows that touch them are left out.
+"""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.networks.dynamic.spans import Span
+
+_STARTS = (0.2, 0.5, 0.75)  # edges of the dead zone, as shares of the way from rest to the end
+_SIDE = 0.02  # of its range, by which a command leaves its rest for the side to be there
+_RIDGE = 1e-3
+_EXPLAINED = 0.2  # of the travel, below which the command does not move the joint
+_CUT = 0.1  # of a response, that may come later than the longest lag
+_KEPT = 0.005  # of the whole: weights below are left out
+_NEAR, _TOWARD, _STANDS = 0.03, 0.03, 0.2  # a stop: so near the end, so much travel expected, so little of it found
+_FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
+_SCALE = 0.02  # of the range: errors of the travel beyond it count less
+_EVALUATIONS = 40
+
+
+class Response(NamedTuple):
+    """How a joint's rate follows its command.
+
+    Attributes
+    ----------
+    dead_time, lag : float
+        In rows; the lag is the time constant of a first order.
+    weights : (n_lag,) array
+        Of the command 1, 2, ... rows ago; their sum is 1.
+    edges : tuple of (float, float)
+        One for each side on which the command moves the joint: where motion begins, and where it is at its fastest.
+    stops : (bool, bool)
+        Whether the joint was driven against its lower end, and its upper one.
+    """
+
+    dead_time: float
+    lag: float
+    weights: np.ndarray
+    edges: tuple[tuple[float, float], ...]
+    stops: tuple[bool, bool]
+
+    def ramps(self, command: np.ndarray) -> np.ndarray:
+        """Openings by row, (n_row, n_side) in [0, 1]; the first rows, as many as the longest lag, are not to be used."""
+        return _ramps(_filtered(command, self.weights), self.edges)
+
+
+def find_response(
+    command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int, names: tuple[str, str]
+) -> Response:
+    """Dead time, lag and dead zone with which the travel over windows of rows fits best.
+
+    Parameters
+    ----------
+    command, joint : (n_row,) array
+    spans : sequence of (start, stop)
+        Rows that follow each other.
+    longest_lag : int
+        Rows after which the response to a command must be over, nearly.
+    names : (str, str)
+        Of command and joint, for messages.
+
+    Raises
+    ------
+    InputError
+        A command that stands still, one that does not move the joint, or a response longer than `longest_lag`.
+    """
+    from scipy.optimize import OptimizeResult, least_squares
+
+    windows = _Windows(command, joint, spans, longest_lag)
+    sides = _sides(command[windows.known], names[0])
+
+    low = [0.0, np.log(0.05), *([0.0, np.log(0.02)] * len(sides))]
+    high = [0.6 * longest_lag, np.log(0.6 * longest_lag), *([0.95, np.log(1.5)] * len(sides))]
+
+    def search(windows: _Windows, start: np.ndarray) -> OptimizeResult:
+        return least_squares(
+            lambda unknowns: windows.fitted(*_response(unknowns, sides, longest_lag))[0],
+            np.clip(start, low, high), bounds=(low, high), diff_step=1e-3, x_scale=[0.5, 0.5, *([0.1, 0.3] * len(sides))],
+            loss="soft_l1", f_scale=_SCALE, max_nfev=_EVALUATIONS,
+        )  # fmt: skip
+
+    def best_of(windows: _Windows) -> np.ndarray:
+        first = [min(1.5, 0.3 * longest_lag), np.log(1.5)]
+        starts = [np.array([*first, *([share, np.log(0.95 - share)] * len(sides))]) for share in _STARTS]
+        return min((search(windows, start) for start in starts), key=lambda one: one.cost).x
+
+    best = best_of(windows)
+    stops = windows.stops(windows.fitted(*_response(best, sides, longest_lag))[1])
+    if any(stops):
+        windows = windows.away_from(stops)
+        best = best_of(windows)
+    weights, edges = _response(best, sides, longest_lag)
+    errors, _ = windows.fitted(weights, edges)
+    explained = 1.0 - float(errors @ errors) / max(float(windows.travel @ windows.travel), 1e-300)
+    if not explained >= _EXPLAINED:
+        raise InputError(
+            f"the command {names[0]!r} explains {max(explained, 0.0):.0%} of how {names[1]!r} moves; {_EXPLAINED:.0%} is the least: each joint "
+            "needs the command that moves it, in the same order, and a log in which it moves"
+        )
+    dead_time, lag = float(best[0]), float(np.exp(best[1]))
+    if np.exp(-(longest_lag - dead_time) / lag) > _CUT:
+        raise InputError(
+            f"{names[1]!r} follows {names[0]!r} with a dead time of {dead_time:.1f} and a lag of {lag:.1f} rows, which is not over after the "
+            f"longest lag of {longest_lag} rows: read further back, or bring the log onto a coarser raster"
+        )
+    return Response(dead_time, lag, weights, edges, stops)
+
+
+def response_facts(response: Response, command: str, unit: str, raster: float) -> dict[str, Any]:
+    """How a joint follows its command, as it stands in a model file; times in s, edges in the unit of the command."""
+    return {
+        "command": command,
+        "unit": unit,
+        "dead_time": response.dead_time * raster,
+        "lag": response.lag * raster,
+        "edges": [list(ends) for ends in response.edges],
+        "stops": list(response.stops),
+    }
+
+
+def response_in_words(facts: Mapping[str, Any]) -> str:
+    """The same in words."""
+    unit = f" {facts['unit']}" if facts["unit"] else ""
+    sides = " and ".join(f"beyond {first:.4g}, fully at {full:.4g}{unit}" for first, full in facts["edges"])
+    stops = [end for end, met in zip(("lower", "upper"), facts["stops"], strict=True) if met]
+    met = f"driven against its {' and its '.join(stops)} stop" if stops else "never driven against a stop"
+    times = f"a dead time of {facts['dead_time']:.2g} s with a lag of {facts['lag']:.2g} s"
+    return f"{facts['command']} moves it {sides}, after {times}; it was {met}"
+
+
+class _Windows:
+    """Windows of as many rows as the longest lag, half overlapping, and how far the joint moves in each as a share of its range."""
+
+    def __init__(self, command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int) -> None:
+        n = longest_lag
+        ends = [(s, s + n) for a, b in spans for s in range(a + n, b - n, max(1, n // 2))]
+        self.known = np.zeros(len(command), dtype=bool)
+        for a, b in spans:
+            self.known[a:b] = True
+        if not ends:
+            raise InputError(
+                f"no {2 * n + 1} rows follow each other: shorten the longest lag of {n} rows, or fill the gaps"
+            )
+        self.start, self.stop = np.array(ends).T
+        self.command = np.where(self.known, command, 0.0)
+        self.low, self.high = float(joint[self.known].min()), float(joint[self.known].max())
+        self.joint, self.range = joint, max(self.high - self.low, 1e-300)
+        self.travel = (joint[self.stop] - joint[self.start]) / self.range
+
+    def fitted(self, weights: np.ndarray, edges: Sequence[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
+        """Errors of the travel with the best gains of the ramps, and the travel that these expect."""
+        ramps = _ramps(_filtered(self.command, weights), edges)
+        total = np.vstack([np.zeros((1, len(edges))), np.cumsum(ramps, axis=0)])
+        design = total[self.stop + 1] - total[self.start + 1]  # rows after the start
+        gram = design.T @ design
+        coef = np.linalg.solve(gram + _RIDGE * np.diag(np.diagonal(gram) + 1e-9), design.T @ self.travel)
+        expected = design @ coef
+        return expected - self.travel, expected
+
+    def away_from(self, stops: tuple[bool, bool]) -> "_Windows":
+        """Windows in which the joint keeps off its stops; all of them if hardly any do."""
+        place = (self.joint - self.low) / self.range
+        at_stop = (stops[0] & (place < _NEAR)) | (stops[1] & (place > 1.0 - _NEAR))
+        count = np.concatenate([[0], np.cumsum(at_stop)])
+        off = count[self.stop + 1] == count[self.start]
+        if off.sum() < _FEWEST:
+            return self
+        found = copy(self)
+        found.start, found.stop, found.travel = self.start[off], self.stop[off], self.travel[off]
+        return found
+
+    def stops(self, expected: np.ndarray) -> tuple[bool, bool]:
+        """Whether the joint stood at an end although its command drove it on."""
+        place = (self.joint[self.start] - self.low) / self.range
+        at_low = (place < _NEAR) & (expected < -_TOWARD) & (np.abs(self.travel) < _STANDS * np.abs(expected))
+        at_high = (place > 1.0 - _NEAR) & (expected > _TOWARD) & (np.abs(self.travel) < _STANDS * np.abs(expected))
+        return bool(at_low.sum() > 1), bool(at_high.sum() > 1)
+
+
+def _sides(command: np.ndarray, name: str) -> list[tuple[float, float]]:
+    """Rest and far end of each side on which the command has been."""
+    rest, low, high = float(np.median(command)), float(command.min()), float(command.max())
+    least = _SIDE * (high - low)
+    found = [(rest, end) for end in (high, low) if abs(end - rest) > least]
+    if not found:
+        raise InputError(f"the command {name!r} stands still at {rest:g}: it moves nothing in this log")
+    return found
+
+
+def _response(
+    unknowns: np.ndarray, sides: Sequence[tuple[float, float]], longest_lag: int
+) -> tuple[np.ndarray, tuple[tuple[float, float], ...]]:
+    """Weights and edges from dead time, logarithm of the lag, and for each side its edge and the logarithm of the width, as shares."""
+    dead_time, lag = float(unknowns[0]), float(np.exp(unknowns[1]))
+    rows = np.arange(longest_lag + 1)
+    weights = np.diff(np.where(rows > dead_time, 1.0 - np.exp(-np.maximum(rows - dead_time, 0.0) / lag), 0.0))
+    edges = []
+    for (rest, end), edge, width in zip(sides, unknowns[2::2].tolist(), np.exp(unknowns[3::2]).tolist(), strict=True):
+        first = rest + edge * (end - rest)
+        edges.append((first, first + width * (end - rest)))
+    weights = np.where(weights >= _KEPT * weights.sum(), weights, 0.0)
+    return weights / weights.sum(), tuple(edges)
+
+
+def _filtered(command: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """What the weights make of the command: at each row of the rows before it, the first of which are made up."""
+    n = len(weights)
+    return np.convolve(np.concatenate([np.full(n, command[0]), command]), weights)[n - 1 : n - 1 + len(command)]
+
+
+def _ramps(command: np.ndarray, edges: Sequence[tuple[float, float]]) -> np.ndarray:
+    return np.column_stack([np.clip((command - first) / (full - first), 0.0, 1.0) for first, full in edges])

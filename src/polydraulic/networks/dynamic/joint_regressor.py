@@ -1,0 +1,265 @@
+"""JointRegressor: joints that integrate a rate, which their commands open through dead time, lag and dead zone."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from sklearn.base import BaseEstimator
+from sklearn.utils.validation import check_array, check_is_fitted, validate_data
+
+from polydraulic.errors import InputError
+from polydraulic.networks.dynamic.command_response import find_response
+from polydraulic.networks.dynamic.free_run import pieces, prepare_loop, simulate_spans
+from polydraulic.networks.dynamic.joint_network import joint_network
+from polydraulic.networks.dynamic.lag_selection import Choice
+from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of, run_terms
+from polydraulic.networks.dynamic.signal_names import renamed
+from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of, without
+from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
+from polydraulic.networks.model.fitted import variables
+from polydraulic.networks.model.lags import Dynamics, Lag
+from polydraulic.networks.model.model import Model, Variable
+from polydraulic.progress import Progress, quiet
+
+_MARGIN = 0.1  # of their range, by which joints and their changes may leave what was seen, but for stops
+_ENOUGH = 0.03  # what more terms have to gain over fewer
+_PATIENCE = 4  # so many more terms without a gain end the growth
+
+
+class JointRegressor(BaseEstimator):
+    """Angles or strokes of joints from their commands, for machines whose hydraulics nobody describes.
+
+    From row to row each joint moves by a rate: a polynomial in the openings of its valve to either side, in angles and openings of all joints,
+    and in further inputs. Every term holds an opening of its own valve, so that a joint whose command is within its dead zone stands still.
+
+    Parameters
+    ----------
+    longest_lag : int, default=16
+        Rows after which the response of a rate to its command must be over.
+    horizon : int, default=200
+        Rows of the free runs that are fitted.
+    max_terms : int, default=16
+        Of each joint's rate, while it is being chosen.
+    n_blocks : int, default=4
+        Blocks of rows that follow each other in time, each held out once to choose the number of terms.
+    raster : float, optional
+        Time between rows in s; it goes into the model file.
+    progress : Progress, optional
+        Told of each joint.
+    signal_names : sequence of str, optional
+        Of inputs and joints, as messages call them.
+
+    Attributes
+    ----------
+    models_ : list of Model
+        One per joint; inputs are named ``x0[t-1]``.
+    responses_ : list of Response
+        Dead time, lag and dead zone of each joint's command.
+    choice_ : Choice
+        What was chosen.
+    warm_up_ : int
+        Rows that must be measured before the first answer.
+
+    Notes
+    -----
+    A run cannot grow without bound: a joint stays in its range in training, widened by a tenth at each end but where it was driven
+    against a stop, and so do its changes from row to row.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> u, y = np.repeat(rng.uniform(-1, 1, size=100), 10), np.zeros(1000)
+    >>> for t in range(2, 1000):
+    ...     y[t] = y[t - 1] + 0.02 * (max(u[t - 2] - 0.3, 0.0) + min(u[t - 2] + 0.2, 0.0)) - 0.002 * (y[t - 1] > 1.0)
+    >>> model = JointRegressor(horizon=100, longest_lag=8).fit(u[:, None], y)
+    >>> [round(edge, 1) for edge, _ in model.responses_[0].edges]
+    [0.3, -0.2]
+    """
+
+    def __init__(
+        self, *, longest_lag: int = 16, horizon: int = 200, max_terms: int = 16, n_blocks: int = 4, raster: float | None = None,
+        progress: Progress = quiet, signal_names: Sequence[str] | None = None,
+    ) -> None:  # fmt: skip
+        self.longest_lag = longest_lag
+        self.horizon = horizon
+        self.max_terms = max_terms
+        self.n_blocks = n_blocks
+        self.raster = raster
+        self.progress = progress
+        self.signal_names = signal_names
+
+    def fit(self, X: Any, y: Any, segments: Any = None) -> "JointRegressor":
+        """Find how joints respond, and learn their rates.
+
+        Parameters
+        ----------
+        X : (n_row, n_input) array-like
+            Rows in time order at a constant raster: first the command of each joint, in their order, then what else rates may depend on. A
+            row with NaN in `X` or `y` is a gap: nothing is learnt across it.
+        y : (n_row,) or (n_row, n_joint) array-like
+            Angles or strokes.
+        segments : (n_row,) array-like, optional
+            Labels; rows of different labels do not follow each other.
+
+        Raises
+        ------
+        ValueError
+            Fewer inputs than joints, infinite values, settings out of range, too few rows that follow each other, a command that does
+            not move its joint.
+        """
+        for name, least in (("longest_lag", 2), ("horizon", 2), ("max_terms", 1), ("n_blocks", 2)):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+                raise InputError(f"{name} = {value!r}: must be a whole number, at least {least}")
+        X, y = self._checked(X, y, reset=True)
+        self._single_output = y.ndim == 1
+        signals = np.column_stack([X, y])
+        self.n_outputs_ = signals.shape[1] - self.n_features_in_
+        if self.n_features_in_ < self.n_outputs_:
+            raise InputError(
+                f"{self.n_features_in_} inputs for {self.n_outputs_} joints: give the command of each joint first, in the order of the joints"
+            )
+        spans = spans_of(segments, np.isfinite(signals).all(axis=1))
+        n, names = self.n_outputs_, self._names()
+        said = names if self.signal_names is None else list(self.signal_names)
+        if len(said) != len(names):
+            raise InputError(f"{len(said)} signal_names for {len(names)} inputs and joints: name each of them, or none")
+        self.responses_ = []
+        for k in range(n):
+            self.progress(f"dead zone of {said[k]}", k, 2 * n)
+            of = said[k], said[self.n_features_in_ + k]
+            self.responses_.append(
+                find_response(signals[:, k], signals[:, self.n_features_in_ + k], spans, self.longest_lag, of)
+            )
+        targets = answered(spans, self.longest_lag)
+        found = []
+        for k in range(n):
+            self.progress(f"rate of {said[self.n_features_in_ + k]}", n + k, 2 * n)
+            found.append(self._learn(k, signals, targets))
+        self.models_ = [model for model, _, _ in found]
+        self.warm_up_ = max(model.dynamics.warm_up for model in self.models_ if model.dynamics)
+        read = {
+            (lag.signal in names[self.n_features_in_ :], lag.steps)
+            for m in self.models_
+            if m.dynamics
+            for lag in m.dynamics.lags
+        }
+        lags = tuple(sorted(steps for own, steps in read if not own))
+        error = float(np.mean([error for _, _, error in found]))
+        self.choice_ = Choice(lags, (1,), True, self.horizon, sum(terms for _, terms, _ in found), error)
+        return self
+
+    def simulate(self, X: Any, y: Any, *, segments: Any = None, horizon: int | None = None) -> np.ndarray:
+        """Run on its own from the first `warm_up_` rows of each segment.
+
+        Parameters
+        ----------
+        X : (n_row, n_input) array-like of finite float
+        y : (n_row,) or (n_row, n_joint) array-like
+            Measured joints, of which only the first `warm_up_` rows of each segment are read; the rest may be NaN.
+        segments : (n_row,) array-like, optional
+            Labels; each segment is a run of its own.
+        horizon : int, optional
+            Restart from measured joints after this many rows.
+
+        Returns
+        -------
+        array of the shape of `y`
+            The measured rows at the start of each segment, then the answers.
+        """
+        check_is_fitted(self)
+        X, y = self._checked(X, y, reset=False)
+        names = self._names()
+        loop = prepare_loop(self.models_, names)
+        return simulate_spans(loop, np.column_stack([X, y]), names, self.warm_up_, segments, horizon).reshape(y.shape)
+
+    def predict(self, X: Any, y: Any, *, segments: Any = None) -> np.ndarray:
+        """Predict each row from measured ones before it; arguments and result as `simulate`."""
+        return self.simulate(X, y, segments=segments, horizon=1)
+
+    def to_models(
+        self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
+    ) -> list[Model]:
+        """Return one model per joint, with names and units of the signals (not of their lags)."""
+        check_is_fitted(self)
+        signals = [
+            *variables(self, inputs),
+            *([Variable(name) for name in self._outputs()] if outputs is None else outputs),
+        ]
+        if len(signals) != self.n_features_in_ + self.n_outputs_:
+            raise InputError(f"{len(outputs or [])} output names for a model with {self.n_outputs_} outputs")
+        return renamed(self.models_, dict(zip(self._names(), signals, strict=True)))
+
+    def _learn(self, k: int, signals: np.ndarray, targets: list[Span]) -> tuple[Model, int, float]:
+        """Model of joint `k`, its number of terms, and their error on blocks held out."""
+        first = self.n_features_in_
+        ramps = [
+            (j, response, side) for j, response in enumerate(self.responses_) for side in range(len(response.edges))
+        ]
+        ramps.sort(key=lambda ramp: ramp[0] != k)  # its own first
+        columns = [*range(self.n_outputs_, first), *(first + j for j in range(self.n_outputs_) if j != k), first + k]
+        opened = np.column_stack([response.ramps(signals[:, j]) for j, response in sorted(
+            enumerate(self.responses_), key=lambda one: one[0] != k)])  # fmt: skip
+        inner = np.column_stack([opened, signals[:, columns]])
+        frame = self._frame(inner, len(ramps), self.responses_[k].stops, targets)
+        drives = range(len(self.responses_[k].edges))
+        n_term, error = self._fewest(frame, targets, drives)
+        terms = grow_average(frame, targets, self.horizon, n_term, driven_by=drives)
+        network, reads = joint_network(frame, terms, ramps, signals, columns, targets)
+        names = self._names()
+        lags = tuple(Lag(names[column], steps) for column, steps in reads)
+        rows = rows_of(targets)
+        change = signals[rows, first + k] - signals[rows - 1, first + k]
+        ends = float(change.min()), float(change.max())
+        wider = _MARGIN * (ends[1] - ends[0])
+        dynamics = Dynamics(lags, (ends[0] - wider, ends[1] + wider), self.raster)
+        inputs = tuple(Variable(str(lag)) for lag in lags)
+        return Model(inputs, Variable(names[first + k]), (network,), dynamics=dynamics), n_term, error
+
+    def _frame(self, inner: np.ndarray, n_ramp: int, stops: tuple[bool, bool], targets: list[Span]) -> Frame:
+        """Ramps as they are now, all else one row ago; the joint goes as far as its stop, or a little beyond what was seen."""
+        reads = [(column, int(column >= n_ramp)) for column in range(inner.shape[1])]
+        frame = frame_of(inner, 1, reads, targets, 0.0, n_raw=n_ramp)
+        wider = _MARGIN * (frame.y_high - frame.y_low)
+        y_low, y_high = frame.y_low - wider * (not stops[0]), frame.y_high + wider * (not stops[1])
+        low, high = frame.low.copy(), frame.high.copy()
+        low[-1], high[-1] = y_low[0], y_high[0]
+        return frame._replace(y_low=y_low, y_high=y_high, low=low, high=high)
+
+    def _fewest(self, frame: Frame, targets: list[Span], drives: Sequence[int]) -> tuple[int, float]:
+        """Number of terms, the last value included, with which runs through blocks held out are about as good as they get; their error."""
+        blocks = blocks_of(targets, self.n_blocks)
+        warm_up = self.longest_lag
+        if any(sum(b - a for a, b in block) <= warm_up for block in blocks):
+            raise InputError(
+                f"{sum(b - a for a, b in targets)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} blocks needs more "
+                f"than the longest lag, {warm_up}; shorten it, or record more rows"
+            )
+        paths = [grow_terms(frame, without(targets, block), self.horizon, driven_by=drives) for block in blocks]
+        errors: list[float] = []
+        for steps in zip(*paths, strict=False):
+            squares = [
+                np.concatenate([e for e, _ in run_terms(frame, terms, pieces(block, self.horizon), slopes=False)]) ** 2
+                for terms, block in zip(steps, blocks, strict=True)
+            ]
+            errors.append(float(np.mean([np.sqrt(one.mean()) for one in squares])))
+            if len(errors) > self.max_terms or len(errors) - 1 - int(np.argmin(errors)) >= _PATIENCE:
+                break
+        enough = (1.0 + _ENOUGH) * min(errors)
+        chosen = next(n for n, error in enumerate(errors) if error <= enough)
+        return 1 + chosen, errors[chosen]
+
+    def _names(self) -> list[str]:
+        return [*(variable.name for variable in variables(self, None)), *self._outputs()]
+
+    def _outputs(self) -> list[str]:
+        return [f"y{k}" if self.n_outputs_ > 1 else "y" for k in range(self.n_outputs_)]
+
+    def _checked(self, X: Any, y: Any, *, reset: bool) -> tuple[np.ndarray, np.ndarray]:
+        X = validate_data(self, X, reset=reset, dtype=np.float64, ensure_all_finite="allow-nan")
+        y = check_array(y, dtype=np.float64, ensure_2d=False, ensure_all_finite="allow-nan", input_name="y")
+        if y.ndim > 2 or len(y) != len(X):
+            raise InputError(f"y has shape {y.shape}; it must be ({len(X)},) or ({len(X)}, n_joint)")
+        if not reset and y.size != len(X) * self.n_outputs_:
+            raise InputError(f"y has shape {y.shape}; the model has {self.n_outputs_} joints")
+        return X, y

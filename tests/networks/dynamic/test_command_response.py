@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+
+from helpers.joint_log import DEAD_TIME, EDGES, LAG, joint_log
+from polydraulic.errors import InputError
+from polydraulic.networks.dynamic.command_response import find_response, response_facts, response_in_words
+
+LOG = joint_log(gap=False)
+SPANS = [(0, 900), (950, len(LOG))]
+
+
+@pytest.fixture(scope="module")
+def found():
+    return [find_response(LOG[f"lever.{j}"], LOG[j], SPANS, 16, (f"lever.{j}", j)) for j in "ab"]
+
+
+def test_dead_time_lag_and_dead_zone_are_found(found):
+    for response, edges in zip(found, EDGES, strict=True):
+        assert [edge for edge, _ in response.edges] == pytest.approx(edges, abs=0.06)
+        assert response.dead_time == pytest.approx(DEAD_TIME - 1, abs=0.5)  # a row ago is at once
+        assert response.dead_time + response.lag == pytest.approx(DEAD_TIME - 1 + LAG, abs=0.5)
+        assert response.weights.sum() == pytest.approx(1.0)
+
+
+def test_stops_are_those_that_the_joint_was_driven_against(found):
+    assert found[0].stops == (True, True)
+    free = joint_log(stop=9.0, gap=False)
+    assert not find_response(free["lever.a"], free["a"], SPANS, 16, ("lever.a", "a")).stops[1]
+
+
+def test_openings_read_the_command_of_rows_before(found):
+    command = np.where(np.arange(60) < 30, 0.0, 1.0)
+    opened = found[0].ramps(command)
+    assert np.array_equal(opened[16:31], np.zeros((15, 2)))
+    assert opened[-1] == pytest.approx([1.0, 0.0], abs=0.05)
+    assert (np.diff(opened[30:, 0]) >= 0.0).all()
+
+
+def test_a_response_is_told_in_units_of_the_log(found):
+    facts = response_facts(found[0], "lever.a", "V", 0.05)
+    assert facts["dead_time"] == pytest.approx(0.05 * found[0].dead_time)
+    words = response_in_words(facts)
+    assert words.startswith("lever.a moves it beyond 0.")
+    assert words.endswith("s; it was driven against its lower and its upper stop")
+
+
+def test_what_cannot_be_found_is_refused():
+    n = len(LOG)
+    rest, other = np.zeros(n), np.random.default_rng(0).uniform(-1.0, 1.0, n)
+    with pytest.raises(InputError, match=r"'u' stands still at 0: it moves nothing"):
+        find_response(rest, LOG["a"], SPANS, 16, ("u", "y"))
+    with pytest.raises(InputError, match=r"'u' explains \d+% of how 'y' moves; 20% is the least"):
+        find_response(other, LOG["a"], SPANS, 16, ("u", "y"))
+    with pytest.raises(InputError, match="no 33 rows follow each other"):
+        find_response(LOG["lever.a"], LOG["a"], [(0, 20)], 16, ("u", "y"))
+    slow = np.concatenate([np.zeros(8), LOG["a"][:-8]])
+    with pytest.raises(InputError, match=r"not over after the longest lag of 6 rows|explains \d+%"):
+        find_response(LOG["lever.a"], slow, SPANS, 6, ("u", "y"))

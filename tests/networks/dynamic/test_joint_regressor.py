@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+
+from helpers.joint_log import joint_log
+from polydraulic import load_models, save_models
+from polydraulic.errors import InputError
+from polydraulic.networks import JointRegressor, Variable, free_run, model_bounds
+from polydraulic.networks.model.nodes import RAMP
+
+
+def parts(log):
+    return (
+        log.matrix(["lever.a", "lever.b"]),
+        log.matrix(["a", "b"]),
+        np.cumsum(np.diff(log["time"], prepend=0.0) > 1.0),
+    )
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    X, y, segments = parts(joint_log())
+    return JointRegressor(horizon=100, max_terms=10, raster=0.05).fit(X, y, segments)
+
+
+def test_a_new_log_is_run_for_half_a_minute(fitted):
+    X, y, _ = parts(joint_log(seed=1, gap=False))
+    span = np.ptp(y, axis=0)
+    run = fitted.simulate(X, y, horizon=600)
+    last = np.arange(fitted.warm_up_ + 599, len(y), 600)
+    assert (np.abs(run - y)[last].mean(axis=0) < 0.05 * span).all()
+    held = np.abs(y[600:] - y[:-600]).mean(axis=0)
+    assert (np.abs(run - y)[last].mean(axis=0) < 0.15 * held).all()
+
+
+def test_a_joint_rests_within_its_dead_zone_and_ends_at_its_stop(fitted):
+    n = 800
+    X, y = np.zeros((n, 2)), np.full((n, 2), 0.4)
+    X[:, 0] = 0.15
+    assert fitted.simulate(X, y)[-1] == pytest.approx([0.4, 0.4], abs=1e-9)
+    X[:, 0] = 1.0
+    assert fitted.simulate(X, y)[-1, 0] == pytest.approx(1.2, abs=0.02)  # the stop of the log
+    X[:, 0], X[:, 1] = 0.0, 1.0
+    far = fitted.simulate(X, y)[-1, 1]
+    assert far + 0.02 >= 2.0
+    assert far < 2.6
+
+
+def test_joints_see_each_other(fitted):
+    reads = [{lag.signal for lag in model.dynamics.lags} for model in fitted.models_]
+    assert all({"x0", "x1"} <= read for read in reads)  # they share a pump
+    assert all(model.n_coefficients < 300 for model in fitted.models_)
+
+
+def test_the_model_is_one_like_any_other(fitted, tmp_path):
+    names = [Variable("lever.a", "V"), Variable("lever.b", "V")], [Variable("a", "rad"), Variable("b", "m")]
+    models = fitted.to_models(*names)
+    save_models(models, tmp_path / "m.json")
+    again = load_models(tmp_path / "m.json")
+    assert [model.networks for model in again] == [model.networks for model in models]
+    assert any(node.kind == RAMP for node in again[0].networks[0].nodes)
+    log = joint_log(n=400, seed=2, gap=False)
+    found = free_run(again, {name: log[name] for name in ("lever.a", "lever.b", "a", "b")})
+    X, y, _ = parts(log)
+    assert np.array_equal(np.column_stack([found["a"], found["b"]]), fitted.simulate(X, y))
+    low, high = (getattr(model_bounds(models[0], max_boxes=50), end) for end in ("low", "high"))
+    assert models[0].networks[0].y_low <= low < high <= models[0].networks[0].y_high
+
+
+def test_what_makes_no_sense_is_refused():
+    X, y, segments = parts(joint_log(n=400))
+    with pytest.raises(InputError, match="1 inputs for 2 joints"):
+        JointRegressor().fit(X[:, :1], y, segments)
+    with pytest.raises(InputError, match="horizon = 0: must be a whole number, at least 2"):
+        JointRegressor(horizon=0).fit(X, y)
+    with pytest.raises(InputError, match="1 signal_names for 4 inputs and joints"):
+        JointRegressor(signal_names=["u"]).fit(X, y)
+    with pytest.raises(InputError, match="y has shape"):
+        JointRegressor().fit(X, y[:-1])
+    with pytest.raises(InputError, match="rows are too few to choose from"):
+        JointRegressor(n_blocks=40).fit(X, y, segments)
