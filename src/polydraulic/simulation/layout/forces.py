@@ -88,6 +88,44 @@ def force_columns(
                 yield AddedColumn(f"{f.name}.{name}_{direction}", of_unit, values[:, c])
 
 
+class LinkMotion(NamedTuple):
+    """How a link moves, along the ground's axes; (n_row, 3) each.
+
+    Attributes
+    ----------
+    spin, twist : arrays, rad/s, rad/s2
+        Its angular rate and acceleration.
+    at : array, m/s2
+        Acceleration of its joint.
+    """
+
+    spin: np.ndarray
+    twist: np.ndarray
+    at: np.ndarray
+
+
+def link_motions(
+    machine: LayoutMachine, frames: Frames, rates: np.ndarray, accelerations: np.ndarray
+) -> dict[str, LinkMotion]:
+    """Motion of every link, and of the ground, from rates and accelerations (n_row, n_function) of the joints."""
+    zero = np.zeros((len(rates), 3))
+    found = {GROUND: LinkMotion(zero, zero, zero)}
+    for place, f in enumerate(machine.functions):
+        link = machine.link(f.moves)
+        w, a = rates[:, place, None], accelerations[:, place, None]
+        axis, parent = axis_of(link, frames), link.parent
+        spin, twist, at = found[parent]
+        arm = frames[link.name][1] - frames[parent][1]
+        at = at + np.cross(twist, arm) + _centripetal(spin, arm)
+        if link.joint == "revolute":
+            twist = twist + axis * a + np.cross(spin, axis * w)
+            spin = spin + axis * w
+        else:
+            at = at + axis * a + 2.0 * np.cross(spin, axis * w)
+        found[link.name] = LinkMotion(spin, twist, at)
+    return found
+
+
 def needed_wrenches(
     machine: LayoutMachine, frames: Frames, rates: np.ndarray, accelerations: np.ndarray, forces: np.ndarray
 ) -> dict[str, _Wrench]:
@@ -103,29 +141,18 @@ def needed_wrenches(
     forces : (n_row, 3) array, N
         At the tip.
     """
-    zero = np.zeros((len(rates), 3))
-    spin, twist, speeding = {GROUND: zero}, {GROUND: zero}, {GROUND: zero}
+    motions = link_motions(machine, frames, rates, accelerations)
     needed: dict[str, _Wrench] = {}
-    for place, f in enumerate(machine.functions):
+    for f in machine.functions:
         link = machine.link(f.moves)
-        w, a = rates[:, place, None], accelerations[:, place, None]
-        axis, parent = _axis(link, frames), link.parent
         turn, origin = frames[link.name]
-        arm = origin - frames[parent][1]
-        at = speeding[parent] + np.cross(twist[parent], arm) + _centripetal(spin[parent], arm)
-        if link.joint == "revolute":
-            spin[link.name] = spin[parent] + axis * w
-            twist[link.name] = twist[parent] + axis * a + np.cross(spin[parent], axis * w)
-        else:
-            spin[link.name], twist[link.name] = spin[parent], twist[parent]
-            at = at + axis * a + 2.0 * np.cross(spin[parent], axis * w)
-        speeding[link.name] = at
+        spin, twist, at = motions[link.name]
         centre = turn @ vector(link.cg)
-        own = at + np.cross(twist[link.name], centre) + _centripetal(spin[link.name], centre)
+        own = at + np.cross(twist, centre) + _centripetal(spin, centre)
         force = link.mass * (own + np.array([0.0, 0.0, machine.gravity]))
-        tensor = turn @ _tensor(link) @ np.swapaxes(turn, -1, -2)
-        turned = np.einsum("tij,tj->ti", tensor, twist[link.name])
-        whirl = np.cross(spin[link.name], np.einsum("tij,tj->ti", tensor, spin[link.name]))
+        tensor = turn @ tensor_of(link) @ np.swapaxes(turn, -1, -2)
+        turned = np.einsum("tij,tj->ti", tensor, twist)
+        whirl = np.cross(spin, np.einsum("tij,tj->ti", tensor, spin))
         moment = turned + whirl + np.cross(centre, force)
         if link.name == machine.tip[0]:
             reach = placed(frames, *machine.tip) - origin
@@ -146,7 +173,7 @@ def _without_actuator(
 ) -> _Wrench:
     """What is left for the pin; `push` of the cylinders and `oil` at the joint towards positive positions."""
     link, origin = machine.link(f.moves), frames[f.moves][1]
-    axis = _axis(link, frames)
+    axis = axis_of(link, frames)
     if f.actuator == "ram":  # along the axis through the joint
         return passed._replace(force=passed.force - push[:, None] * axis)
     if isinstance(f.pins, Pins):
@@ -179,7 +206,8 @@ def _from_knee(pins: FourBar, link: LinkParameters, frames: Frames) -> np.ndarra
     return np.einsum("tij,tj->ti", parent, coupler)
 
 
-def _axis(link: LinkParameters, frames: Frames) -> np.ndarray:
+def axis_of(link: LinkParameters, frames: Frames) -> np.ndarray:
+    """Direction of a joint's positive motion along the ground's axes, (n_row, 3)."""
     sign = -1.0 if link.axis[0] == "-" else 1.0
     return np.asarray(sign * frames[link.parent][0][:, :, COORDINATES.index(link.axis[-1])])
 
@@ -188,7 +216,8 @@ def _centripetal(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
     return np.cross(spin, np.cross(spin, arm))
 
 
-def _tensor(link: LinkParameters) -> np.ndarray:
+def tensor_of(link: LinkParameters) -> np.ndarray:
+    """Inertia about a link's centre of gravity, (3, 3) in kg m2."""
     found = np.zeros((3, 3))
     for key, value in link.inertia.items():
         i, j = (COORDINATES.index(c) for c in key)
