@@ -1,0 +1,246 @@
+"""Masses and friction from pressures and positions: linear regression of the oil's torques, and the machine nearest to what was known.
+
+The rows of `motion_rows` are linear in inertial numbers and friction. Their triangle holds all that the log says; numbers of the machine
+file are then found such that they fit it and stay near their priors, so that what the motion does not determine stays where it was.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from polydraulic.errors import InputError
+from polydraulic.identification.arguments import table_of
+from polydraulic.identification.equations.base_parameters import BaseParameters, base_parameters
+from polydraulic.identification.equations.estimates import Estimates, correlation_of, estimates_of
+from polydraulic.identification.equations.inertia import inertial_values
+from polydraulic.identification.equations.motion_rows import FRICTION, MotionRows, measured_pieces, motion_rows
+from polydraulic.identification.equations.unbounded import (
+    Unbounded,
+    from_unbounded,
+    slopes_of_values,
+    to_unbounded,
+    unbounded,
+)
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.columns import function_column
+from polydraulic.tables import Table
+
+_PASSES = 8  # of weights that follow the residuals
+_ROBUST = 2.0  # standard deviations from which on a row counts less
+_BLOCK = 5.0  # s, over which residuals may go together
+_LAG_SPREAD = 0.02  # s
+_INERTIAL = ("mass", "cg", "inertia")
+_FEW = 50  # rows
+_STEP = 1e-5
+
+
+class BaseEstimate(NamedTuple):
+    """A base parameter: what it is made of, value, standard deviation, and whether the log says more than the priors did."""
+
+    text: str
+    value: float
+    sd: float
+    determined: bool
+
+
+class MechanicsFit(NamedTuple):
+    """Mechanics as a log tells them.
+
+    Attributes
+    ----------
+    machine : LayoutMachine
+        With the numbers that were found.
+    estimates : Estimates
+        Of the numbers that were free.
+    base : tuple of BaseEstimate
+        The combinations of masses that motion can tell.
+    lag : float, s
+        By how much pressures are late against positions.
+    residual : tuple of float, N m or N
+        Robust standard deviation of each function's torque.
+    """
+
+    machine: LayoutMachine
+    estimates: Estimates
+    base: tuple[BaseEstimate, ...]
+    lag: float
+    residual: tuple[float, ...]
+
+
+def mechanical_spreads(machine: LayoutMachine, share: float = 0.5) -> dict[str, float]:
+    """Standard deviations of all masses, centres of gravity, inertias and frictions: a share of what the machine's file says.
+
+    A centre of gravity is spread by a share of its distance from the joint, a number that is zero by that of the largest of its kind.
+    """
+    found = {}
+    for number in machine.numbers:
+        kind = number.path.split(".")
+        if kind[0] == "links" and kind[2] in _INERTIAL:
+            like = [abs(n.value) for n in machine.numbers if n.path.startswith(".".join(kind[:3]))]
+            found[number.path] = share * max(abs(number.value), 0.3 * max(like))
+        elif kind[0] == "functions" and kind[2] == "friction" and kind[3] in FRICTION:
+            found[number.path] = share * number.value
+    return {path: spread for path, spread in found.items() if spread > 0.0}
+
+
+def fit_mechanics(
+    log: Table | str | Sequence[Table | str], machine: LayoutMachine, spreads: Mapping[str, float] | None = None
+) -> MechanicsFit:
+    """Find masses, centres of gravity, inertias and friction from pressures and positions.
+
+    Parameters
+    ----------
+    log : Table or its file
+        ``time`` and, of every function, ``NAME.angle`` (``NAME.position`` of a joint that slides), ``NAME.p_a`` and ``NAME.p_b``, in SI.
+    machine : LayoutMachine
+        With what is known: sizes of cylinders, pins, and numbers that are the means of priors.
+    spreads : mapping from path to standard deviation, SI, optional
+        Of the numbers that are to be found; `mechanical_spreads` if not given.
+
+    Returns
+    -------
+    MechanicsFit
+
+    Raises
+    ------
+    InputError
+        Missing columns, friction that holds or play (which the linear equations do not have), no piece that is long enough, joints that never move
+        steadily.
+    """
+    held = [f.name for f in machine.functions if f.effects.sticks or f.effects.backlash is not None]
+    if held:
+        raise InputError(f"functions.{held[0]}: friction that holds and play are not linear; identify it through simulation")
+    wanted = [
+        name
+        for f in machine.names
+        for name in (function_column(machine, f, "angle", "rad").name, f"{f}.p_a", f"{f}.p_b")
+    ]
+    table, source = table_of(log, None)
+    missing = [name for name in ["time", *wanted] if name not in table.names]
+    if missing:
+        raise InputError(f"{source}: no column {missing[0]!r}; masses are identified from positions and both pressures of every function")
+    numbers = unbounded(machine, mechanical_spreads(machine) if spreads is None else spreads)
+    base = base_parameters(machine)
+    rows = motion_rows(machine, base.numbers, measured_pieces(machine, table))
+    if rows.known.sum() < _FEW:
+        raise InputError(f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least")
+    told = _told(rows)
+    return _nearest(machine, numbers, base, told)
+
+
+class _Told(NamedTuple):
+    """What rows say of what they are linear in: information @ x = right side; `scatter` is that of the right side over blocks."""
+
+    information: np.ndarray
+    right: np.ndarray
+    scatter: np.ndarray
+    deviation: np.ndarray
+
+
+def _told(rows: MotionRows) -> _Told:
+    """Weights follow residuals: rows far off count less, and each function counts by its own deviation."""
+    n, known = rows.torque.shape[1], rows.known
+    deviation = np.array([_deviation(rows.torque[known[:, k], k]) for k in range(n)])
+    weight = known / deviation**2
+    length = np.sqrt(np.einsum("tkc,tkc->c", rows.regressor, rows.regressor))
+    length = np.where(length > 0.0, length, 1.0)
+    scaled = rows.regressor / length
+    for _ in range(_PASSES):
+        information = np.einsum("tkc,tk,tkd->cd", scaled, weight, scaled, optimize=True)
+        right = np.einsum("tkc,tk->c", scaled, weight * rows.torque)
+        x = np.linalg.lstsq(information, right, rcond=1e-12)[0]
+        off = scaled @ x - rows.torque
+        deviation = np.array([_deviation(off[known[:, k], k]) for k in range(n)])
+        far = np.abs(off) / deviation
+        weight = known / deviation**2 / np.maximum(1.0, far / _ROBUST)
+    gradient = np.einsum("tkc,tk->tc", scaled, weight * off)
+    blocks = np.unique((rows.time // _BLOCK).astype(int), return_inverse=True)[1]
+    sums = np.zeros((blocks.max() + 1, gradient.shape[1]))
+    np.add.at(sums, blocks, gradient)
+    count = len(sums)
+    scatter = sums.T @ sums * (count / max(1, count - 1))
+    both = np.outer(length, length)
+    return _Told(information * both, right * length, scatter * both, deviation)
+
+
+def _deviation(values: np.ndarray) -> float:
+    """Robust standard deviation; one where nothing is there."""
+    return 1.4826 * float(np.median(np.abs(values))) + 1e-9 if len(values) else 1.0
+
+
+def _nearest(machine: LayoutMachine, numbers: Unbounded, base: BaseParameters, told: _Told) -> MechanicsFit:
+    """Numbers that fit what the log says and stay near their priors."""
+    square = _root(told.information)
+    aim = np.linalg.lstsq(square.T, told.right, rcond=1e-12)[0]
+    to_base = base.combine
+
+    def linear(x: np.ndarray) -> np.ndarray:
+        values = dict(zip(numbers.paths, from_unbounded(numbers, x[:-1]).tolist(), strict=True))
+        friction = [
+            values.get(f"functions.{f.name}.friction.{name}", getattr(f.friction, name))
+            for f in machine.functions
+            for name in FRICTION
+        ]
+        return np.concatenate([inertial_values(_moved(machine, values), base.numbers), friction, [x[-1] * _LAG_SPREAD]])
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        prior = (from_unbounded(numbers, x[:-1]) - numbers.start) / numbers.spread
+        return np.concatenate([square @ linear(x) - aim, prior, x[-1:]])
+
+    start = np.append(to_unbounded(numbers, numbers.start), 0.0)
+    found = least_squares(residual, start, method="trf", max_nfev=60, x_scale=1.0).x
+    own = slopes_of_values(numbers, found[:-1])
+    slopes = _slopes(linear, found)[:, :-1] @ np.linalg.inv(own)  # of the linear unknowns over values
+    lag = np.zeros(len(square))
+    lag[-1] = 1.0
+    slopes = np.column_stack([slopes, lag])
+    prior = np.diag(1.0 / np.append(numbers.spread, _LAG_SPREAD) ** 2)
+    seen = slopes.T @ told.information @ slopes
+    inverse = np.linalg.inv(seen + prior)
+    covariance = inverse @ (slopes.T @ told.scatter @ slopes + prior) @ inverse
+    values = from_unbounded(numbers, found[:-1])
+    estimates = estimates_of(
+        numbers.paths,
+        values,
+        covariance[:-1, :-1],
+        numbers.spread,
+        correlation_of(seen[:-1, :-1], numbers.spread),
+    )
+    there = machine.with_values(dict(zip(numbers.paths, values.tolist(), strict=True)))
+    n = len(base.numbers)
+    to_values = to_base @ slopes[:n, :-1]
+    sd = np.sqrt(np.einsum("ij,jk,ik->i", to_values, covariance[:-1, :-1], to_values))
+    before = np.sqrt(np.einsum("ij,j,ij->i", to_values, numbers.spread**2, to_values))
+    made = to_base @ inertial_values(there, base.numbers)
+    told_base = tuple(
+        BaseEstimate(text, float(value), float(own_sd), bool(own_sd < 0.5 * prior_sd))
+        for text, value, own_sd, prior_sd in zip(base.texts, made, sd, before, strict=True)
+    )
+    return MechanicsFit(there, estimates, told_base, float(found[-1] * _LAG_SPREAD), tuple(told.deviation.tolist()))
+
+
+def _root(information: np.ndarray) -> np.ndarray:
+    """A matrix whose square is the information, (n, n), without what rounding made negative."""
+    scale = np.sqrt(np.diagonal(information))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    return np.asarray((np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T) * scale)
+
+
+def _moved(machine: LayoutMachine, values: Mapping[str, float]) -> LayoutMachine:
+    """The machine with other masses, whether they are possible or not: `with_values` looks at all numbers, which takes long."""
+    links = []
+    for link in machine.links:
+        where = f"links.{link.name}"
+        cg = {c: values.get(f"{where}.cg.{c}", value) for c, value in link.cg.items()}
+        inertia = {key: values.get(f"{where}.inertia.{key}", value) for key, value in link.inertia.items()}
+        links.append(link._replace(mass=values.get(f"{where}.mass", link.mass), cg=cg, inertia=inertia))
+    return machine._replace(links=tuple(links))
+
+
+def _slopes(function: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
+    """By central differences, (n_value, n_x)."""
+    steps = _STEP * np.eye(len(x))
+    return np.column_stack([(function(x + step) - function(x - step)) / (2.0 * _STEP) for step in steps])

@@ -1,0 +1,285 @@
+"""Numbers of a machine found through simulation: windows of a log are run, and what sensors would read is brought to what they read.
+
+Multiple shooting: every window begins from a state of its own, which is found together with the numbers (Bock, in Modelling of Chemical Reaction
+Systems, Springer 1981). States enter their window alone, so that they are eliminated window by window, and what is left is a
+small system over the numbers. Numbers and states have priors; rows far off count less; what each channel's noise is follows from the residuals.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.identification.arguments import table_of
+from polydraulic.identification.equations.estimates import Estimates, correlation_of, estimates_of
+from polydraulic.identification.equations.shooting_runs import first_states, run_windows, slopes
+from polydraulic.identification.equations.shooting_windows import Windows, cut_windows, sensors_of
+from polydraulic.identification.equations.unbounded import (
+    Unbounded,
+    from_unbounded,
+    slopes_of_values,
+    to_unbounded,
+    unbounded,
+)
+from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.progress import Progress, quiet
+from polydraulic.tables import Table
+
+SECONDS = 2.0
+MOST_WINDOWS = 128
+_PASSES = 3  # of noise levels that follow the residuals
+_STEPS = 6  # of the search in each
+_ROBUST = 3.0  # standard deviations
+_PRESSURE_SPREAD = 30e5, 5e6  # Pa, of pressures at the start that are measured, and that are not
+_STATE_FACTOR = 10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
+_LEAST_SPREAD = 1e-4, 1e-2  # rad or m, rad/s or m/s
+_RULES = Damping(
+    largest=1e6,
+    raise_by=4.0,
+    raise_more=2.0,
+    lower=lambda share: 0.2 if share > 0.5 else (0.5 if share > 0.2 else 2.0),
+    enough=1e-3,
+    smallest=1e-9,
+    least_added=1e-12,
+    last_steps=1,
+)
+
+
+class ShootingFit(NamedTuple):
+    """Numbers found through simulation.
+
+    Attributes
+    ----------
+    machine : LayoutMachine
+        With the numbers that were found.
+    estimates : Estimates
+    noise : dict
+        Standard deviation of the residuals of each channel, SI.
+    before : dict
+        The same with the numbers that the search began from.
+    windows : int
+    seconds : float
+        Length of a window.
+    """
+
+    machine: LayoutMachine
+    estimates: Estimates
+    noise: dict[str, float]
+    before: dict[str, float]
+    windows: int
+    seconds: float
+
+
+def fit_by_shooting(
+    log: Table | str | Sequence[Table | str],
+    machine: LayoutMachine,
+    spreads: Mapping[str, float],
+    *,
+    sensors: Sequence[str] | None = None,
+    seconds: float = SECONDS,
+    most: int = MOST_WINDOWS,
+    progress: Progress = quiet,
+) -> ShootingFit:
+    """Find numbers of a machine such that its runs read what sensors read.
+
+    Parameters
+    ----------
+    log : Table or its file
+        ``time``, ``NAME.voltage`` and ``NAME.angle`` (``NAME.position`` of a joint that slides) of every function, and whatever else of a run's
+        columns was measured, in SI.
+    machine : LayoutMachine
+        Its numbers are the means of the priors.
+    spreads : mapping from path to standard deviation, SI
+        Of the numbers that are to be found.
+    sensors : sequence of str, optional
+        Columns that runs are compared with; all that the log and a run have if not given. Those of the positions are always among them.
+    seconds : float
+        Length of a window.
+    most : int
+        Windows at most, spread over the log; the time that it takes grows with them.
+    progress : Progress, optional
+
+    Returns
+    -------
+    ShootingFit
+
+    Raises
+    ------
+    InputError
+        As `cut_windows` and `unbounded`; a sensor that the log or a run does not have; runs that diverge with the numbers to begin with.
+    """
+    numbers = unbounded(machine, spreads)
+    table, source = table_of(log, None)
+    known = sensors_of(machine, table)
+    unknown = [name for name in sensors or () if name not in known]
+    if unknown:
+        raise InputError(f"{source}: sensor {unknown[0]!r} is no column that both the log and a run have; there are {', '.join(known)}")
+    windows = cut_windows(machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most)
+    search = _Search(machine, numbers, windows)
+    u = to_unbounded(numbers, numbers.start)
+    for number in range(_PASSES):
+        u = search.lowered(u, lambda attempt, _, number=number: progress("identify", number * _STEPS + attempt % _STEPS, _PASSES * _STEPS))
+        if not search.follow_noise():
+            break
+    progress("identify", _PASSES * _STEPS, _PASSES * _STEPS)
+    columns = [channel.column for channel in windows.channels]
+    return ShootingFit(
+        search.machine_at(u),
+        search.estimates(u),
+        dict(zip(columns, search.noise.tolist(), strict=True)),
+        dict(zip(columns, search.before.tolist(), strict=True)),
+        len(windows.first),
+        seconds,
+    )
+
+
+class _Here(NamedTuple):
+    """Where a search is: states at the start of windows, residuals over noise, and slopes over numbers and states."""
+
+    states: np.ndarray
+    off: np.ndarray  # (n_window, m)
+    over_numbers: np.ndarray  # (n_window, m, n)
+    over_states: np.ndarray  # (n_window, m, 4 n_function)
+
+
+class _Reduced(NamedTuple):
+    """Windows without their states: Gram matrices, gradients, and what gives the states' steps."""
+
+    gram: np.ndarray  # (n_window, n, n)
+    gradient: np.ndarray  # (n_window, n)
+    to_numbers: np.ndarray  # (n_window, 4 n_function, n): steps of the states for each step of the numbers
+    own: np.ndarray  # (n_window, 4 n_function): their own steps
+
+
+class _Search:
+    """Lowers the misfit of all windows; keeps the states, which `lower_loss` does not see."""
+
+    def __init__(self, machine: LayoutMachine, numbers: Unbounded, windows: Windows) -> None:
+        self.machine, self.numbers, self.windows = machine, numbers, windows
+        self.first = first_states(machine, windows)
+        n = len(machine.names)
+        known = windows.p_a is not None and windows.p_b is not None
+        pressure = np.full(2 * n, _PRESSURE_SPREAD[0 if known else 1])
+        position = np.maximum(_STATE_FACTOR * windows.position_sd, _LEAST_SPREAD[0])
+        rate = np.maximum(_STATE_FACTOR * windows.rate_sd, _LEAST_SPREAD[1])
+        self.state_spread = np.concatenate([pressure, position, rate])
+        start = run_windows(machine, windows, self.first)
+        if start is None:
+            raise InputError("the machine diverges from the states of the log; bring the numbers to begin with nearer to it")
+        self.before = self.noise = self._spread_of(start - windows.measured)
+        self.here: _Here | None = None
+
+    def machine_at(self, u: np.ndarray) -> LayoutMachine:
+        values = from_unbounded(self.numbers, u)
+        return self.machine.with_values(dict(zip(self.numbers.paths, values.tolist(), strict=True)))
+
+    def _spread_of(self, off: np.ndarray) -> np.ndarray:
+        """Robust standard deviation of each channel, not below the sensor's own noise."""
+        least = np.array([channel.noise for channel in self.windows.channels])
+        return np.maximum(1.4826 * np.median(np.abs(off), axis=(0, 1)), least)
+
+    def follow_noise(self) -> bool:
+        """Set noise levels by the residuals; whether that changes much."""
+        assert self.here is not None
+        off = self.here.off.reshape(self.windows.measured.shape) * self.noise
+        before, self.noise = self.noise, self._spread_of(off)
+        scale = np.broadcast_to(before / self.noise, self.windows.measured.shape).reshape(len(off), -1)
+        self.here = _Here(
+            self.here.states,
+            self.here.off * scale,
+            self.here.over_numbers * scale[..., None],
+            self.here.over_states * scale[..., None],
+        )
+        return bool(np.any(np.abs(before / self.noise - 1.0) > 0.05))
+
+    def lowered(self, u: np.ndarray, watch: object) -> np.ndarray:
+        if self.here is None:
+            made = self._at(u, self.first)
+            if made is None:
+                raise InputError("runs diverge near the numbers to begin with; bring them nearer to the log")
+            self.here = made
+        self._u = u
+        found, _ = lower_loss(
+            u, self._equations(u, self.here), self._evaluate, _RULES, max_steps=_STEPS, max_attempts=3 * _STEPS, watch=watch
+        )
+        return found
+
+    def _evaluate(self, u: np.ndarray, limit: float) -> Equations | None:
+        assert self.here is not None
+        reduced = self._reduced(self.here)
+        step = from_unbounded(self.numbers, u) - from_unbounded(self.numbers, self._u)
+        states = self.here.states - reduced.own - reduced.to_numbers @ step
+        off = self._off(u, states)
+        if off is None or not self._loss(u, states, off) < limit:
+            return None
+        made = self._at(u, states, off)
+        if made is None:
+            return None
+        self.here, self._u = made, u
+        return self._equations(u, made)
+
+    def _off(self, u: np.ndarray, states: np.ndarray) -> np.ndarray | None:
+        """Residuals over noise, (n_window, m); None where the numbers or the runs are impossible."""
+        try:
+            machine = self.machine_at(u)
+        except InputError:
+            return None
+        rows = run_windows(machine, self.windows, states)
+        return None if rows is None else ((rows - self.windows.measured) / self.noise).reshape(len(rows), -1)
+
+    def _at(self, u: np.ndarray, states: np.ndarray, off: np.ndarray | None = None) -> _Here | None:
+        machine, windows = self.machine_at(u), self.windows
+        off = self._off(u, states) if off is None else off
+        if off is None:
+            return None
+        rows = off.reshape(windows.measured.shape) * self.noise + windows.measured
+        found = slopes(machine, windows, states, rows, self.numbers.paths, self.numbers.spread)
+        if found is None:
+            return None
+        flat = [(part / self.noise[:, None]).reshape(*off.shape, -1) for part in found]
+        return _Here(states, off, *flat)
+
+    def _loss(self, u: np.ndarray, states: np.ndarray, off: np.ndarray) -> float:
+        data = 2.0 * _ROBUST**2 * np.sum(np.sqrt(1.0 + (off / _ROBUST) ** 2) - 1.0)
+        prior = (from_unbounded(self.numbers, u) - self.numbers.start) / self.numbers.spread
+        begun = (states - self.first) / self.state_spread
+        return float(data + prior @ prior + np.sum(begun * begun))
+
+    def _reduced(self, here: _Here) -> _Reduced:
+        """Eliminate the states of each window."""
+        weight = 1.0 / np.sqrt(1.0 + (here.off / _ROBUST) ** 2)
+        a, b = here.over_numbers, here.over_states
+        wa, wb = a * weight[..., None], b * weight[..., None]
+        inner = np.swapaxes(b, 1, 2) @ wb + np.diag(1.0 / self.state_spread**2)
+        cross = np.swapaxes(b, 1, 2) @ wa
+        pull = np.einsum("wms,wm->ws", wb, here.off) + (here.states - self.first) / self.state_spread**2
+        scale = np.sqrt(np.einsum("wss->ws", inner))
+        solved = np.linalg.solve(
+            inner / (scale[:, :, None] * scale[:, None, :]), np.concatenate([cross, pull[..., None]], axis=2) / scale[..., None]
+        )
+        solved = solved / scale[..., None]
+        to_numbers, own = -solved[..., :-1], solved[..., -1]
+        gram = np.swapaxes(a, 1, 2) @ wa + np.swapaxes(cross, 1, 2) @ to_numbers
+        gradient = np.einsum("wmn,wm->wn", wa, here.off) - np.einsum("wsn,ws->wn", cross, own)
+        return _Reduced(gram, gradient, -to_numbers, own)
+
+    def _equations(self, u: np.ndarray, here: _Here) -> Equations:
+        reduced, spread = self._reduced(here), self.numbers.spread
+        values, own = from_unbounded(self.numbers, u), slopes_of_values(self.numbers, u)
+        gram = reduced.gram.sum(0) + np.diag(1.0 / spread**2)
+        gradient = reduced.gradient.sum(0) + (values - self.numbers.start) / spread**2
+        return Equations(own.T @ gram @ own, own.T @ gradient, self._loss(u, here.states, here.off), float(np.sum(here.off**2)))
+
+    def estimates(self, u: np.ndarray) -> Estimates:
+        """Values with a covariance from how gradients scatter from window to window."""
+        assert self.here is not None
+        reduced, spread = self._reduced(self.here), self.numbers.spread
+        seen, prior, count = reduced.gram.sum(0), np.diag(1.0 / spread**2), len(reduced.gradient)
+        scatter = reduced.gradient - reduced.gradient.mean(0)
+        scatter = scatter.T @ scatter * (count / max(1, count - 1))
+        share = len(spread) / (len(spread) + count)  # few windows say little of their scatter: then the noise alone says as much
+        inverse = np.linalg.inv(seen + prior)
+        covariance = inverse @ ((1.0 - share) * scatter + share * seen + prior) @ inverse
+        return estimates_of(self.numbers.paths, from_unbounded(self.numbers, u), covariance, spread, correlation_of(seen, spread))

@@ -1,0 +1,204 @@
+"""A log cut into windows from which a machine can be simulated: commands, what was measured, and what is known of the start.
+
+Commands drive the pilots from the beginning of a piece on, so that spools need no sensor. Positions and rates at the start of a
+window come from a parabola through the rows near it; pressures from their sensors, or from a run that leads in.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.layout.columns import circuit_keys, cross_name, function_column, kept_quantities
+from polydraulic.tables import Table
+
+LONGEST_STEP = 5e-3  # s
+LEAD = 1.0  # s of a piece before its first window: pilots have forgotten how it began
+_GAP = 1.5  # rasters
+_NEAR = 0.1  # s before and after the start of a window
+_NOISE_ROWS = 5
+
+
+class Channel(NamedTuple):
+    """A column of the log that runs are compared with.
+
+    Attributes
+    ----------
+    column : str
+    noise : float, SI
+        Standard deviation of its white noise, by the differences of neighbouring rows.
+    """
+
+    column: str
+    noise: float
+
+
+class Windows(NamedTuple):
+    """Windows of equal length.
+
+    Attributes
+    ----------
+    dt : float, s
+        Step of the simulation.
+    every : int
+        Steps for each row of the log.
+    channels : tuple of Channel
+    command : list of (n_step_of_piece, n_function) array, V
+        Of each piece, at every step and without dead time.
+    piece, first : (n_window,) array of int
+        Which piece a window lies in, and at which of its steps it begins.
+    n_step : int
+    measured : (n_window, n_row, n_channel) array
+        From the row after the start on.
+    position, rate : (n_window, n_function) array
+        At the start.
+    lead_position, lead_rate : (n_window, n_function) array
+        `LEAD` before it.
+    position_sd, rate_sd : (n_function,) array
+    p_a, p_b : (n_window, n_function) array, Pa
+        At the start, where they are measured.
+    time : (n_window,) array, s
+        Of the start.
+    """
+
+    dt: float
+    every: int
+    channels: tuple[Channel, ...]
+    command: list[np.ndarray]
+    piece: np.ndarray
+    first: np.ndarray
+    n_step: int
+    measured: np.ndarray
+    position: np.ndarray
+    rate: np.ndarray
+    lead_position: np.ndarray
+    lead_rate: np.ndarray
+    position_sd: np.ndarray
+    rate_sd: np.ndarray
+    p_a: np.ndarray | None
+    p_b: np.ndarray | None
+    time: np.ndarray
+
+
+def sensors_of(machine: LayoutMachine, table: Table) -> list[str]:
+    """Columns of a log that a run has, too, but for commands."""
+    known = [
+        function_column(machine, f.name, quantity, "").name for f in machine.functions for quantity in kept_quantities(f)
+    ]
+    known += [key for c in machine.circuits for key in circuit_keys(c, p_pump=True)]
+    known += [cross_name(x.giving) for x in machine.crossovers]
+    return [name for name in known if name in table.names]
+
+
+def cut_windows(
+    machine: LayoutMachine, table: Table, sensors: Sequence[str], *, seconds: float, most: int
+) -> Windows:
+    """Windows that follow each other, spread over the log where there are more than `most`.
+
+    Raises
+    ------
+    InputError
+        No command of a function, no position of one that moves, no piece that is long enough.
+    """
+    names = machine.names
+    joints = [function_column(machine, f, "angle", "rad").name for f in names]
+    commands = [f"{f}.voltage" for f in names]
+    missing = [name for name in ["time", *commands, *joints] if name not in table.names]
+    if missing:
+        raise InputError(f"the log has no column {missing[0]!r}: commands and positions of all functions are the least that is needed")
+    time = table["time"]
+    if len(time) < _NOISE_ROWS or np.any(np.diff(time) <= 0.0):
+        raise InputError("column 'time' does not rise from row to row; an identification needs a log as it was recorded")
+    raster = float(np.median(np.diff(time)))
+    every = max(1, int(np.ceil(raster / LONGEST_STEP - 1e-9)))
+    dt, n_row = raster / every, max(1, round(seconds / raster))
+    pieces = [_even(table, rows, raster, [*commands, *joints, *sensors]) for rows in _pieces(table, raster)]
+    lead, near = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster))
+    starts = [
+        (k, row) for k, (at, _) in enumerate(pieces) for row in range(lead + near, len(at) - n_row - 1, n_row)
+    ]
+    if not starts:
+        raise InputError(f"no piece of the log lasts {LEAD + seconds:g} s without a gap; choose shorter windows")
+    if len(starts) > most:
+        starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
+    n, channels = len(names), [Channel(name, _noise(pieces, 2 * len(names) + k)) for k, name in enumerate(sensors)]
+    fits, led = (
+        [_parabola(pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n], raster) for k, row in starts]
+        for back in (0, lead)
+    )
+    noise = np.array([_noise(pieces, n + k) for k in range(n)])
+    gain_position, gain_rate = _parabola_gain(near, raster)
+
+    def at_start(what: str) -> np.ndarray | None:
+        columns = [f"{f}.{what}" for f in names]
+        if any(c not in sensors for c in columns):
+            return None
+        places = [2 * n + list(sensors).index(c) for c in columns]
+        return np.array([pieces[k][1][row, places] for k, row in starts])
+
+    return Windows(
+        dt,
+        every,
+        tuple(channels),
+        [_steps(at, values[:, :n], raster, every) for at, values in pieces],
+        np.array([k for k, _ in starts]),
+        np.array([row * every for _, row in starts]),
+        n_row * every,
+        np.array([pieces[k][1][row + 1 : row + 1 + n_row, 2 * n :] for k, row in starts]),
+        np.array([fit[0] for fit in fits]),
+        np.array([fit[1] for fit in fits]),
+        np.array([fit[0] for fit in led]),
+        np.array([fit[1] for fit in led]),
+        noise * gain_position,
+        noise * gain_rate,
+        at_start("p_a"),
+        at_start("p_b"),
+        np.array([pieces[k][0][row] for k, row in starts]),
+    )
+
+
+def _pieces(table: Table, raster: float) -> list[np.ndarray]:
+    """Rows that follow each other without a gap."""
+    time = table["time"]
+    cuts = np.diff(time) > _GAP * raster
+    if "segment" in table.names:
+        cuts |= np.diff(table["segment"]) != 0.0
+    return np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1)
+
+
+def _even(table: Table, rows: np.ndarray, raster: float, columns: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Columns of a piece on an even raster, by straight lines between its rows."""
+    time = table["time"][rows]
+    at = time[0] + raster * np.arange(int((time[-1] - time[0]) / raster + 1e-6) + 1)
+    return at, np.column_stack([np.interp(at, time, table[name][rows]) for name in columns])
+
+
+def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np.ndarray:
+    """Commands at every step of a piece."""
+    fine = at[0] + raster / every * np.arange((len(at) - 1) * every + 1)
+    return np.column_stack([np.interp(fine, at, column) for column in command.T])
+
+
+def _noise(pieces: Sequence[tuple[np.ndarray, np.ndarray]], column: int) -> float:
+    """Standard deviation of white noise: of fourth differences, which leave nothing of a smooth signal."""
+    differences = np.concatenate([np.diff(values[:, column], n=4) for _, values in pieces])
+    size = 1.4826 * float(np.median(np.abs(differences))) / np.sqrt(70.0) if len(differences) else 0.0
+    whole = max(float(np.ptp(values[:, column])) for _, values in pieces)
+    return max(size, 1e-5 * whole, 1e-12)
+
+
+def _parabola(values: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]:
+    """Value and slope in the middle of rows, (n_column,) each."""
+    half = len(values) // 2
+    found = np.polynomial.polynomial.polyfit(raster * np.arange(-half, half + 1), values, 2)
+    return found[0], found[1]
+
+
+def _parabola_gain(half: int, raster: float) -> tuple[float, float]:
+    """Standard deviations of value and slope for white noise of one."""
+    at = raster * np.arange(-half, half + 1)
+    design = np.vander(at, 3, increasing=True)
+    covariance = np.linalg.inv(design.T @ design)
+    return float(np.sqrt(covariance[0, 0])), float(np.sqrt(covariance[1, 1]))
