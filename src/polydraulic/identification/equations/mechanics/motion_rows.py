@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.inertia import Inertial, torque_regressor
+from polydraulic.identification.equations.mechanics.inertia import Inertial, torque_regressor
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.tables import Table
 
 FRICTION = ("coulomb", "static", "viscous")
 _FILTER, _WEIGHT = 0.05, 0.08  # s, standard deviations of the filter and of the weight
@@ -157,7 +158,7 @@ def _passed(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return np.asarray(oaconvolve(values, weight[::-1].reshape(shape), mode="valid", axes=0))
 
 
-def measured_pieces(machine: LayoutMachine, table: "Table") -> list[Piece]:
+def measured_pieces(machine: LayoutMachine, table: Table) -> list[Piece]:
     """Pieces of a log with positions and pressures of all functions."""
     names = [function_column(machine, f, "angle", "rad").name for f in machine.names]
     columns = [names, [f"{f}.p_a" for f in machine.names], [f"{f}.p_b" for f in machine.names]]

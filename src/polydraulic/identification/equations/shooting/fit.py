@@ -5,17 +5,17 @@ Systems, Springer 1981). States enter their window alone, so that they are elimi
 small system over the numbers. Numbers and states have priors; rows far off count less; what each channel's noise is follows from the residuals.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.estimates import Estimates, correlation_of, estimates_of
-from polydraulic.identification.equations.shooting_runs import first_states, run_windows, slopes
-from polydraulic.identification.equations.shooting_windows import Windows, cut_windows, sensors_of
-from polydraulic.identification.equations.unbounded import (
+from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
+from polydraulic.identification.equations.shooting.runs import Driven, driven_windows, first_states, run_windows, slopes
+from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
+from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
     slopes_of_values,
@@ -29,12 +29,14 @@ from polydraulic.tables import Table
 
 SECONDS = 2.0
 MOST_WINDOWS = 128
-_PASSES = 3  # of noise levels that follow the residuals
+_LOOSER = 8.0, 3.0, 1.0, 1.0  # pass by pass: by how much noise is taken larger, so that priors hold while states are far off
 _STEPS = 6  # of the search in each
 _ROBUST = 3.0  # standard deviations
 _PRESSURE_SPREAD = 30e5, 5e6  # Pa, of pressures at the start that are measured, and that are not
 _STATE_FACTOR = 10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
 _LEAST_SPREAD = 1e-4, 1e-2  # rad or m, rad/s or m/s
+_SHARES = 1.0, 0.3, 0.0  # of a window's own step of its states that are tried
+_SETTLING = 3  # steps of the states before numbers move
 _RULES = Damping(
     largest=1e6,
     raise_by=4.0,
@@ -42,6 +44,7 @@ _RULES = Damping(
     lower=lambda share: 0.2 if share > 0.5 else (0.5 if share > 0.2 else 2.0),
     enough=1e-3,
     smallest=1e-9,
+    least_relative=1e-3,
     least_added=1e-12,
     last_steps=1,
 )
@@ -119,11 +122,10 @@ def fit_by_shooting(
     windows = cut_windows(machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most)
     search = _Search(machine, numbers, windows)
     u = to_unbounded(numbers, numbers.start)
-    for number in range(_PASSES):
-        u = search.lowered(u, lambda attempt, _, number=number: progress("identify", number * _STEPS + attempt % _STEPS, _PASSES * _STEPS))
-        if not search.follow_noise():
-            break
-    progress("identify", _PASSES * _STEPS, _PASSES * _STEPS)
+    total = len(_LOOSER) * _STEPS
+    for number, looser in enumerate(_LOOSER):
+        u = search.lowered(u, looser, lambda attempt, _, begun=number * _STEPS: progress("identify", min(begun + attempt, total), total))
+    progress("identify", total, total)
     columns = [channel.column for channel in windows.channels]
     return ShootingFit(
         search.machine_at(u),
@@ -180,38 +182,45 @@ class _Search:
         least = np.array([channel.noise for channel in self.windows.channels])
         return np.maximum(1.4826 * np.median(np.abs(off), axis=(0, 1)), least)
 
-    def follow_noise(self) -> bool:
-        """Set noise levels by the residuals; whether that changes much."""
-        assert self.here is not None
-        off = self.here.off.reshape(self.windows.measured.shape) * self.noise
-        before, self.noise = self.noise, self._spread_of(off)
-        scale = np.broadcast_to(before / self.noise, self.windows.measured.shape).reshape(len(off), -1)
-        self.here = _Here(
-            self.here.states,
-            self.here.off * scale,
-            self.here.over_numbers * scale[..., None],
-            self.here.over_states * scale[..., None],
-        )
-        return bool(np.any(np.abs(before / self.noise - 1.0) > 0.05))
-
-    def lowered(self, u: np.ndarray, watch: object) -> np.ndarray:
+    def lowered(self, u: np.ndarray, looser: float, watch: Callable[[int, float], None]) -> np.ndarray:
+        """Coordinates with less loss, where noise is `looser` times what residuals show."""
         if self.here is None:
-            made = self._at(u, self.first)
-            if made is None:
-                raise InputError("runs diverge near the numbers to begin with; bring them nearer to the log")
-            self.here = made
+            self.noise = looser * self.noise
+            self.here = self._settled(u)
+        else:
+            off = self.here.off.reshape(self.windows.measured.shape) * self.noise
+            self._scale_to(looser * self._spread_of(off))
         self._u = u
         found, _ = lower_loss(
-            u, self._equations(u, self.here), self._evaluate, _RULES, max_steps=_STEPS, max_attempts=3 * _STEPS, watch=watch
+            u, self._equations(u, self.here), self._evaluate, _RULES, max_steps=_STEPS, max_attempts=2 * _STEPS, watch=watch
         )
         return found
+
+    def _scale_to(self, noise: np.ndarray) -> None:
+        assert self.here is not None
+        scale = np.broadcast_to(self.noise / noise, self.windows.measured.shape).reshape(len(self.here.off), -1)
+        states, off, over_numbers, over_states = self.here
+        self.here = _Here(states, off * scale, over_numbers * scale[..., None], over_states * scale[..., None])
+        self.noise = noise
+
+    def _settled(self, u: np.ndarray) -> _Here:
+        """States that fit the numbers to begin with, so that numbers do not answer for them."""
+        states, off = self.first, None
+        for _ in range(_SETTLING):
+            here = self._at(u, states, off, paths=())
+            if here is None:
+                break
+            states, off = self._best_states(u, states, self._reduced(here).own)
+        made = self._at(u, states, off)
+        if made is None:
+            raise InputError("runs diverge near the numbers to begin with; bring them nearer to the log")
+        return made
 
     def _evaluate(self, u: np.ndarray, limit: float) -> Equations | None:
         assert self.here is not None
         reduced = self._reduced(self.here)
         step = from_unbounded(self.numbers, u) - from_unbounded(self.numbers, self._u)
-        states = self.here.states - reduced.own - reduced.to_numbers @ step
-        off = self._off(u, states)
+        states, off = self._best_states(u, self.here.states - reduced.to_numbers @ step, reduced.own)
         if off is None or not self._loss(u, states, off) < limit:
             return None
         made = self._at(u, states, off)
@@ -220,32 +229,58 @@ class _Search:
         self.here, self._u = made, u
         return self._equations(u, made)
 
-    def _off(self, u: np.ndarray, states: np.ndarray) -> np.ndarray | None:
-        """Residuals over noise, (n_window, m); None where the numbers or the runs are impossible."""
+    def _best_states(self, u: np.ndarray, states: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """For each window the states, along their own step, with the least loss; windows do not see each other."""
+        own = own / np.maximum(1.0, np.abs(own / self.state_spread).max(axis=1, keepdims=True))
+        best, best_off, least = states, None, np.full(len(states), np.inf)
+        machine = self._possible(u)
+        driven = None if machine is None else driven_windows(machine, self.windows)
+        for share in _SHARES:
+            there = states - share * own
+            off = None if machine is None else self._off(machine, there, driven)
+            if off is None:
+                continue
+            loss = self._window_loss(there, off)
+            better = loss < least
+            best = np.where(better[:, None], there, best)
+            best_off = off if best_off is None else np.where(better[:, None], off, best_off)
+            least = np.minimum(least, loss)
+        return best, best_off
+
+    def _possible(self, u: np.ndarray) -> LayoutMachine | None:
         try:
-            machine = self.machine_at(u)
+            return self.machine_at(u)
         except InputError:
             return None
-        rows = run_windows(machine, self.windows, states)
+
+    def _off(self, machine: LayoutMachine, states: np.ndarray, driven: Driven | None = None) -> np.ndarray | None:
+        """Residuals over noise, (n_window, m); None where runs diverge."""
+        rows = run_windows(machine, self.windows, states, driven)
         return None if rows is None else ((rows - self.windows.measured) / self.noise).reshape(len(rows), -1)
 
-    def _at(self, u: np.ndarray, states: np.ndarray, off: np.ndarray | None = None) -> _Here | None:
+    def _at(
+        self, u: np.ndarray, states: np.ndarray, off: np.ndarray | None = None, paths: Sequence[str] | None = None
+    ) -> _Here | None:
         machine, windows = self.machine_at(u), self.windows
-        off = self._off(u, states) if off is None else off
+        off = self._off(machine, states) if off is None else off
         if off is None:
             return None
         rows = off.reshape(windows.measured.shape) * self.noise + windows.measured
-        found = slopes(machine, windows, states, rows, self.numbers.paths, self.numbers.spread)
+        wanted = self.numbers.paths if paths is None else paths
+        found = slopes(machine, windows, states, rows, wanted, self.numbers.spread)
         if found is None:
             return None
-        flat = [(part / self.noise[:, None]).reshape(*off.shape, -1) for part in found]
+        flat = [(part / self.noise[:, None]).reshape(*off.shape, part.shape[-1]) for part in found]
         return _Here(states, off, *flat)
 
     def _loss(self, u: np.ndarray, states: np.ndarray, off: np.ndarray) -> float:
-        data = 2.0 * _ROBUST**2 * np.sum(np.sqrt(1.0 + (off / _ROBUST) ** 2) - 1.0)
         prior = (from_unbounded(self.numbers, u) - self.numbers.start) / self.numbers.spread
+        return float(prior @ prior + self._window_loss(states, off).sum())
+
+    def _window_loss(self, states: np.ndarray, off: np.ndarray) -> np.ndarray:
         begun = (states - self.first) / self.state_spread
-        return float(data + prior @ prior + np.sum(begun * begun))
+        data = 2.0 * _ROBUST**2 * (np.sqrt(1.0 + (off / _ROBUST) ** 2) - 1.0)
+        return np.asarray(data.sum(axis=1) + (begun * begun).sum(axis=1))
 
     def _reduced(self, here: _Here) -> _Reduced:
         """Eliminate the states of each window."""

@@ -50,7 +50,7 @@ def unbounded(machine: LayoutMachine, spreads: Mapping[str, float]) -> Unbounded
     machine : LayoutMachine
         Its numbers are the means of the priors.
     spreads : mapping from path to standard deviation, SI
-        Of the numbers that are to be found.
+        Of the numbers that are to be found; the path of a table stands for all of its numbers that are not zero.
 
     Raises
     ------
@@ -60,12 +60,15 @@ def unbounded(machine: LayoutMachine, spreads: Mapping[str, float]) -> Unbounded
     numbers = {number.path: number for number in machine.numbers}
     if not spreads:
         raise InputError("no number is free: name one at least that is to be found")
+    each = {}
     for path, spread in spreads.items():
-        if path not in numbers:
+        of_table = [number.path for number in machine.numbers if number.path.startswith(f"{path}[") and number.value != 0.0]
+        if path not in numbers and not of_table:
             raise InputError(f"free number {path!r}: the machine has no such number")
+        each |= dict.fromkeys(of_table or [path], float(spread))
         if not 0.0 < spread < np.inf:
             raise InputError(f"free number {path!r}: its spread is {spread:g}; it must be positive and finite")
-    paths = tuple(spreads)
+    paths = tuple(each)
     quantities = [numbers[path].quantity for path in paths]
     bounded = [q.low > -np.inf or q.above > -np.inf or bool(_MOMENT.fullmatch(p)) for q, p in zip(quantities, paths, strict=True)]
     sums, known = np.eye(len(paths)), np.zeros(len(paths))
@@ -82,7 +85,7 @@ def unbounded(machine: LayoutMachine, spreads: Mapping[str, float]) -> Unbounded
             places = [paths.index(path) for path in own]
             sums[np.ix_(places, places)] = 1.0 - np.eye(3)  # xx is the second moments of y and z
     start = np.array([numbers[path].value for path in paths])
-    return Unbounded(paths, start, np.array([float(s) for s in spreads.values()]), np.array(bounded), sums, known)
+    return Unbounded(paths, start, np.array(list(each.values())), np.array(bounded), sums, known)
 
 
 def to_unbounded(numbers: Unbounded, values: np.ndarray) -> np.ndarray:

@@ -12,11 +12,11 @@ from scipy.optimize import least_squares
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.base_parameters import BaseParameters, base_parameters
-from polydraulic.identification.equations.estimates import Estimates, correlation_of, estimates_of
-from polydraulic.identification.equations.inertia import inertial_values
-from polydraulic.identification.equations.motion_rows import FRICTION, MotionRows, measured_pieces, motion_rows
-from polydraulic.identification.equations.unbounded import (
+from polydraulic.identification.equations.mechanics.base_parameters import BaseParameters, base_parameters
+from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
+from polydraulic.identification.equations.mechanics.inertia import inertial_values
+from polydraulic.identification.equations.mechanics.motion_rows import FRICTION, MotionRows, measured_pieces, motion_rows
+from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
     slopes_of_values,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
-from polydraulic.identification.equations.inertia import Inertial, inertial_numbers, torque_regressor
+from polydraulic.identification.equations.mechanics.inertia import Inertial, inertial_numbers, torque_regressor
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 _ROWS, _WIDEST = 200, 3.0  # random motions that show what any motion can tell; rad or m where no stop is nearer

@@ -4,15 +4,16 @@ A machine whose number is a little different runs through all windows at once in
 one quantity, since windows do not see each other. One batch per number and per quantity gives all slopes.
 """
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.inertia import inertial_numbers, inertial_values, torque_regressor
-from polydraulic.identification.equations.motion_rows import oil_torques
-from polydraulic.identification.equations.shooting_windows import LEAD, Windows
+from polydraulic.identification.equations.mechanics.inertia import inertial_numbers, inertial_values, torque_regressor
+from polydraulic.identification.equations.mechanics.motion_rows import oil_torques
+from polydraulic.identification.equations.shooting.windows import LEAD, Windows
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.layout.columns import columns_of, function_column
@@ -20,7 +21,15 @@ from polydraulic.simulation.layout.prepare import start_from
 
 PRESSURE_STEP, POSITION_STEP, RATE_STEP = 1e4, 1e-5, 1e-4  # Pa, rad or m, rad/s or m/s
 NUMBER_STEP = 1e-3  # of a number's spread
+_DRIVES = re.compile(r"\.pilot\.|\.knots\[")  # numbers that spools follow from
 _ABOVE_RETURN = 2e5  # Pa, in the line that does not carry
+
+
+class Driven(NamedTuple):
+    """What commands do: spools where windows begin, (n_window, n_function) in m, voltages at the pilots, (n_window, n_step, n_function)."""
+
+    spool: np.ndarray
+    voltage: np.ndarray
 
 
 class Slopes(NamedTuple):
@@ -37,7 +46,9 @@ class Slopes(NamedTuple):
     states: np.ndarray
 
 
-def run_windows(machine: LayoutMachine, windows: Windows, states: np.ndarray) -> np.ndarray | None:
+def run_windows(
+    machine: LayoutMachine, windows: Windows, states: np.ndarray, driven: Driven | None = None
+) -> np.ndarray | None:
     """What sensors would read, (n_window, n_row, n_channel); None where a run diverges.
 
     Parameters
@@ -46,8 +57,10 @@ def run_windows(machine: LayoutMachine, windows: Windows, states: np.ndarray) ->
     windows : Windows
     states : (n_window, 4 n_function) array
         Pressures at A and B, positions and rates at the start.
+    driven : Driven, optional
+        Of this machine, where it is known already.
     """
-    spool, voltage = _driven(machine, windows, windows.first, windows.n_step)
+    spool, voltage = driven or driven_windows(machine, windows)
     batch = simulate_batch(
         machine,
         "exact",
@@ -101,7 +114,7 @@ def slopes(
     spread : (n,) array
         Of these numbers, a thousandth of which is the step.
     """
-    of_numbers = np.empty((*here.shape, len(paths)))
+    of_numbers, driven = np.empty((*here.shape, len(paths))), driven_windows(machine, windows)
     values = {number.path: number.value for number in machine.numbers}
     for k, path in enumerate(paths):
         step = NUMBER_STEP * float(spread[k])
@@ -111,7 +124,7 @@ def slopes(
                 other = machine.with_values({path: values[path] + way})
             except InputError:
                 continue
-            there = run_windows(other, windows, states)
+            there = run_windows(other, windows, states, None if _DRIVES.search(path) else driven)
             if there is not None:
                 of_numbers[..., k] = (there - here) / way
                 break
@@ -122,17 +135,19 @@ def slopes(
     for k, step in enumerate(np.repeat([PRESSURE_STEP, PRESSURE_STEP, POSITION_STEP, RATE_STEP], n)):
         moved = states.copy()
         moved[:, k] += step
-        there = run_windows(machine, windows, moved)
+        there = run_windows(machine, windows, moved, driven)
         if there is None:
             return None
         of_states[..., k] = (there - here) / step
     return Slopes(of_numbers, of_states)
 
 
-def _driven(
-    machine: LayoutMachine, windows: Windows, first: np.ndarray, n_step: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Spools where windows begin, (n_window, n_function), and voltages at the pilots, (n_window, n_step, n_function)."""
+def driven_windows(machine: LayoutMachine, windows: Windows) -> Driven:
+    """Spools and voltages of all windows."""
+    return _driven(machine, windows, windows.first, windows.n_step)
+
+
+def _driven(machine: LayoutMachine, windows: Windows, first: np.ndarray, n_step: int) -> Driven:
     from scipy.signal import lfilter
 
     spool = np.empty((len(first), len(machine.functions)))
@@ -150,7 +165,7 @@ def _driven(
             before = np.append(target[0], after[:-1])
             spool[mine, k] = before[first[mine]]
             voltage[mine, :, k] = late[inside[mine]]
-    return spool, voltage
+    return Driven(spool, voltage)
 
 
 def _vectors(machine: LayoutMachine, spool: np.ndarray, states: np.ndarray) -> np.ndarray:
