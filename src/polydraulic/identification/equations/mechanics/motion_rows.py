@@ -18,8 +18,8 @@ from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.tables import Table
 
 FRICTION = ("coulomb", "static", "viscous")
-_FILTER, _WEIGHT = 0.05, 0.08  # s, standard deviations of the filter and of the weight
-_FAR = 4.0  # standard deviations after which a filter ends
+_FILTER, _WEIGHT = 0.07, 0.08  # s, widths of the filter and of the weight
+_FAR = 4.0  # widths after which they end
 _NEAR_STOP = 0.02  # rad or m
 _GAP = 1.5  # rasters
 _STEP = 1e-4  # s, of the difference along a motion
@@ -73,13 +73,14 @@ def motion_rows(machine: LayoutMachine, numbers: Sequence[Inertial], pieces: Seq
 
 def _of_piece(machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece) -> MotionRows | None:
     raster = float(np.median(np.diff(piece.time))) if len(piece.time) > 1 else np.inf
-    smooth, slope = _gaussian(_FILTER, raster)
-    weight, weight_slope = _gaussian(_WEIGHT, raster)
+    smooth, slope = _gaussian(_FILTER, raster, 0.5)
+    weight, weight_slope = _gaussian(_WEIGHT, raster, 0.0)
     if len(piece.time) < 2 * (len(smooth) + len(weight)):
         return None
     position, rate = _passed(piece.position, smooth), _passed(piece.position, slope)
     oil = oil_torques(machine, piece.position, piece.p_a, piece.p_b)
-    torque, late = _passed(oil, smooth), -_passed(oil, slope)[:, :, None]
+    torque = _passed(oil, smooth)
+    late = -oil_torques(machine, position, _passed(piece.p_a, slope), _passed(piece.p_b, slope))[:, :, None]
     moments = _momentum(machine, numbers, position, rate)
     rest = _rest(machine, numbers, position, rate)
     friction = _friction(machine, rate)
@@ -140,14 +141,19 @@ def _steady(machine: LayoutMachine, piece: Piece, position: np.ndarray, rate: np
     return known
 
 
-def _gaussian(deviation: float, raster: float) -> tuple[np.ndarray, np.ndarray]:
-    """A smooth weight over samples, and what gives the derivative of what it smooths."""
-    half = max(2, int(np.ceil(_FAR * deviation / raster)))
+def _gaussian(width: float, raster: float, flat: float) -> tuple[np.ndarray, np.ndarray]:
+    """A smooth weight over samples, and what gives the derivative of what it smooths.
+
+    With `flat` of one half it passes cubics as they are (the kernel of fourth order): what is made of filtered positions is then what it would
+    be of filtered torques, though not linear.
+    """
+    half = max(2, int(np.ceil(_FAR * width / raster)))
     at = np.arange(-half, half + 1) * raster
-    weight = np.exp(-0.5 * (at / deviation) ** 2)
-    weight /= weight.sum()
-    slope = weight * at
-    return weight, slope / (slope @ at)
+    square = (at / width) ** 2
+    bell = np.exp(-0.5 * square)
+    weight = bell * (1.0 + flat * (1.0 - square))
+    slope = at * bell * (1.0 + flat * (3.0 - square))
+    return weight / weight.sum(), slope / (slope @ at)
 
 
 def _passed(values: np.ndarray, weight: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ small system over the numbers. Numbers and states have priors; rows far off coun
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -29,8 +30,7 @@ from polydraulic.tables import Table
 
 SECONDS = 2.0
 MOST_WINDOWS = 128
-_LOOSER = 8.0, 3.0, 1.0, 1.0  # pass by pass: by how much noise is taken larger, so that priors hold while states are far off
-_STEPS = 6  # of the search in each
+_PASSES = (8.0, 4), (3.0, 4), (1.0, 5), (1.0, 12)  # how much larger noise is taken, so that priors hold while states are far off; steps at most
 _ROBUST = 3.0  # standard deviations
 _PRESSURE_SPREAD = 30e5, 5e6  # Pa, of pressures at the start that are measured, and that are not
 _STATE_FACTOR = 10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
@@ -42,7 +42,7 @@ _RULES = Damping(
     raise_by=4.0,
     raise_more=2.0,
     lower=lambda share: 0.2 if share > 0.5 else (0.5 if share > 0.2 else 2.0),
-    enough=1e-3,
+    enough=3e-4,
     smallest=1e-9,
     least_relative=1e-3,
     least_added=1e-12,
@@ -122,9 +122,10 @@ def fit_by_shooting(
     windows = cut_windows(machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most)
     search = _Search(machine, numbers, windows)
     u = to_unbounded(numbers, numbers.start)
-    total = len(_LOOSER) * _STEPS
-    for number, looser in enumerate(_LOOSER):
-        u = search.lowered(u, looser, lambda attempt, _, begun=number * _STEPS: progress("identify", min(begun + attempt, total), total))
+    total, done = sum(steps for _, steps in _PASSES), 0
+    for looser, steps in _PASSES:
+        u = search.lowered(u, looser, steps, partial(_told, progress, done, done + steps, total))
+        done += steps
     progress("identify", total, total)
     columns = [channel.column for channel in windows.channels]
     return ShootingFit(
@@ -135,6 +136,10 @@ def fit_by_shooting(
         len(windows.first),
         seconds,
     )
+
+
+def _told(progress: Progress, begun: int, end: int, total: int, attempt: int, loss: float) -> None:
+    progress("identify", min(begun + attempt, end), total)
 
 
 class _Here(NamedTuple):
@@ -182,7 +187,7 @@ class _Search:
         least = np.array([channel.noise for channel in self.windows.channels])
         return np.maximum(1.4826 * np.median(np.abs(off), axis=(0, 1)), least)
 
-    def lowered(self, u: np.ndarray, looser: float, watch: Callable[[int, float], None]) -> np.ndarray:
+    def lowered(self, u: np.ndarray, looser: float, steps: int, watch: Callable[[int, float], None]) -> np.ndarray:
         """Coordinates with less loss, where noise is `looser` times what residuals show."""
         if self.here is None:
             self.noise = looser * self.noise
@@ -192,7 +197,7 @@ class _Search:
             self._scale_to(looser * self._spread_of(off))
         self._u = u
         found, _ = lower_loss(
-            u, self._equations(u, self.here), self._evaluate, _RULES, max_steps=_STEPS, max_attempts=2 * _STEPS, watch=watch
+            u, self._equations(u, self.here), self._evaluate, _RULES, max_steps=steps, max_attempts=2 * steps, watch=watch
         )
         return found
 
