@@ -6,8 +6,8 @@
 import argparse
 
 import numpy as np
-from identify_sensors import JOINTS, begun, log_of
 
+from identify_sensors import JOINTS, begun, log_of
 from polydraulic import load_machine
 from polydraulic.identification.equations.shooting.fit import fit_by_shooting
 from polydraulic.identification.equations.shooting.windows import sensors_of

@@ -17,14 +17,22 @@ from polydraulic.identification.equations.shooting.fit import fit_by_shooting
 from polydraulic.identification.equations.shooting.windows import sensors_of
 from polydraulic.tables import Table
 
-NOISE = {"angle": np.radians(0.03), "position": 1e-3, "p_a": 1e5, "p_b": 1e5, "spool": 4e-5, "q_in": 8e-6, "q_out": 8e-6}
+NOISE = {
+    "angle": np.radians(0.03),
+    "position": 1e-3,
+    "p_a": 1e5,
+    "p_b": 1e5,
+    "spool": 4e-5,
+    "q_in": 8e-6,
+    "q_out": 8e-6,
+}
 JOINTS = ("angle", "position")
 SETS = {
-    "all sensors": tuple(NOISE),
-    "no flows": (*JOINTS, "p_a", "p_b", "spool"),
+    "commands and angles alone": JOINTS,
     "no flows, no spools": (*JOINTS, "p_a", "p_b"),
     "no flows, no pressures": (*JOINTS, "spool"),
-    "commands and angles alone": JOINTS,
+    "no flows": (*JOINTS, "p_a", "p_b", "spool"),
+    "all sensors": tuple(NOISE),
 }
 FREE = ("pilot.gain", "pilot.time_constant", "pump.flow", "friction.coulomb", "friction.static", "friction.viscous")
 GROUPS = ("gain", "time_constant", "flow", "coulomb", "viscous", "mass")
@@ -79,7 +87,10 @@ def mechanics(name, seed):
     )
     for kind in ("coulomb", "viscous"):
         own = [abs(e.value / truth[e.path] - 1.0) for e in fit.estimates.numbers if e.path.endswith(kind)]
-        print(f"  {kind} friction off by {100 * np.median(own):.2f} % (median), {100 * np.max(own):.1f} % (largest)", flush=True)
+        print(
+            f"  {kind} friction off by {100 * np.median(own):.2f} % (median), {100 * np.max(own):.1f} % (largest)",
+            flush=True,
+        )
 
 
 def sensors(name, seed):
@@ -87,7 +98,9 @@ def sensors(name, seed):
     paths = [n.path for n in machine.numbers if n.path.endswith(FREE)] + [f"links.{machine.tip[0]}.mass"]
     prior, spreads, truth = begun(machine, paths, np.random.default_rng(seed))
     log = log_of(machine, seed, 67.0)
-    print(f"{name}: {len(paths)} numbers that begin {100 * OFF:.0f} % off, through simulation of 64 windows of 1 s; largest error in % by kind")
+    print(
+        f"{name}: {len(paths)} numbers that begin {100 * OFF:.0f} % off, through simulation of 64 windows of 1 s; largest error in % by kind"
+    )
     print(f"  {'sensors':28s}" + "".join(f"{group:>15s}" for group in GROUPS) + f"{'determined':>12s}{'s':>6s}")
     for title, kinds in SETS.items():
         columns = [column for column in sensors_of(machine, log) if column.split(".")[-1] in kinds]
@@ -96,10 +109,14 @@ def sensors(name, seed):
         seconds = time.perf_counter() - began
         numbers = fit.estimates.numbers
         worst = [
-            max(100 * abs(e.value / truth[e.path] - 1.0) for e in numbers if e.path.endswith(f".{group}")) for group in GROUPS
+            max(100 * abs(e.value / truth[e.path] - 1.0) for e in numbers if e.path.endswith(f".{group}"))
+            for group in GROUPS
         ]
         known = sum(e.determined for e in numbers)
-        print(f"  {title:28s}" + "".join(f"{w:15.2f}" for w in worst) + f"{known:9d}/{len(numbers)}{seconds:6.0f}", flush=True)
+        print(
+            f"  {title:28s}" + "".join(f"{w:15.2f}" for w in worst) + f"{known:9d}/{len(numbers)}{seconds:6.0f}",
+            flush=True,
+        )
 
 
 def main():

@@ -31,6 +31,10 @@ def test_what_no_motion_shows_is_in_no_base_parameter():
 def test_dependent_columns_are_added_to_those_that_are_kept():
     rng = np.random.default_rng(2)
     a, b = rng.normal(size=(2, 50))
-    base = combined([Inertial("a", "mass"), Inertial("b", "mass"), Inertial("c", "mass")], np.column_stack([a, b, 2.0 * b]))
+    base = combined(
+        [Inertial("a", "mass"), Inertial("b", "mass"), Inertial("c", "mass")], np.column_stack([a, b, 2.0 * b])
+    )
     assert len(base.texts) == 2
-    assert np.allclose(base.combine @ [1.0, 1.0, 1.0], [1.0, 1.5]) or np.allclose(base.combine @ [1.0, 1.0, 1.0], [1.0, 3.0])
+    assert np.allclose(base.combine @ [1.0, 1.0, 1.0], [1.0, 1.5]) or np.allclose(
+        base.combine @ [1.0, 1.0, 1.0], [1.0, 3.0]
+    )

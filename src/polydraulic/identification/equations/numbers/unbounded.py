@@ -62,7 +62,9 @@ def unbounded(machine: LayoutMachine, spreads: Mapping[str, float]) -> Unbounded
         raise InputError("no number is free: name one at least that is to be found")
     each = {}
     for path, spread in spreads.items():
-        of_table = [number.path for number in machine.numbers if number.path.startswith(f"{path}[") and number.value != 0.0]
+        of_table = [
+            number.path for number in machine.numbers if number.path.startswith(f"{path}[") and number.value != 0.0
+        ]
         if path not in numbers and not of_table:
             raise InputError(f"free number {path!r}: the machine has no such number")
         each |= dict.fromkeys(of_table or [path], float(spread))
@@ -70,7 +72,10 @@ def unbounded(machine: LayoutMachine, spreads: Mapping[str, float]) -> Unbounded
             raise InputError(f"free number {path!r}: its spread is {spread:g}; it must be positive and finite")
     paths = tuple(each)
     quantities = [numbers[path].quantity for path in paths]
-    bounded = [q.low > -np.inf or q.above > -np.inf or bool(_MOMENT.fullmatch(p)) for q, p in zip(quantities, paths, strict=True)]
+    bounded = [
+        q.low > -np.inf or q.above > -np.inf or bool(_MOMENT.fullmatch(p))
+        for q, p in zip(quantities, paths, strict=True)
+    ]
     sums, known = np.eye(len(paths)), np.zeros(len(paths))
     for k in _neighbours_first(paths):
         under = _under(paths[k])

@@ -14,8 +14,6 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
-from polydraulic.identification.equations.shooting.runs import Driven, driven_windows, first_states, run_windows, slopes
-from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
@@ -23,6 +21,8 @@ from polydraulic.identification.equations.numbers.unbounded import (
     to_unbounded,
     unbounded,
 )
+from polydraulic.identification.equations.shooting.runs import Driven, driven_windows, first_states, run_windows, slopes
+from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
 from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
@@ -30,10 +30,17 @@ from polydraulic.tables import Table
 
 SECONDS = 2.0
 MOST_WINDOWS = 128
-_PASSES = (8.0, 4), (3.0, 4), (1.0, 5), (1.0, 12)  # how much larger noise is taken, so that priors hold while states are far off; steps at most
+_PASSES = (
+    (8.0, 4),
+    (3.0, 4),
+    (1.0, 5),
+    (1.0, 12),
+)  # how much larger noise is taken, so that priors hold while states are far off; steps at most
 _ROBUST = 3.0  # standard deviations
 _PRESSURE_SPREAD = 30e5, 5e6  # Pa, of pressures at the start that are measured, and that are not
-_STATE_FACTOR = 10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
+_STATE_FACTOR = (
+    10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
+)
 _LEAST_SPREAD = 1e-4, 1e-2  # rad or m, rad/s or m/s
 _SHARES = 1.0, 0.3, 0.0  # of a window's own step of its states that are tried
 _SETTLING = 3  # steps of the states before numbers move
@@ -118,8 +125,12 @@ def fit_by_shooting(
     known = sensors_of(machine, table)
     unknown = [name for name in sensors or () if name not in known]
     if unknown:
-        raise InputError(f"{source}: sensor {unknown[0]!r} is no column that both the log and a run have; there are {', '.join(known)}")
-    windows = cut_windows(machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most)
+        raise InputError(
+            f"{source}: sensor {unknown[0]!r} is no column that both the log and a run have; there are {', '.join(known)}"
+        )
+    windows = cut_windows(
+        machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most
+    )
     search = _Search(machine, numbers, windows)
     u = to_unbounded(numbers, numbers.start)
     total, done = sum(steps for _, steps in _PASSES), 0
@@ -174,7 +185,9 @@ class _Search:
         self.state_spread = np.concatenate([pressure, position, rate])
         start = run_windows(machine, windows, self.first)
         if start is None:
-            raise InputError("the machine diverges from the states of the log; bring the numbers to begin with nearer to it")
+            raise InputError(
+                "the machine diverges from the states of the log; bring the numbers to begin with nearer to it"
+            )
         self.before = self.noise = self._spread_of(start - windows.measured)
         self.here: _Here | None = None
 
@@ -197,7 +210,13 @@ class _Search:
             self._scale_to(looser * self._spread_of(off))
         self._u = u
         found, _ = lower_loss(
-            u, self._equations(u, self.here), self._evaluate, _RULES, max_steps=steps, max_attempts=2 * steps, watch=watch
+            u,
+            self._equations(u, self.here),
+            self._evaluate,
+            _RULES,
+            max_steps=steps,
+            max_attempts=2 * steps,
+            watch=watch,
         )
         return found
 
@@ -297,7 +316,8 @@ class _Search:
         pull = np.einsum("wms,wm->ws", wb, here.off) + (here.states - self.first) / self.state_spread**2
         scale = np.sqrt(np.einsum("wss->ws", inner))
         solved = np.linalg.solve(
-            inner / (scale[:, :, None] * scale[:, None, :]), np.concatenate([cross, pull[..., None]], axis=2) / scale[..., None]
+            inner / (scale[:, :, None] * scale[:, None, :]),
+            np.concatenate([cross, pull[..., None]], axis=2) / scale[..., None],
         )
         solved = solved / scale[..., None]
         to_numbers, own = -solved[..., :-1], solved[..., -1]
@@ -310,7 +330,9 @@ class _Search:
         values, own = from_unbounded(self.numbers, u), slopes_of_values(self.numbers, u)
         gram = reduced.gram.sum(0) + np.diag(1.0 / spread**2)
         gradient = reduced.gradient.sum(0) + (values - self.numbers.start) / spread**2
-        return Equations(own.T @ gram @ own, own.T @ gradient, self._loss(u, here.states, here.off), float(np.sum(here.off**2)))
+        return Equations(
+            own.T @ gram @ own, own.T @ gradient, self._loss(u, here.states, here.off), float(np.sum(here.off**2))
+        )
 
     def estimates(self, u: np.ndarray) -> Estimates:
         """Values with a covariance from how gradients scatter from window to window."""
@@ -319,7 +341,11 @@ class _Search:
         seen, prior, count = reduced.gram.sum(0), np.diag(1.0 / spread**2), len(reduced.gradient)
         scatter = reduced.gradient - reduced.gradient.mean(0)
         scatter = scatter.T @ scatter * (count / max(1, count - 1))
-        share = len(spread) / (len(spread) + count)  # few windows say little of their scatter: then the noise alone says as much
+        share = len(spread) / (
+            len(spread) + count
+        )  # few windows say little of their scatter: then the noise alone says as much
         inverse = np.linalg.inv(seen + prior)
         covariance = inverse @ ((1.0 - share) * scatter + share * seen + prior) @ inverse
-        return estimates_of(self.numbers.paths, from_unbounded(self.numbers, u), covariance, spread, correlation_of(seen, spread))
+        return estimates_of(
+            self.numbers.paths, from_unbounded(self.numbers, u), covariance, spread, correlation_of(seen, spread)
+        )

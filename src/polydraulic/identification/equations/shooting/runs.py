@@ -100,7 +100,12 @@ def first_states(machine: LayoutMachine, windows: Windows) -> np.ndarray:
 
 
 def slopes(
-    machine: LayoutMachine, windows: Windows, states: np.ndarray, here: np.ndarray, paths: Sequence[str], spread: np.ndarray
+    machine: LayoutMachine,
+    windows: Windows,
+    states: np.ndarray,
+    here: np.ndarray,
+    paths: Sequence[str],
+    spread: np.ndarray,
 ) -> Slopes | None:
     """Slopes by differences, one batch for each number and each quantity of the start; None where a run diverges.
 
@@ -184,7 +189,9 @@ def _vectors(machine: LayoutMachine, spool: np.ndarray, states: np.ndarray) -> n
 def _resting(machine: LayoutMachine, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pressures at A and B that carry the weight of joints at rest, (n_window, n_function) each."""
     numbers, zero = inertial_numbers(machine), np.zeros_like(position)
-    weight = torque_regressor(machine, numbers, position, zero, zero, machine.gravity) @ inertial_values(machine, numbers)
+    weight = torque_regressor(machine, numbers, position, zero, zero, machine.gravity) @ inertial_values(
+        machine, numbers
+    )
     lever_a = oil_torques(machine, position, zero + 1.0, zero)
     lever_b = -oil_torques(machine, position, zero, zero + 1.0)
     low = machine.tank.return_pressure + _ABOVE_RETURN

@@ -85,16 +85,16 @@ class Windows(NamedTuple):
 def sensors_of(machine: LayoutMachine, table: Table) -> list[str]:
     """Columns of a log that a run has, too, but for commands."""
     known = [
-        function_column(machine, f.name, quantity, "").name for f in machine.functions for quantity in kept_quantities(f)
+        function_column(machine, f.name, quantity, "").name
+        for f in machine.functions
+        for quantity in kept_quantities(f)
     ]
     known += [key for c in machine.circuits for key in circuit_keys(c, p_pump=True)]
     known += [cross_name(x.giving) for x in machine.crossovers]
     return [name for name in known if name in table.names]
 
 
-def cut_windows(
-    machine: LayoutMachine, table: Table, sensors: Sequence[str], *, seconds: float, most: int
-) -> Windows:
+def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *, seconds: float, most: int) -> Windows:
     """Windows that follow each other, spread over the log where there are more than `most`.
 
     Raises
@@ -107,18 +107,20 @@ def cut_windows(
     commands = [f"{f}.voltage" for f in names]
     missing = [name for name in ["time", *commands, *joints] if name not in table.names]
     if missing:
-        raise InputError(f"the log has no column {missing[0]!r}: commands and positions of all functions are the least that is needed")
+        raise InputError(
+            f"the log has no column {missing[0]!r}: commands and positions of all functions are the least that is needed"
+        )
     time = table["time"]
     if len(time) < _NOISE_ROWS or np.any(np.diff(time) <= 0.0):
-        raise InputError("column 'time' does not rise from row to row; an identification needs a log as it was recorded")
+        raise InputError(
+            "column 'time' does not rise from row to row; an identification needs a log as it was recorded"
+        )
     raster = float(np.median(np.diff(time)))
     every = max(1, int(np.ceil(raster / LONGEST_STEP - 1e-9)))
     dt, n_row = raster / every, max(1, round(seconds / raster))
     pieces = [_even(table, rows, raster, [*commands, *joints, *sensors]) for rows in _pieces(table, raster)]
     lead, near = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster))
-    starts = [
-        (k, row) for k, (at, _) in enumerate(pieces) for row in range(lead + near, len(at) - n_row - 1, n_row)
-    ]
+    starts = [(k, row) for k, (at, _) in enumerate(pieces) for row in range(lead + near, len(at) - n_row - 1, n_row)]
     if not starts:
         raise InputError(f"no piece of the log lasts {LEAD + seconds:g} s without a gap; choose shorter windows")
     if len(starts) > most:
@@ -176,9 +178,11 @@ def _even(table: Table, rows: np.ndarray, raster: float, columns: Sequence[str])
 
 
 def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np.ndarray:
-    """Commands at every step of a piece."""
+    """Commands at every step of a piece: cubics that are monotone between its rows, since straight lines cut the corners of a hand."""
+    from scipy.interpolate import PchipInterpolator
+
     fine = at[0] + raster / every * np.arange((len(at) - 1) * every + 1)
-    return np.column_stack([np.interp(fine, at, column) for column in command.T])
+    return np.asarray(PchipInterpolator(at, command)(np.minimum(fine, at[-1])))
 
 
 def _noise(pieces: Sequence[tuple[np.ndarray, np.ndarray]], column: int) -> float:

@@ -1,0 +1,69 @@
+"""Numbers of a machine come back from logs that lack most sensors."""
+
+import numpy as np
+import pytest
+
+from helpers.operator_log import operator_log
+from polydraulic import load_machine
+from polydraulic.errors import InputError
+from polydraulic.identification.equations.shooting.fit import fit_by_shooting
+from polydraulic.identification.equations.shooting.runs import joint_columns
+
+NAME = "loader_crane"
+FEW = {"functions.outer.pilot.gain": 1.15, "functions.outer.pilot.time_constant": 0.85, "links.grapple.mass": 1.2}
+
+
+def begun(machine, factors):
+    truth = {number.path: number.value for number in machine.numbers}
+    values = {path: factor * truth[path] for path, factor in factors.items()}
+    return machine.with_values(values), {path: 0.2 * truth[path] for path in factors}, truth
+
+
+def test_pilot_and_payload_from_commands_and_angles_alone():
+    machine = load_machine(NAME)
+    prior, spreads, truth = begun(machine, FEW)
+    told = []
+    fit = fit_by_shooting(
+        operator_log(NAME),
+        prior,
+        spreads,
+        sensors=joint_columns(machine),
+        seconds=1.0,
+        most=16,
+        progress=lambda *args: told.append(args),
+    )
+    for path in FEW:
+        number = fit.estimates.of(path)
+        assert number.determined
+        assert number.value == pytest.approx(truth[path], rel=0.02)
+        assert abs(number.value - truth[path]) < 5.0 * number.sd
+        assert dict((n.path, n.value) for n in fit.machine.numbers)[path] == number.value
+    assert fit.noise["outer.angle"] == pytest.approx(5e-4, rel=0.3)
+    assert fit.before["outer.angle"] > 2.0 * fit.noise["outer.angle"]
+    assert told[-1][1] == told[-1][2]
+    assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
+
+
+def test_an_unknown_sensor_and_an_unknown_number_are_refused():
+    machine = load_machine(NAME)
+    with pytest.raises(InputError, match="sensor 'outer.flow' is no column"):
+        fit_by_shooting(operator_log(NAME), machine, {"links.grapple.mass": 50.0}, sensors=["outer.flow"])
+    with pytest.raises(InputError, match="'links.grapple.weight': the machine has no such number"):
+        fit_by_shooting(operator_log(NAME), machine, {"links.grapple.weight": 50.0})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["loader_crane", "cat215b_bucket"])
+def test_pilots_pumps_and_friction_from_two_minutes(name):
+    machine, rng = load_machine(name), np.random.default_rng(2)
+    ends = ("pilot.gain", "pilot.time_constant", "pump.flow", "friction.coulomb", "friction.viscous")
+    factors = {n.path: float(np.exp(0.15 * rng.normal())) for n in machine.numbers if n.path.endswith(ends)}
+    for f in machine.names:
+        coulomb = f"functions.{f}.friction.coulomb"
+        factors[coulomb.replace("coulomb", "static")] = max(1.0, factors[coulomb])
+    prior, spreads, truth = begun(machine, factors)
+    log = operator_log(name, seconds=130.0, seed=8)
+    fit = fit_by_shooting(log, prior, spreads, sensors=joint_columns(machine), most=64)
+    for number in fit.estimates.numbers:
+        allowed = 0.01 if number.path.endswith(ends[:3]) else 0.15
+        assert number.value == pytest.approx(truth[number.path], rel=allowed), number.path

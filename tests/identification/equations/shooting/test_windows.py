@@ -1,0 +1,84 @@
+"""Logs cut into windows."""
+
+import numpy as np
+import pytest
+
+from helpers.machine_motion import motion_log
+from polydraulic import load_machine
+from polydraulic.errors import InputError
+from polydraulic.identification.equations.shooting.windows import LEAD, cut_windows, sensors_of
+from polydraulic.tables import Table
+
+NAME = "loader_crane"
+
+
+def commanded(seconds=20.0, noise=0.0):
+    machine = load_machine(NAME)
+    log = motion_log(machine, seconds=seconds, noise=noise)
+    volts = {f"{f}.voltage": 0.5 * np.sin(log["time"] + k) for k, f in enumerate(machine.names)}
+    return machine, Table({**log.columns, **volts}, log.units | dict.fromkeys(volts, "V"))
+
+
+def test_windows_follow_each_other_and_begin_after_the_lead():
+    machine, log = commanded()
+    windows = cut_windows(machine, log, ["slew.angle", "outer.p_a"], seconds=2.0, most=100)
+    assert windows.dt == pytest.approx(5e-3)
+    assert windows.every == 4
+    assert windows.n_step == 400
+    assert np.allclose(np.diff(windows.time), 2.0)
+    assert windows.time[0] >= LEAD
+    assert windows.measured.shape == (len(windows.time), 100, 2)
+    row = round(windows.time[3] / 0.02)
+    assert np.allclose(windows.measured[3, :, 0], log["slew.angle"][row + 1 : row + 101])
+    assert windows.p_a is None  # not of every function
+    assert np.allclose(windows.position[3, 0], log["slew.angle"][row], atol=1e-3)
+    rate = np.gradient(log["slew.angle"], 0.02)
+    assert np.allclose(windows.rate[3, 0], rate[row], atol=1e-2)
+
+
+def test_few_windows_are_spread_over_the_log():
+    machine, log = commanded(seconds=60.0)
+    windows = cut_windows(machine, log, ["slew.angle"], seconds=1.0, most=5)
+    assert len(windows.time) == 5
+    assert windows.time[-1] - windows.time[0] > 50.0
+
+
+def test_no_window_crosses_a_gap():
+    machine, log = commanded()
+    kept = (log["time"] < 7.0) | (log["time"] > 9.0)
+    windows = cut_windows(
+        machine, Table({n: v[kept] for n, v in log.columns.items()}, log.units), ["slew.angle"], seconds=2.0, most=50
+    )
+    for begin in windows.time:
+        assert begin + 2.0 <= 7.0 or begin >= 9.0 + LEAD
+    assert len(windows.command) == 2
+
+
+def test_noise_is_what_differences_show():
+    machine, log = commanded(noise=1.0)
+    windows = cut_windows(machine, log, ["outer.angle", "outer.p_a"], seconds=2.0, most=50)
+    assert [c.noise for c in windows.channels] == pytest.approx([5e-4, 1e5], rel=0.15)
+
+
+def test_sensors_are_what_log_and_runs_share():
+    machine, log = commanded()
+    more = Table({**log.columns, "weather": log["time"]}, log.units)
+    assert sensors_of(machine, more) == sensors_of(machine, log)
+    assert "reach.position" in sensors_of(machine, log)
+    assert "slew.voltage" not in sensors_of(machine, log)
+
+
+@pytest.mark.parametrize(
+    ("without", "said"), [("slew.voltage", "slew.voltage"), ("reach.position", "reach.position"), ("time", "time")]
+)
+def test_commands_and_positions_are_the_least(without, said):
+    machine, log = commanded(seconds=5.0)
+    table = Table({n: v for n, v in log.columns.items() if n != without}, log.units)
+    with pytest.raises(InputError, match=f"no column '{said}'"):
+        cut_windows(machine, table, ["slew.angle"], seconds=2.0, most=50)
+
+
+def test_a_short_log_is_refused():
+    machine, log = commanded(seconds=2.0)
+    with pytest.raises(InputError, match="no piece of the log lasts 3 s without a gap"):
+        cut_windows(machine, log, ["slew.angle"], seconds=2.0, most=50)
