@@ -8,7 +8,6 @@ from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.inertia import inertial_numbers, inertial_values
 from polydraulic.identification.equations.mechanics.motion_rows import FRICTION, measured_pieces, motion_rows
-from polydraulic.tables import Table
 
 
 def truth_of(machine, late):
@@ -26,16 +25,6 @@ def test_rows_hold_with_the_true_numbers(late):
     assert share.max() < 4e-3  # the filter acts on what is not linear, too
     without = np.where(rows.known, rows.regressor @ truth_of(machine, 0.0) - rows.torque, 0.0)
     assert late == 0.0 or np.abs(without).max() > 3.0 * np.abs(off).max()
-
-
-def test_a_gap_and_a_new_segment_end_a_piece():
-    machine = load_machine("loader_crane")
-    log = motion_log(machine, seconds=10.0)
-    segment = np.where(log["time"] < 3.0, 0.0, 1.0)
-    cut = (log["time"] < 6.0) | (log["time"] > 6.5)
-    table = Table({n: v[cut] for n, v in {**log.columns, "segment": segment}.items()}, log.units)
-    pieces = measured_pieces(machine, table)
-    assert [round(float(p.time[-1] - p.time[0]), 1) for p in pieces] == [3.0, 3.0, 3.5]
 
 
 def test_a_log_of_scraps_is_refused():

@@ -5,7 +5,7 @@ import pytest
 
 from helpers.operator_log import operator_log
 from polydraulic import load_machine
-from polydraulic.identification.equations.shooting.runs import first_states, joint_columns, run_windows, slopes
+from polydraulic.identification.equations.shooting.runs import first_states, joint_columns, shoot, window_slopes
 from polydraulic.identification.equations.shooting.windows import cut_windows
 
 NAME = "loader_crane"
@@ -23,7 +23,7 @@ def true_states(machine, log, windows):
 def test_the_true_machine_from_its_true_states_gives_the_log():
     machine, log = load_machine(NAME), operator_log(NAME, noise=0.0)
     windows = cut_windows(machine, log, [*joint_columns(machine), "outer.p_a", "outer.spool"], seconds=1.0, most=8)
-    rows = run_windows(machine, windows, true_states(machine, log, windows))
+    rows = shoot(machine, windows, true_states(machine, log, windows))
     assert rows is not None
     scale = np.ptp(windows.measured, axis=(0, 1))
     # commands between rows are cubics, the operator's are not quite
@@ -43,11 +43,11 @@ def test_slopes_are_those_of_central_differences():
     machine, log = load_machine(NAME), operator_log(NAME, noise=0.0)
     windows = cut_windows(machine, log, joint_columns(machine), seconds=1.0, most=8)
     states = true_states(machine, log, windows)
-    here = run_windows(machine, windows, states)
+    here = shoot(machine, windows, states)
     path = "functions.outer.pilot.gain"
     value = machine.function("outer").pilot.gain
-    found = slopes(machine, windows, states, here, [path], np.array([0.1 * value]))
-    ahead, behind = (run_windows(machine.with_values({path: value * f}), windows, states) for f in (1.0005, 0.9995))
+    found = window_slopes(machine, windows, states, here, [path], np.array([0.1 * value]))
+    ahead, behind = (shoot(machine.with_values({path: value * f}), windows, states) for f in (1.0005, 0.9995))
     central = (ahead - behind) / (1e-3 * value)
     assert found.numbers.shape == (*here.shape, 1)
     assert np.median(np.abs(found.numbers[..., 0] - central)) < 1e-3 * np.abs(central).max()

@@ -82,3 +82,11 @@ def test_a_short_log_is_refused():
     machine, log = commanded(seconds=2.0)
     with pytest.raises(InputError, match="no piece of the log lasts 3 s without a gap"):
         cut_windows(machine, log, ["slew.angle"], seconds=2.0, most=50)
+
+
+def test_another_unit_is_refused():
+    machine, log = commanded(seconds=5.0)
+    with pytest.raises(InputError, match=r"column 'slew.angle' is in 'deg'.*in 'rad'"):
+        cut_windows(
+            machine, Table(log.columns, {**log.units, "slew.angle": "deg"}), ["slew.angle"], seconds=2.0, most=50
+        )

@@ -14,6 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.mechanics.base_parameters import BaseParameters, base_parameters
 from polydraulic.identification.equations.mechanics.inertia import inertial_values
+from polydraulic.identification.equations.mechanics.log_pieces import in_si
 from polydraulic.identification.equations.mechanics.motion_rows import (
     FRICTION,
     MotionRows,
@@ -29,7 +30,7 @@ from polydraulic.identification.equations.numbers.unbounded import (
     unbounded,
 )
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import function_column
+from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.tables import Table
 
 _PASSES = 8  # of weights that follow the residuals
@@ -130,6 +131,7 @@ def fit_mechanics(
         raise InputError(
             f"{source}: no column {missing[0]!r}; masses are identified from positions and both pressures of every function"
         )
+    in_si(table, {column.name: column.unit for column in columns_of(machine).columns} | {"time": "s"})
     numbers = unbounded(machine, mechanical_spreads(machine) if spreads is None else spreads)
     base = base_parameters(machine)
     rows = motion_rows(machine, base.numbers, measured_pieces(machine, table))

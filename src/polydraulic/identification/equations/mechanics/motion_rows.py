@@ -12,6 +12,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.inertia import Inertial, torque_regressor
+from polydraulic.identification.equations.mechanics.log_pieces import even_pieces
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, function_column
 from polydraulic.simulation.layout.prepare import prepare_layout
@@ -21,7 +22,6 @@ FRICTION = ("coulomb", "static", "viscous")
 _FILTER, _WEIGHT = 0.07, 0.08  # s, widths of the filter and of the weight
 _FAR = 4.0  # widths after which they end
 _NEAR_STOP = 0.02  # rad or m
-_GAP = 1.5  # rasters
 _STEP = 1e-4  # s, of the difference along a motion
 _TURNS = 2.0  # Stribeck rates, below which friction is not told from its smoothing
 
@@ -167,16 +167,5 @@ def _passed(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
 def measured_pieces(machine: LayoutMachine, table: Table) -> list[Piece]:
     """Pieces of a log with positions and pressures of all functions."""
     names = [function_column(machine, f, "angle", "rad").name for f in machine.names]
-    columns = [names, [f"{f}.p_a" for f in machine.names], [f"{f}.p_b" for f in machine.names]]
-    time = table["time"]
-    raster = float(np.median(np.diff(time)))
-    cuts = np.diff(time) > _GAP * raster
-    if "segment" in table.names:
-        cuts |= np.diff(table["segment"]) != 0.0
-    found = []
-    for rows in np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1):
-        if len(rows) > 1:
-            at = time[rows[0]] + raster * np.arange(int((time[rows[-1]] - time[rows[0]]) / raster + 1e-6) + 1)
-            parts = [np.column_stack([np.interp(at, time[rows], table[c][rows]) for c in of]) for of in columns]
-            found.append(Piece(at, *parts))
-    return found
+    columns = [*names, *(f"{f}.{p}" for p in ("p_a", "p_b") for f in machine.names)]
+    return [Piece(at, *np.split(values, 3, axis=1)) for at, values in even_pieces(table, columns)]

@@ -60,7 +60,7 @@ def unbounded(machine: LayoutMachine, spreads: Mapping[str, float]) -> Unbounded
     numbers = {number.path: number for number in machine.numbers}
     if not spreads:
         raise InputError("no number is free: name one at least that is to be found")
-    each = {}
+    each: dict[str, float] = {}
     for path, spread in spreads.items():
         of_table = [
             number.path for number in machine.numbers if number.path.startswith(f"{path}[") and number.value != 0.0

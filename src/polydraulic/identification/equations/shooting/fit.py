@@ -21,7 +21,13 @@ from polydraulic.identification.equations.numbers.unbounded import (
     to_unbounded,
     unbounded,
 )
-from polydraulic.identification.equations.shooting.runs import Driven, driven_windows, first_states, run_windows, slopes
+from polydraulic.identification.equations.shooting.runs import (
+    Driven,
+    driven_windows,
+    first_states,
+    shoot,
+    window_slopes,
+)
 from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
 from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -183,7 +189,7 @@ class _Search:
         position = np.maximum(_STATE_FACTOR * windows.position_sd, _LEAST_SPREAD[0])
         rate = np.maximum(_STATE_FACTOR * windows.rate_sd, _LEAST_SPREAD[1])
         self.state_spread = np.concatenate([pressure, position, rate])
-        start = run_windows(machine, windows, self.first)
+        start = shoot(machine, windows, self.first)
         if start is None:
             raise InputError(
                 "the machine diverges from the states of the log; bring the numbers to begin with nearer to it"
@@ -279,7 +285,7 @@ class _Search:
 
     def _off(self, machine: LayoutMachine, states: np.ndarray, driven: Driven | None = None) -> np.ndarray | None:
         """Residuals over noise, (n_window, m); None where runs diverge."""
-        rows = run_windows(machine, self.windows, states, driven)
+        rows = shoot(machine, self.windows, states, driven)
         return None if rows is None else ((rows - self.windows.measured) / self.noise).reshape(len(rows), -1)
 
     def _at(
@@ -291,7 +297,7 @@ class _Search:
             return None
         rows = off.reshape(windows.measured.shape) * self.noise + windows.measured
         wanted = self.numbers.paths if paths is None else paths
-        found = slopes(machine, windows, states, rows, wanted, self.numbers.spread)
+        found = window_slopes(machine, windows, states, rows, wanted, self.numbers.spread)
         if found is None:
             return None
         flat = [(part / self.noise[:, None]).reshape(*off.shape, part.shape[-1]) for part in found]

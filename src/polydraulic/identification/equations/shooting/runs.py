@@ -46,7 +46,7 @@ class Slopes(NamedTuple):
     states: np.ndarray
 
 
-def run_windows(
+def shoot(
     machine: LayoutMachine, windows: Windows, states: np.ndarray, driven: Driven | None = None
 ) -> np.ndarray | None:
     """What sensors would read, (n_window, n_row, n_channel); None where a run diverges.
@@ -99,7 +99,7 @@ def first_states(machine: LayoutMachine, windows: Windows) -> np.ndarray:
     return np.hstack([led, windows.position, windows.rate])
 
 
-def slopes(
+def window_slopes(
     machine: LayoutMachine,
     windows: Windows,
     states: np.ndarray,
@@ -112,7 +112,7 @@ def slopes(
     Parameters
     ----------
     machine, windows, states
-        As for `run_windows`.
+        As for `shoot`.
     here : (n_window, n_row, n_channel) array
         What it gives.
     paths : sequence of str
@@ -129,7 +129,7 @@ def slopes(
                 other = machine.with_values({path: values[path] + way})
             except InputError:
                 continue
-            there = run_windows(other, windows, states, None if _DRIVES.search(path) else driven)
+            there = shoot(other, windows, states, None if _DRIVES.search(path) else driven)
             if there is not None:
                 of_numbers[..., k] = (there - here) / way
                 break
@@ -140,7 +140,7 @@ def slopes(
     for k, step in enumerate(np.repeat([PRESSURE_STEP, PRESSURE_STEP, POSITION_STEP, RATE_STEP], n)):
         moved = states.copy()
         moved[:, k] += step
-        there = run_windows(machine, windows, moved, driven)
+        there = shoot(machine, windows, moved, driven)
         if there is None:
             return None
         of_states[..., k] = (there - here) / step

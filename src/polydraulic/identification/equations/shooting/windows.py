@@ -10,18 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.identification.equations.mechanics.log_pieces import even_pieces, in_si, raster_of
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.columns import circuit_keys, cross_name, function_column, kept_quantities
+from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, function_column, kept_quantities
 from polydraulic.tables import Table
 
 LONGEST_STEP = 5e-3  # s
 LEAD = 1.0  # s of a piece before its first window: pilots have forgotten how it began
-_GAP = 1.5  # rasters
 _NEAR = 0.1  # s before and after the start of a window
-_NOISE_ROWS = 5
 
 
-class Channel(NamedTuple):
+class Compared(NamedTuple):
     """A column of the log that runs are compared with.
 
     Attributes
@@ -44,7 +43,7 @@ class Windows(NamedTuple):
         Step of the simulation.
     every : int
         Steps for each row of the log.
-    channels : tuple of Channel
+    channels : tuple of Compared
     command : list of (n_step_of_piece, n_function) array, V
         Of each piece, at every step and without dead time.
     piece, first : (n_window,) array of int
@@ -65,7 +64,7 @@ class Windows(NamedTuple):
 
     dt: float
     every: int
-    channels: tuple[Channel, ...]
+    channels: tuple[Compared, ...]
     command: list[np.ndarray]
     piece: np.ndarray
     first: np.ndarray
@@ -110,22 +109,23 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
         raise InputError(
             f"the log has no column {missing[0]!r}: commands and positions of all functions are the least that is needed"
         )
-    time = table["time"]
-    if len(time) < _NOISE_ROWS or np.any(np.diff(time) <= 0.0):
-        raise InputError(
-            "column 'time' does not rise from row to row; an identification needs a log as it was recorded"
-        )
-    raster = float(np.median(np.diff(time)))
+    in_si(
+        table,
+        {column.name: column.unit for column in columns_of(machine).columns}
+        | dict.fromkeys(commands, "V")
+        | {"time": "s"},
+    )
+    raster = raster_of(table)
     every = max(1, int(np.ceil(raster / LONGEST_STEP - 1e-9)))
     dt, n_row = raster / every, max(1, round(seconds / raster))
-    pieces = [_even(table, rows, raster, [*commands, *joints, *sensors]) for rows in _pieces(table, raster)]
+    pieces = even_pieces(table, [*commands, *joints, *sensors])
     lead, near = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster))
     starts = [(k, row) for k, (at, _) in enumerate(pieces) for row in range(lead + near, len(at) - n_row - 1, n_row)]
     if not starts:
         raise InputError(f"no piece of the log lasts {LEAD + seconds:g} s without a gap; choose shorter windows")
     if len(starts) > most:
         starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
-    n, channels = len(names), [Channel(name, _noise(pieces, 2 * len(names) + k)) for k, name in enumerate(sensors)]
+    n, channels = len(names), [Compared(name, _noise(pieces, 2 * len(names) + k)) for k, name in enumerate(sensors)]
     fits, led = (
         [_parabola(pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n], raster) for k, row in starts]
         for back in (0, lead)
@@ -159,22 +159,6 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
         at_start("p_b"),
         np.array([pieces[k][0][row] for k, row in starts]),
     )
-
-
-def _pieces(table: Table, raster: float) -> list[np.ndarray]:
-    """Rows that follow each other without a gap."""
-    time = table["time"]
-    cuts = np.diff(time) > _GAP * raster
-    if "segment" in table.names:
-        cuts |= np.diff(table["segment"]) != 0.0
-    return np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1)
-
-
-def _even(table: Table, rows: np.ndarray, raster: float, columns: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Columns of a piece on an even raster, by straight lines between its rows."""
-    time = table["time"][rows]
-    at = time[0] + raster * np.arange(int((time[-1] - time[0]) / raster + 1e-6) + 1)
-    return at, np.column_stack([np.interp(at, time, table[name][rows]) for name in columns])
 
 
 def _steps(at: np.ndarray, command: np.ndarray, raster: float, every: int) -> np.ndarray:

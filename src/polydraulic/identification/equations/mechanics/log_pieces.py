@@ -1,0 +1,48 @@
+"""A log as pieces on an even raster, without gaps, in SI."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.tables import Table
+
+_GAP = 1.5  # rasters
+
+
+def in_si(table: Table, units: Mapping[str, str]) -> None:
+    """Refuse a log with a column in another unit than a machine's runs have it in."""
+    for name, unit in units.items():
+        if name in table.names and table.unit(name) not in ("", unit):
+            raise InputError(
+                f"column {name!r} is in {table.unit(name)!r}; a machine is identified in SI, this in {unit!r}"
+            )
+
+
+def raster_of(table: Table) -> float:
+    """Time between rows, s.
+
+    Raises
+    ------
+    InputError
+        Fewer than two rows, or times that do not rise.
+    """
+    time = table["time"]
+    if len(time) < 2 or np.any(np.diff(time) <= 0.0):
+        raise InputError(
+            "column 'time' does not rise from row to row; an identification needs a log as it was recorded"
+        )
+    return float(np.median(np.diff(time)))
+
+
+def even_pieces(table: Table, columns: Sequence[str]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Times and columns, (n_row,) and (n_row, n_column), by straight lines between rows; gaps and segments end a piece."""
+    time, raster = table["time"], raster_of(table)
+    cuts = np.diff(time) > _GAP * raster
+    if "segment" in table.names:
+        cuts |= np.diff(table["segment"]) != 0.0
+    found = []
+    for rows in np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1):
+        at = time[rows[0]] + raster * np.arange(int((time[rows[-1]] - time[rows[0]]) / raster + 1e-6) + 1)
+        found.append((at, np.column_stack([np.interp(at, time[rows], table[name][rows]) for name in columns])))
+    return found

@@ -1,0 +1,33 @@
+"""Logs on an even raster."""
+
+import numpy as np
+import pytest
+
+from polydraulic.errors import InputError
+from polydraulic.identification.equations.mechanics.log_pieces import even_pieces, in_si, raster_of
+from polydraulic.tables import Table
+
+
+def table_of(time, **more):
+    return Table({"time": time, "x": 2.0 * time, **more}, {"time": "s", "x": "m"})
+
+
+def test_gaps_and_segments_end_a_piece():
+    time = np.arange(500) * 0.02
+    kept = (time < 6.0) | (time > 6.5)
+    pieces = even_pieces(table_of(time[kept], segment=np.where(time[kept] < 3.0, 0.0, 1.0)), ["x"])
+    assert [round(float(at[-1] - at[0]), 2) for at, _ in pieces] == [2.98, 2.98, 3.46]
+
+
+def test_an_uneven_clock_becomes_even():
+    time = np.arange(200) * 0.02 + np.random.default_rng(0).uniform(0.0, 0.004, 200)
+    ((at, values),) = even_pieces(table_of(time), ["x"])
+    assert np.ptp(np.diff(at)) < 1e-12
+    assert np.allclose(values[:, 0], 2.0 * at)
+
+
+def test_times_that_fall_and_other_units_are_refused():
+    with pytest.raises(InputError, match="does not rise"):
+        raster_of(table_of(np.array([0.0, 2.0, 1.0])))
+    with pytest.raises(InputError, match="column 'x' is in 'm'.*this in 'rad'"):
+        in_si(table_of(np.arange(3.0)), {"x": "rad"})
