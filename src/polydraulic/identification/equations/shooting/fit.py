@@ -110,7 +110,7 @@ def fit_by_shooting(
     spreads : mapping from path to standard deviation, SI
         Of the numbers that are to be found.
     sensors : sequence of str, optional
-        Columns that runs are compared with; all that the log and a run have if not given. Those of the positions are always among them.
+        Columns that runs are compared with; all that the log and a run have if not given.
     seconds : float
         Length of a window.
     most : int
