@@ -20,7 +20,7 @@ LEAD = 1.0  # s of a piece before its first window: pilots have forgotten how it
 _NEAR = 0.1  # s before and after the start of a window
 
 
-class Compared(NamedTuple):
+class ComparedColumn(NamedTuple):
     """A column of the log that runs are compared with.
 
     Attributes
@@ -43,7 +43,7 @@ class Windows(NamedTuple):
         Step of the simulation.
     every : int
         Steps for each row of the log.
-    channels : tuple of Compared
+    channels : tuple of ComparedColumn
     command : list of (n_step_of_piece, n_function) array, V
         Of each piece, at every step and without dead time.
     piece, first : (n_window,) array of int
@@ -64,7 +64,7 @@ class Windows(NamedTuple):
 
     dt: float
     every: int
-    channels: tuple[Compared, ...]
+    channels: tuple[ComparedColumn, ...]
     command: list[np.ndarray]
     piece: np.ndarray
     first: np.ndarray
@@ -125,7 +125,10 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
         raise InputError(f"no piece of the log lasts {LEAD + seconds:g} s without a gap; choose shorter windows")
     if len(starts) > most:
         starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
-    n, channels = len(names), [Compared(name, _noise(pieces, 2 * len(names) + k)) for k, name in enumerate(sensors)]
+    n, channels = (
+        len(names),
+        [ComparedColumn(name, _noise(pieces, 2 * len(names) + k)) for k, name in enumerate(sensors)],
+    )
     fits, led = (
         [_parabola(pieces[k][1][row - back - near : row - back + near + 1, n : 2 * n], raster) for k, row in starts]
         for back in (0, lead)
