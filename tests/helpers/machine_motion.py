@@ -20,7 +20,8 @@ def motion_log(machine, seconds=60.0, raster=0.02, late=0.0, noise=0.0, seed=0):
         np.zeros((len(time), len(machine.functions))) for _ in range(6)
     )
     for k, f in enumerate(machine.functions):
-        low, high = max(f.stops.low, -1.0), min(f.stops.high, f.stops.low + 4.0, 3.0)
+        low = max(f.stops.low, -1.0)  # some stops are further away than any machine turns
+        high = min(f.stops.high, low + 1.5)
         parts = [(0.1 * (high - low), 2.0 * np.pi * rng.uniform(0.1, 0.5), rng.uniform(0, 6)) for _ in range(4)]
         for t, q, w, a in ((time, position, rate, acceleration), (time - late, then, rate_then, acceleration_then)):
             q[:, k] = 0.5 * (low + high)

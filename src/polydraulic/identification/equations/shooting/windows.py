@@ -88,7 +88,7 @@ def sensors_of(machine: LayoutMachine, table: Table) -> list[str]:
         for f in machine.functions
         for quantity in kept_quantities(f)
     ]
-    known += [key for c in machine.circuits for key in circuit_keys(c, p_pump=True)]
+    known += [key for c in machine.circuits for key in circuit_keys(c, p_pump=True, stores_oil=False)]
     known += [cross_name(x.giving) for x in machine.crossovers]
     return [name for name in known if name in table.names]
 
