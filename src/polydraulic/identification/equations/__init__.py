@@ -1,1 +1,1 @@
-"""A machine whose equations are known, identified from what sensors read of it."""
+"""Numbers and curves of a machine, identified inside its known equations from what sensors read."""

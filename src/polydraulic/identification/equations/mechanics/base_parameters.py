@@ -71,7 +71,7 @@ def combined(numbers: Sequence[Inertial], regressor: np.ndarray) -> BaseParamete
 
 def _text(row: np.ndarray, numbers: Sequence[Inertial], own: int) -> str:
     text = numbers[own].text
-    for k in np.flatnonzero(np.abs(row) > _SHOWN):
+    for k in np.flatnonzero(np.abs(row) > _SHOWN).tolist():
         if k != own:
             factor = "" if abs(abs(row[k]) - 1.0) < _SHOWN else f"{abs(row[k]):.3g} "
             text += f" {'+' if row[k] > 0.0 else '-'} {factor}{numbers[k].text}"

@@ -43,7 +43,11 @@ _STEP = 1e-5
 
 
 class BaseEstimate(NamedTuple):
-    """A base parameter: what it is made of, value, standard deviation, and whether the log says more than the priors did."""
+    """A base parameter: what it is made of, value, standard deviation, and whether the log says more than the priors did.
+
+    The standard deviation follows from how residuals scatter. It does not hold what the filter of `motion_rows` does to fast motion:
+    a combination that is small against what others add to the same torques may be off by many of it.
+    """
 
     text: str
     value: float

@@ -88,7 +88,7 @@ def _of_piece(machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece)
     regressor = _passed(moments, weight_slope)[::stride] + _passed(rest, weight)[::stride]
     known = _steady(machine, piece, position, rate, len(smooth) // 2)
     half = len(weight) // 2
-    windows = np.lib.stride_tricks.sliding_window_view(known, len(weight), axis=0).all(axis=-1)
+    windows: np.ndarray = np.all(np.lib.stride_tricks.sliding_window_view(known, len(weight), axis=0), axis=-1)
     return MotionRows(
         np.concatenate([regressor, *(_passed(part, weight)[::stride] for part in (friction, late))], axis=-1),
         _passed(torque, weight)[::stride],
