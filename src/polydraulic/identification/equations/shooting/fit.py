@@ -71,6 +71,7 @@ class ShootingFit(NamedTuple):
     machine : LayoutMachine
         With the numbers that were found.
     estimates : Estimates
+        Standard deviations by how gradients scatter between windows; with few windows their intervals hold the truth less often than they say.
     noise : dict
         Standard deviation of the residuals of each channel, SI.
     before : dict
