@@ -64,6 +64,28 @@ TESTED_ELSEWHERE = {
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
+    "identification/equations/circuits.py": (
+        "identification/equations/test_identify.py",
+        "circuits are fitted as parts of machines",
+    ),
+    "identification/equations/finished.py": (
+        "identification/equations/test_identify.py",
+        "circuits that were fitted there are kept",
+    ),
+    "identification/equations/free_runs.py": ("identification/equations/test_card.py", "runs that the card shows"),
+    "identification/equations/fit/knots.py": (
+        "identification/equations/fit/test_circuit_fit.py",
+        "knots that the curves there lack are found",
+    ),
+    "identification/equations/sensors.py": (
+        "identification/equations/test_observations.py",
+        "signals are read as parts of logs",
+    ),
+    "identification/equations/fit/uncertainty.py": (
+        "identification/equations/fit/test_circuit_fit.py",
+        "errors of what is fitted there",
+    ),
+    "identification/equations/words.py": ("identification/equations/test_identify.py", "what a fit says"),
     "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
     "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
     "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),

@@ -1,4 +1,6 @@
 from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic, fit_joints
+from .equations.card import write_identification_card
+from .equations.identify import Identification, identify
 from .judging import Errors, HeldOut, OutputFit
 from .log_replay import Drift, Replay, Window, replay
 from .machine_card import Covered, machine_coverage
@@ -19,6 +21,7 @@ __all__ = [
     "DynamicRun",
     "Errors",
     "HeldOut",
+    "Identification",
     "MachineFit",
     "ModelRuns",
     "OutputFit",
@@ -32,10 +35,12 @@ __all__ = [
     "fit_joints",
     "fit_machine",
     "fit_table",
+    "identify",
     "machine_coverage",
     "plot_replay",
     "plot_runs",
     "replay",
     "run_models",
     "write_card",
+    "write_identification_card",
 ]

@@ -1,10 +1,13 @@
 """Entries of TOML files as numbers in SI: each is converted once, and anything doubtful is one clear error.
 
-Every entry of a parameter file is ``key = { value = ..., unit = "...", source = "..." }``; switches have no unit.
+Every entry of a parameter file is ``key = { value = ..., unit = "...", source = "..." }``; switches have no unit. Besides, an entry may say
+that an identification may change it (``free``), how far it may be off (``spread``, a standard deviation), and how far it was left unsure
+(``uncertainty``, a standard error, or one for each number of a table), all in its own unit.
 """
 
 import re
 import tomllib
+from math import inf
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
@@ -14,6 +17,7 @@ from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.quantity import Quantity, is_number, leaf_of
 
 Tree = TypeVar("Tree", bound=tuple)
+_OF_A_FIT = {"free", "spread", "uncertainty"}  # what an identification may change, how far, and what it left unsure
 _DEEPEST = 20  # levels of tables and lists
 # A key of a hundred parts, for which a parser of TOML takes time with the square of their number.
 _LONG_KEY = re.compile(r"""(?<![\w."'-])(?:(?:[\w-]++|"[^"\n]{0,99}+"|'[^'\n]{0,99}+')[ \t]*+\.[ \t]*+){100}""")
@@ -138,7 +142,16 @@ def read_switch(item: Any, key: str, path: Path) -> bool:
 
 
 def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
-    check_keys(item, needed, needed, key, str(path))
+    check_keys(item, needed | _OF_A_FIT if "unit" in needed else needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:
         raise InputError(f"{path}: {key}.{texts[0]} = {briefly(item[texts[0]])}: must be a string")
+    if not isinstance(item.get("free", False), bool):
+        raise InputError(f"{path}: {key}.free = {briefly(item['free'])}: must be true or false")
+    if "spread" in item and not (is_number(item["spread"]) and 0.0 < item["spread"] < inf):
+        raise InputError(f"{path}: {key}.spread = {briefly(item['spread'])}: must be a number above 0")
+    errors = item.get("uncertainty", 0.0)
+    if not all(is_number(error) and error >= 0.0 for error in (errors if isinstance(errors, list) else [errors])):
+        raise InputError(
+            f"{path}: {key}.uncertainty = {briefly(errors)}: must be 0 or more, inf where nothing is known"
+        )

@@ -66,6 +66,11 @@ def machine_title(name: str | Path) -> str:
     return str(read_toml(path).get("title", path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")))
 
 
+def machine_path(source: str | Path) -> Path:
+    """The file of a machine that is given by its name or path."""
+    return find(source, _SETS, "parameter set")
+
+
 def machine_text(source: str | Path) -> str:
     """The file of a machine, as it is written."""
     return find(source, _SETS, "parameter set").read_text(encoding="utf-8")

@@ -1,0 +1,64 @@
+"""The command that identifies a machine from logs inside its known equations."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from polydraulic.cli.application import METRIC, UnitsOption, app
+from polydraulic.terminal import progress_bar
+
+
+@app.command()
+def identify(
+    log: Annotated[
+        list[str],
+        typer.Argument(
+            help="Imported table in SI, with what sensors there are; several tables, or a pattern in quotes."
+        ),
+    ],
+    machine: Annotated[
+        str, typer.Option(help="Machine to begin from, by name or a TOML file with links, functions and circuits.")
+    ],
+    out: Annotated[Path, typer.Option(help="Machine file to write, .toml.")],
+    card: Annotated[
+        Path | None,
+        typer.Option(help="Card to write, .html: fit, curves, what is not determined, drift against the log."),
+    ] = None,
+    free: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Paths that may change, such as 'functions.*.valve.*', besides those marked free = true; repeat for more."
+        ),
+    ] = None,
+    units: UnitsOption = METRIC,
+) -> None:
+    """Identify curves of valves, pumps and pilots from a log, inside the equations that are known, as a machine file.
+
+    A circuit of valves in series is identified if the log has spool and both port pressures of all its functions, and flows into them or their joints
+    (NAME.spool, .p_a, .p_b, .q_in, .q_out, .angle or .position); a pilot, from NAME.voltage and NAME.spool. What the log does not determine
+    keeps its value and is named. A log that determines nothing ends with exit code 2, and says why.
+
+    Interrupted (Ctrl-C), it keeps the circuits that are finished in a folder beside --out, and the next run goes on from there.
+
+    Example: `polydraulic identify table.parquet --machine my_machine.toml --out identified.toml --card identified.html`
+
+    - Valves of one circuit alone: `polydraulic identify day*.parquet --machine my_machine.toml --free 'functions.boom.*' --out identified.toml`
+
+    What comes next: `polydraulic machine check identified.toml`, then `polydraulic replay later.parquet --machine identified.toml --flow exact` runs it
+    against another log.
+    """
+    from polydraulic.identification.equations.card import identification_card_ending, write_identification_card
+    from polydraulic.identification.equations.identify import identify as run
+    from polydraulic.identification.equations.identify import toml_ending
+
+    toml_ending(out)
+    if card is not None:
+        identification_card_ending(card)
+    with progress_bar("identify") as progress:
+        found = run(log, machine, free=free or [], parts=out.with_name(f"{out.stem}.parts"), progress=progress)
+        found.write(out)
+        if card is not None:
+            write_identification_card(found, card, units=units, progress=progress)
+    print(found.text(units))
+    print(f"{out}: written")

@@ -1,0 +1,357 @@
+"""A circuit as a whole: what sensors say of it, its curves with knots where they are asked for, and the outlets of its valves."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.display import amount
+from polydraulic.identification.equations.fit.circuit_fit import (
+    CircuitModel,
+    CircuitRows,
+    Prior,
+    conductances,
+    fit_circuit,
+    mean_flows,
+    pump_with,
+)
+from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_slopes_at
+from polydraulic.identification.equations.fit.knots import grow
+from polydraulic.identification.equations.fit.outlet_fit import fit_outlet, outlet_rows
+from polydraulic.identification.equations.fit.uncertainty import CircuitErrors, errors_of
+from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
+from polydraulic.identification.equations.observations import WINDOW, Balance, balance, blocks_of_time, windows
+from polydraulic.identification.equations.sensors import Signals
+from polydraulic.machine.pump import limited_pump
+from polydraulic.machine.valve import spool_edges
+from polydraulic.parameters.layout.parts import MOST_KNOTS, SupplyCircuit, ValveCurves
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+LEARN_ROWS, HOLD_ROWS, ALL_ROWS = 16000, 8000, 40000
+LAST_ROWS = 20  # beyond which travel counts as never seen
+_FEWEST, _LEAST_HELD = 500, 20
+_SPREAD = 1.0  # of a curve, as a share
+_PUMP_ROWS, _BLOCKS = 200, 3
+_STEPS = 6
+_AROUND = 5  # rows
+_LEAD = 0.02  # s, by which clocks of sensors may be apart
+_BELOW = 0.97  # of the relief setting: above, a flow falls from all to nothing within what a sensor can tell
+
+
+class ValveFound(NamedTuple):
+    """What was found of a valve.
+
+    Attributes
+    ----------
+    curves : ValveCurves
+    errors : dict
+        By curve, standard errors at the knots.
+    seen : (float, float), m
+        Least travel at which it is open, and largest, that the log has.
+    pressure : (float, float), Pa
+        At the pressurised port while it is open.
+    q_in_left, q_out_left : float, m3/s
+        Root mean square of what is left of flows on blocks held out; nan where there is none.
+    rows : int
+    outlets : tuple of bool
+        Whether the outlets for positive and negative spools were fitted.
+    """
+
+    curves: ValveCurves
+    errors: dict[str, np.ndarray]
+    seen: tuple[float, float]
+    pressure: tuple[float, float]
+    q_in_left: float
+    q_out_left: float
+    rows: int
+    outlets: tuple[bool, bool]
+
+
+class CircuitFound(NamedTuple):
+    """What was found of a circuit.
+
+    Attributes
+    ----------
+    valves : dict from function to ValveFound
+    pump : dict from key to (value, standard error), SI
+    path : list of (number of knots, error held out)
+        Of growth.
+    rows : int
+    trades : list of str
+        Which numbers trade against each other, in words.
+    """
+
+    valves: dict[str, ValveFound]
+    pump: dict[str, tuple[float, float]]
+    path: list[tuple[int, float]]
+    rows: int
+    trades: list[str]
+
+
+PUMP_KEYS = {"flow": "flow", "relief": "relief", "limit_start": "torque_limit_start"}
+
+
+def balances(
+    machine: LayoutMachine, names: tuple[str, ...], signals: dict[str, Signals], segment: np.ndarray, raster: float
+) -> dict[str, Balance]:
+    """Flows of functions, all in rows where all are measured, all in windows elsewhere."""
+    measured = all(signals[name].q_in is not None for name in names)
+    long = 1 if measured else max(3, round(WINDOW / raster) + 1)
+    rows = windows(segment, long)
+    return {n: balance(machine.function(n), machine.tank.floor, signals[n], rows, raster, measured) for n in names}
+
+
+def rates(values: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:
+    """Rates by local parabolas over five rows, zero where a piece is shorter."""
+    from scipy.signal import savgol_filter
+
+    found = np.zeros(len(values))
+    for rows in np.split(np.arange(len(values)), np.flatnonzero(np.diff(segment)) + 1):
+        if len(rows) > _AROUND:
+            found[rows] = savgol_filter(values[rows], _AROUND, 2, deriv=1, delta=raster)
+    return found
+
+
+def circuit_rows(
+    names: tuple[str, ...],
+    signals: dict[str, Signals],
+    of: dict[str, Balance],
+    time: np.ndarray,
+    segment: np.ndarray,
+    raster: float,
+) -> CircuitRows:
+    """What a circuit is fitted to."""
+    rows = of[names[0]].rows
+    travel, p_in, p_rate = (np.empty((*rows.shape, len(names))) for _ in range(3))
+    for k, name in enumerate(names):
+        s = signals[name]
+        assert s.spool is not None
+        assert s.p_a is not None
+        assert s.p_b is not None
+        travel[:, :, k] = np.abs(s.spool)[rows]
+        forward = s.spool > 0.0
+        p_in[:, :, k] = np.where(forward, s.p_a, s.p_b)[rows]
+        p_rate[:, :, k] = np.where(forward, *(rates(p, segment, raster) for p in (s.p_a, s.p_b)))[rows]
+    one_side = np.column_stack([of[name].known_in for name in names])
+    noise = {what: np.array([signals[name].noise[what] for name in names]) for what in ("spool", "p_a")}
+    return CircuitRows(
+        travel,
+        p_in,
+        p_rate,
+        np.column_stack([of[name].q_in for name in names]),
+        one_side,
+        blocks_of_time(time)[rows[:, 0]],
+        noise["spool"],
+        noise["p_a"],
+        np.array([of[name].noise_in for name in names]),
+    )
+
+
+def identify_circuit(
+    machine: LayoutMachine,
+    circuit: SupplyCircuit,
+    signals: dict[str, Signals],
+    time: np.ndarray,
+    segment: np.ndarray,
+    raster: float,
+    free_pump: dict[str, float],
+    tell: Callable[[str], object],
+) -> CircuitFound | str:
+    """Curves of all valves of a circuit, and numbers of its pump; or why there are none.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+        As far as it is known.
+    circuit : SupplyCircuit
+    signals : dict from function to Signals
+    time, segment : (n_row,) array
+    raster : float, s
+    free_pump : dict
+        Numbers of the pump that are free, with their spreads in SI.
+    tell : callable
+        Told what is being done.
+    """
+    names = circuit.functions
+    of = balances(machine, names, signals, segment, raster)
+    rows = circuit_rows(names, signals, of, time, segment, raster)
+    valves = [machine.function(name).valve for name in names]
+    last = [float(np.sort(rows.travel[:, :, k].max(axis=1))[-LAST_ROWS]) for k in range(len(names))]
+    last = [min(x, v.knots[-1]) for x, v in zip(last, valves, strict=True)]
+    rows = rows._replace(travel=np.minimum(rows.travel, np.array(last)))
+    before = CircuitModel(
+        tuple(cut_curves(v, x) for v, x in zip(valves, last, strict=True)),
+        limited_pump(circuit.pump.flow, circuit.pump.relief, machine.tank.return_pressure, circuit.pump),
+    )
+    opens = np.array([spool_edges(v)[0] for v in valves])
+    awake = np.flatnonzero((rows.travel.max(axis=1) > 0.8 * opens).any(axis=1) & rows.known.any(axis=1))
+    rng = np.random.default_rng(0)
+
+    def drawn(keep: np.ndarray, most: int) -> CircuitRows:
+        chosen = keep if len(keep) <= most else np.sort(rng.permutation(keep)[:most])
+        return rows.some(chosen)
+
+    held = rows.block[awake] % 5 == 4
+    relief = seen_relief(before, rows.some(awake), opens, free_pump["relief"]) if "relief" in free_pump else None
+    if relief is not None:
+        before = before._replace(pump=pump_with(before.pump, "relief", relief[0]))
+    calm = rows.p_in.max(axis=(1, 2), where=rows.travel > opens, initial=0.0) < _BELOW * before.pump.relief
+    rows = rows._replace(known=rows.known & calm[:, None])
+    known = np.array([np.count_nonzero(rows.known[awake[part]]) for part in (held, ~held)])
+    if known.min() < _LEAST_HELD:
+        return f"only {known[1]} rows or windows say something of it, and {known[0]} of the blocks held out; {_LEAST_HELD} at least"
+    prior = Prior(before, _SPREAD, {key: width for key, width in free_pump.items() if key == "flow"} | {"lead": _LEAD})
+    grown = grow(
+        before,
+        drawn(awake[~held], LEARN_ROWS),
+        drawn(awake[held], HOLD_ROWS),
+        prior,
+        MOST_KNOTS,
+        lambda n: tell(f"{n} knots"),
+    )
+    without, hold = grown.model, rows.some(awake[held])
+    left = mean_flows(without, hold) - hold.q_in
+    shown = hold.known & (hold.travel.max(axis=1) > opens)
+    q_in_left = [
+        float(np.sqrt(np.mean(left[shown[:, k], k] ** 2))) if shown[:, k].any() else float("nan")
+        for k in range(len(names))
+    ]
+    tell("all rows")
+    every = drawn(awake, ALL_ROWS)
+    prior = prior._replace(
+        pump={key: free_pump[key] for key in shown_by(grown.model, every, opens) if key in free_pump} | {"lead": _LEAD}
+    )
+    model, _ = fit_circuit(grown.model, every, prior, _STEPS)
+    spread = errors_of(model, every, prior)
+    found = {}
+    for k, name in enumerate(names):
+        tell(f"{name}: outlets")
+        found[name] = _valve(
+            machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k]
+        )
+    pump = {key: (float(getattr(model.pump, key)), error) for key, error in spread.pump.items() if key != "lead"}
+    if relief is not None:
+        pump["relief"] = relief
+    return CircuitFound(found, pump, grown.path, len(awake), traded(names, model, spread))
+
+
+def seen_relief(model: CircuitModel, rows: CircuitRows, opens: np.ndarray, spread: float) -> tuple[float, float] | None:
+    """Pressure at which actuators stall with open valves, and its standard error, Pa; None where the log hardly has it.
+
+    What is fitted to flows would follow the noise of the pressure there, at which a flow falls from all to nothing.
+    """
+    pressures, blocks = [], []
+    for k, shut in enumerate(opens.tolist()):
+        still = (
+            rows.known[:, k]
+            & (rows.travel[:, :, k].min(axis=1) > 1.2 * shut)
+            & (np.abs(rows.q_in[:, k]) < 0.02 * model.pump.flow)
+        )
+        pressures.append(rows.p_in[still, :, k].mean(axis=1))
+        blocks.append(rows.block[still])
+    pressure, block = np.concatenate(pressures), np.concatenate(blocks)
+    near = np.abs(pressure - model.pump.relief) < 3.0 * spread
+    pressure, block = pressure[near], block[near]
+    if len(pressure) < _PUMP_ROWS:
+        return None
+    # a load may push the pressure above the setting: what counts is where most stalled rows are
+    width = float(rows.noise_pressure.max())
+    ordered = np.sort(pressure)
+    within = np.searchsorted(ordered, ordered + 2.0 * width, side="right") - np.arange(len(ordered))
+    densest = int(np.argmax(within))
+    stalled = np.abs(pressure - ordered[densest] - width) < 2.0 * width
+    blocks_there = np.unique(block[stalled])
+    if np.count_nonzero(stalled) < _PUMP_ROWS or len(blocks_there) < _BLOCKS:
+        return None
+    return float(pressure[stalled].mean()), width / np.sqrt(len(blocks_there))
+
+
+def shown_by(model: CircuitModel, rows: CircuitRows, opens: np.ndarray) -> list[str]:
+    """Numbers of the pump that enough rows show: its flow, and its torque limit above where that starts."""
+    n = len(model.valves)
+    travel, p_in = rows.travel.reshape(-1, n), rows.p_in.reshape(-1, n)
+    places = [placed_among(v.knots, travel[:, i]) for i, v in enumerate(model.valves)]
+    at = circuit_slopes_at(*conductances(model, places), p_in, model.pump)
+    moved = (travel > opens).any(axis=1)
+    limited = moved & (at.p_pump > 1.02 * model.pump.limit_start) & (model.pump.log_least < 0.0)
+    found = [("flow", moved), ("limit_start", limited)]
+    return [name for name, seen in found if np.count_nonzero(seen) >= _PUMP_ROWS]
+
+
+def traded(names: tuple[str, ...], model: CircuitModel, errors: CircuitErrors) -> list[str]:
+    """Which numbers trade against each other, in words."""
+    places = [
+        (name, key, knot)
+        for name, v in zip(names, model.valves, strict=True)
+        for key in ("inlet", "bypass", "knots")
+        for knot in v.knots
+    ]
+    words = [f"functions.{name}.valve.{key} at {amount(float(knot), 'm')}" for name, key, knot in places] + [
+        f"pump.{key}" for key in errors.pump
+    ]
+    return [
+        f"{words[i]} trades against {words[j]}: their errors are correlated by {r:.2f}, the log knows their combination better than each"
+        for i, j, r in errors.pairs
+    ]
+
+
+def cut_curves(valve: ValveCurves, last: float) -> Curves:
+    """Inlet and bypass as far as the log has travel, as a start: never falling, and never rising."""
+    knots = np.array([k for k in valve.knots if k < last - 1e-6] + [last])
+    inlet, bypass = (np.interp(knots, valve.knots, c) for c in (valve.inlet, valve.bypass))
+    inlet[0] = 0.0
+    return Curves(knots, np.maximum.accumulate(inlet), np.maximum.accumulate(bypass[::-1])[::-1])
+
+
+def beyond(knots: np.ndarray, values: np.ndarray, old_knots: tuple[float, ...], old: tuple[float, ...]) -> list[float]:
+    """Values at the old knots behind the last one: the old curve's shape, scaled to meet; where the old one is shut, no less than the last."""
+    last = float(np.interp(knots[-1], old_knots, old))
+    scale = values[-1] / last if last > 0.0 else 1.0
+    return [float(scale * v) for k, v in zip(old_knots, old, strict=True) if k > knots[-1] + 1e-6]
+
+
+def _valve(
+    machine: LayoutMachine, name: str, curves: Curves, errors: dict[str, np.ndarray], s: Signals, b: Balance, rows: CircuitRows, k: int, last: float,
+    q_in_left: float,
+) -> ValveFound:  # fmt: skip
+    old = machine.function(name).valve
+    block = np.zeros(int(b.rows.max()) + 1, dtype=np.int64)
+    block[b.rows[:, 0]] = rows.block
+    opens = spool_edges(old)[0]
+    knots = curves.knots
+    values: dict[str, np.ndarray] = {"inlet": curves.inlet, "bypass": curves.bypass}
+    spread = dict(errors)
+    left, fitted = [], []
+    sides = [outlet_rows(s, b, block, forward, opens) for forward in (True, False)]
+    usable = [len(side.q_out) >= _FEWEST // (1 if b.rows.shape[1] == 1 else 10) for side in sides]
+    for side, key, use in zip(sides, ("outlet_positive", "outlet_negative"), usable, strict=True):
+        before = np.maximum.accumulate(np.interp(knots, old.knots, getattr(old, key)))
+        before[0] = 0.0
+        fitted.append(use)
+        if not use:
+            values[key], spread[key] = before, np.full(len(knots), np.nan)
+            continue
+        found = fit_outlet(
+            side._replace(travel=np.minimum(side.travel, last)), knots, machine.tank.return_pressure, before, _SPREAD
+        )
+        values[key], spread[key] = found.values, found.errors
+        left.append(found.held_out)
+    more = [x for x in old.knots if x > knots[-1] + 1e-6]
+    whole = {key: [*v.tolist(), *beyond(knots, v, old.knots, getattr(old, key))] for key, v in values.items()}
+    whole |= {key: np.maximum.accumulate(whole[key]).tolist() for key in whole if key != "bypass"}
+    open_rows = rows.travel[:, :, k].max(axis=1) > opens
+    pressures = rows.p_in[open_rows, :, k]
+    far = {key: np.concatenate([v, np.full(len(more), np.nan)]) for key, v in spread.items()}
+    return ValveFound(
+        ValveCurves(
+            (*knots.tolist(), *more),
+            *(tuple(whole[key]) for key in ("inlet", "bypass", "outlet_positive", "outlet_negative")),
+        ),
+        far,
+        (opens, last),
+        (float(pressures.min()), float(pressures.max())) if pressures.size else (0.0, 0.0),
+        q_in_left,
+        float(np.sqrt(np.mean(np.square(left)))) if left else float("nan"),
+        int(open_rows.sum()),
+        (fitted[0], fitted[1]),
+    )

@@ -1,0 +1,1 @@
+"""Curves and numbers of circuits from rows of a log: squares, exact slopes, steps, knots, errors."""

@@ -1,0 +1,312 @@
+"""Inlet and bypass curves of the valves of a circuit, and numbers of its pump, from the flows into its actuators.
+
+Damped Gauss-Newton steps with exact slopes: rises of curves stay at or above zero, so that inlets never fall and bypasses never rise; knots
+move, but not past each other. Rows are weighted by what noise of flows, spools and pressures makes of a flow there, which the slopes say, and
+rows that are far off count less (Huber). The number of steps is bounded.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_slopes_at
+from polydraulic.identification.equations.fit.valve_curves import (
+    Curves,
+    Place,
+    at_place,
+    falling,
+    hats,
+    placed_among,
+    rising,
+)
+from polydraulic.identification.equations.observations import mean_weights
+from polydraulic.machine.pump import Pump
+
+_FLOOR = 1e-9  # of the widest conductance: a closed orifice would have no slope
+HUBER = 2.0  # standard deviations
+_NEAREST = 0.3  # of the distance to the next knot that a knot moves in a step
+_CHUNK = 8192
+_DIFFERENCE = 1e-4  # relative, for slopes over numbers of the pump
+
+
+class CircuitRows(NamedTuple):
+    """What sensors say of a circuit of n valves, in windows of rows over which flows are averaged; of a single row where they are measured.
+
+    Attributes
+    ----------
+    travel : (n_window, n_long, n) array, m
+    p_in : (n_window, n_long, n) array, Pa
+        At the pressurised ports.
+    p_rate : (n_window, n_long, n) array, Pa/s
+        How fast these change.
+    q_in : (n_window, n) array, m3/s
+        Measured, mean of the window.
+    known : (n_window, n) array of bool
+        Which of them count.
+    block : (n_window,) array of int
+        Block of time.
+    noise_travel, noise_pressure, noise_flow : (n,) array
+        Standard deviations.
+    """
+
+    travel: np.ndarray
+    p_in: np.ndarray
+    p_rate: np.ndarray
+    q_in: np.ndarray
+    known: np.ndarray
+    block: np.ndarray
+    noise_travel: np.ndarray
+    noise_pressure: np.ndarray
+    noise_flow: np.ndarray
+
+    def some(self, keep: np.ndarray) -> "CircuitRows":
+        """Those windows."""
+        return self._replace(
+            **{name: getattr(self, name)[keep] for name in ("travel", "p_in", "p_rate", "q_in", "known", "block")}
+        )
+
+
+class CircuitModel(NamedTuple):
+    """Curves of the valves, counted from the pump, the pump, and by how many seconds sensors of pressure are behind those of flow."""
+
+    valves: tuple[Curves, ...]
+    pump: Pump
+    lead: float = 0.0
+
+
+class Prior(NamedTuple):
+    """What was known before, of curves as functions of travel and of the pump: values and how far they may be off."""
+
+    model: CircuitModel
+    spread: float  # of a curve, as a share of its value
+    pump: dict[str, float]  # spread of each free number of the pump, and of the lead, SI
+
+
+class Normal(NamedTuple):
+    """Squares and slopes at a model: over values at knots and places of knots of each valve, then numbers of the pump."""
+
+    loss: float
+    gradient: np.ndarray
+    curvature: np.ndarray
+
+
+def fit_circuit(model: CircuitModel, rows: CircuitRows, prior: Prior, steps: int) -> tuple[CircuitModel, float]:
+    """Model nearest to the rows, and half its weighted squares; at most `steps` steps."""
+    now, damping = normal(model, rows, prior), 1e-3
+    for _ in range(steps):
+        better = False
+        for _ in range(6):
+            trial = stepped_model(model, now, prior, damping)
+            found = normal(trial, rows, prior)
+            if found.loss < now.loss:
+                better = True
+                break
+            damping *= 8.0
+        if not better:
+            break
+        gained = now.loss - found.loss
+        model, now, damping = trial, found, max(damping * 0.2, 1e-9)
+        if gained < 1e-5 * found.loss:
+            break
+    return model, now.loss
+
+
+def conductances(model: CircuitModel, places: list[Place]) -> tuple[np.ndarray, np.ndarray]:
+    """Of inlets and bypasses, (n_row, n) each."""
+    found = []
+    for curve in ("inlet", "bypass"):
+        widest = max(float(getattr(v, curve).max()) for v in model.valves) or 1e-9
+        found.append(
+            np.maximum(
+                np.column_stack([at_place(getattr(v, curve), p) for v, p in zip(model.valves, places, strict=True)]),
+                _FLOOR * widest,
+            )
+        )
+    return found[0], found[1]
+
+
+def flows_of(model: CircuitModel, travel: np.ndarray, p_in: np.ndarray) -> np.ndarray:
+    """Flows into the actuators, (n_row, n) in m3/s."""
+    places = [placed_among(v.knots, travel[:, i]) for i, v in enumerate(model.valves)]
+    return circuit_slopes_at(*conductances(model, places), p_in, model.pump).q_in
+
+
+def mean_flows(model: CircuitModel, rows: CircuitRows) -> np.ndarray:
+    """The same as means of windows, (n_window, n)."""
+    n = len(model.valves)
+    p_in = np.maximum(rows.p_in + model.lead * rows.p_rate, 0.0).reshape(-1, n)
+    flows = flows_of(model, rows.travel.reshape(-1, n), p_in).reshape(rows.travel.shape)
+    return np.einsum("wln,l->wn", flows, mean_weights(rows.travel.shape[1]))
+
+
+def normal(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Normal:
+    """Squares and slopes over all rows, and what was known before."""
+    sizes = [len(v.knots) for v in model.valves]
+    count = 3 * sum(sizes) + len(prior.pump)
+    loss, gradient, curvature = 0.0, np.zeros(count), np.zeros((count, count))
+    for begin in range(0, len(rows.travel), _CHUNK):
+        part = rows.some(np.arange(begin, min(begin + _CHUNK, len(rows.travel))))
+        for off, slopes in weighted(model, part, list(prior.pump)):
+            size = np.abs(off)
+            robust = np.minimum(1.0, HUBER / np.maximum(size, 1e-300))
+            loss += float(np.sum(np.where(size <= HUBER, 0.5 * off * off, HUBER * (size - 0.5 * HUBER))))
+            gradient += slopes.T @ (robust * off)
+            curvature += (slopes * robust[:, None]).T @ slopes
+    return with_prior(Normal(loss, gradient, curvature), model, prior)
+
+
+def weighted(model: CircuitModel, rows: CircuitRows, of_pump: list[str]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """For each valve, what is left of its flow in standard deviations, (n_window,), and the slopes of that, (n_window, n_number)."""
+    n, shape = len(model.valves), rows.travel.shape[:2]
+    travel, p_in, p_rate = (values.reshape(-1, n) for values in (rows.travel, rows.p_in, rows.p_rate))
+    p_in = np.maximum(p_in + model.lead * p_rate, 0.0)
+    share = mean_weights(shape[1])
+    places = [placed_among(v.knots, travel[:, i]) for i, v in enumerate(model.valves)]
+    k_in, k_bypass = conductances(model, places)
+    at = circuit_slopes_at(k_in, k_bypass, p_in, model.pump)
+    steep = [
+        tuple((np.diff(c) / np.diff(v.knots))[p.left] for c in (v.inlet, v.bypass))
+        for v, p in zip(model.valves, places, strict=True)
+    ]
+    by_pump = [
+        np.einsum("rij,rj->ri", at.by_pressure, p_rate)
+        if name == "lead"
+        else _over_pump(model.pump, name, k_in, k_bypass, p_in, at.q_in)
+        for name in of_pump
+    ]
+    shares = [hats(p, len(v.knots)) for v, p in zip(model.valves, places, strict=True)]
+    solved = at.solved.reshape(shape).all(axis=1)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return values if shape[1] == 1 else np.einsum("wl...,l->w...", values.reshape(*shape, *values.shape[1:]), share)
+
+    found = []
+    for i in range(n):
+        by_travel = [at.by_inlet[:, i, j] * steep[j][0] + at.by_bypass[:, i, j] * steep[j][1] for j in range(n)]
+        variance = rows.noise_flow[i] ** 2 + sum(
+            (mean(by_travel[j]) * rows.noise_travel[j]) ** 2
+            + np.sum(share**2) * (mean(at.by_pressure[:, i, j]) * rows.noise_pressure[j]) ** 2
+            for j in range(n)
+        )
+        weight = np.where(rows.known[:, i] & solved, 1.0 / np.sqrt(variance), 0.0)
+        columns = []
+        for j in range(n):
+            for factor in (at.by_inlet[:, i, j], at.by_bypass[:, i, j], -by_travel[j]):
+                columns.append(mean(shares[j] * factor[:, None]))
+        columns += [mean(slope[:, i])[:, None] for slope in by_pump]
+        found.append(
+            (weight * (mean(at.q_in[:, i]) - rows.q_in[:, i]), np.concatenate(columns, axis=1) * weight[:, None])
+        )
+    return found
+
+
+def number_of(model: CircuitModel, name: str) -> float:
+    """A number of the pump, or the lead."""
+    return model.lead if name == "lead" else float(getattr(model.pump, name))
+
+
+def pump_with(pump: Pump, name: str, value: float) -> Pump:
+    """A pump with another flow, relief setting or start of the torque limit, whose least flow follows from these."""
+    found = pump._replace(**{name: value})
+    if found.log_least < 0.0:
+        found = found._replace(
+            log_least=-found.limit_exponent * float(np.log(max(found.relief / found.limit_start, 1.0)))
+        )
+    return found
+
+
+def _over_pump(
+    pump: Pump, name: str, k_in: np.ndarray, k_bypass: np.ndarray, p_in: np.ndarray, q_in: np.ndarray
+) -> np.ndarray:
+    value = getattr(pump, name)
+    step = _DIFFERENCE * value
+    return (circuit_slopes_at(k_in, k_bypass, p_in, pump_with(pump, name, value + step)).q_in - q_in) / step
+
+
+def with_prior(of: Normal, model: CircuitModel, prior: Prior) -> Normal:
+    """Squares with those of what was known before: a curve's values at the knots, and numbers of the pump."""
+    loss, gradient, curvature = of.loss, of.gradient.copy(), of.curvature.copy()
+    at = 0
+    for v, before in zip(model.valves, prior.model.valves, strict=True):
+        m = len(v.knots)
+        for k, curve in enumerate(("inlet", "bypass")):
+            known = np.interp(v.knots, before.knots, getattr(before, curve))
+            width = prior.spread * np.maximum(known, 0.1 * float(getattr(before, curve).max()))
+            off = (getattr(v, curve) - known) / width
+            loss += 0.5 * float(off @ off)
+            part = slice(at + k * m, at + (k + 1) * m)
+            gradient[part] += off / width
+            curvature[part, part] += np.diag(width**-2)
+        at += 3 * m
+    for k, (name, width) in enumerate(prior.pump.items()):
+        off_pump = (number_of(model, name) - number_of(prior.model, name)) / width
+        loss += 0.5 * off_pump**2
+        gradient[at + k] += off_pump / width
+        curvature[at + k, at + k] += width**-2
+    return Normal(loss, gradient, curvature)
+
+
+def numbers_to_values(model: CircuitModel, pump: int) -> np.ndarray:
+    """From rises, falls, places of inner knots and numbers of the pump to values and places at all knots."""
+    parts: list[np.ndarray] = []
+    for v in model.valves:
+        m = len(v.knots)
+        parts += [rising(m), falling(m), np.eye(m)[:, 1:-1]]
+    parts.append(np.eye(pump))
+    found = np.zeros((sum(p.shape[0] for p in parts), sum(p.shape[1] for p in parts)))
+    row = column = 0
+    for p in parts:
+        found[row : row + p.shape[0], column : column + p.shape[1]] = p
+        row, column = row + p.shape[0], column + p.shape[1]
+    return found
+
+
+def stepped_model(model: CircuitModel, at: Normal, prior: Prior, damping: float) -> CircuitModel:
+    """Model after one damped step within the bounds."""
+    from scipy.optimize import lsq_linear
+
+    to_values = numbers_to_values(model, len(prior.pump))
+    g, h = to_values.T @ at.gradient, to_values.T @ at.curvature @ to_values
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
+    g, h = g * scale, h * scale[:, None] * scale[None, :]
+    low, high = bounds(model, len(prior.pump))
+    root = np.linalg.cholesky(h + (damping + 1e-10) * np.eye(len(g)))
+    target = -np.linalg.solve(root, g)
+    low, high = low / scale, high / scale
+    step = lsq_linear(
+        root.T, target, (np.minimum(low, -1e-300), np.maximum(high, 1e-300)), method="bvls", max_iter=200
+    ).x
+    return moved(model, to_values @ (step * scale), list(prior.pump))
+
+
+def bounds(model: CircuitModel, pump: int) -> tuple[np.ndarray, np.ndarray]:
+    """How far down and up each number may go."""
+    low, high = [], []
+    for v in model.valves:
+        gaps = np.diff(v.knots)
+        falls = np.append(-np.diff(v.bypass), v.bypass[-1])
+        low += [-np.diff(v.inlet), -falls, -_NEAREST * gaps[:-1]]
+        high += [np.full(len(gaps), np.inf), np.full(len(falls), np.inf), _NEAREST * gaps[1:]]
+    return np.concatenate([*low, np.full(pump, -np.inf)]), np.concatenate([*high, np.full(pump, np.inf)])
+
+
+def moved(model: CircuitModel, step: np.ndarray, of_pump: list[str]) -> CircuitModel:
+    """Model with values and places of knots moved by a step."""
+    valves, at = [], 0
+    for v in model.valves:
+        m = len(v.knots)
+        inlet, bypass, knots = (
+            old + step[at + k * m : at + (k + 1) * m] for k, old in enumerate((v.inlet, v.bypass, v.knots))
+        )
+        inlet = np.maximum.accumulate(np.maximum(inlet, 0.0))
+        bypass = np.maximum.accumulate(np.maximum(bypass, 0.0)[::-1])[::-1]
+        valves.append(Curves(knots, inlet, bypass))
+        at += 3 * m
+    pump, lead = model.pump, model.lead
+    for k, name in enumerate(of_pump):
+        value, change = number_of(model, name), float(step[at + k])
+        if name == "lead":
+            lead = value + change
+        else:
+            pump = pump_with(pump, name, max(value + change, 0.2 * value))
+    return CircuitModel(tuple(valves), pump, lead)

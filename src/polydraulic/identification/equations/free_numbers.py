@@ -1,0 +1,97 @@
+"""Which numbers of a machine an identification may change, and how far they may be off: marked in its file, or by patterns of paths."""
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from typing import Any, NamedTuple
+
+from polydraulic.errors import InputError
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.units import read_unit
+
+CURVES = ("inlet", "bypass", "outlet_positive", "outlet_negative")
+SPREADS = {"flow": 0.1, "relief": 0.05, "torque_limit_start": 0.1}  # shares, where a file gives none
+_PILOT = ("gain", "time_constant", "dead_time")
+
+
+class Freedom(NamedTuple):
+    """What may be changed.
+
+    Attributes
+    ----------
+    spreads : dict from path to float
+        Of each free entry of a machine file: how far it may be off, in SI; nan where nothing is said.
+    marked : bool
+        Whether somebody said what is free; otherwise all that can be fitted is.
+    """
+
+    spreads: dict[str, float]
+    marked: bool
+
+    def has(self, path: str) -> bool:
+        """Whether an entry is free."""
+        return path in self.spreads
+
+    def spread(self, path: str, usual: float) -> float:
+        """How far an entry may be off, in SI; `usual` where nothing is said."""
+        value = self.spreads.get(path, float("nan"))
+        return usual if value != value else value
+
+
+def entries_of(machine: LayoutMachine) -> list[str]:
+    """Paths of all entries of a machine, tables as one."""
+    return list(dict.fromkeys(number.path.partition("[")[0] for number in machine.numbers))
+
+
+def fitted_here(path: str) -> bool:
+    """Whether curves identified inside the equations of circuits can change an entry."""
+    parts = path.split(".")
+    if parts[0] == "circuits":
+        return parts[-2] == "pump" and parts[-1] in ("flow", "relief", "torque_limit_start")
+    return parts[0] == "functions" and (
+        (parts[-2] == "valve" and parts[-1] in (*CURVES, "knots")) or (parts[-2] == "pilot" and parts[-1] in _PILOT)
+    )
+
+
+def freedom(machine: LayoutMachine, data: dict[str, Any], patterns: Sequence[str]) -> Freedom:
+    """What may be changed.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    data : dict
+        Its file as it is written; empty where there is none.
+    patterns : sequence of str
+        Paths such as ``functions.*.valve.*``, besides what the file marks.
+
+    Raises
+    ------
+    InputError
+        A pattern that fits no path.
+    """
+    paths = entries_of(machine)
+    found = {path: spread for path, spread in _marked(data).items() if path in paths}
+    for pattern in patterns:
+        fitting = [path for path in paths if fnmatchcase(path, pattern)]
+        if not fitting:
+            raise InputError(
+                f"--free {pattern!r} fits no number of the machine; paths are such as {', '.join(paths[-3:])}"
+            )
+        found |= {path: found.get(path, float("nan")) for path in fitting}
+    if not found:
+        return Freedom({path: float("nan") for path in paths if fitted_here(path)}, False)
+    return Freedom(found, True)
+
+
+def _marked(tree: dict[str, Any], where: str = "") -> dict[str, float]:
+    """Entries that are marked as free, with their spreads in SI."""
+    found: dict[str, float] = {}
+    for key, item in tree.items():
+        if not isinstance(item, dict):
+            continue
+        if "value" not in item:
+            found |= _marked(item, f"{where}{key}.")
+        elif item.get("free", False):
+            spread = item.get("spread")
+            unit = read_unit(item["unit"])
+            found[where + key] = float("nan") if spread is None else unit.to_si(float(spread)) - unit.to_si(0.0)
+    return found

@@ -1,0 +1,26 @@
+"""How much of a sensor's signal is noise: from differences that a smooth signal hardly has."""
+
+import numpy as np
+
+_WEIGHTS = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_NORMAL = 0.6745  # median of the absolute value of a standard normal variable
+
+
+def noise_level(values: np.ndarray, segment: np.ndarray) -> float:
+    """Standard deviation of white noise on a signal that is smooth from row to row.
+
+    Fourth differences remove what a cubic follows; of what is left the median counts, so that the signal's own jumps do not.
+
+    Parameters
+    ----------
+    values : (n_row,) array
+    segment : (n_row,) array
+        Rows of one segment follow each other.
+    """
+    if len(values) < len(_WEIGHTS):
+        return 0.0
+    rough = np.convolve(values, _WEIGHTS, mode="valid")
+    within = segment[4:] == segment[:-4]
+    if not within.any():
+        return 0.0
+    return float(np.median(np.abs(rough[within])) / _NORMAL / np.sqrt(np.sum(_WEIGHTS**2)))

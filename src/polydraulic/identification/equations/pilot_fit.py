@@ -1,0 +1,243 @@
+"""A pilot from the joystick's voltage and the spool that follows it, and the spool without the noise of its sensor.
+
+The pilot is tau dx/dt + x = clip(gain v, +-travel) after a dead time. Gain, time constant and dead time are those whose spool, run through
+each piece of the log on the voltage alone, is nearest to the measured one. A smoother (Rauch, Tung and Striebel) then weighs the pilot
+against the sensor: what the spool does besides, by flow forces or friction, is noise that drives it, of the size that the log shows.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic._kernel import driver
+from polydraulic.identification.equations.noise import noise_level
+from polydraulic.parameters.schema import Pilot
+
+_SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter
+_LONGEST_DEAD = 0.5  # s
+_LEAST_ROWS = 200
+_BLOCK = 5.0  # s, after which errors are independent
+_ROUGHNESS = np.geomspace(
+    1e-3, 1.0, 25
+)  # what drives the spool besides the pilot, as a share of the sensor's noise in a row
+
+
+class PilotFit(NamedTuple):
+    """A pilot and how well the log knows it.
+
+    Attributes
+    ----------
+    pilot : Pilot
+    errors : Pilot
+        Standard errors of its numbers.
+    rms : float, m
+        Of what is left of the spool.
+    rows : int
+        That say something.
+    """
+
+    pilot: Pilot
+    errors: Pilot
+    rms: float
+    rows: int
+
+
+def fit_pilot(
+    time: np.ndarray, segment: np.ndarray, voltage: np.ndarray, spool: np.ndarray, travel: float, start: Pilot
+) -> PilotFit | None:
+    """Pilot whose spool is nearest to the measured one; None where the log does not tell.
+
+    Parameters
+    ----------
+    time : (n_row,) array, s
+        On a raster within each segment.
+    segment : (n_row,) array
+    voltage : (n_row,) array, V
+    spool : (n_row,) array, m
+    travel : float, m
+        Beyond which the spool does not go.
+    start : Pilot
+        To begin from.
+    """
+    from scipy.optimize import least_squares
+
+    pieces = pieces_of(segment)
+    step = raster_of(time, segment)
+    lag0 = max(start.time_constant, step)
+    begins = np.repeat(time[pieces[:, 0]], pieces[:, 1] - pieces[:, 0])
+    use = time - begins > _SETTLED * lag0
+    moving = use & (np.abs(voltage) > 0.05 * np.abs(voltage).max(initial=1e-300))
+    if moving.sum() < _LEAST_ROWS or np.ptp(spool[use]) < 20.0 * step * 1e-6:
+        return None
+    scale = np.array([start.gain, lag0, 0.05])
+
+    def off(x: np.ndarray) -> np.ndarray:
+        pilot = Pilot(*(x * scale).tolist())
+        return (driven(pilot, travel, time, pieces, voltage, spool, step) - spool)[use]
+
+    low, high = np.array([1e-3, 0.1 * step / lag0, 0.0]), np.array([1e3, 100.0, _LONGEST_DEAD / scale[2]])
+    begin = np.clip(
+        [_first_gain(voltage[use], spool[use], travel) / start.gain, 1.0, 0.5 * start.dead_time / scale[2] + 0.1],
+        low * 1.01,
+        high * 0.99,
+    )
+    found = least_squares(
+        off,
+        begin,
+        bounds=(low, high),
+        loss="soft_l1",
+        f_scale=3.0 * max(noise_level(spool, segment), 1e-7),
+        max_nfev=60,
+    )
+    errors = _errors(found.jac, found.fun, (time[use] // _BLOCK).astype(np.int64)) * scale
+    return PilotFit(
+        Pilot(*(found.x * scale).tolist()),
+        Pilot(*errors.tolist()),
+        float(np.sqrt(np.mean(off(found.x) ** 2))),
+        int(moving.sum()),
+    )
+
+
+def _first_gain(voltage: np.ndarray, spool: np.ndarray, travel: float) -> float:
+    inner = np.abs(spool) < 0.9 * travel
+    return float(abs(np.sum(voltage[inner] * spool[inner])) / max(np.sum(voltage[inner] ** 2), 1e-300))
+
+
+def _errors(jac: np.ndarray, off: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Standard errors from the scatter of whole blocks of time, whose rows are not independent."""
+    bread = np.linalg.pinv(jac.T @ jac)
+    _, number = np.unique(block, return_inverse=True)
+    sums = np.zeros((number.max() + 1, jac.shape[1]))
+    np.add.at(sums, number, jac * off[:, None])
+    return np.sqrt(np.maximum(np.diag(bread @ (sums.T @ sums) @ bread), 0.0))
+
+
+def pieces_of(segment: np.ndarray) -> np.ndarray:
+    """First row of each piece, and the row behind its last one, (n_piece, 2)."""
+    cuts = np.flatnonzero(np.diff(segment)) + 1
+    return np.column_stack([np.concatenate([[0], cuts]), np.concatenate([cuts, [len(segment)]])]).astype(np.int64)
+
+
+def raster_of(time: np.ndarray, segment: np.ndarray) -> float:
+    """Time between rows, s."""
+    within = np.diff(segment) == 0
+    return float(np.median(np.diff(time)[within]))
+
+
+def driven(
+    pilot: Pilot,
+    travel: float,
+    time: np.ndarray,
+    pieces: np.ndarray,
+    voltage: np.ndarray,
+    spool: np.ndarray,
+    step: float,
+) -> np.ndarray:
+    """Spool that the voltage alone drives through each piece from where it is measured at first, (n_row,) in m."""
+    keep, first, second = _weights(pilot.time_constant, step)
+    target = np.clip(pilot.gain * _delayed(voltage, time, pieces, pilot.dead_time), -travel, travel)
+    found = np.empty(len(spool))
+    _run(pieces, target, spool, keep, first, second, found)
+    return found
+
+
+def smooth_spool(
+    pilot: Pilot,
+    travel: float,
+    time: np.ndarray,
+    segment: np.ndarray,
+    voltage: np.ndarray,
+    spool: np.ndarray,
+    noise: float,
+) -> tuple[np.ndarray, float]:
+    """Spool, (n_row,) in m, from pilot and sensor together, and the standard deviation of what it is off by."""
+    pieces, step = pieces_of(segment), raster_of(time, segment)
+    keep, first, second = _weights(pilot.time_constant, step)
+    target = np.clip(pilot.gain * _delayed(voltage, time, pieces, pilot.dead_time), -travel, travel)
+    found, work = np.empty(len(spool)), np.empty((len(spool), 3))
+    r = max(noise, 1e-9) ** 2
+    likely = [
+        _smoothed(pieces, target, spool, keep, first, second, r * share * share, r, found, work)[0]
+        for share in _ROUGHNESS
+    ]
+    best = _ROUGHNESS[int(np.argmax(likely))]
+    _, variance = _smoothed(pieces, target, spool, keep, first, second, r * best * best, r, found, work)
+    return found.copy(), float(np.sqrt(variance))
+
+
+def _weights(time_constant: float, step: float) -> tuple[float, float, float]:
+    """What a row keeps of the one before, and takes of the target at both, which is straight between them."""
+    keep = float(np.exp(-step / time_constant))
+    second = 1.0 - (1.0 - keep) * time_constant / step
+    return keep, 1.0 - keep - second, second
+
+
+def _delayed(voltage: np.ndarray, time: np.ndarray, pieces: np.ndarray, dead_time: float) -> np.ndarray:
+    if dead_time <= 0.0:
+        return voltage
+    found = np.empty(len(voltage))
+    for begin, end in pieces.tolist():
+        found[begin:end] = np.interp(time[begin:end] - dead_time, time[begin:end], voltage[begin:end])
+    return found
+
+
+@driver
+def _run(
+    pieces: np.ndarray,
+    target: np.ndarray,
+    spool: np.ndarray,
+    keep: float,
+    first: float,
+    second: float,
+    found: np.ndarray,
+) -> None:
+    for piece in range(pieces.shape[0]):
+        begin, end = pieces[piece, 0], pieces[piece, 1]
+        x = spool[begin]
+        found[begin] = x
+        for k in range(begin + 1, end):
+            x = keep * x + first * target[k - 1] + second * target[k]
+            found[k] = x
+
+
+@driver
+def _smoothed(
+    pieces: np.ndarray,
+    target: np.ndarray,
+    spool: np.ndarray,
+    keep: float,
+    first: float,
+    second: float,
+    q: float,
+    r: float,
+    found: np.ndarray,
+    work: np.ndarray,
+) -> tuple[float, float]:
+    """Forwards a Kalman filter, backwards the smoother; log likelihood and mean variance."""
+    likely, total, rows = 0.0, 0.0, 0
+    for piece in range(pieces.shape[0]):
+        begin, end = pieces[piece, 0], pieces[piece, 1]
+        x, p = spool[begin], r
+        found[begin] = x
+        work[begin, 0], work[begin, 1], work[begin, 2] = p, x, p
+        for k in range(begin + 1, end):
+            ahead = keep * x + first * target[k - 1] + second * target[k]
+            before = keep * keep * p + q
+            s = before + r
+            off = spool[k] - ahead
+            likely -= 0.5 * (np.log(s) + off * off / s)
+            x = ahead + before / s * off
+            p = before * r / s
+            found[k] = x
+            work[k, 0], work[k, 1], work[k, 2] = p, ahead, before
+        total += p
+        rows += 1
+        variance = p
+        for back in range(end - begin - 1):
+            k = end - 2 - back
+            c = work[k, 0] * keep / work[k + 1, 2]
+            found[k] += c * (found[k + 1] - work[k + 1, 1])
+            variance = work[k, 0] + c * c * (variance - work[k + 1, 2])
+            total += variance
+            rows += 1
+    return likely, total / max(rows, 1)

@@ -1,0 +1,180 @@
+"""What a log says of each function of a machine: which sensors it has, signals in SI, how noisy they are, and what is missing for what."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.identification.equations.noise import noise_level
+from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, smooth_spool
+from polydraulic.machine.drives import Motor, Ram, prepare_drive
+from polydraulic.parameters.layout.geometry import lever
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.tables import Table
+
+UNITS = {
+    "spool": "m",
+    "p_a": "Pa",
+    "p_b": "Pa",
+    "q_in": "m3/s",
+    "q_out": "m3/s",
+    "voltage": "V",
+    "angle": "rad",
+    "position": "m",
+}
+_GRID = 721  # angles at which the volume in a cylinder is known, straight between
+_SMOOTHED = 5  # rows that a position is smoothed over
+
+
+class Signals(NamedTuple):
+    """What sensors read of a function; None where there is no sensor.
+
+    Attributes
+    ----------
+    spool : (n_row,) array, m
+        From the sensor, and from the pilot where its voltage is known.
+    p_a, p_b : (n_row,) array, Pa
+    q_in, q_out : (n_row,) array, m3/s
+    volume_a, volume_b : (n_row,) array, m3
+        That the joint's position gives the two sides of the actuator.
+    noise : dict
+        Standard deviation of each of these, in SI; of `spool` of what is left of it.
+    pilot : PilotFit or None
+    """
+
+    spool: np.ndarray | None
+    p_a: np.ndarray | None
+    p_b: np.ndarray | None
+    q_in: np.ndarray | None
+    q_out: np.ndarray | None
+    volume_a: np.ndarray | None
+    volume_b: np.ndarray | None
+    noise: dict[str, float]
+    pilot: PilotFit | None
+
+
+def position_column(machine: LayoutMachine, f: MachineFunction) -> str:
+    """Name of the column of a function's joint."""
+    return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
+
+
+def wanted_columns(machine: LayoutMachine) -> list[str]:
+    """Columns that a machine is identified from, as far as a log has them."""
+    shown = [
+        f"{f.name}.{what}" for f in machine.functions for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")
+    ]
+    return [*shown, *(position_column(machine, f) for f in machine.functions)]
+
+
+def check_units(table: Table) -> None:
+    """Refuse columns that are not in SI."""
+    for name in table.names:
+        si = UNITS.get(name.split(".")[-1])
+        if si is not None and table.unit(name) not in ("", si):
+            raise InputError(
+                f"column {name!r} is in {table.unit(name)!r}; a machine is identified in SI, this in {si!r}"
+            )
+
+
+def read_function(
+    machine: LayoutMachine, f: MachineFunction, table: Table, segment: np.ndarray, fits_pilot: bool
+) -> Signals:
+    """Signals of a function.
+
+    Parameters
+    ----------
+    machine : LayoutMachine
+    f : MachineFunction
+    table : Table
+        The log, in SI.
+    segment : (n_row,) array
+    fits_pilot : bool
+        Whether the pilot is to be found from the log; otherwise it is that of the machine.
+    """
+
+    def column(what: str) -> np.ndarray | None:
+        name = f"{f.name}.{what}"
+        return table[name] if name in table.names else None
+
+    found = {what: column(what) for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
+    noise = {what: noise_level(values, segment) for what, values in found.items() if values is not None}
+    spool, voltage, pilot = found["spool"], found["voltage"], None
+    travel = f.valve.knots[-1]
+    if spool is not None and voltage is not None:
+        pilot = fit_pilot(table["time"], segment, voltage, spool, travel, f.pilot)
+        if pilot is not None:
+            own = pilot.pilot if fits_pilot else f.pilot
+            spool, noise["spool"] = smooth_spool(own, travel, table["time"], segment, voltage, spool, noise["spool"])
+    place = position_column(machine, f)
+    volume_a = volume_b = None
+    if place in table.names:
+        position = _smooth(table[place], segment)
+        noise["position"] = noise_level(position, segment)
+        volume_a, volume_b = volumes(machine, f, position)
+        middle = levers(machine, f, position)
+        noise["volume_a"], noise["volume_b"] = (
+            noise_level(table[place], segment) / np.sqrt(0.5 * _SMOOTHED) * float(np.mean(side)) for side in middle
+        )
+    p_a, p_b = found["p_a"], found["p_b"]
+    return Signals(
+        spool,
+        None if p_a is None else np.maximum(p_a, 0.0),
+        None if p_b is None else np.maximum(p_b, 0.0),
+        found["q_in"],
+        found["q_out"],
+        volume_a,
+        volume_b,
+        noise,
+        pilot,
+    )
+
+
+def levers(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Volume that a radian or metre draws from line A and gives to line B, (n_row,) each."""
+    link, drive = machine.link(f.moves), prepare_drive(f, machine.link(f.moves))
+    if isinstance(drive, Motor):
+        return np.full(len(position), drive.displacement), np.full(len(position), drive.displacement)
+    if isinstance(drive, Ram):
+        return np.full(len(position), drive.area_a), np.full(len(position), drive.area_b)
+    grid = np.linspace(f.stops.low, f.stops.high, _GRID)
+    arm = np.interp(position, grid, [abs(lever(f, link, angle) or 0.0) for angle in grid.tolist()])
+    return arm * drive.area_a, arm * drive.area_b
+
+
+def volumes(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Volumes of the actuator's two sides, but for a constant, (n_row,) in m3 each; what one gains the other loses."""
+    if f.pins is None:
+        a, b = levers(machine, f, position)
+        return a * position, -b * position
+    grid = np.linspace(f.stops.low, f.stops.high, _GRID)
+    a, b = levers(machine, f, grid)
+    step = np.diff(grid)
+    grown = [np.concatenate([[0.0], np.cumsum(0.5 * (side[1:] + side[:-1]) * step)]) for side in (a, b)]
+    return np.interp(position, grid, grown[0]), -np.interp(position, grid, grown[1])
+
+
+def _smooth(position: np.ndarray, segment: np.ndarray) -> np.ndarray:
+    """Positions by local parabolas over a few rows of one segment."""
+    from scipy.signal import savgol_filter
+
+    found = position.copy()
+    cuts = np.flatnonzero(np.diff(segment)) + 1
+    for rows in np.split(np.arange(len(position)), cuts):
+        if len(rows) > _SMOOTHED:
+            found[rows] = savgol_filter(position[rows], _SMOOTHED, 2)
+    return found
+
+
+def missing_for_circuit(machine: LayoutMachine, functions: tuple[str, ...], signals: dict[str, Signals]) -> str:
+    """Why a circuit cannot be fitted, in words; empty if it can."""
+    lacks = [
+        f"{name}.{what}"
+        for name in functions
+        for what in ("spool", "p_a", "p_b")
+        if getattr(signals[name], what) is None
+    ]
+    for name in functions:
+        if signals[name].q_in is None and signals[name].volume_a is None:
+            lacks.append(f"{name}.q_in or {position_column(machine, machine.function(name))}")
+    return f"the log has no {', '.join(lacks)}" if lacks else ""

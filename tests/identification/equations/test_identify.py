@@ -1,0 +1,211 @@
+"""A machine identified from a short log of the exact one, and what a log does not tell."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from helpers.machine_log import machine_log
+from helpers.small_crane import write_crossover_crane
+from polydraulic import InputError, load_machine
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.identification import identify
+from polydraulic.identification.equations.finished import Finished
+from polydraulic.machine.pump import limited_pump
+from polydraulic.tables import Table
+
+SECONDS = 120.0
+
+
+@pytest.fixture(scope="module")
+def true():
+    return load_machine("cat215b")
+
+
+@pytest.fixture(scope="module")
+def log():
+    return machine_log(SECONDS)
+
+
+def rough(true):
+    """What is known before: where valves open and close; conductances, pumps and pilots are off."""
+    values = {}
+    for f in true.functions:
+        v, where = f.valve, f"functions.{f.name}"
+        knots = tuple(v.knots[k] for k in (0, 1, 4, 5))
+        values[f"{where}.valve.knots"] = knots
+        for key in ("inlet", "bypass", "outlet_positive", "outlet_negative"):
+            at = np.interp(knots, v.knots, getattr(v, key))
+            values[f"{where}.valve.{key}"] = (0.8 if key == "bypass" else 1.3) * np.where(at > 1e-10, at, 0.0)
+        values[f"{where}.pilot.gain"] = 1.1 * f.pilot.gain
+    for c in true.circuits:
+        values[f"{c.pump_path}.flow"] = 1.05 * c.pump.flow
+    return true.with_values(values)
+
+
+@pytest.fixture(scope="module")
+def found(true, log):
+    told = []
+    result = identify(log, rough(true), progress=lambda what, done, total: told.append((what, done, total)))
+    assert told[0][0] == "swing: sensors and pilot"
+    assert all(0 <= done <= total for _, done, total in told)
+    return result
+
+
+def without(log, *parts):
+    keep = [name for name in log.names if not any(part in name for part in parts)]
+    return Table({name: log[name] for name in keep}, {name: log.unit(name) for name in keep})
+
+
+def test_curves_come_near_to_the_truth_where_the_log_has_been(found, true):
+    for name in true.names:
+        ours, exact = found.machine.function(name), true.function(name)
+        at = np.linspace(exact.valve.knots[1] + 4e-4, exact.valve.knots[3] - 2e-4, 20)
+        for key, near in (("inlet", 0.05), ("bypass", 0.08)):
+            curves = (np.interp(at, v.knots, getattr(v, key)) for v in (ours.valve, exact.valve))
+            assert np.allclose(*curves, rtol=near, atol=2e-8), (name, key)
+        assert ours.pilot.gain == pytest.approx(exact.pilot.gain, rel=2e-3)
+        assert ours.pilot.time_constant == pytest.approx(exact.pilot.time_constant, rel=0.02)
+    for ours, exact in zip(found.machine.circuits, true.circuits, strict=True):
+        assert ours.pump.flow == pytest.approx(exact.pump.flow, rel=2e-3)
+
+
+def test_what_was_not_free_or_not_seen_is_as_it_was(found, true):
+    assert found.machine.links == true.links
+    assert found.machine.tank == true.tank
+    for name in true.names:
+        v = found.circuits["boom" if name == "boom" else "series"].valves[name]
+        knots = np.array(found.machine.function(name).valve.knots)
+        assert np.isnan(v.errors["inlet"][knots > v.seen[1] + 1e-9]).all()
+        assert v.seen[1] <= knots[-1]
+        assert all(
+            np.diff(getattr(v.curves, key)).min() >= 0.0 for key in ("inlet", "outlet_positive", "outlet_negative")
+        )
+    assert "never seen" in str(found)
+
+
+def test_the_words_name_numbers_with_their_errors(found):
+    text = str(found)
+    assert re.search(r"circuits.boom.pump.flow +177.1 l/min +168\.\d+ l/min +0\.\d+ l/min", text)
+    assert re.search(r"^ +stick +\d+ +\d+ +4.775 mm to \S+ mm +\d+\.\d\d% +\d+\.\d\d%$", text, re.MULTILINE)
+    assert "psi" in found.text("field")
+
+
+def test_the_file_is_a_machine_and_says_where_it_came_from(found, tmp_path):
+    path = tmp_path / "identified.toml"
+    found.write(path)
+    again = load_machine(path)
+    for ours, read in zip(found.machine.numbers, again.numbers, strict=True):
+        assert read.value == pytest.approx(ours.value, rel=1e-8, abs=1e-30)
+    text = path.read_text(encoding="utf-8")
+    assert "identified from table: " in text
+    assert "uncertainty" in text
+    with pytest.raises(InputError, match="a machine file ends in .toml"):
+        found.write(tmp_path / "identified.json")
+
+
+def test_without_flow_sensors_volumes_are_balanced(true, log):
+    found = identify(without(log, ".q_in", ".q_out"), rough(true), free=["*.boom.*"])
+    assert list(found.circuits) == ["boom"]
+    assert found.circuits["boom"].valves["boom"].rows < 1000  # windows
+    assert found.machine.circuit("boom").pump.flow == pytest.approx(true.circuit("boom").pump.flow, rel=0.02)
+    rng = np.random.default_rng(1)
+    travel, p_in = rng.uniform(5e-3, 9e-3, (500, 1)), rng.uniform(3e6, 1.2e7, (500, 1))
+
+    def flows(machine):
+        pump, p_return = machine.circuit("boom").pump, machine.tank.return_pressure
+        valve = machine.function("boom").valve
+        return sample_valves([valve], limited_pump(pump.flow, pump.relief, p_return, pump), travel, p_in).q_in
+
+    off = [np.sqrt(np.mean((flows(m) - flows(true)) ** 2)) for m in (found.machine, found.before)]
+    assert off[0] < 0.4 * off[1]
+
+
+def test_free_numbers_alone_change(true, log):
+    found = identify(log, rough(true), free=["functions.swing.pilot.*", "links.boom.mass"])
+    assert set(found.changes) == {f"functions.swing.pilot.{key}" for key in ("gain", "time_constant", "dead_time")}
+    assert "links.boom.mass: kept; only a fit through simulation can change it" in found.kept
+    assert "circuits.boom: kept; none of its numbers is free" in found.kept
+
+
+def test_sensors_that_are_missing_are_named(true, log):
+    found = identify(without(log, "boom.spool", "stick.p_a"), rough(true))
+    assert not found.circuits
+    assert "circuits.boom: kept; the log has no boom.spool" in found.kept
+    assert "circuits.series: kept; the log has no stick.p_a" in found.kept
+    assert any(line.startswith("functions.boom.pilot: kept") for line in found.kept)
+
+
+def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
+    with pytest.raises(
+        InputError,
+        match="determines nothing of this machine; functions.swing.pilot: kept; .*the log has no swing.spool",
+    ):
+        identify(without(log, ".spool", ".p_a"), rough(true))
+    still = Table(
+        {name: np.zeros(2000) + (np.arange(2000) * 0.02 if name == "time" else 0.0) for name in log.names}, log.units
+    )
+    with pytest.raises(InputError, match="the spool of boom hardly ever leaves its centre"):
+        identify(still, rough(true))
+    short = Table({name: log[name][:100] for name in log.names}, log.units)
+    with pytest.raises(InputError, match="it has 100 rows; 500 at least"):
+        identify(short, rough(true))
+    with pytest.raises(InputError, match="column 'boom.p_a' is in 'bar'"):
+        identify(Table(log.columns, log.units | {"boom.p_a": "bar"}), rough(true))
+    backwards = Table(log.columns | {"time": log["time"][::-1].copy()}, log.units)
+    with pytest.raises(InputError, match="column 'time' does not rise"):
+        identify(backwards, rough(true))
+
+
+def test_a_crossover_is_refused_by_name(tmp_path):
+    machine = load_machine(write_crossover_crane(tmp_path))
+    rows = 1000
+    columns = {"time": np.arange(rows) * 0.02}
+    for name in machine.names:
+        columns |= {f"{name}.{what}": np.full(rows, 1e6) for what in ("spool", "p_a", "p_b", "q_in")}
+    with pytest.raises(
+        InputError, match="it is of the kind 'crossover'; only circuits of valves in series are identified"
+    ):
+        identify(Table(columns, {}), machine)
+
+
+def test_finished_circuits_are_found_again(true, log, tmp_path, monkeypatch):
+    from polydraulic.identification.equations import identify as module
+
+    folder, fitted = tmp_path / "parts", []
+    real = module.identify_circuit
+
+    def stopped(machine, circuit, *rest):
+        fitted.append(circuit.name)
+        if circuit.name == "series":
+            raise KeyboardInterrupt
+        return real(machine, circuit, *rest)
+
+    monkeypatch.setattr(module, "identify_circuit", stopped)
+    boom = ["*.boom.*", "circuits.series.pump.flow"]
+    with pytest.raises(KeyboardInterrupt):
+        identify(log, rough(true), free=boom, parts=folder)
+    assert (folder / "boom.json").exists()
+    with pytest.raises(KeyboardInterrupt):
+        identify(log, rough(true), free=boom, parts=folder)
+    assert fitted == ["boom", "series", "series"]
+    with pytest.raises(KeyboardInterrupt):  # another log does not take what this one found
+        identify(without(log, "boom.voltage"), rough(true), free=boom, parts=folder)
+    assert fitted[-2:] == ["boom", "series"]
+
+
+def test_finished_circuits_are_read_as_they_were(found, tmp_path):
+    kept = Finished(tmp_path / "parts", "digest")
+    kept.keep("boom", found.circuits["boom"])
+    again = kept.circuit("boom")
+    ours = found.circuits["boom"].valves["boom"]
+    assert again.valves["boom"].curves == ours.curves
+    assert np.array_equal(again.valves["boom"].errors["inlet"], ours.errors["inlet"], equal_nan=True)
+    assert again.pump == found.circuits["boom"].pump
+    assert Finished(tmp_path / "parts", "other").circuit("boom") is None
+    (tmp_path / "parts" / "boom.json").write_text(json.dumps({"digest": "digest"}))
+    assert kept.circuit("boom") is None
+    kept.forget()
+    assert not (tmp_path / "parts").exists()
+    assert Finished(None, "digest").circuit("boom") is None

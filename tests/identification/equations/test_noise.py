@@ -1,0 +1,15 @@
+import numpy as np
+import pytest
+
+from polydraulic.identification.equations.noise import noise_level
+
+
+def test_noise_is_told_from_a_smooth_signal_with_jumps():
+    rng, t = np.random.default_rng(1), np.arange(20000) * 0.02
+    signal = np.sin(t) + np.where(t > 200.0, 5.0, 0.0) + rng.normal(0.0, 0.03, len(t))
+    assert noise_level(signal, np.zeros(len(t))) == pytest.approx(0.03, rel=0.03)
+
+
+def test_rows_of_different_segments_are_not_compared():
+    assert noise_level(np.arange(30.0) ** 4, np.arange(30)) == 0.0
+    assert noise_level(np.ones(3), np.zeros(3)) == 0.0

@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+
+from polydraulic import load_machine, random_operator, simulate
+from polydraulic.identification.equations.circuits import balances
+from polydraulic.identification.equations.observations import mean_weights, windows
+from polydraulic.identification.equations.sensors import read_function, volumes
+from polydraulic.tables import Table
+
+
+def test_windows_stay_within_segments():
+    found = windows(np.array([0] * 7 + [1] * 4 + [2] * 2), 4)
+    assert found.tolist() == [[0, 1, 2, 3], [3, 4, 5, 6], [7, 8, 9, 10]]
+    assert windows(np.array([0, 0, 1]), 1).ravel().tolist() == [0, 1, 2]
+    assert mean_weights(1).tolist() == [1.0]
+    assert mean_weights(3) @ [1.0, 2.0, 3.0] == pytest.approx(2.0)
+
+
+def test_balanced_flows_are_those_that_were_simulated():
+    machine = load_machine("cat215b")
+    run = simulate(load_machine("cat215b"), "exact", random_operator(5, 40.0), raster=0.02)
+    names = [f"{f}.{what}" for f in machine.names for what in ("spool", "p_a", "p_b", "angle")]
+    log = Table({"time": run["time"], **{name: run[name] for name in names}}, {})
+    segment = np.zeros(len(log), dtype=np.int64)
+    signals = {f.name: read_function(machine, f, log, segment, False) for f in machine.functions}
+    for name, of in balances(machine, machine.names, signals, segment, 0.02).items():
+        flows = [run[f"{name}.{port}"][of.rows] @ mean_weights(of.rows.shape[1]) for port in ("q_in", "q_out")]
+        for known, ours, exact in zip((of.known_in, of.known_out), (of.q_in, of.q_out), flows, strict=True):
+            assert known.sum() > 20
+            assert np.median(np.abs(ours - exact)[known]) < 0.01 * machine.circuits[0].pump.flow, name
+
+
+@pytest.mark.parametrize("name", ["boom", "stick", "bucket", "swing"])
+def test_volumes_grow_by_the_levers_of_the_machine(name):
+    from polydraulic.identification.equations.sensors import levers
+
+    machine = load_machine("cat215b_bucket")
+    f = machine.function(name)
+    angle = np.linspace(max(f.stops.low, -3.0) + 0.05, min(f.stops.high, 3.0) - 0.05, 50)
+    step = 1e-3
+    for side, (volume, sign) in enumerate(((0, 1.0), (1, -1.0))):
+        grown = (volumes(machine, f, angle + step)[volume] - volumes(machine, f, angle - step)[volume]) / (2.0 * step)
+        assert np.allclose(grown, sign * levers(machine, f, angle)[side], rtol=2e-3)
