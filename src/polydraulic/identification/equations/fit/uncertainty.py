@@ -1,7 +1,8 @@
 """Standard errors of what was fitted to a circuit: from the slopes at the solution, and from how blocks of time pull at it.
 
 Rows that follow each other err together, so that squares summed over rows would promise too much: the sums of whole blocks say how much
-the solution would move if they had been others. What stands at a bound is taken as known.
+the solution would move if they had been others. Bounds are left out, so that a curve that lies flat is not
+taken for known.
 """
 
 from typing import NamedTuple
@@ -13,13 +14,11 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     CircuitModel,
     CircuitRows,
     Prior,
-    bounds,
     normal,
     numbers_to_values,
     weighted,
 )
 
-_AT_BOUND = 1e-13
 _CHUNK = 8192
 _CLOSE, _SHOWN = 0.9, 6
 
@@ -54,9 +53,7 @@ def errors_of(model: CircuitModel, rows: CircuitRows, prior: Prior) -> CircuitEr
     """
     to_values = numbers_to_values(model, len(prior.pump))
     at = normal(model, rows, prior)
-    low, _ = bounds(model, len(prior.pump))
-    free = low < -_AT_BOUND
-    t = to_values[:, free]
+    t = to_values
     h = t.T @ at.curvature @ t
     scale = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
     bread = np.linalg.pinv(h * scale[:, None] * scale, rcond=1e-12) * scale[:, None] * scale
