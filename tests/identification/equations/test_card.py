@@ -18,7 +18,7 @@ def test_a_card_has_what_an_engineer_asks_for(found, tmp_path):
     path = tmp_path / "card.html"
     write_identification_card(found, path, units="field")
     page = path.read_text(encoding="utf-8")
-    assert "three links: identified" in page
+    assert ": identified" in page
     assert "circuits.boom.pump.flow" in page
     assert page.count("data:image/svg+xml;base64,") == 1
     assert "in3/s" in page

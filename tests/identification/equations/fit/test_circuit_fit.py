@@ -107,3 +107,4 @@ def test_what_no_row_shows_stays_near_its_value():
     start = CircuitModel((START,), PUMP)
     prior = Prior(start, 1.0, {})
     model, _ = fit_circuit(start, seen, prior, 10)
+    assert model.valves[0].inlet[-1] == pytest.approx(START.inlet[-1], rel=0.25)
