@@ -4,7 +4,7 @@ import pytest
 from polydraulic import load_machine, random_operator, simulate
 from polydraulic.identification.equations.circuits import balances
 from polydraulic.identification.equations.observations import mean_weights, windows
-from polydraulic.identification.equations.sensors import read_function, volumes
+from polydraulic.identification.equations.sensors import read_function, side_volumes
 from polydraulic.tables import Table
 
 
@@ -39,5 +39,7 @@ def test_volumes_grow_by_the_levers_of_the_machine(name):
     angle = np.linspace(max(f.stops.low, -3.0) + 0.05, min(f.stops.high, 3.0) - 0.05, 50)
     step = 1e-3
     for side, (volume, sign) in enumerate(((0, 1.0), (1, -1.0))):
-        grown = (volumes(machine, f, angle + step)[volume] - volumes(machine, f, angle - step)[volume]) / (2.0 * step)
+        grown = (side_volumes(machine, f, angle + step)[volume] - side_volumes(machine, f, angle - step)[volume]) / (
+            2.0 * step
+        )
         assert np.allclose(grown, sign * levers(machine, f, angle)[side], rtol=2e-3)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic import random_operator
-from polydraulic.identification.equations.pilot_fit import driven, fit_pilot, pieces_of, raster_of, smooth_spool
+from polydraulic.identification.equations.pilot_fit import driven_spool, fit_pilot, pieces_of, raster_of, smooth_spool
 from polydraulic.parameters.schema import Pilot
 
 TRUE = Pilot(0.014, 0.2, 0.06)
@@ -14,7 +14,7 @@ def log():
     time = np.arange(6000) * RASTER
     segment = (time > 70.0).astype(int)
     voltage = np.ascontiguousarray(random_operator(3, 130.0, limit=1.1).voltages(time)[:, 1])
-    exact = driven(TRUE, TRAVEL, time, pieces_of(np.zeros(len(time))), voltage, np.zeros(len(time)), RASTER)
+    exact = driven_spool(TRUE, TRAVEL, time, pieces_of(np.zeros(len(time))), voltage, np.zeros(len(time)), RASTER)
     measured = exact + np.random.default_rng(1).normal(0.0, 4e-5, len(time))
     return time, segment, voltage, exact, measured
 

@@ -18,7 +18,7 @@ from polydraulic.identification.equations.fit.circuit_fit import (
 from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_slopes_at
 from polydraulic.identification.equations.fit.knots import grow
 from polydraulic.identification.equations.fit.outlet_fit import fit_outlet, outlet_rows
-from polydraulic.identification.equations.fit.uncertainty import CircuitErrors, errors_of
+from polydraulic.identification.equations.fit.uncertainty import CircuitErrors, circuit_errors
 from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
 from polydraulic.identification.equations.observations import WINDOW, Balance, balance, blocks_of_time, windows
 from polydraulic.identification.equations.sensors import Signals
@@ -222,7 +222,7 @@ def identify_circuit(
         pump={key: free_pump[key] for key in shown_by(grown.model, every, opens) if key in free_pump} | {"lead": _LEAD}
     )
     model, _ = fit_circuit(grown.model, every, prior, _STEPS)
-    spread = errors_of(model, every, prior)
+    spread = circuit_errors(model, every, prior)
     found = {}
     for k, name in enumerate(names):
         tell(f"{name}: outlets")

@@ -73,7 +73,7 @@ def fit_pilot(
 
     def off(x: np.ndarray) -> np.ndarray:
         pilot = Pilot(*(x * scale).tolist())
-        return (driven(pilot, travel, time, pieces, voltage, spool, step) - spool)[use]
+        return (driven_spool(pilot, travel, time, pieces, voltage, spool, step) - spool)[use]
 
     low, high = np.array([1e-3, 0.1 * step / lag0, 0.0]), np.array([1e3, 100.0, _LONGEST_DEAD / scale[2]])
     begin = np.clip(
@@ -124,7 +124,7 @@ def raster_of(time: np.ndarray, segment: np.ndarray) -> float:
     return float(np.median(np.diff(time)[within]))
 
 
-def driven(
+def driven_spool(
     pilot: Pilot,
     travel: float,
     time: np.ndarray,

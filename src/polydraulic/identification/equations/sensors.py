@@ -111,7 +111,7 @@ def read_function(
     if place in table.names:
         position = _smooth(table[place], segment)
         noise["position"] = noise_level(position, segment)
-        volume_a, volume_b = volumes(machine, f, position)
+        volume_a, volume_b = side_volumes(machine, f, position)
         middle = levers(machine, f, position)
         noise["volume_a"], noise["volume_b"] = (
             noise_level(table[place], segment) / np.sqrt(0.5 * _SMOOTHED) * float(np.mean(side)) for side in middle
@@ -142,7 +142,7 @@ def levers(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> 
     return arm * drive.area_a, arm * drive.area_b
 
 
-def volumes(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def side_volumes(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Volumes of the actuator's two sides, but for a constant, (n_row,) in m3 each; what one gains the other loses."""
     if f.pins is None:
         a, b = levers(machine, f, position)

@@ -12,7 +12,7 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     normal,
 )
 from polydraulic.identification.equations.fit.knots import grow
-from polydraulic.identification.equations.fit.uncertainty import errors_of
+from polydraulic.identification.equations.fit.uncertainty import circuit_errors
 from polydraulic.identification.equations.fit.valve_curves import Curves
 from polydraulic.machine.pump import Pump
 
@@ -66,7 +66,7 @@ def test_curves_pump_and_missing_knots_are_found(n):
         assert len(found.knots) <= 8
     off = flows_of(model, rows.travel[:, 0], rows.p_in[:, 0]) - rows.q_in
     assert np.sqrt(np.mean(off**2)) < 0.01 * PUMP.flow
-    errors = errors_of(model, rows, prior)
+    errors = circuit_errors(model, rows, prior)
     assert abs(model.pump.flow - PUMP.flow) < 5.0 * errors.pump["flow"]
     assert grown.held_out < 0.7 * grown.path[0][1]  # the start cannot follow
 

@@ -53,7 +53,7 @@ def grow(
         Told the number of knots.
     """
     model, _ = fit_circuit(model, learn, prior, 25)
-    best, by_block, idle = model, held_out(model, hold), 0
+    best, by_block, idle = model, block_losses(model, hold), 0
     least = float(by_block.mean())
     path = [(sum(len(v.knots) for v in model.valves), least)]
     while idle < _PATIENCE:
@@ -61,7 +61,7 @@ def grow(
         if wider is None:
             break
         model, _ = fit_circuit(wider, learn, prior, _STEPS)
-        of_blocks = held_out(model, hold)
+        of_blocks = block_losses(model, hold)
         found, saved = float(of_blocks.mean()), by_block - of_blocks
         count = sum(len(v.knots) for v in model.valves)
         path.append((count, found))
@@ -73,7 +73,7 @@ def grow(
     return Growth(best, least, path)
 
 
-def held_out(model: CircuitModel, rows: CircuitRows) -> np.ndarray:
+def block_losses(model: CircuitModel, rows: CircuitRows) -> np.ndarray:
     """Half the mean weighted squares of each block of time, those far off counting less, (n_block,)."""
     _, block = np.unique(rows.block, return_inverse=True)
     total, count = np.zeros(block.max(initial=-1) + 1), np.zeros(block.max(initial=-1) + 1)

@@ -41,7 +41,7 @@ class CircuitErrors(NamedTuple):
     pairs: list[tuple[int, int, float]]
 
 
-def errors_of(model: CircuitModel, rows: CircuitRows, prior: Prior) -> CircuitErrors:
+def circuit_errors(model: CircuitModel, rows: CircuitRows, prior: Prior) -> CircuitErrors:
     """Standard errors at a solution.
 
     Parameters
