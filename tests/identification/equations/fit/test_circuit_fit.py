@@ -52,7 +52,7 @@ def test_curves_pump_and_missing_knots_are_found(n):
     grown = grow(start, rows.some(~hold), rows.some(hold), prior, 16)
     model, _ = fit_circuit(grown.model, rows, prior, 6)
     assert model.pump.flow == pytest.approx(PUMP.flow, rel=1e-3)
-    at = np.linspace(7.3e-3, 9.2e-3, 30)  # below, little flows into actuators
+    at = np.linspace(5.2e-3, 9.2e-3, 30)
     for found in model.valves:
         assert np.allclose(
             np.interp(at, found.knots, found.inlet), np.interp(at, TRUE.knots, TRUE.inlet), rtol=0.05, atol=8e-9
@@ -68,7 +68,7 @@ def test_curves_pump_and_missing_knots_are_found(n):
     assert np.sqrt(np.mean(off**2)) < 0.01 * PUMP.flow
     errors = circuit_errors(model, rows, prior)
     assert abs(model.pump.flow - PUMP.flow) < 5.0 * errors.pump["flow"]
-    assert grown.held_out < 0.7 * grown.path[0][1]  # the start cannot follow
+    assert grown.held_out < 0.2 * grown.path[0][1]  # the start cannot follow
 
 
 def test_gradients_are_those_of_differences():

@@ -90,13 +90,15 @@ class Normal(NamedTuple):
     curvature: np.ndarray
 
 
-def fit_circuit(model: CircuitModel, rows: CircuitRows, prior: Prior, steps: int) -> tuple[CircuitModel, float]:
+def fit_circuit(
+    model: CircuitModel, rows: CircuitRows, prior: Prior, steps: int, *, knots_move: bool = True
+) -> tuple[CircuitModel, float]:
     """Model nearest to the rows, and half its weighted squares; at most `steps` steps."""
     now, damping = normal(model, rows, prior), 1e-3
     for _ in range(steps):
         better = False
         for _ in range(6):
-            trial = stepped_model(model, now, prior, damping)
+            trial = stepped_model(model, now, prior, damping, knots_move)
             found = normal(trial, rows, prior)
             if found.loss < now.loss:
                 better = True
@@ -261,7 +263,9 @@ def numbers_to_values(model: CircuitModel, pump: int) -> np.ndarray:
     return found
 
 
-def stepped_model(model: CircuitModel, at: Normal, prior: Prior, damping: float) -> CircuitModel:
+def stepped_model(
+    model: CircuitModel, at: Normal, prior: Prior, damping: float, knots_move: bool = True
+) -> CircuitModel:
     """Model after one damped step within the bounds."""
     from scipy.optimize import lsq_linear
 
@@ -269,7 +273,7 @@ def stepped_model(model: CircuitModel, at: Normal, prior: Prior, damping: float)
     g, h = to_values.T @ at.gradient, to_values.T @ at.curvature @ to_values
     scale = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
     g, h = g * scale, h * scale[:, None] * scale[None, :]
-    low, high = bounds(model, len(prior.pump))
+    low, high = bounds(model, len(prior.pump), knots_move)
     root = np.linalg.cholesky(h + (damping + 1e-10) * np.eye(len(g)))
     target = -np.linalg.solve(root, g)
     low, high = low / scale, high / scale
@@ -279,14 +283,15 @@ def stepped_model(model: CircuitModel, at: Normal, prior: Prior, damping: float)
     return moved(model, to_values @ (step * scale), list(prior.pump))
 
 
-def bounds(model: CircuitModel, pump: int) -> tuple[np.ndarray, np.ndarray]:
+def bounds(model: CircuitModel, pump: int, knots_move: bool = True) -> tuple[np.ndarray, np.ndarray]:
     """How far down and up each number may go."""
     low, high = [], []
+    nearest = _NEAREST if knots_move else 0.0
     for v in model.valves:
         gaps = np.diff(v.knots)
         falls = np.append(-np.diff(v.bypass), v.bypass[-1])
-        low += [-np.diff(v.inlet), -falls, -_NEAREST * gaps[:-1]]
-        high += [np.full(len(gaps), np.inf), np.full(len(falls), np.inf), _NEAREST * gaps[1:]]
+        low += [-np.diff(v.inlet), -falls, -nearest * gaps[:-1]]
+        high += [np.full(len(gaps), np.inf), np.full(len(falls), np.inf), nearest * gaps[1:]]
     return np.concatenate([*low, np.full(pump, -np.inf)]), np.concatenate([*high, np.full(pump, np.inf)])
 
 
