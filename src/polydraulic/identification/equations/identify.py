@@ -161,9 +161,11 @@ def identify(
     pilots: dict[str, PilotFit] = {}
     for f in before.functions:
         pilot = signals[f.name].pilot
+        if not any(may.has(f"functions.{f.name}.pilot.{key}") for key in f.pilot._fields):
+            continue
         if pilot is None:
             notes.append(f"functions.{f.name}.pilot: kept; the log has no voltage with a spool that follows it")
-        elif any(may.has(f"functions.{f.name}.pilot.{key}") for key in pilot.pilot._fields):
+        else:
             pilots[f.name] = pilot
             changes |= _pilot_changes(f, pilot, may, from_log)
     circuits: dict[str, CircuitFound] = {}
@@ -189,11 +191,11 @@ def identify(
         changes |= _circuit_changes(before, circuit, known, may, from_log, notes)
     if not changes:
         raise InputError("; ".join([f"{source} determines nothing of this machine", *notes]))
-    notes += [
-        f"{path}: kept; only a fit through simulation can change it"
-        for path in may.spreads
-        if may.marked and not fitted_here(path)
-    ]
+    others = [path for path in may.spreads if may.marked and not fitted_here(path)]
+    if others:
+        notes.append(
+            f"{', '.join(others)}: kept; only a fit through simulation can change {'it' if len(others) == 1 else 'them'}"
+        )
     found = before.with_values({path: new.value for path, new in changes.items()})
     finished.forget()
     progress("identified", steps, steps)
