@@ -55,6 +55,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py methods
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
+	$(BIN)/python benchmarks/keep.py identify
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.
 bench-peers: .venv/ready .venv-peers/ready

@@ -35,6 +35,8 @@ _PUMP_ROWS, _BLOCKS = 200, 3
 _STEPS = 6
 _AROUND = 5  # rows
 _LEAD = 0.02  # s, by which clocks of sensors may be apart
+_FLOWS, _HIGHEST = 0.05, 10  # of the pump's flow, and how many such pressures are left to noise
+_RELIEF_KNOWN = 0.01  # relative standard error beyond which a relief setting counts as not shown
 _BELOW = 0.97  # of the relief setting: above, a flow falls from all to nothing within what a sensor can tell
 
 
@@ -263,7 +265,13 @@ def seen_relief(model: CircuitModel, rows: CircuitRows, opens: np.ndarray, sprea
     blocks_there = np.unique(block[stalled])
     if np.count_nonzero(stalled) < _PUMP_ROWS or len(blocks_there) < _BLOCKS:
         return None
-    return float(pressure[stalled].mean()), width / np.sqrt(len(blocks_there))
+    value = float(pressure[stalled].mean())
+    # a load that holds an actuator above the setting stalls it too: the setting lies between that and where oil still flows
+    flowing = rows.known & (rows.travel.min(axis=1) > 1.2 * opens) & (rows.q_in > _FLOWS * model.pump.flow)
+    below = np.sort(rows.p_in.mean(axis=1)[flowing])[-_HIGHEST:]
+    gap = max(value - float(below[0]), 0.0) if len(below) == _HIGHEST else np.inf
+    error = float(np.hypot(width / np.sqrt(len(blocks_there)), 0.5 * gap))
+    return (value, error) if error < _RELIEF_KNOWN * value else None
 
 
 def shown_by(model: CircuitModel, rows: CircuitRows, opens: np.ndarray) -> list[str]:

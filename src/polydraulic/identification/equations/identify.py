@@ -288,7 +288,7 @@ def _circuit_changes(
             and may.has(f"{circuit.pump_path}.{key}")
             and (name != "limit_start" or circuit.pump.torque_limit_enabled)
         ):
-            notes.append(f"{circuit.pump_path}.{key}: kept; too few rows show it")
+            notes.append(f"{circuit.pump_path}.{key}: kept; the log does not show it")
     return changes
 
 
