@@ -64,10 +64,6 @@ TESTED_ELSEWHERE = {
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
-    "identification/equations/circuits.py": (
-        "identification/equations/test_identify.py",
-        "circuits are fitted as parts of machines",
-    ),
     "identification/equations/finished.py": (
         "identification/equations/test_identify.py",
         "circuits that were fitted there are kept",
