@@ -36,7 +36,8 @@ INLINED_OPTIONS: dict[str, Any] = {**_KERNEL_OPTIONS, "no_cpython_wrapper": True
 _KEEP_DAYS = 30
 
 
-# What kernels are made of: the layers up to `simulation` (parameters are types to them, constants may come from units).
+# What kernels are made of: the layers up to `simulation` (parameters are types to them, constants may come from units), and `identification`,
+# whose fits have kernels of their own.
 _COMPILED = (
     "_kernel",
     "_kernel_cache",
@@ -47,6 +48,7 @@ _COMPILED = (
     "machine",
     "flow",
     "simulation",
+    "identification",
 )
 
 

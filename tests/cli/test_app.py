@@ -49,7 +49,7 @@ def test_the_help_names_first_steps_and_all_commands(call):
 
 def test_bash_completes_commands_options_and_values():
     assert complete("polydraulic sim") == ["simulate"]
-    assert complete("polydraulic fit-") == ["fit-machine"]
+    assert complete("polydraulic fit-") == ["fit-joints", "fit-machine"]
     assert complete("polydraulic simulate --uni") == ["--units"]
     assert complete("polydraulic simulate task --units ") == ["metric", "field", "si"]
     assert set(complete("polydraulic simulate s")) == {name for name in scenario_names() if name.startswith("s")}

@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 
 from polydraulic import random_operator
-from polydraulic.identification.equations.pilot_fit import driven_spool, fit_pilot, pieces_of, raster_of, smooth_spool
+from polydraulic.identification.equations.pilot_fit import (
+    driven_spool,
+    fit_pilot,
+    pieces_of,
+    raster_within,
+    smooth_spool,
+)
 from polydraulic.parameters.schema import Pilot
 
 TRUE = Pilot(0.014, 0.2, 0.06)
@@ -51,4 +57,4 @@ def test_a_spool_that_rests_tells_nothing(log):
 
 def test_rasters_and_pieces():
     assert pieces_of(np.array([0, 0, 1, 1, 1])).tolist() == [[0, 2], [2, 5]]
-    assert raster_of(np.array([0.0, 0.1, 0.2, 5.0, 5.1]), np.array([0, 0, 0, 1, 1])) == pytest.approx(0.1)
+    assert raster_within(np.array([0.0, 0.1, 0.2, 5.0, 5.1]), np.array([0, 0, 0, 1, 1])) == pytest.approx(0.1)

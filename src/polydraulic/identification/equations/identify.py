@@ -19,7 +19,7 @@ from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFoun
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom, fitted_here, freedom
 from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data
-from polydraulic.identification.equations.pilot_fit import PilotFit, raster_of
+from polydraulic.identification.equations.pilot_fit import PilotFit, raster_within
 from polydraulic.identification.equations.sensors import (
     Signals,
     check_units,
@@ -149,7 +149,7 @@ def identify(
     table, source = table_of(log, ["time"], ["segment", *wanted_columns(before)])
     check_units(table)
     segment = _segments(table, source)
-    raster = raster_of(table["time"], segment)
+    raster = raster_within(table["time"], segment)
     steps = len(before.functions) + 2 * len(before.circuits)
     signals: dict[str, Signals] = {}
     for number, f in enumerate(before.functions):

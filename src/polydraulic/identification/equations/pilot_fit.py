@@ -62,7 +62,7 @@ def fit_pilot(
     from scipy.optimize import least_squares
 
     pieces = pieces_of(segment)
-    step = raster_of(time, segment)
+    step = raster_within(time, segment)
     lag0 = max(start.time_constant, step)
     begins = np.repeat(time[pieces[:, 0]], pieces[:, 1] - pieces[:, 0])
     use = time - begins > _SETTLED * lag0
@@ -118,7 +118,7 @@ def pieces_of(segment: np.ndarray) -> np.ndarray:
     return np.column_stack([np.concatenate([[0], cuts]), np.concatenate([cuts, [len(segment)]])]).astype(np.int64)
 
 
-def raster_of(time: np.ndarray, segment: np.ndarray) -> float:
+def raster_within(time: np.ndarray, segment: np.ndarray) -> float:
     """Time between rows, s."""
     within = np.diff(segment) == 0
     return float(np.median(np.diff(time)[within]))
@@ -151,7 +151,7 @@ def smooth_spool(
     noise: float,
 ) -> tuple[np.ndarray, float]:
     """Spool, (n_row,) in m, from pilot and sensor together, and the standard deviation of what it is off by."""
-    pieces, step = pieces_of(segment), raster_of(time, segment)
+    pieces, step = pieces_of(segment), raster_within(time, segment)
     keep, first, second = _weights(pilot.time_constant, step)
     target = np.clip(pilot.gain * _delayed(voltage, time, pieces, pilot.dead_time), -travel, travel)
     found, work = np.empty(len(spool)), np.empty((len(spool), 3))
