@@ -34,7 +34,7 @@ def sharp_errors(machine, fit):
     )
 
 
-@pytest.mark.parametrize("name", ["loader_crane", "cat215b_bucket"])
+@pytest.mark.parametrize("name", ["loader_crane", pytest.param("cat215b_bucket", marks=pytest.mark.slow)])
 def test_masses_and_friction_from_two_minutes_of_sines(name):
     """What is said to be known to 2 % is right to 5 %: 2.5 standard deviations, in which the bias of the filter must have room."""
     machine = load_machine(name)
