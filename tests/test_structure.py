@@ -30,6 +30,10 @@ TESTED_ELSEWHERE = {
         "networks/dynamic/test_joint_regressor.py",
         "the network runs as the polynomial that was learnt, on new logs",
     ),
+    "networks/dynamic/free_runner.py": (
+        "networks/dynamic/test_dynamic_regressor.py",
+        "runs of both estimators that stand on it",
+    ),
     "networks/dynamic/signal_names.py": ("networks/dynamic/test_joint_regressor.py", "models under other names"),
     "parameters/entries.py": ("parameters/test_load.py", "entries are read as parts of files"),
     "parameters/layout/conditions.py": ("parameters/layout/test_load.py", "conditions refuse files"),

@@ -7,19 +7,17 @@ from itertools import count
 from typing import Any
 
 import numpy as np
-from sklearn.base import BaseEstimator, clone
-from sklearn.utils.validation import check_array, check_is_fitted, validate_data
+from sklearn.base import clone
 
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.free_run import prepare_loop, run_windows, simulate_spans
+from polydraulic.networks.dynamic.free_run import prepare_loop, run_windows
+from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.lag_selection import LADDER, Choice, Options, checked_lags, select, select_terms
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, frame_of
 from polydraulic.networks.dynamic.refine_free_run import refine_over_steps, spread
-from polydraulic.networks.dynamic.signal_names import renamed
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, lagged, rows_of, spans_of, without
 from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 from polydraulic.networks.dynamic.term_network import places_read, term_networks
-from polydraulic.networks.model.fitted import variables
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR
@@ -34,7 +32,7 @@ _SMALLEST = 20  # rows that a block must hold beside the longest lag
 _THINNEST, _LARGEST = 1e-150, 1e150  # of signals, whose squares are to be numbers with all digits
 
 
-class DynamicRegressor(BaseEstimator):
+class DynamicRegressor(FreeRunner):
     """Network of lagged inputs and outputs, for logs.
 
     It predicts one row ahead from what was measured (`predict`), or runs on its own predictions (`simulate`). Whatever is left open
@@ -146,48 +144,9 @@ class DynamicRegressor(BaseEstimator):
         self.warm_up_ = self._dynamics.warm_up
         return self
 
-    def simulate(self, X: Any, y: Any, *, segments: Any = None, horizon: int | None = None) -> np.ndarray:
-        """Run on its own from the first `warm_up_` rows of each segment.
-
-        Parameters
-        ----------
-        X : (n_row, n_input) array-like of finite float
-        y : (n_row,) or (n_row, n_output) array-like
-            Measured outputs, of which only the first `warm_up_` rows of each segment are read; the rest may be NaN.
-        segments : (n_row,) array-like, optional
-            Labels; each segment is a run of its own.
-        horizon : int, optional
-            Restart from measured outputs after this many rows.
-
-        Returns
-        -------
-        array of the shape of `y`
-            The measured rows at the start of each segment, then the answers.
-        """
-        check_is_fitted(self)
-        X, y = self._checked(X, y, reset=False)
-        names = self._names()
-        loop = prepare_loop(self.models_, names)
-        found = simulate_spans(loop, np.column_stack([X, y]), names, self.warm_up_, segments, horizon)
-        return found.reshape(y.shape)
-
-    def predict(self, X: Any, y: Any, *, segments: Any = None) -> np.ndarray:
-        """Predict each row from measured ones before it; arguments and result as `simulate`."""
-        return self.simulate(X, y, segments=segments, horizon=1)
-
     def to_model(self, inputs: Sequence[Variable] | None = None, output: Variable | None = None) -> Model:
         """Return the (first) output's model, which can be saved, bounded and exported."""
         return self.to_models(inputs, None if output is None else [output])[0]
-
-    def to_models(
-        self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
-    ) -> list[Model]:
-        """Return one model per output, with names and units of the signals (not of their lags)."""
-        check_is_fitted(self)
-        signals = [*variables(self, inputs), *(self._outputs() if outputs is None else outputs)]
-        if len(signals) != self.n_features_in_ + self.n_outputs_:
-            raise InputError(f"{len(outputs or [])} output names for a model with {self.n_outputs_} outputs")
-        return renamed(self.models_, dict(zip(self._names(), signals, strict=True)))
 
     def _choose(self, signals: np.ndarray, spans: list[Span]) -> list[Choice]:
         """Return everything tried, and the chosen one at the end."""
@@ -322,28 +281,6 @@ class DynamicRegressor(BaseEstimator):
         found = self.models_[0].dynamics
         assert found is not None
         return found
-
-    def _names(self) -> list[str]:
-        return [variable.name for variable in (*variables(self, None), *self._outputs())]
-
-    def _outputs(self) -> Iterator[Variable]:
-        several = self.n_outputs_ > 1
-        return (Variable(f"y{k}" if several else "y") for k in range(self.n_outputs_))
-
-    def _checked(self, X: Any, y: Any, *, reset: bool) -> tuple[np.ndarray, np.ndarray]:
-        X = validate_data(self, X, reset=reset, dtype=np.float64, ensure_all_finite="allow-nan")
-        y = check_array(y, dtype=np.float64, ensure_2d=False, ensure_all_finite="allow-nan", input_name="y")
-        if y.ndim > 2 or len(y) != len(X):
-            raise InputError(f"y has shape {y.shape}; it must be ({len(X)},) or ({len(X)}, n_output)")
-        if not reset and y.size != len(X) * self.n_outputs_:
-            raise InputError(f"y has shape {y.shape}; the model has {self.n_outputs_} outputs")
-        return X, y
-
-    def _whole(self, name: str, least: int = 1) -> int:
-        value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise InputError(f"{name} = {value!r}: must be a whole number, at least {least}")
-        return int(value)
 
 
 def _but(spans: list[Span], block: list[Span], warm_up: int) -> list[Span]:

@@ -4,19 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from sklearn.base import BaseEstimator
-from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
 from polydraulic.networks.dynamic.command_response import find_response
-from polydraulic.networks.dynamic.free_run import pieces, prepare_loop, simulate_spans
+from polydraulic.networks.dynamic.free_run import pieces
+from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.joint_network import joint_network
 from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of, run_terms
-from polydraulic.networks.dynamic.signal_names import renamed
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of, without
 from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
-from polydraulic.networks.model.fitted import variables
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.progress import Progress, quiet
@@ -26,7 +23,7 @@ _ENOUGH = 0.03  # what more terms have to gain over fewer
 _PATIENCE = 4  # so many more terms without a gain end the growth
 
 
-class JointRegressor(BaseEstimator):
+class JointRegressor(FreeRunner):
     """Angles or strokes of joints from their commands, for machines whose hydraulics nobody describes.
 
     From row to row each joint moves by a rate: a polynomial in the openings of its valve to either side, in angles and openings of all joints,
@@ -76,6 +73,8 @@ class JointRegressor(BaseEstimator):
     [0.3, -0.2]
     """
 
+    _output = "joint"
+
     def __init__(
         self, *, longest_lag: int = 16, horizon: int = 200, max_terms: int = 16, n_blocks: int = 4, raster: float | None = None,
         progress: Progress = quiet, signal_names: Sequence[str] | None = None,
@@ -108,9 +107,7 @@ class JointRegressor(BaseEstimator):
             not move its joint.
         """
         for name, least in (("longest_lag", 2), ("horizon", 2), ("max_terms", 1), ("n_blocks", 2)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-                raise InputError(f"{name} = {value!r}: must be a whole number, at least {least}")
+            self._whole(name, least)
         X, y = self._checked(X, y, reset=True)
         self._single_output = y.ndim == 1
         signals = np.column_stack([X, y])
@@ -148,47 +145,6 @@ class JointRegressor(BaseEstimator):
         error = float(np.mean([error for _, _, error in found]))
         self.choice_ = Choice(lags, (1,), True, self.horizon, sum(terms for _, terms, _ in found), error)
         return self
-
-    def simulate(self, X: Any, y: Any, *, segments: Any = None, horizon: int | None = None) -> np.ndarray:
-        """Run on its own from the first `warm_up_` rows of each segment.
-
-        Parameters
-        ----------
-        X : (n_row, n_input) array-like of finite float
-        y : (n_row,) or (n_row, n_joint) array-like
-            Measured joints, of which only the first `warm_up_` rows of each segment are read; the rest may be NaN.
-        segments : (n_row,) array-like, optional
-            Labels; each segment is a run of its own.
-        horizon : int, optional
-            Restart from measured joints after this many rows.
-
-        Returns
-        -------
-        array of the shape of `y`
-            The measured rows at the start of each segment, then the answers.
-        """
-        check_is_fitted(self)
-        X, y = self._checked(X, y, reset=False)
-        names = self._names()
-        loop = prepare_loop(self.models_, names)
-        return simulate_spans(loop, np.column_stack([X, y]), names, self.warm_up_, segments, horizon).reshape(y.shape)
-
-    def predict(self, X: Any, y: Any, *, segments: Any = None) -> np.ndarray:
-        """Predict each row from measured ones before it; arguments and result as `simulate`."""
-        return self.simulate(X, y, segments=segments, horizon=1)
-
-    def to_models(
-        self, inputs: Sequence[Variable] | None = None, outputs: Sequence[Variable] | None = None
-    ) -> list[Model]:
-        """Return one model per joint, with names and units of the signals (not of their lags)."""
-        check_is_fitted(self)
-        signals = [
-            *variables(self, inputs),
-            *([Variable(name) for name in self._outputs()] if outputs is None else outputs),
-        ]
-        if len(signals) != self.n_features_in_ + self.n_outputs_:
-            raise InputError(f"{len(outputs or [])} output names for a model with {self.n_outputs_} outputs")
-        return renamed(self.models_, dict(zip(self._names(), signals, strict=True)))
 
     def _learn(self, k: int, signals: np.ndarray, targets: list[Span]) -> tuple[Model, int, float]:
         """Model of joint `k`, its number of terms, and their error on blocks held out."""
@@ -248,18 +204,3 @@ class JointRegressor(BaseEstimator):
         enough = (1.0 + _ENOUGH) * min(errors)
         chosen = next(n for n, error in enumerate(errors) if error <= enough)
         return 1 + chosen, errors[chosen]
-
-    def _names(self) -> list[str]:
-        return [*(variable.name for variable in variables(self, None)), *self._outputs()]
-
-    def _outputs(self) -> list[str]:
-        return [f"y{k}" if self.n_outputs_ > 1 else "y" for k in range(self.n_outputs_)]
-
-    def _checked(self, X: Any, y: Any, *, reset: bool) -> tuple[np.ndarray, np.ndarray]:
-        X = validate_data(self, X, reset=reset, dtype=np.float64, ensure_all_finite="allow-nan")
-        y = check_array(y, dtype=np.float64, ensure_2d=False, ensure_all_finite="allow-nan", input_name="y")
-        if y.ndim > 2 or len(y) != len(X):
-            raise InputError(f"y has shape {y.shape}; it must be ({len(X)},) or ({len(X)}, n_joint)")
-        if not reset and y.size != len(X) * self.n_outputs_:
-            raise InputError(f"y has shape {y.shape}; the model has {self.n_outputs_} joints")
-        return X, y
