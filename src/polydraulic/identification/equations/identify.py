@@ -19,7 +19,8 @@ from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFoun
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom, fitted_here, freedom
 from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data
-from polydraulic.identification.equations.pilot_fit import PilotFit, raster_within
+from polydraulic.identification.equations.log_pieces import raster_within
+from polydraulic.identification.equations.pilot_fit import PilotFit
 from polydraulic.identification.equations.sensors import (
     Signals,
     check_units,

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic._kernel import driver
+from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.parameters.schema import Pilot
 
@@ -116,12 +117,6 @@ def pieces_of(segment: np.ndarray) -> np.ndarray:
     """First row of each piece, and the row behind its last one, (n_piece, 2)."""
     cuts = np.flatnonzero(np.diff(segment)) + 1
     return np.column_stack([np.concatenate([[0], cuts]), np.concatenate([cuts, [len(segment)]])]).astype(np.int64)
-
-
-def raster_within(time: np.ndarray, segment: np.ndarray) -> float:
-    """Time between rows, s."""
-    within = np.diff(segment) == 0
-    return float(np.median(np.diff(time)[within]))
 
 
 def driven_spool(

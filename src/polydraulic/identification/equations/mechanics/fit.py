@@ -12,9 +12,9 @@ from scipy.optimize import least_squares
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
+from polydraulic.identification.equations.log_pieces import in_si
 from polydraulic.identification.equations.mechanics.base_parameters import BaseParameters, base_parameters
 from polydraulic.identification.equations.mechanics.inertia import inertial_values
-from polydraulic.identification.equations.mechanics.log_pieces import in_si
 from polydraulic.identification.equations.mechanics.motion_rows import (
     FRICTION,
     MotionRows,

@@ -25,24 +25,31 @@ def raster_of(table: Table) -> float:
     Raises
     ------
     InputError
-        Fewer than two rows, or times that do not rise.
+        No two rows of one segment, or times that do not rise.
     """
-    time = table["time"]
-    if len(time) < 2 or np.any(np.diff(time) <= 0.0):
+    time, segment = table["time"], _segments(table)
+    if np.all(np.diff(segment) != 0) or np.any(np.diff(time) <= 0.0):
         raise InputError(
             "column 'time' does not rise from row to row; an identification needs a log as it was recorded"
         )
-    return float(np.median(np.diff(time)))
+    return raster_within(time, segment)
+
+
+def raster_within(time: np.ndarray, segment: np.ndarray) -> float:
+    """Time between rows of one segment, s."""
+    return float(np.median(np.diff(time)[np.diff(segment) == 0]))
 
 
 def even_pieces(table: Table, columns: Sequence[str]) -> list[tuple[np.ndarray, np.ndarray]]:
     """Times and columns, (n_row,) and (n_row, n_column), by straight lines between rows; gaps and segments end a piece."""
     time, raster = table["time"], raster_of(table)
-    cuts = np.diff(time) > _GAP * raster
-    if "segment" in table.names:
-        cuts |= np.diff(table["segment"]) != 0.0
+    cuts = (np.diff(time) > _GAP * raster) | (np.diff(_segments(table)) != 0)
     found = []
     for rows in np.split(np.arange(len(time)), np.flatnonzero(cuts) + 1):
         at = time[rows[0]] + raster * np.arange(int((time[rows[-1]] - time[rows[0]]) / raster + 1e-6) + 1)
         found.append((at, np.column_stack([np.interp(at, time[rows], table[name][rows]) for name in columns])))
     return found
+
+
+def _segments(table: Table) -> np.ndarray:
+    return table["segment"] if "segment" in table.names else np.zeros(len(table["time"]))

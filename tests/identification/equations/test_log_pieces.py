@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.identification.equations.mechanics.log_pieces import even_pieces, in_si, raster_of
+from polydraulic.identification.equations.log_pieces import even_pieces, in_si, raster_of
 from polydraulic.tables import Table
 
 
@@ -31,3 +31,10 @@ def test_times_that_fall_and_other_units_are_refused():
         raster_of(table_of(np.array([0.0, 2.0, 1.0])))
     with pytest.raises(InputError, match="column 'x' is in 'm'.*this in 'rad'"):
         in_si(table_of(np.arange(3.0)), {"x": "rad"})
+
+
+def test_the_raster_is_that_within_segments():
+    ends = table_of(np.array([0.0, 0.1, 5.0, 5.1, 9.0]), segment=np.array([0.0, 0.0, 1.0, 1.0, 2.0]))
+    assert raster_of(ends) == pytest.approx(0.1)
+    with pytest.raises(InputError, match="does not rise"):
+        raster_of(table_of(np.array([0.0, 0.1]), segment=np.array([0.0, 1.0])))
