@@ -4,6 +4,7 @@ import sys
 if "PYTEST_XDIST_WORKER" in os.environ:  # before NumPy is loaded: one worker per processor, one thread per worker
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import numba
 import pytest
 from hypothesis import settings
 from numba.core.dispatcher import Dispatcher
@@ -28,6 +29,15 @@ def compiled_untraced(compile_it):
 Dispatcher.compile = compiled_untraced(Dispatcher.compile)
 settings.register_profile("quick", max_examples=60, deadline=None, derandomize=True)
 settings.load_profile("quick")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """What is slow to compile is slow where it is compiled."""
+    if not numba.config.DISABLE_JIT:
+        for item in items:
+            if item.get_closest_marker("slow_to_compile"):
+                item.add_marker("slow")
 
 
 @pytest.fixture(scope="session")

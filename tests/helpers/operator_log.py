@@ -11,7 +11,7 @@ NOISE = {"angle": 5e-4, "position": 1e-3, "p_a": 1e5, "p_b": 1e5}
 
 
 @cache
-def operator_log(name="loader_crane", seconds=20.0, seed=5, noise=1.0):
+def operator_log(name, seconds=20.0, seed=5, noise=1.0):
     machine = load_machine(name)
     run = simulate(machine, "exact", random_operator(seed, seconds, functions=machine.names), dt=5e-3, every=4)
     rng = np.random.default_rng(seed)

@@ -26,6 +26,7 @@ from polydraulic.identification.log_replay import (
     replayed,
 )
 from polydraulic.machine.frames import link_frames, placed
+from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.tables import Table
 
 FLOW = "iterative"  # as good as exact, and no lanes: plain Python fills 64 of them slowly
@@ -341,7 +342,8 @@ def test_a_machine_with_another_pump_is_told_apart_by_the_functions_of_that_pump
 
 
 def test_effects_begin_as_pressures_and_spools_suggest(crane):
-    loose = with_effects(crane, sticks=True, backlash=0.005, hysteresis=3e-4)
+    still = FlowForce(1e20, 870.0, 0.5 * np.pi)  # nothing, but a layout that other tests compile as well
+    loose = with_effects(crane, sticks=True, backlash=0.005, hysteresis=3e-4, flow_force=still)
     log = noiseless(loose, 5.0)
     own, other = (replay(log, m, "exact", seconds=2.0).drifts for m in (loose, crane))
     for drift, without in zip(own, other, strict=True):

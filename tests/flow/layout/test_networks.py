@@ -12,6 +12,7 @@ from polydraulic.parameters.signals import Constant
 TREE = excavator_tree()
 
 
+@pytest.mark.slow_to_compile
 def test_networks_of_one_circuit_serve_what_moves_no_other():
     models = [model for model in shipped_models("cascade") if model.output.name.startswith("boom.")]
     flow = build_flow("polynomial", TREE, models=models)

@@ -136,7 +136,7 @@ def test_what_does_not_know_an_effect_says_which(crane):
         prepare_layout(pushed, 5e-3, flow=networks)
 
 
-@pytest.mark.parametrize("flow", ["exact", "iterative"])
+@pytest.mark.parametrize("flow", ["exact", pytest.param("iterative", marks=pytest.mark.slow_to_compile)])
 def test_a_flow_models_own_flows_push_its_spools(full, flow):
     run = simulate(full, flow, random_operator(2, 1.0, functions=full.names))
     f = full.function("slew")

@@ -80,6 +80,7 @@ def test_a_payload_that_comes_and_goes_weighs_as_long_as_it_is_there(crane):
     assert np.array_equal(again["lift.angle"], run["lift.angle"][::4])
 
 
+@pytest.mark.slow_to_compile
 def test_forces_in_lanes_have_the_bits_of_single_runs(crane, loads):
     scenarios = [
         Scenario(f"s{k}", 1.0, random_operator(k, 1.0, functions=crane.names).voltage, loads=loads) for k in range(3)

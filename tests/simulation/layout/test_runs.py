@@ -175,7 +175,7 @@ def test_the_method_that_needs_slopes_refuses_a_crossover(joined_crane):
         simulate(joined_crane, "exact", "random:1:1", method="rosenbrock")
 
 
-@pytest.mark.parametrize("method", ["semi-implicit", "reference"])
+@pytest.mark.parametrize("method", ["semi-implicit", pytest.param("reference", marks=pytest.mark.slow_to_compile)])
 def test_a_pump_whose_own_functions_are_locked_is_seen_while_it_feeds_another_through_a_crossover(joined_crane, method):
     scenario = Scenario("lift", 2.0, {"lift": Constant(0.8)}, locked=joined_crane.circuit("main_giving").functions)
     run = simulate(joined_crane, "exact", scenario, method=method)

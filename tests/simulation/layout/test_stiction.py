@@ -115,6 +115,7 @@ def test_coupled_joints_meet_coulombs_law(sticky):
     assert min(stood, moved) > 150
 
 
+@pytest.mark.slow_to_compile
 def test_friction_that_does_not_settle_counts_as_not_converged_in_runs_and_lanes_alike(sticky, monkeypatch):
     """With a single pass, a joint that turns round or lets go within a step is not settled in it."""
     text = layout_text(sticky)

@@ -9,8 +9,8 @@ from polydraulic.errors import InputError
 from polydraulic.identification.equations.shooting.fit import fit_by_shooting
 from polydraulic.identification.equations.shooting.runs import joint_columns
 
-NAME = "loader_crane"
-FEW = {"functions.outer.pilot.gain": 1.15, "functions.outer.pilot.time_constant": 0.85, "links.grapple.mass": 1.2}
+NAME = "wheel_loader"
+FEW = {"functions.tilt.pilot.gain": 1.15, "functions.tilt.pilot.time_constant": 0.85, "links.bucket.mass": 1.2}
 
 
 def begun(machine, factors):
@@ -38,18 +38,18 @@ def test_pilot_and_payload_from_commands_and_angles_alone():
         assert number.value == pytest.approx(truth[path], rel=0.02)
         assert abs(number.value - truth[path]) < 5.0 * number.sd
         assert dict((n.path, n.value) for n in fit.machine.numbers)[path] == number.value
-    assert fit.noise["outer.angle"] == pytest.approx(5e-4, rel=0.3)
-    assert fit.before["outer.angle"] > 2.0 * fit.noise["outer.angle"]
+    assert fit.noise["tilt.angle"] == pytest.approx(5e-4, rel=0.3)
+    assert fit.before["tilt.angle"] > 2.0 * fit.noise["tilt.angle"]
     assert told[-1][1] == told[-1][2]
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
 
 
 def test_an_unknown_sensor_and_an_unknown_number_are_refused():
     machine = load_machine(NAME)
-    with pytest.raises(InputError, match="sensor 'outer.flow' is no column"):
-        fit_by_shooting(operator_log(NAME), machine, {"links.grapple.mass": 50.0}, sensors=["outer.flow"])
-    with pytest.raises(InputError, match="'links.grapple.weight': the machine has no such number"):
-        fit_by_shooting(operator_log(NAME), machine, {"links.grapple.weight": 50.0})
+    with pytest.raises(InputError, match="sensor 'tilt.flow' is no column"):
+        fit_by_shooting(operator_log(NAME), machine, {"links.bucket.mass": 50.0}, sensors=["tilt.flow"])
+    with pytest.raises(InputError, match="'links.bucket.weight': the machine has no such number"):
+        fit_by_shooting(operator_log(NAME), machine, {"links.bucket.weight": 50.0})
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from polydraulic import load_machine
 from polydraulic.identification.equations.shooting.runs import first_states, joint_columns, shoot, window_slopes
 from polydraulic.identification.equations.shooting.windows import cut_windows
 
-NAME = "loader_crane"
+NAME = "wheel_loader"
 STATE = ("p_a", "p_b", "angle", "rate")
 
 
@@ -22,7 +22,7 @@ def true_states(machine, log, windows):
 
 def test_the_true_machine_from_its_true_states_gives_the_log():
     machine, log = load_machine(NAME), operator_log(NAME, noise=0.0)
-    windows = cut_windows(machine, log, [*joint_columns(machine), "outer.p_a", "outer.spool"], seconds=1.0, most=8)
+    windows = cut_windows(machine, log, [*joint_columns(machine), "tilt.p_a", "tilt.spool"], seconds=1.0, most=8)
     rows = shoot(machine, windows, true_states(machine, log, windows))
     assert rows is not None
     scale = np.ptp(windows.measured, axis=(0, 1))
@@ -44,8 +44,8 @@ def test_slopes_are_those_of_central_differences():
     windows = cut_windows(machine, log, joint_columns(machine), seconds=1.0, most=8)
     states = true_states(machine, log, windows)
     here = shoot(machine, windows, states)
-    path = "functions.outer.pilot.gain"
-    value = machine.function("outer").pilot.gain
+    path = "functions.tilt.pilot.gain"
+    value = machine.function("tilt").pilot.gain
     found = window_slopes(machine, windows, states, here, [path], np.array([0.1 * value]))
     ahead, behind = (shoot(machine.with_values({path: value * f}), windows, states) for f in (1.0005, 0.9995))
     central = (ahead - behind) / (1e-3 * value)

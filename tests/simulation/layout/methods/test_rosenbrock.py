@@ -16,6 +16,7 @@ LOADED = Scenario("loaded", 1.5, VOLTS, loads=Loads(PUSH, Payload((0.4, 0.9), (8
 
 
 # All with a force, so that one text is compiled; `tests/machines` has machines without.
+@pytest.mark.slow_to_compile
 @pytest.mark.parametrize("locked", [(), ("lift",)])
 def test_steps_solve_with_the_true_jacobian(crane, locked):
     assert check_jacobian(crane, np.random.default_rng(3), 20, force=True, locked=locked) > 10
