@@ -87,8 +87,14 @@ TESTED_ELSEWHERE = {
     ),
     "identification/equations/words.py": ("identification/equations/test_identify.py", "what a fit says"),
     "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
-    "identification/machine_card.py": ("identification/test_machine_fit.py", "the card of the machine learnt there"),
-    "identification/machine_judging.py": ("identification/test_machine_fit.py", "the machine learnt there is judged"),
+    "identification/machine/machine_card.py": (
+        "identification/machine/test_machine_fit.py",
+        "the card of the machine learnt there",
+    ),
+    "identification/machine/machine_judging.py": (
+        "identification/machine/test_machine_fit.py",
+        "the machine learnt there is judged",
+    ),
     "identification/run_plot.py": (
         "identification/test_runs.py",
         "pictures of the runs made there, and in test_log_replay.py",

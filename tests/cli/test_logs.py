@@ -9,7 +9,7 @@ from helpers.can_made import DBC, bus, write_bus
 from helpers.logs_made import MAP, healthy, write_csv
 from helpers.machine_log import machine_log
 from polydraulic.identification.log_replay import driven
-from polydraulic.identification.machine_log import MEASURED
+from polydraulic.identification.machine.machine_log import MEASURED
 from polydraulic.measure.bench import sensors
 from polydraulic.measure.bench.sensors import load_sensors
 from polydraulic.parameters.load import load_machine

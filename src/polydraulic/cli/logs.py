@@ -190,7 +190,7 @@ def fit_machine(
 
     What comes next: `polydraulic replay later.parquet --model machine.json` runs the machine against another log.
     """
-    from polydraulic.identification.machine_fit import fit_machine as fit
+    from polydraulic.identification.machine.machine_fit import fit_machine as fit
     from polydraulic.identification.model_card import card_ending, write_card
     from polydraulic.networks.model.model_file import model_ending, save_models
 

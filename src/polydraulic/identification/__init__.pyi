@@ -3,8 +3,8 @@ from .equations.card import write_identification_card
 from .equations.identify import Identification, identify
 from .judging import Errors, HeldOut, OutputFit
 from .log_replay import Drift, Replay, Window, replay
-from .machine_card import Covered, machine_coverage
-from .machine_fit import MachineFit, fit_machine
+from .machine.machine_card import Covered, machine_coverage
+from .machine.machine_fit import MachineFit, fit_machine
 from .model_card import write_card
 from .model_check import Check, check_models
 from .run_plot import plot_replay, plot_runs

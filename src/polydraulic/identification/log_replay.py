@@ -15,7 +15,7 @@ from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
 from polydraulic.identification.arguments import models_of, parts_of, table_of
-from polydraulic.identification.machine_log import UNITS
+from polydraulic.identification.log_rows import MACHINE_UNITS
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
@@ -29,7 +29,6 @@ from polydraulic.tables import Table, began
 
 SECONDS = 10.0
 DRIFT_HEADS = ("joint", "median", "largest", "moved")
-_UNITS = UNITS | {"voltage": "V", "angle": "rad", "position": "m"}
 DT = 5e-3  # s
 _BRIDGED = 0.1  # s without a row that straight lines bridge: half the time constant of a spool
 _NEAR = 0.1  # s before and after the start, whose rows give angle and rate at the start
@@ -225,7 +224,7 @@ def replayed(
 ) -> list[Window]:
     """Windows of `replay`; none where no piece of the log is long enough."""
     for name in ("time", *driven(machine)):
-        si = _UNITS[name.split(".")[-1]]
+        si = MACHINE_UNITS[name.split(".")[-1]]
         if len(log[name]) and log.unit(name) not in ("", si):
             raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine runs in SI, this in {si!r}")
     if not 0.0 < dt < np.inf:

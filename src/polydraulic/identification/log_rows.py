@@ -10,6 +10,11 @@ from polydraulic.identification.arguments import names_of_parts, parts_of
 from polydraulic.networks.model.model import Model
 from polydraulic.tables import Table
 
+# of what a machine's log is read for, by the last part of a column's name
+MACHINE_UNITS = {
+    "time": "s", "segment": "1", "spool": "m", "p_a": "Pa", "p_b": "Pa", "q_in": "m3/s", "q_out": "m3/s",
+    "voltage": "V", "angle": "rad", "position": "m",
+}  # fmt: skip
 _JUMP = 0.5  # a step in time that differs from the raster by more than this share of it begins a new segment
 _JUMPS = 0.1  # share of such steps above which there is no raster
 _SAME = 0.01  # relative difference within which two rasters are the same

@@ -15,8 +15,8 @@ from polydraulic.export.formula import to_text
 from polydraulic.files import write_texts
 from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
 from polydraulic.identification.judging import OutputFit, unit_after
-from polydraulic.identification.machine_card import machine_facts
-from polydraulic.identification.machine_fit import MachineFit
+from polydraulic.identification.machine.machine_card import machine_facts
+from polydraulic.identification.machine.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
 from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable

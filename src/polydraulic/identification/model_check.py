@@ -9,7 +9,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, amount, as_shown, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import TIMES, models_of, table_of
-from polydraulic.identification.machine_log import as_judged, judged_by
+from polydraulic.identification.machine.machine_log import as_judged, judged_by
 from polydraulic.identification.validity import Validity, run_validity, validity
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model, Variable

@@ -14,8 +14,8 @@ from joblib import Parallel, cpu_count, delayed
 from polydraulic import units
 from polydraulic.elementary import sincos
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.machine_learning import learn
-from polydraulic.identification.machine_log import Known, by_port
+from polydraulic.identification.machine.machine_learning import learn
+from polydraulic.identification.machine.machine_log import Known, by_port
 from polydraulic.machine.actuator import lever_arm
 from polydraulic.machine.drives import Motor, prepare_drive
 from polydraulic.measure.bench.sensors import Reading, Sensor

@@ -3,8 +3,8 @@
 import numpy as np
 
 from helpers.machine_log import machine_log
-from polydraulic.identification.machine_learning import learn, visited
-from polydraulic.identification.machine_log import Known, by_port, judging_rows
+from polydraulic.identification.machine.machine_learning import learn, visited
+from polydraulic.identification.machine.machine_log import Known, by_port, judging_rows
 from polydraulic.tables import Table
 
 

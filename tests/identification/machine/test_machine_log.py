@@ -5,7 +5,7 @@ import pytest
 
 from helpers.machine_log import machine_log
 from polydraulic.errors import InputError
-from polydraulic.identification.machine_log import Known, by_port, judging_rows
+from polydraulic.identification.machine.machine_log import Known, by_port, judging_rows
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import LINKS
 

@@ -12,9 +12,15 @@ from polydraulic.flow.dispatch import build_flow
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.judging import OutputFit
 from polydraulic.identification.log_replay import DRIFT_HEADS, Drift, against_log, drift_rows, driven
-from polydraulic.identification.machine_judging import check_numbers, check_rows, held_out, judged_network, one_sided
-from polydraulic.identification.machine_learning import REGIONS, ROWS, learn
-from polydraulic.identification.machine_log import Known, by_port, some_rows
+from polydraulic.identification.machine.machine_judging import (
+    check_numbers,
+    check_rows,
+    held_out,
+    judged_network,
+    one_sided,
+)
+from polydraulic.identification.machine.machine_learning import REGIONS, ROWS, learn
+from polydraulic.identification.machine.machine_log import Known, by_port, some_rows
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table

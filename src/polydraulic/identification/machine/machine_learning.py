@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from polydraulic.flow.layout.slots import inlet, outlet
-from polydraulic.identification.machine_log import BELOW_RELIEF, ROOT_LEAST
+from polydraulic.identification.machine.machine_log import BELOW_RELIEF, ROOT_LEAST
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable

@@ -12,13 +12,14 @@ from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.database import series_circuit_of
 from polydraulic.flow.layout.slots import passed_name
+from polydraulic.identification.log_rows import MACHINE_UNITS
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.model.model import Model
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
 MEASURED = ("spool", "p_a", "p_b", "q_in", "q_out")  # of each function
-UNITS = {"time": "s", "segment": "1", "spool": "m", "p_a": "Pa", "p_b": "Pa", "q_in": "m3/s", "q_out": "m3/s"}
+_READ = {name: MACHINE_UNITS[name] for name in ("time", "segment", *MEASURED)}
 _DERIVED = {"travel": "m", "p_in": "Pa", "root_p_out": "Pa^0.5", "k_out": "m3/s/Pa^0.5"}
 ROOT_LEAST = float(np.sqrt(units.to_si(75.0, "psi")))  # below it a pressure drop says little of a conductance
 BELOW_RELIEF = 0.98  # above this share of the relief setting the flow falls to nothing within what a sensor can tell
@@ -108,7 +109,7 @@ def by_port(known: Known, log: Table) -> Table:
     names = [name for name in log.names if name in ("time", "segment")]
     columns = {name: log[name] for name in (*names, *known.measured())}
     for name in columns:
-        si = UNITS.get(name.split(".")[-1], "")
+        si = _READ.get(name.split(".")[-1], "")
         if log.unit(name) not in ("", si):
             raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine is learnt in SI, this in {si!r}")
     for (
@@ -118,7 +119,7 @@ def by_port(known: Known, log: Table) -> Table:
         for port in ("q_in", "q_out"):
             columns[f"{function}.{port}"] = np.where(shut, 0.0, columns[f"{function}.{port}"])
         columns |= _ports(known, function, columns)
-    of_columns = UNITS | _DERIVED
+    of_columns = _READ | _DERIVED
     shown = {name: of_columns.get(name.split(".")[-1], "") for name in columns}
     for circuit, c in known.circuits.items():
         left: Any = c.flow

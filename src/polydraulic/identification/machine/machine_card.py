@@ -11,8 +11,8 @@ from polydraulic.display import DEFAULT
 from polydraulic.flow.layout.slots import passed
 from polydraulic.identification.arguments import models_of, table_of
 from polydraulic.identification.log_replay import DRIFT_HEADS, drift_rows
-from polydraulic.identification.machine_fit import MachineFit, heads, kept, summary
-from polydraulic.identification.machine_log import Known, by_port, judging_rows
+from polydraulic.identification.machine.machine_fit import MachineFit, heads, kept, summary
+from polydraulic.identification.machine.machine_log import Known, by_port, judging_rows
 from polydraulic.machine.valve import spool_edges
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.log_units import conversion_shown

@@ -5,8 +5,8 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import parts_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
-from polydraulic.identification.machine_learning import CELL
-from polydraulic.identification.machine_log import Known, judging_rows, some_rows
+from polydraulic.identification.machine.machine_learning import CELL
+from polydraulic.identification.machine.machine_log import Known, judging_rows, some_rows
 from polydraulic.networks.hold_out import BLOCKS, held_rows
 from polydraulic.networks.model.model import Model
 from polydraulic.parameters.layout.schema import LayoutMachine

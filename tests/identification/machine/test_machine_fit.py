@@ -9,11 +9,12 @@ import pytest
 from helpers.machine_log import changed, machine_log
 from polydraulic import load_models, save_models
 from polydraulic.errors import InputError
-from polydraulic.identification import Drift, fit_machine, machine_coverage, machine_fit, write_card
+from polydraulic.identification import Drift, fit_machine, machine_coverage, write_card
 from polydraulic.identification.log_replay import drift_rows
-from polydraulic.identification.machine_fit import heads, kept, summary
-from polydraulic.identification.machine_judging import held_out, one_sided
-from polydraulic.identification.machine_log import Known, as_judged, by_port, judging_rows
+from polydraulic.identification.machine import machine_fit
+from polydraulic.identification.machine.machine_fit import heads, kept, summary
+from polydraulic.identification.machine.machine_judging import held_out, one_sided
+from polydraulic.identification.machine.machine_log import Known, as_judged, by_port, judging_rows
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import pump_of

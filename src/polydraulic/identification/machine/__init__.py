@@ -1,0 +1,1 @@
+"""Pump and valves of a whole machine as networks, from a log of its work: rows, learning, judging, card."""
