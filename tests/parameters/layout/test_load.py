@@ -28,6 +28,12 @@ def test_numbers_arrive_in_si_whatever_unit_they_were_written_in(crane):
     assert crane.link("boom").at == {"x": 0.1, "z": 1.5}
 
 
+def test_a_function_has_the_role_that_the_file_gives_or_that_its_name_is(tmp_path):
+    path = write_crane(tmp_path, 'actuator = "ram"', 'actuator = "ram"\nrole = "extension"')
+    assert [f.role for f in load_machine(path).functions] == ["", "", "extension"]
+    assert [f.role for f in load_machine("cat215b").functions] == ["swing", "boom", "stick"]
+
+
 def test_functions_stand_in_the_order_of_their_links(tmp_path):
     text = crane_text()
     first, last = text.index("[functions.slew]"), text.index("[functions.extend]")
@@ -46,6 +52,7 @@ def test_functions_stand_in_the_order_of_their_links(tmp_path):
         ("[functions.slew]", "[functions.int]", "'int' is a word of C or C++"),
         ("[functions.slew]", '[functions."a-b"]', "must be 1 to 40 ASCII letters"),
         ('moves = "arm"', 'moves = "boom"', "functions.extend.actuator = 'ram': cannot move boom, whose joint is revolute"),
+        ('actuator = "ram"', 'actuator = "ram"\nrole = "arm"', "functions.extend.role = 'arm': must be one of ['swing', 'boom', 'stick'"),
         ('actuator = "ram"', 'actuator = "cylinder"', "cannot move arm, whose joint is prismatic"),
         ('functions = ["extend"]', 'functions = ["extend", "slew"]', "functions.slew: appears 2 times in the circuits"),
         ('functions = ["extend"]', 'functions = ["stretch"]', "'stretch' is not a function"),

@@ -45,7 +45,7 @@ def machine_data(machine: LayoutMachine) -> dict[str, Any]:
         own.setdefault("cg", {})
     for f in machine.functions:
         own = data["functions"][f.name]
-        own |= {"moves": f.moves, "actuator": f.actuator}
+        own |= {"moves": f.moves, "actuator": f.actuator} | ({"role": f.role} if f.role else {})
         if f.effects.sticks:
             own["friction"]["sticks"] = {"value": True, "source": "given"}
     for c in machine.circuits:

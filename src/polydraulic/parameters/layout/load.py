@@ -24,6 +24,7 @@ from polydraulic.parameters.layout.parts import (
     MOST_LINKS,
     OPENING,
     POINT,
+    ROLES,
     TRAVEL,
     Crossover,
     CrossoverValve,
@@ -180,7 +181,7 @@ def _function(
     actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
     drive_key = "motor" if actuator == "motor" else "cylinder"
     needed = ("moves", "actuator", drive_key, *_PARTS, *_HELD.get(actuator, ()))
-    data = reader.table(item, (*needed, "backlash"), needed, where)
+    data = reader.table(item, (*needed, "backlash", "role"), needed, where)
     names = [link.name for link in links]
     moves = reader.word(data, "moves", names, where)
     slides = any(link.name == moves and link.joint == "prismatic" for link in links)
@@ -196,11 +197,12 @@ def _function(
     stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
     effects = read_effects(reader, data, where, slides)
+    role = reader.word(data, "role", ROLES, where) if "role" in data else name if name in ROLES else ""
     if len(reader.wrong) > before or not links or None in (drive, pilot, line, valve, friction, stops, initial):
         return None
     return MachineFunction(  # a prismatic joint's numbers go by the same names
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
-        Friction(*friction), Stops(*stops), Initial(*initial), effects,  # type: ignore[misc]
+        Friction(*friction), Stops(*stops), Initial(*initial), effects, role,  # type: ignore[misc]
     )  # fmt: skip
 
 

@@ -28,6 +28,15 @@ AXES = ("x", "y", "z", "-x", "-y", "-z")
 COORDINATES = ("x", "y", "z")
 MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 JOINTS = ("revolute", "prismatic")
+ROLES = (
+    "swing",
+    "boom",
+    "stick",
+    "bucket",
+    "front_bucket",
+    "extension",
+    "auxiliary",
+)  # of functions, for those who hold levers
 
 Point = Mapping[str, float]  # coordinates that the file declares, m; the others are zero whatever the numbers are
 
@@ -185,6 +194,8 @@ class MachineFunction(NamedTuple):
     pilot, valve, line, friction, stops, initial
         `Friction`, `Stops` and `Initial` hold N, N s/m, m/s and m for a prismatic joint.
     effects : Effects
+    role : str
+        What it is to whoever holds the levers, one of `ROLES`; empty where the file says nothing and the name is none of these.
     """
 
     name: str
@@ -199,6 +210,7 @@ class MachineFunction(NamedTuple):
     stops: Stops
     initial: Initial
     effects: Effects = Effects()
+    role: str = ""
 
 
 class PumpParameters(NamedTuple):
