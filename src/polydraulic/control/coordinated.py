@@ -1,6 +1,6 @@
 """`CoordinatedControl`: levers say how the tip is to move, and all functions of the machine move together for it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
@@ -13,6 +13,7 @@ from polydraulic.control.servo import Servo
 from polydraulic.control.text import INVERTED, controller_module, live_places
 from polydraulic.errors import InputError, briefly
 from polydraulic.flow.dispatch import FlowModel, layout_flow
+from polydraulic.flow.lookup import table_bytes
 from polydraulic.machine.drives import prepare_drive
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -67,6 +68,30 @@ class ControlSettings(NamedTuple):
     shares_flow: bool = True
 
 
+class ControlParts(NamedTuple):
+    """A controller as an exporter wants it.
+
+    Attributes
+    ----------
+    numbers : named tuple, called Controller
+        All numbers that a call reads.
+    step : kernel (numbers, scratch, live, measured, wanted, volts) -> int
+    n_live, n_scratch : int
+        Lengths of the arrays that a call changes; zeros at the start.
+    share : int
+        Place in `live` of the share of the wanted velocity.
+    n_number : int
+        Numbers in tables of networks.
+    """
+
+    numbers: Any
+    step: Callable[..., int]
+    n_live: int
+    n_scratch: int
+    share: int
+    n_number: int
+
+
 class CoordinatedControl:
     """A controller that moves the tip of a machine: reach, height, swing, and the attachment's angle, which is held otherwise.
 
@@ -89,6 +114,8 @@ class CoordinatedControl:
     share : () array
         Share of the wanted velocity that flow and limits allow.
     dt : float, s
+    parts : ControlParts
+        For exporters.
     lag : float, s
         By which the machine follows its reference, besides the delay.
 
@@ -132,10 +159,13 @@ class CoordinatedControl:
         parts = {"valves": ready.valves, "plant": ready.plant, "servo": self.servo, "arm": self.arm}
         self._module = controller_module(self.machine, ready.module, parts, model.kernels)
         self._numbers, self._whole = pack_tree(tuple(parts.values()))
-        self._parts = parts
         n, places = len(self.names), live_places(self.machine)
         self._live = np.zeros(places["RING"] + n * (self.servo.ring + 1))
         self._scratch = np.zeros(max(ready.n_memory, 1))
+        self.parts = ControlParts(
+            self._module.Controller(*parts.values()), self._module.control_step, len(self._live), len(self._scratch), places["SHARE"],
+            table_bytes(model.parts) // 8,
+        )  # fmt: skip
         self._measured, self._wanted, self._volts = np.zeros(3 * n), np.zeros(4), np.zeros(n)
         seen = self._live.view()
         seen.flags.writeable = False
@@ -233,7 +263,7 @@ def servo_of(machine: LayoutMachine, settings: ControlSettings) -> Servo:
         high=stops[:, 1] - kept,
         braking=0.5 * speed / 0.5,
         band=0.004 * np.ones(len(functions)),
-        patience=0.15 * np.ones(len(functions)),
+        patience=0.02 * np.ones(len(functions)),
         small=0.004 * flows,
         speed=speed,
         opens=opens,

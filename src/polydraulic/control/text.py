@@ -42,7 +42,8 @@ _SETTINGS = {
     "NEAR": 0.03,  # of full travel: how far from the last travel the next trial is
     "ENOUGH": 0.995,  # share of the wanted flow that counts as all of it
     "STILL": 2e-3,  # share of a joint's speed at full flow below which nobody moves it
-    "RECOVERY": 1.0,  # 1/s: how fast a share grows again
+    "RESERVED": 0.95,  # share of a short pump's flow that is shared out, before the servos
+    "RECOVERY": 0.3,  # 1/s: how fast a share grows again
     "HIGHEST": 1e8,  # Pa
 }
 # arrays of one number per function in `live`; then what is of another length
