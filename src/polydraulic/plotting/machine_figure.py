@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, checked_units, shown_unit
+from polydraulic.machine.frames import vector
+from polydraulic.parameters.layout.chassis import Chassis
+from polydraulic.parameters.layout.parts import GROUND
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine, machine_title
 from polydraulic.plotting.drawing import (
@@ -30,6 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_STANCE = "#1b7f5c"
+_STANDING = "Triangles: where the chassis stands; cross: its centre of gravity."
 _NOTE = "At its initial positions. Dotted: travel of joints, with their end stops; shaded: where the tip can be. Outlines, body and ground are only illustrative."
 
 
@@ -56,7 +61,8 @@ def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -
 
     checked_units(units)
     title = machine_title(machine) if isinstance(machine, str | Path) else machine.title
-    drawing = layout_drawing(as_machine(machine))
+    machine = as_machine(machine)
+    drawing = layout_drawing(machine)
     motion = motion_of(drawing, np.array([drawing.initial]))
     reached = tip_places(drawing)
     figure = Figure(figsize=(14.0, 7.6), dpi=100)
@@ -69,9 +75,11 @@ def draw_machine(machine: LayoutMachine | str | Path, *, units: str = DEFAULT) -
     side.contourf(x, y, area, levels=[0.5, 2.0], colors=["#f6c98f"], alpha=0.35, zorder=0.5)
     for axis, view in ((side, "side"), (top, "top")):
         _still(axis, drawing, view, motion, units)  # type: ignore[arg-type]
+    if machine.chassis is not None:
+        _support(side, top, machine.chassis, motion)
     _name(side, drawing, motion, units)
     figure.text(0.02, 0.955, title, fontweight="bold", fontsize=12)
-    figure.text(0.02, 0.018, _NOTE, fontsize=8.5, color="0.4")
+    figure.text(0.02, 0.018, _NOTE if machine.chassis is None else f"{_NOTE} {_STANDING}", fontsize=8.5, color="0.4")
     indent = 0.012 + 0.0062 * max(len(name) for name in drawing.names)
     ranges = []
     for place, (name, text) in enumerate(_ranges(drawing, units)):
@@ -103,6 +111,19 @@ def _still(axis: "Axes", drawing: Drawing, view: View, motion: DrawnMotion, unit
     axis.set_axisbelow(True)
     title = "side view, in the plane of the arm" if view == "side" else "from above"
     axis.set_title(title, loc="left", fontsize=9, color="0.4")
+
+
+def _support(side: "Axes", top: "Axes", chassis: Chassis, motion: DrawnMotion) -> None:
+    """What it stands on: contacts and centre of gravity of what no joint moves, and from above the area between the contacts."""
+    corners = [Spot(GROUND, corner) for corner in chassis.corners]
+    x, y, z = vector(chassis.cg)
+    for axis, view in ((side, "side"), (top, "top")):
+        at = seen(motion, view, places(motion, corners))[0]  # type: ignore[arg-type]
+        middle = seen(motion, view, places(motion, [Spot(GROUND, (x, y, z))]))[0, 0]  # type: ignore[arg-type]
+        axis.plot(*at.T, "^", color=_STANCE, markersize=7, zorder=6)
+        axis.plot(*middle, "P", color=_STANCE, markersize=8, markeredgecolor="white", zorder=6)
+    around = np.vstack([at, at[:1]])
+    top.plot(*around.T, "--", color=_STANCE, linewidth=1.2, zorder=5)
 
 
 def _name(axis: "Axes", drawing: Drawing, motion: DrawnMotion, units: str) -> None:

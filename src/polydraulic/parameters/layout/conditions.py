@@ -6,6 +6,7 @@ from math import pi
 from typing import Any
 
 from polydraulic import display
+from polydraulic.parameters.layout.chassis import broken_chassis
 from polydraulic.parameters.layout.geometry import is_plane, lever
 from polydraulic.parameters.layout.parts import FEWEST_KNOTS, MOST_KNOTS, FourBar, LinkParameters, MachineFunction
 
@@ -32,6 +33,7 @@ def broken_layout(machine: Any) -> list[str]:
                 f"circuits.{x.name}.crossover.conductance: {len(x.valve.conductance)} numbers for the {len(fed.valve.knots)} "
                 f"knots of functions.{fed.name}.valve, whose spool opens it; must be as many"
             )
+    broken += broken_chassis(machine.chassis)
     if not any(link.mass > 0.0 for link in machine.links):
         broken.append("links: all masses are 0; give at least the last link of each arm a mass")
     return broken

@@ -1,8 +1,10 @@
 """A machine in a few lines: what hangs where, what moves it, who is fed by whom."""
 
+from collections.abc import Iterator
 from math import pi
 
 from polydraulic.display import amount
+from polydraulic.parameters.layout.chassis import Chassis, edge_names
 from polydraulic.parameters.layout.geometry import lever
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -46,7 +48,20 @@ def described(machine: LayoutMachine) -> list[str]:
         lines.append(
             f"  {x.name}: crossover from {x.giving} to before {fed}, at most {passes} at {amount(_SHOWN_DROP, 'Pa')}, opens at {opens}"
         )
+    if machine.chassis is not None:
+        lines += ["chassis:", *(f"  {line}" for line in _chassis(machine.chassis))]
     return lines
+
+
+def _chassis(chassis: Chassis) -> Iterator[str]:
+    yield f"{amount(chassis.mass, 'kg')} that no joint moves"
+    if chassis.tracks is not None:
+        yield f"tracks of {amount(chassis.tracks.length, 'm')}, {amount(chassis.tracks.gauge, 'm')} apart"
+    else:
+        yield f"stands on {', '.join(chassis.contacts)}"
+    yield f"tips {', '.join(edge_names(chassis))}"
+    if chassis.slope is not None:
+        yield f"on ground that rises by {amount(chassis.slope.pitch, 'rad')} along x and {amount(chassis.slope.roll, 'rad')} along y"
 
 
 def _function(f: MachineFunction, machine: LayoutMachine) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.entries import read_quantity
+from polydraulic.parameters.layout.chassis import read_chassis
 from polydraulic.parameters.layout.conditions import broken_layout, unequal_tables
 from polydraulic.parameters.layout.effects import read_effects
 from polydraulic.parameters.layout.names import name_trouble
@@ -50,7 +51,7 @@ CIRCUIT_KINDS = {
     "crossover": "two pumps: the giving one feeds 1 or 2 valves in series, the taking one 2, and through an orifice and a check valve "
     "the giving one feeds the last of these as well",
 }
-_SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip")
+_SECTIONS = ("title", "gravity", "tank", "links", "functions", "circuits", "tip", "chassis")
 _LINK = ("parent", "joint", "axis", "at", "mass", "cg", "inertia")
 _ACTUATORS = {"motor": SwingMotor, "cylinder": CylinderSize, "four_bar": CylinderSize, "ram": CylinderSize}
 _HELD: dict[str, tuple[str, ...]] = {"cylinder": ("base", "rod_pin"), "four_bar": ("base", "hinge", "knee", "pin")}
@@ -74,7 +75,7 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
         Everything that is wrong in the file, a line each: key, value in the unit of the file, what is allowed.
     """
     reader = Reader(path)
-    top = reader.table(data, _SECTIONS, _SECTIONS, "")
+    top = reader.table(data, _SECTIONS, _SECTIONS[:-1], "")
     reader.require(isinstance(top.get("title", ""), str), f"title = {top.get('title')!r}: must be a string")
     gravity = reader.tried(
         lambda: read_quantity(top["gravity"], GRAVITY, "gravity", path) if "gravity" in top else 0.0,
@@ -84,9 +85,9 @@ def build_layout(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     links = _ordered([_link(reader, name, item) for name, item in _named(reader, top, "links", MOST_LINKS)], reader)
     functions = _functions(reader, top, links)
     circuits, crossovers = _circuits(reader, top)
-    tip = _tip(reader, top, links)
+    tip, chassis = _tip(reader, top, links), read_chassis(reader, top)
     if not reader.wrong and tank is not None:
-        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip, crossovers)
+        machine = LayoutMachine(str(top["title"]), gravity, tank, links, functions, circuits, tip, crossovers, chassis)
         reader.wrong += broken_layout(machine)
     if reader.wrong or tank is None:
         lines = list(dict.fromkeys(reader.wrong))

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from polydraulic.parameters.layout.chassis import Chassis
 from polydraulic.parameters.layout.parts import Crossover, LinkParameters, MachineFunction, Point, SupplyCircuit
 from polydraulic.parameters.layout.values import MachineNumber, numbers_of, replaced_layout
 from polydraulic.parameters.schema import Tank
@@ -19,6 +20,7 @@ class LayoutMachine(NamedTuple):
     circuits: tuple[SupplyCircuit, ...]
     tip: tuple[str, Point]  # a link, and a point in its frame
     crossovers: tuple[Crossover, ...] = ()
+    chassis: Chassis | None = None
 
     def function(self, name: str) -> MachineFunction:
         """The function of that name."""

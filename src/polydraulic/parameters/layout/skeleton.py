@@ -20,6 +20,15 @@ _HEAD = """\
 #   valve.flow_force.spring_rate = {{ value = 25, unit = "N/mm", source = "of the spring that centres the spool" }}
 #   valve.flow_force.density = {{ value = 870, unit = "kg/m3", source = "of the oil" }}
 #   valve.flow_force.jet_angle = {{ value = 69, unit = "deg", source = "of the jets, at sharp edges" }}
+#
+# A file may say what the machine stands on, for tipping and lift charts; the mechanics do without:
+#   [chassis]
+#   mass = {{ value = 7500, unit = "kg", source = "of all that no joint moves" }}
+#   cg.z = {{ value = 0.5, unit = "m", source = "its centre of gravity" }}
+#   tracks.gauge = {{ value = 2.38, unit = "m", source = "between the centre lines of the tracks" }}
+#   tracks.length = {{ value = 3.65, unit = "m", source = "from idler to sprocket" }}
+#   contacts.left.y = {{ value = 1.8, unit = "m", source = "in place of tracks: a point for each wheel or outrigger" }}
+#   slope.pitch = {{ value = 5, unit = "deg", source = "how the ground rises along x; roll: along y" }}
 
 """
 _HINTS = {
@@ -52,6 +61,9 @@ _HINTS = {
     "flow": "displacement of the pump times engine speed: data sheet",
     "conductance": "of the crossover, over the travel of the spool that it feeds: flow at a pressure drop, divided by the root of the drop; an estimate will do",
     "opening_pressure": "of the crossover's check valve: data sheet, or 0.3 to 1 bar as an estimate",
+    "tracks.gauge": "between the centre lines of the tracks, over which it tips to the side: data sheet",
+    "tracks.length": "between the last wheels that carry, over which it tips forward: data sheet",
+    "contacts.front_left.x": "where a wheel or an outrigger carries, in the ground's frame: drawing, or a tape measure",
     "torque_limit_start": "pressure above which the pump delivers less, so that the engine does not stall",
 }
 

@@ -5,6 +5,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from polydraulic.display import amount
+from polydraulic.parameters.layout.chassis import Chassis
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import SwingMotor
@@ -38,6 +39,9 @@ BACKLASH = Usual(0.0, 0.03, "rad")
 SLIDE_BACKLASH = Usual(0.0, 0.01, "m")
 SPRING_RATE = Usual(1e3, 5e5, "N/m")
 DENSITY = Usual(750.0, 1200.0, "kg/m3")
+CHASSIS = Usual(100.0, 500_000.0, "kg")
+STANCE = Usual(0.5, 12.0, "m")
+SLOPE = Usual(0.0, 0.35, "rad")
 GRAVITY = Usual(9.7, 9.9, "m/s2")
 
 
@@ -93,6 +97,22 @@ def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
         where = f"circuits.{crossover.name}.crossover"
         yield f"{where}.conductance", max(crossover.valve.conductance), CONDUCTANCE
         yield f"{where}.opening_pressure", crossover.valve.opening_pressure, OPENING
+
+    if machine.chassis is not None:
+        yield from _chassis(machine.chassis)
+
+
+def _chassis(chassis: Chassis) -> Iterator[tuple[str, float, Usual]]:
+    yield "chassis.mass", chassis.mass, CHASSIS
+    places = {"cg": chassis.cg, "tracks.at": chassis.middle}
+    places |= {f"contacts.{name}": point for name, point in chassis.contacts.items()}
+    for where, point in places.items():
+        for c, value in point.items():
+            yield f"chassis.{where}.{c}", value, LENGTH
+    for key, value in (chassis.tracks._asdict() if chassis.tracks is not None else {}).items():
+        yield f"chassis.tracks.{key}", value, STANCE
+    for key, value in (chassis.slope._asdict() if chassis.slope is not None else {}).items():
+        yield f"chassis.slope.{key}", value, SLOPE
 
 
 def _effects(f: MachineFunction, where: str, slides: bool) -> Iterator[tuple[str, float, Usual]]:

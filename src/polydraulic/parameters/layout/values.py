@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 from polydraulic.errors import InputError
+from polydraulic.parameters.layout.chassis import WEIGHT, Chassis
 from polydraulic.parameters.layout.conditions import broken_layout, unequal_tables
 from polydraulic.parameters.layout.parts import (
     CONDUCTANCE,
@@ -97,6 +98,7 @@ def _visited(machine: Layout, visit: Visit) -> Layout:
         circuits=tuple(c._replace(pump=_part(c.pump, c.pump_path, visit)) for c in machine.circuits),
         tip=(machine.tip[0], _named(machine.tip[1], POINT, "tip.at", visit)),
         crossovers=tuple(_crossover(x, f"circuits.{x.name}.crossover", visit) for x in machine.crossovers),
+        chassis=machine.chassis if machine.chassis is None else _chassis(machine.chassis, visit),
     )
 
 
@@ -138,6 +140,20 @@ def _function(f: MachineFunction, slides: bool, where: str, visit: Visit) -> Mac
             hysteresis=lag if lag is None else visit(f"{where}.valve.hysteresis", LeafKind(TRAVEL), lag),
             flow_force=force if force is None else _part(force, f"{where}.valve.flow_force", visit),
         ),
+    )
+
+
+def _chassis(chassis: Chassis, visit: Visit) -> Chassis:
+    tracks, where = chassis.tracks, "chassis.tracks"
+    return chassis._replace(
+        mass=visit("chassis.mass", LeafKind(WEIGHT), chassis.mass),
+        cg=_named(chassis.cg, POINT, "chassis.cg", visit),
+        tracks=tracks if tracks is None else _part(tracks, where, visit),
+        middle=_named(chassis.middle, POINT, f"{where}.at", visit),
+        contacts={
+            name: _named(point, POINT, f"chassis.contacts.{name}", visit) for name, point in chassis.contacts.items()
+        },
+        slope=chassis.slope if chassis.slope is None else _part(chassis.slope, "chassis.slope", visit),
     )
 
 
