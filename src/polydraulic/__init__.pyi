@@ -8,6 +8,7 @@ from .parameters.load import load_machine
 from .parameters.scenario import Scenario, load_scenario, random_operator
 from .progress import Progress
 from .simulation.batch.batch import Batch, simulate_batch
+from .simulation.layout.stability.monitor import Stability, StabilityMonitor
 from .simulation.runs import reference, simulate
 from .simulation.stepping.batch_simulator import BatchSimulator
 from .simulation.stepping.saved import SavedBatch, SavedState
@@ -32,6 +33,8 @@ __all__ = [
     "Scenario",
     "SimulationError",
     "Simulator",
+    "Stability",
+    "StabilityMonitor",
     "Table",
     "build_flow",
     "compare",

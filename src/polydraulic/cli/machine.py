@@ -73,6 +73,10 @@ def simulate(
         bool,
         typer.Option("--forces", help="Add forces as columns: of cylinders and motors, friction, and joint pins."),
     ] = False,
+    stability: Annotated[
+        bool,
+        typer.Option("--stability", help="Add margins against tipping as columns, and say how close the run comes."),
+    ] = False,
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
 ) -> None:
@@ -118,7 +122,14 @@ def simulate(
     options: dict[str, Any] = {"arrangement": arrangement} if arrangement else {}
     options |= {"models": [found for path in model for found in load_models(path)]} if model else {}
     names = list(dict.fromkeys(["exact", flow]))
-    settings: Any = {"dt": dt, "raster": raster, "method": method, "energy": energy, "forces": forces}
+    settings: Any = {
+        "dt": dt,
+        "raster": raster,
+        "method": method,
+        "energy": energy,
+        "forces": forces,
+        "stability": stability,
+    }
     runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
     with progress_bar("simulate") as progress:
         progress(f"flow model {flow}", 0, pieces)

@@ -28,6 +28,7 @@ def simulate(
     rtol: float | None = None,
     energy: bool = False,
     forces: bool = False,
+    stability: bool = False,
 ) -> Table:
     """Simulate a scenario.
 
@@ -58,6 +59,8 @@ def simulate(
         Whether to add the energy account, see `simulation.layout.energy`.
     forces : bool
         Whether to add forces of actuators, friction and joint pins, see `simulation.layout.forces`.
+    stability : bool
+        Whether to add margins against tipping, see `simulation.layout.stability.columns`; the machine needs a chassis.
 
     Returns
     -------
@@ -84,7 +87,8 @@ def simulate(
         raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
     every = recorded_steps(dt, every, raster)
     return simulate_layout(
-        machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least, energy=energy, forces=forces
+        machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least, energy=energy, forces=forces,
+        stability=stability,
     )  # fmt: skip
 
 

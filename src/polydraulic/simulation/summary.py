@@ -43,6 +43,7 @@ def run_summary(run: Table, units: str = DEFAULT) -> list[str]:
     lines = [f"largest pressures: {', '.join(_pressures(run, units))}"] if "time" in run.names else []
     counts = list(_counts(events))
     lines += [f"events{_raster(run)}:", *(f"  {line}" for line in counts)] if counts else []
+    lines += _stands(run, units)
     return [*lines, _end(run, units), *(f"warning: {text}" for text in warnings(run))]
 
 
@@ -72,9 +73,24 @@ def warnings(run: Table) -> list[str]:
         for link in dict.fromkeys(where for _, where, what in events if what in (begins, ends)):
             begun, lasted = _lasting([(t, what) for t, where, what in events if where == link], begins, ends, last)
             found.append(f"{link}: {words} for {readable(lasted, 3)} s in all, first at {begun:.2f} s")
+    for at, direction, ahead in info.get("tips", [])[:1]:
+        more = len(info["tips"]) - 1
+        foreseen = f", foreseen {readable(ahead, 2)} s ahead" if ahead > 0.0 else ""
+        again = f", and {more} more times" if more else ""
+        found.append(
+            f"the machine tips {direction} at {at:.2f} s{foreseen}{again}; this run holds its base, and is not what it would do from there on"
+        )
     if dropped := info.get("events_dropped", 0):
         found.append(f"{dropped} more events than are listed: the times above are too short")
     return found
+
+
+def _stands(run: Table, units: str) -> Iterator[str]:
+    """The least margin against tipping, if the run has one."""
+    least: Any = run.info.get("stability_least")
+    if least is not None:
+        at, margin, direction = least
+        yield f"least margin against tipping: {amount(margin, 'm', units)} {direction}, at {at:.2f} s"
 
 
 def _pressures(run: Table, units: str) -> Iterator[str]:

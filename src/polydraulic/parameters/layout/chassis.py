@@ -60,14 +60,16 @@ class Chassis(NamedTuple):
 
     @property
     def corners(self) -> tuple[tuple[float, float, float], ...]:
-        """Points on which it stands, counter-clockwise as seen from above, m."""
+        """Points on which it stands, counter-clockwise as seen from above, from the most forward edge on, m."""
         if self.tracks is not None:
             x, y, z = _xyz(self.middle)
             a, b = 0.5 * self.tracks.length, 0.5 * self.tracks.gauge
             return (x + a, y - b, z), (x + a, y + b, z), (x - a, y + b, z), (x - a, y - b, z)
         points = [_xyz(point) for point in self.contacts.values()]
         x, y = (sum(point[k] for point in points) / len(points) for k in (0, 1))
-        return tuple(sorted(points, key=lambda p: atan2(p[1] - y, p[0] - x)))
+        around = sorted(points, key=lambda p: atan2(p[1] - y, p[0] - x))
+        first = min(range(len(around)), key=lambda k: abs(_outward(around[k], around[(k + 1) % len(around)])))
+        return (*around[first:], *around[:first])
 
     @property
     def upward(self) -> tuple[float, float, float]:
@@ -156,11 +158,15 @@ def edge_names(chassis: Chassis) -> tuple[str, ...]:
     corners = chassis.corners
     found = []
     for _, here, after in _neighbours(corners):
-        outward = atan2(here[0] - after[0], after[1] - here[1])
-        found.append(_SECTORS[round(outward / (0.25 * pi)) % 8])
+        found.append(_SECTORS[round(_outward(here, after) / (0.25 * pi)) % 8])
     return tuple(
         f"{name} {found[: k + 1].count(name)}" if found.count(name) > 1 else name for k, name in enumerate(found)
     )
+
+
+def _outward(begin: tuple[float, float, float], end: tuple[float, float, float]) -> float:
+    """Direction across an edge, rad from x towards y."""
+    return atan2(begin[0] - end[0], end[1] - begin[1])
 
 
 def _xyz(point: Point) -> tuple[float, float, float]:

@@ -12,6 +12,7 @@ from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.machine.frames import link_frames, placed
+from polydraulic.machine.stability.whole_body import chassis_of
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -36,6 +37,7 @@ from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.layout.served_methods import check_method
+from polydraulic.simulation.layout.stability.columns import stability_columns, tips
 from polydraulic.simulation.layout.step_check import step_warnings
 from polydraulic.simulation.steps import FASTEST, n_steps
 from polydraulic.tables import Table
@@ -61,6 +63,7 @@ def simulate_layout(
     rtol: float | None = None,
     energy: bool = False,
     forces: bool = False,
+    stability: bool = False,
     piece: int = 20_000,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
@@ -93,7 +96,9 @@ def simulate_layout(
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
     check_served(scenario, model, machine)
-    added = _added(scenario, model, energy, forces, dt)
+    if stability:
+        chassis_of(machine)
+    added = _added(scenario, model, energy, forces, stability, dt)
     n_step = n_steps(scenario, dt, t_end, every)
     time = np.arange(n_step // every + 1) * every * dt
     info: dict[str, object] = {"scenario": scenario.name, "flow": model.name, "method": method, "dt": dt}
@@ -113,7 +118,10 @@ def simulate_layout(
         AddedColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*made.account, strict=True)
     ]
-    return _table(machine, scenario, model, time, made.rows, info | made.info, more)
+    info |= made.info
+    if machine.chassis is not None and stability:
+        info |= tips(machine.chassis, time, more, info["events"])  # type: ignore[arg-type]
+    return _table(machine, scenario, model, time, made.rows, info, more)
 
 
 class _Made(NamedTuple):
@@ -128,7 +136,9 @@ class _Made(NamedTuple):
 Added = Callable[[LayoutMachine, Any, Any, np.ndarray, np.ndarray], list[AddedColumn]]
 
 
-def _added(scenario: Scenario, model: LayoutFlow, energy: bool, forces: bool, dt: float) -> Added | None:
+def _added(
+    scenario: Scenario, model: LayoutFlow, energy: bool, forces: bool, stability: bool, dt: float
+) -> Added | None:
     """What a run is to have besides, None where nothing is asked for."""
 
     def columns(
@@ -138,9 +148,10 @@ def _added(scenario: Scenario, model: LayoutFlow, energy: bool, forces: bool, dt
         account = energy_columns(machine, module, plant, rows, of, push) if energy else ()
         begun = plant._replace(dt=dt)  # methods that choose their own steps have none
         pins = force_columns(machine, module, begun, rows, of, push, scenario.locked) if forces else ()
-        return [*account, *pins]
+        stands = stability_columns(machine, module, begun, rows, of, push) if stability else ()
+        return [*account, *pins, *stands]
 
-    return columns if energy or forces else None
+    return columns if energy or forces or stability else None
 
 
 def _stepped(

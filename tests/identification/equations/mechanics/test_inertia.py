@@ -10,7 +10,7 @@ from polydraulic.identification.equations.mechanics.inertia import (
     torque_regressor,
 )
 from polydraulic.machine.frames import link_frames
-from polydraulic.simulation.layout.forces import axis_of, needed_wrenches
+from polydraulic.machine.newton_euler import axis_of, needed_wrenches
 
 
 @pytest.mark.parametrize("name", ["loader_crane", "cat215b_bucket", "wheel_loader"])

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.machine.frames import link_frames
+from polydraulic.machine.newton_euler import axis_of, link_motions, tensor_of
 from polydraulic.parameters.layout.parts import COORDINATES, GROUND, MOMENTS, LinkParameters
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.simulation.layout.forces import axis_of, link_motions, tensor_of
 
 _PAIRS = {key: (COORDINATES.index(key[0]), COORDINATES.index(key[1])) for key in MOMENTS}
 
