@@ -1,5 +1,6 @@
 from .errors import InputError, SimulationError
 from .flow.dispatch import build_flow
+from .machine.stability.load_chart import LoadChart, load_chart
 from .networks.growth.regressor import AbductiveRegressor
 from .networks.model.model_file import load_models, save_models
 from .networks.regions.region_regressor import RegionRegressor
@@ -26,6 +27,7 @@ __all__ = [
     "Difference",
     "InputError",
     "LayoutMachine",
+    "LoadChart",
     "Progress",
     "RegionRegressor",
     "SavedBatch",
@@ -38,6 +40,7 @@ __all__ = [
     "Table",
     "build_flow",
     "compare",
+    "load_chart",
     "load_machine",
     "load_models",
     "load_scenario",
