@@ -122,6 +122,4 @@ class Cab:
         flags |= Flag.STOP if bool(np.any((joints <= low) | (joints >= high))) else Flag(0)
         flags |= Flag.OUTSIDE if sim.steps_out_of_domain > self._outside else Flag(0)
         self._outside = sim.steps_out_of_domain
-        return Snapshot(
-            self._steps, wanted.seq, sim.time, overruns, int(flags), row.tobytes(), self._events, rate
-        )
+        return Snapshot(self._steps, wanted.seq, sim.time, overruns, int(flags), row.tobytes(), self._events, rate)

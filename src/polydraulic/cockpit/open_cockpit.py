@@ -5,7 +5,6 @@ import errno
 import signal
 import socket
 import webbrowser
-from functools import partial
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,13 +15,18 @@ from polydraulic.progress import Progress, quiet
 PORT = 8642
 
 
+def told(line: str) -> None:
+    """Print a line at once, also into a file."""
+    print(line, flush=True)
+
+
 def run_cockpit(
     machine: LayoutMachine | str | Path,
     flow: str = "exact",
     *,
     port: int = PORT,
     browser: bool = True,
-    say: Callable[[str], None] = partial(print, flush=True),
+    say: Callable[[str], None] = told,
     progress: Progress = quiet,
 ) -> None:
     """Serve a cockpit until it is interrupted.
@@ -47,7 +51,9 @@ def run_cockpit(
     try:
         import aiohttp  # noqa: F401
     except ImportError as error:
-        raise InputError("aiohttp is not installed; the cockpit is an extra: pip install 'polydraulic[cockpit]'") from error
+        raise InputError(
+            "aiohttp is not installed; the cockpit is an extra: pip install 'polydraulic[cockpit]'"
+        ) from error
     from polydraulic.cockpit.beat import Beat
     from polydraulic.cockpit.cab import Cab
     from polydraulic.cockpit.description import machine_description

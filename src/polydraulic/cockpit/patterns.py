@@ -41,10 +41,14 @@ def lever_patterns(machine: LayoutMachine) -> dict[str, dict[str, Axis]]:
         if "stick" not in roles.values():  # a loader: all of its arm at the right hand
             usual["boom"] = Axis(RIGHT_Y, -1.0)
         taken = {name: usual[role] for name, role in roles.items() if role in usual}
-        free = [a for a in (FIFTH, SIXTH, LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y) if a not in {x.axis for x in taken.values()}]
+        free = [
+            a for a in (FIFTH, SIXTH, LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y) if a not in {x.axis for x in taken.values()}
+        ]
         others = [name for name in machine.names if name not in taken]
         if len(others) > len(free):
-            raise InputError(f"the machine is moved by {len(machine.names)} functions; sticks have {len(free) + len(taken)} axes")
+            raise InputError(
+                f"the machine is moved by {len(machine.names)} functions; sticks have {len(free) + len(taken)} axes"
+            )
         taken |= {name: Axis(axis, 1.0) for name, axis in zip(others, free, strict=False)}
         found[pattern] = {name: taken[name] for name in machine.names}
     return found

@@ -359,3 +359,63 @@ def test_another_thread_runs_while_a_machine_moves(loader):
     alone.step([0.3, 0.2], n=n)
     assert counted > 0
     assert np.array_equal(sim.values, alone.values)
+
+
+def test_other_numbers_act_from_the_next_step_on(loader):
+    weak = {"circuits.work.pump.flow": 0.5 * loader.circuit("work").pump.flow}
+    sim = Simulator(loader)
+    sim.step({"lift": 0.6}, n=20)
+    kept = sim.save()
+    sim.change(weak)
+    sim.step({"lift": 0.6}, n=40)
+    changed = sim.values.copy()
+    assert float(sim["work.q_pump"]) == sim.machine.circuit("work").pump.flow == weak["circuits.work.pump.flow"]
+    sim.restore(kept)  # the numbers of then come back, too
+    assert sim.machine == loader
+    sim.step({"lift": 0.6}, n=40)
+    assert float(sim["work.q_pump"]) == loader.circuit("work").pump.flow
+    other = Simulator(loader)
+    other.restore(kept)
+    other.change(weak)
+    for _ in range(40):
+        other.step({"lift": 0.6})
+    np.testing.assert_array_equal(other.values, changed)
+    again = pickle.loads(pickle.dumps(other.save()))
+    sim.restore(again)  # into one that had other numbers
+    assert sim.machine == other.machine
+    sim.step(), other.step()
+    np.testing.assert_array_equal(sim.values, other.values)
+
+
+def test_numbers_changed_before_the_first_step_give_the_bits_of_that_machine(loader):
+    values = {"links.bucket.mass": 900.0, "functions.lift.friction.viscous": 4e4, "functions.lift.pilot.gain": 1e-3}
+    sim, made = Simulator(loader), Simulator(loader.with_values(values))
+    sim.change(values)
+    sim.reset()
+    sim.step({"lift": 0.4}, n=50), made.step({"lift": 0.4}, n=50)
+    np.testing.assert_array_equal(sim.values, made.values)
+
+
+def test_what_is_no_number_of_the_machine_is_not_changed(loader):
+    sim = Simulator(loader)
+    sim.step({"lift": 0.6}, n=20)
+    before, bits = sim.machine, sim.values.copy()
+    knots = [0.0, *loader.function("lift").valve.knots[1:], 2.0 * loader.function("lift").valve.knots[-1]]
+    tables = {
+        f"functions.lift.valve.{k}": [
+            *getattr(loader.function("lift").valve, k),
+            getattr(loader.function("lift").valve, k)[-1],
+        ]
+        for k in ("inlet", "bypass", "outlet_positive", "outlet_negative")
+    }
+    for values, message in (
+        ({"circuits.work.pump.flaw": 1.0}, "circuits.work.pump.flow"),
+        ({"circuits.work.pump.flow": -1.0}, "must be"),
+        ({"functions.lift.valve.knots": knots, **tables}, "build another simulator"),
+        ({"functions.lift.pilot.dead_time": 0.1}, "dead times"),
+        ({"functions.lift.initial.angle": -0.6, "functions.lift.stops.high": -0.5}, "beyond"),
+    ):
+        with pytest.raises(InputError, match=message):
+            sim.change(values)
+        assert sim.machine == before
+    np.testing.assert_array_equal(sim.values, bits)

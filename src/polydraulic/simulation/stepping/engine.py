@@ -11,6 +11,8 @@ from types import ModuleType
 
 import numpy as np
 
+from polydraulic.errors import InputError
+from polydraulic.simulation.layout.prepare import ReadyMachine
 from polydraulic.simulation.stepping.levers import hand_of
 from polydraulic.simulation.stepping.marks import FLAGS, MOST_CHANGES, STEPS, Hand
 from polydraulic.simulation.stepping.packed import pack_tree
@@ -24,6 +26,8 @@ class Engine:
 
     Attributes
     ----------
+    module : module
+        Of the machine's step.
     begin, advance : drivers
         See ``pages/single.py.txt``.
     numbers, whole : arrays
@@ -42,6 +46,7 @@ class Engine:
         Tells engines that can take each other's arrays from others.
     """
 
+    module: ModuleType
     begin: Callable[..., int]
     advance: Callable[..., int]
     places: Places
@@ -67,7 +72,34 @@ class Engine:
 
     def weigh(self, setup: Setup, mass: float) -> None:
         """Hang another mass at the tip; the flow model meets the state once more, as where a run of `simulate` goes on."""
-        ready = readied(setup, loaded_machine(setup, mass))
+        self._read(readied(setup, loaded_machine(setup, mass)))
+
+    def change(self, setup: Setup, mass: float) -> None:
+        """Go on as a machine with other numbers, and a mass in kg at its tip.
+
+        Raises
+        ------
+        InputError
+            A machine of another layout, or with longer dead times; nothing has changed.
+        """
+        hand, ready = hand_of(setup.machine, setup.dt, setup.locked), readied(setup, loaded_machine(setup, mass))
+        if ready.module is not self.module:
+            raise InputError(
+                "these values change what the machine consists of, and not numbers alone: build another simulator"
+            )
+        if hand.wait.max() >= max(self.delay.shape[1], 1):
+            raise InputError(
+                "dead times cannot be longer than those that the simulator was built with: build it with the longest"
+            )
+        positions = self.live[3 * len(hand.moves) :][: len(hand.moves)]
+        for f, q in zip(setup.machine.functions, positions.tolist(), strict=True):
+            if not f.stops.low - 1e-9 <= q <= f.stops.high + 1e-9:
+                raise InputError(f"functions.{f.name}.stops: the joint is at {q:g}, beyond them")
+        self.hand, self.start = hand, ready.start
+        self._read(ready)
+
+    def _read(self, ready: ReadyMachine) -> None:
+        """Take other numbers; the flow model meets the state with them."""
         self.numbers, self.whole = pack_tree((ready.valves, ready.plant, self.hand))
         if self.counts[STEPS] > 0:
             met, memory = self.live.copy(), self.places.memory
@@ -89,6 +121,7 @@ def engine_of(setup: Setup, mass: float) -> Engine:
     module, places = single_module(machine, ready.module, parts, force=force), places_of(machine, force=force)
     longest, packed = int(hand.wait.max()), pack_tree(tuple(parts.values()))
     return Engine(
+        ready.module,
         module.begin,
         module.advance,
         places,

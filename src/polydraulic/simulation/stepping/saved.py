@@ -19,6 +19,7 @@ class SavedState:
     delay: np.ndarray = field(repr=False)
     loads: Loads
     mass: float  # kg at the tip
+    machine: LayoutMachine = field(repr=False)
 
 
 @dataclass(frozen=True)

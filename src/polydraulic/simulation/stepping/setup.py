@@ -76,6 +76,39 @@ def set_up(
     return Setup(found, model, dt, tuple(locked), loads)
 
 
+def changed_setup(
+    setup: Setup, flow: str | FlowModel, values: Mapping[str, float | Sequence[float]] | LayoutMachine
+) -> Setup:
+    """The same machine with other numbers, by their paths or as a whole.
+
+    Raises
+    ------
+    InputError
+        Values that cannot be, or a flow model that does not know them.
+    """
+    machine = values if isinstance(values, LayoutMachine) else setup.machine.with_values(values)
+    if machine == setup.machine:
+        return setup
+    if isinstance(flow, str):
+        return setup._replace(machine=machine, flow=layout_flow(flow, machine))
+    if setup.flow.parts and valves_and_pumps(machine) != valves_and_pumps(setup.machine):
+        raise InputError(
+            f"the flow model {setup.flow.name!r} was made for the valves and pumps as they were; build the simulator with one for these, or "
+            "with its name"
+        )
+    return setup._replace(machine=machine)
+
+
+def valves_and_pumps(machine: LayoutMachine) -> tuple[Any, ...]:
+    """All that flows follow from."""
+    return (
+        machine.tank,
+        tuple(c.pump for c in machine.circuits),
+        tuple(f.valve for f in machine.functions),
+        machine.crossovers,
+    )
+
+
 def loaded_machine(setup: Setup, mass: float) -> LayoutMachine:
     """The machine with what hangs at its tip; without a payload it is left as it is."""
     return setup.machine if setup.loads.payload is None else with_payload(setup.machine, mass)

@@ -1,10 +1,9 @@
 """`Simulator`: one machine, moved step by step by whoever holds its levers."""
 
 import time as clocks
-from collections.abc import Callable, Collection, Mapping
-from math import ceil
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
@@ -19,12 +18,13 @@ from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.stepping.engine import engine_of
 from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
 from polydraulic.simulation.stepping.marks import CHANGES, OUTSIDE, REFUSED, STATUS, STEPS, STOP, UNSETTLED, WHICH
-from polydraulic.simulation.stepping.noted import event_words, events_between
+from polydraulic.simulation.stepping.noted import events_between
 from polydraulic.simulation.stepping.pace import Pace
 from polydraulic.simulation.stepping.per_machine import count
 from polydraulic.simulation.stepping.saved import SavedState
-from polydraulic.simulation.stepping.setup import outputs_of, set_up, state_from
-from polydraulic.simulation.stepping.tip_load import as_loads, check_kept, finite_number, mass_at
+from polydraulic.simulation.stepping.setup import Setup, changed_setup, outputs_of, set_up, state_from
+from polydraulic.simulation.stepping.tip_load import as_loads, check_kept, mass_at
+from polydraulic.simulation.stepping.until import steps_until
 from polydraulic.simulation.steps import MOST_STEPS
 
 _PIECE = 20_000  # steps of a call of compiled code, which cannot be interrupted
@@ -90,7 +90,7 @@ class Simulator:
         clock: Callable[[], float] = clocks.perf_counter,
         sleep: Callable[[float], None] = clocks.sleep,
     ) -> None:
-        self._setup = set_up(machine, flow, dt, locked, as_loads(load))
+        self._setup, self._flow = set_up(machine, flow, dt, locked, as_loads(load)), flow
         self.machine, self.names, self.dt = self._setup.machine, self._setup.machine.names, dt
         self._columns, self._loads = columns_of(self.machine), self._setup.loads
         self._mass, self._next_mass = mass_at(self._loads.payload, 0, dt)
@@ -177,6 +177,18 @@ class Simulator:
         self._take(self._setup.loads)
         self._forget()
 
+    def change(self, values: Mapping[str, float | Sequence[float]]) -> None:
+        """Go on with other numbers of the machine, in SI by their paths as for `LayoutMachine.with_values`: a worn pump, a low relief.
+
+        They hold from the next step on, `reset` included; initial values matter to `reset` alone. Takes some milliseconds.
+
+        Raises
+        ------
+        InputError
+            Unknown paths, values out of range, structure, longer dead times, a joint beyond its new stops; nothing has changed.
+        """
+        self._become(changed_setup(self._setup, self._flow, values), self._mass)
+
     def step(self, inputs: Any = None, n: int = 1, load: Loads | Mapping[str, float] | None = None) -> None:
         """Make `n` steps with constant levers.
 
@@ -208,13 +220,11 @@ class Simulator:
             n = count(n, "n", MOST_STEPS)
         if self._noted or self._events:
             self._no_events()
-        if self.pace is None:
-            self._run(n)
-            return
-        if not self.pace.running:
+        if self.pace is not None and not self.pace.running:
             self.pace.start(self.time)
         self._run(n)
-        self.pace.wait(self.time)
+        if self.pace is not None:
+            self.pace.wait(self.time)
 
     def run_until(
         self, until: float | str | Callable[["Simulator"], bool], inputs: Any = None, *, limit: float = 600.0
@@ -242,22 +252,7 @@ class Simulator:
         """
         if inputs is not None:
             self._hold(inputs)
-        event = until if isinstance(until, str) else None
-        if event is not None and event not in (words := event_words(self.machine)):
-            raise InputError(f"until = {event!r}: no such event; there are {sorted(words)}")
-        timed = not (event or callable(until))
-        span = (
-            finite_number(until, "until", low=None, unit="s") - self.time
-            if timed
-            else finite_number(limit, "limit", low=0.0, unit="s")
-        )
-        if span < -1e-9 * max(self.time, 1.0):
-            raise InputError(f"until = {until} s: has passed, it is {self.time:g} s; `reset` begins anew")
-        left = ceil(span / self.dt - 1e-9)
-        if left > MOST_STEPS:
-            raise InputError(
-                f"{span:g} s are {left:.3g} steps of {self.dt} s; at most {MOST_STEPS:g} are made: run a shorter time"
-            )
+        left, event, timed = steps_until(until, limit, self.machine, self.time, self.dt)
         self._no_events()
         one_by_one = callable(until) or self.pace is not None
         if self.pace is not None and not self.pace.running:
@@ -282,7 +277,13 @@ class Simulator:
         """All that changes, to come back to by `restore`: bit for bit."""
         engine = self._engine
         return SavedState(
-            engine.of, self._live.copy(), self._counts.copy(), engine.delay.copy(), self._loads, self._mass
+            engine.of,
+            self._live.copy(),
+            self._counts.copy(),
+            engine.delay.copy(),
+            self._loads,
+            self._mass,
+            self.machine,
         )
 
     def restore(self, saved: SavedState) -> None:
@@ -297,9 +298,8 @@ class Simulator:
             raise InputError(
                 "what was saved is of another machine, load, flow model, step or set of locked functions: restore it to one that is built alike"
             )
-        if saved.mass != self._mass:
-            self._engine.weigh(self._setup, saved.mass)
-            self._mass = saved.mass
+        if (saved.machine, saved.mass) != (self.machine, self._mass):
+            self._become(changed_setup(self._setup, self._flow, saved.machine), saved.mass)
         self._live[:], self._counts[:], self._engine.delay[:] = saved.live, saved.counts, saved.delay
         self._take(saved.loads)
         self._forget()
@@ -311,10 +311,13 @@ class Simulator:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
+
+    def _become(self, setup: Setup, mass: float) -> None:
+        """Let other numbers of the machine act from now on."""
+        self._engine.change(setup, mass)
+        self._setup, self.machine, self._mass = setup, setup.machine, mass
 
     def _hold(self, inputs: Any) -> None:
         """Set the levers."""
@@ -326,8 +329,7 @@ class Simulator:
 
     def _take(self, loads: Loads) -> None:
         """Let other loads act from now on."""
-        self._loads, self._steady = loads, False
-        self._next_mass = self.steps
+        self._loads, self._steady, self._next_mass = loads, False, self.steps
 
     def _run(self, n: int) -> None:
         """Make steps; of an event that is waited for, up to it."""
