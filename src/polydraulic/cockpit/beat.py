@@ -53,7 +53,7 @@ class Beat:
 
     def begin(self) -> None:
         """Let the schedule begin now."""
-        self._origin, self._done, self._made = self.clock(), 0, 0
+        self._origin, self._done, self.made = self.clock(), 0, 0
         self._window = (self._origin, 0)
 
     def beat(self) -> float:
@@ -64,10 +64,10 @@ class Beat:
         if n > 0:
             self.overruns += due - self._done - n
             self._done = due
-            self._made += n
+            self.made += n
             if now - self._window[0] >= _WINDOW:
-                self._rate = (self._made - self._window[1]) * DT / (now - self._window[0])
-                self._window = (now, self._made)
+                self._rate = (self.made - self._window[1]) * DT / (now - self._window[0])
+                self._window = (now, self.made)
             wanted = self.wanted
             if now - wanted.heard > SILENCE:
                 wanted = wanted._replace(axes=(0.0,) * N_AXES)
@@ -84,4 +84,4 @@ class Beat:
         except BaseException as error:  # the thread's end must be seen
             self.failed = error
 
-    _made: int = 0
+    made: int = 0

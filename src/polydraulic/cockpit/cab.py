@@ -5,29 +5,29 @@ Nothing here knows a clock, so that the same wishes at the same steps give the s
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from polydraulic.cockpit.exercises.catalogue import Exercise, exercises_of
+from polydraulic.cockpit.exercises.trial import Observed, Trial
 from polydraulic.cockpit.patterns import Axis, lever_patterns
-from polydraulic.cockpit.protocol import Flag
-from polydraulic.cockpit.wanted import Snapshot, Wanted
-from polydraulic.errors import SimulationError
+from polydraulic.cockpit.protocol import N_AXES, Flag
+from polydraulic.cockpit.recorded.player import Player
+from polydraulic.cockpit.recorded.tape import Tape, head_of
+from polydraulic.cockpit.shadow import Shadow
+from polydraulic.cockpit.view import View
+from polydraulic.cockpit.wanted import ReplayShown, Snapshot, Taped, TrialShown, Wanted
+from polydraulic.errors import InputError, SimulationError
+from polydraulic.parameters.faults import Fault, faulty_numbers, stages, usual_faults
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.simulation.stepping.levers import full_lever
 from polydraulic.simulation.stepping.simulator import Simulator
 
 DT = 5e-3  # s
 _MOST_EVENTS = 32  # that a snapshot shows
-_RELIEF = 1e-12  # m3/s: below is rounding
-_POWER, _PAYLOAD = "pump.power", "payload"
-
-
-class Seen(NamedTuple):
-    """A column of a frame."""
-
-    name: str
-    unit: str
+_SOUGHT = 2000  # steps of a replay that are made at once on the way to another place
 
 
 class Cab:
@@ -37,89 +37,294 @@ class Cab:
     ----------
     machine : LayoutMachine, or name or path of a parameter set
     flow : str
+    shadow : str, optional
+        Another flow model that does the same in a state of its own.
 
     Attributes
     ----------
     machine : LayoutMachine
+        Without faults.
+    name, flow : str
     simulator : Simulator
     patterns : mapping from name to mapping from function to Axis
-    columns : tuple of Seen
-        What a frame holds.
+    exercises : mapping from name to Exercise
+    faults : mapping from name to Fault
+    view : View
     shown : Snapshot
         What the machine does; replaced whole.
     """
 
-    def __init__(self, machine: LayoutMachine | str | Path, flow: str = "exact") -> None:
+    def __init__(self, machine: LayoutMachine | str | Path, flow: str = "exact", shadow: str | None = None) -> None:
         self.simulator = Simulator(machine, flow, dt=DT, load={"payload": 0.0})
         self.machine = self.simulator.machine
+        self.name, self.flow = str(machine) if isinstance(machine, str | Path) else self.machine.title, flow
         self.patterns = lever_patterns(self.machine)
+        self.exercises: Mapping[str, Exercise] = exercises_of(self.machine, DT, layout_drawing(self.machine).ground)
+        self.faults: Mapping[str, Fault] = {fault.name: fault for fault in usual_faults(self.machine)}
+        self.shadow = None if shadow is None else Shadow(self.machine, shadow, DT)
+        self.view = View(self.simulator, self.shadow)
+        self.most_payload = 2.0 * sum(link.mass for link in self.machine.links)  # kg
+        self._full = np.array([full_lever(f) for f in self.machine.functions])
         self._levers = {name: self._mixer(axes) for name, axes in self.patterns.items()}
-        sim = self.simulator
-        self.columns = (*(Seen(name, sim.units[name]) for name in sim.place), Seen(_POWER, "W"), Seen(_PAYLOAD, "kg"))
-        self._take = np.array(list(sim.place.values()))
-        self._pumps = [(sim[f"{c.name}.q_pump"], sim[f"{c.name}.p_pump"]) for c in self.machine.circuits]
-        self._relief = [sim[f"{c.name}.q_relief"] for c in self.machine.circuits]
-        self._joints = np.array([sim.place[self._position(name)] for name in sim.names])
-        self._stops = np.array([f.stops[:2] for f in self.machine.functions]).T
-        self._row = np.zeros(len(self.columns), dtype="<f4")
-        self._resets, self._steps, self._n_events = 0, 0, 0
+        self._did = Wanted()  # wishes that have had their effect
+        self._begun: dict[Fault, int] = {}  # step at which faults began
+        self._stages: tuple[int, ...] = ()
+        self._values: dict[str, float] = {}  # numbers that are not the healthy machine's
+        self._payload, self._steps, self._outside, self._lost = 0.0, 0, 0, False
         self._events: tuple[tuple[int, list[Any]], ...] = ()
-        self._payload, self._outside = 0.0, 0
-        self.shown = self._snapshot(Wanted(), 0, 0.0)
+        self._error, self._n_events = (0, ""), 0
+        self._tape: Tape | None = None
+        self._trial: Trial | None = None
+        self._trial_shown: TrialShown | None = None
+        self._player: Player | None = None
+        self._sought = 0
+        self.shown = self._snapshot(self._did, 0, 0.0)
 
     def warm_up(self) -> None:
-        """Compile, or load, all that a step and another payload need; the machine is as before."""
-        self.simulator.step(np.zeros(len(self.simulator.names)), 1, {"payload": 1.0})
+        """Compile, or load, all that a step, another payload and other numbers need; the machine is as before."""
+        zero = np.zeros(len(self.simulator.names))
+        self.simulator.step(zero, 1, {"payload": 1.0})
         self.simulator.reset()
+        if self.shadow is not None:
+            self.shadow.step(zero, 1, 0.0)
+        self._begin_anew()
 
     def move(self, wanted: Wanted, n: int, *, overruns: int = 0, rate: float = 0.0) -> None:
         """Make `n` steps as the driver wants, and show them."""
-        error, seq = "", wanted.seq
-        if wanted.resets != self._resets:
-            self._resets = wanted.resets
-            self.simulator.reset()
-            self._payload = 0.0
-        try:
-            load = None
-            if wanted.payload != self._payload:
-                load, self._payload = {"payload": wanted.payload}, wanted.payload
-            self.simulator.step(self.voltages(wanted), n, load)
-            for event in self.simulator.events:
-                self._n_events += 1
-                self._events = (*self._events, (self._n_events, event))[-_MOST_EVENTS:]
-        except SimulationError as failed:
-            error = str(failed)
+        self._obey(wanted)
+        volts = np.zeros(len(self._full))
+        if self._player is not None:
+            self._replay(wanted, n)
+        elif not self._lost:
+            volts = self.voltages(wanted)
+            self._drive(volts, n, wanted)
         self._steps += n
-        self.shown = self._snapshot(wanted._replace(seq=seq), overruns, rate)._replace(error=error)
+        self.shown = self._snapshot(wanted, overruns, rate)
 
     def voltages(self, wanted: Wanted) -> np.ndarray:
         """What the levers give, V, in the order of the functions."""
         if wanted.locked:
-            return np.zeros(len(self.simulator.names))
+            return np.zeros(len(self._full))
         return np.asarray(self._levers[wanted.pattern] @ np.array(wanted.axes))
+
+    def _drive(self, volts: np.ndarray, n: int, wanted: Wanted) -> None:
+        """Make `n` steps by hand; where they are scored, one by one."""
+        trial = None if self._trial is None or self._trial.over else self._trial
+        for piece in [n] if trial is None else [1] * n:
+            payload = wanted.payload if trial is None else trial.payload
+            load = None
+            self._trouble()
+            if payload != self._payload:
+                load, self._payload = {"payload": payload}, payload
+                self._stamp(payload=payload)
+            if (tape := self._recording) is not None:
+                tape.levers(volts)
+            before = self.simulator.steps
+            try:
+                self.simulator.step(volts, piece, load)
+            except SimulationError as error:
+                self._lost = True
+                self._fail(f"{error}; reset begins anew")
+            self._note_events()
+            if tape is not None:
+                tape.made(self.simulator.steps - before, self.simulator)
+            if self.shadow is not None:
+                self.shadow.step(volts, piece, self._payload)
+            if trial is not None:
+                effort = float(np.sum((volts / self._full) ** 2))
+                trial.observe(Observed(self.view.tip, effort, self.view.power, self.view.at_stop))
+                self._show_trial()
+            if self._lost:
+                return
+
+    def _replay(self, wanted: Wanted, n: int) -> None:
+        """Make steps of a recorded drive."""
+        player, wish = self._player, wanted.replay
+        assert player is not None
+        assert wish is not None
+        try:
+            if wish.seeks != self._sought:
+                self._sought = wish.seeks
+                if wish.step < player.step:
+                    player.go_back(wish.step)
+                self._shadow_begins()
+            behind = wish.step - player.step if wish.seeks else 0
+            if behind > 0:
+                player.advance(min(behind, _SOUGHT))
+                self._shadow_begins()
+            elif wish.playing:
+                made = player.advance(n)
+                if self.shadow is not None and made:
+                    self.shadow.step(player.levers, made, player.payload)
+            self._note_events()
+        except (InputError, SimulationError) as error:
+            self._fail(str(error))
+            self._player, self._stages = None, (-1,)
+            self._payload, self._values = player.payload, dict(player.values)
+            self._begin_anew()
+            return
+        self._payload, self._values = player.payload, dict(player.values)
+
+    def _obey(self, wanted: Wanted) -> None:
+        """Let wishes have their effect that have not had it yet."""
+        did, self._did = self._did, wanted
+        if wanted.recording != did.recording and (tape := self._recording) is not None:
+            tape.end(self.simulator)
+        if (wanted.replay and wanted.replay.number) != (did.replay and did.replay.number):
+            self._turn_to(wanted, taken_over=wanted.taken_over != did.taken_over)
+        if wanted.trial != did.trial:
+            self._try(wanted)
+        if wanted.resets != did.resets and self._player is None:
+            self._begin_anew()
+        if wanted.faults != did.faults:
+            self._break(wanted.faults)
+        if wanted.recording != did.recording and wanted.recording and self._player is None:
+            head = head_of(self.simulator, self.name, self.flow, self._values)
+            self._tape = Tape(wanted.recording, head)
+
+    def _begin_anew(self) -> None:
+        self.simulator.reset()
+        self._payload, self._lost, self._outside = 0.0, False, 0
+        self._begun = dict.fromkeys(self._begun, 0)
+        self._stamp(reset=True)
+        self._shadow_begins()
+
+    def _turn_to(self, wanted: Wanted, *, taken_over: bool) -> None:
+        """Begin or leave a replay."""
+        if wanted.replay is None:
+            self._player = None
+            if not taken_over:
+                self._begin_anew()
+            self._stages = (-1,)  # faults of now, and not of then
+            return
+        if (tape := self._recording) is not None:
+            tape.end(self.simulator)
+        self._trial, self._sought, self._lost = None, wanted.replay.seeks, False
+        try:
+            self._player = Player(wanted.replay.drive, self.simulator, self.machine)
+            self._shadow_begins()
+        except InputError as error:
+            self._fail(str(error))
+
+    def _try(self, wanted: Wanted) -> None:
+        """Begin or end an exercise."""
+        if wanted.trial is None:
+            self._show_trial(running=False)
+            self._trial = None
+        elif self._player is None:
+            self._begin_anew()
+            self._trial = Trial(self.exercises[wanted.trial.name], wanted.trial.subject, DT)
+            self._show_trial()
+
+    def _break(self, names: tuple[str, ...]) -> None:
+        """Let faults begin and end."""
+        now = self.simulator.steps
+        chosen = [self.faults[name] for name in names]
+        self._begun = {fault: self._begun.get(fault, now) for fault in chosen}
+        self._stages = (-1,)
+
+    def _trouble(self) -> None:
+        """Let the numbers of faults act whose time has come."""
+        since = {fault: (self.simulator.steps - begun) * DT for fault, begun in self._begun.items()}
+        now = stages(since)
+        if now == self._stages:
+            return
+        self._stages = now
+        healthy = {number.path: number.value for number in self.machine.numbers}
+        wanted = faulty_numbers(self.machine, since)
+        changed = {path: healthy[path] for path in self._values} | wanted
+        changed = {path: value for path, value in changed.items() if self._values.get(path, healthy[path]) != value}
+        if not changed:
+            return
+        try:
+            self.simulator.change(changed)
+        except InputError as error:
+            self._fail(f"this fault cannot be here: {error}")
+            self._begun = {}
+            return
+        self._values = {
+            path: value for path, value in (self._values | wanted | changed).items() if value != healthy[path]
+        }
+        self._stamp(change=changed)
+        if self.shadow is not None:
+            self.shadow.change(changed)
+
+    @property
+    def _recording(self) -> Tape | None:
+        """The tape that runs."""
+        return None if self._tape is None or self._tape.ended else self._tape
+
+    def _stamp(self, **what: Any) -> None:
+        if (tape := self._recording) is not None:
+            tape.put(**what)
+
+    def _shadow_begins(self) -> None:
+        if self.shadow is not None:
+            self.shadow.begin(self.simulator.state, self._player.values if self._player else self._values)
+
+    def _note_events(self) -> None:
+        for event in self.simulator.events:
+            self._n_events += 1
+            self._events = (*self._events, (self._n_events, event))[-_MOST_EVENTS:]
+
+    def _fail(self, text: str) -> None:
+        self._error = (self._error[0] + 1, text)
+
+    def _show_trial(self, *, running: bool = True) -> None:
+        trial, wish = self._trial, self._did.trial
+        if trial is None:
+            return
+        before = self._trial_shown
+        score = trial.score()
+        if not self.view.knows_power:
+            del score["energy"]
+        number = wish.number if wish else before.number if before else 0
+        self._trial_shown = TrialShown(
+            number, trial.exercise.name, trial.subject, self._did.mode, self._did.pattern,
+            running and not trial.over, trial.done, score,
+        )  # fmt: skip
 
     def _mixer(self, axes: Mapping[str, Axis]) -> np.ndarray:
         """Matrix from sticks to voltages."""
-        found = np.zeros((len(self.simulator.names), 6))
-        for row, f in enumerate(self.machine.functions):
-            axis, sign = axes[f.name]
-            found[row, axis] = sign * full_lever(f)
+        found = np.zeros((len(self._full), N_AXES))
+        for row, (name, full) in enumerate(zip(self.simulator.names, self._full, strict=True)):
+            found[row, axes[name].axis] = axes[name].sign * full
         return found
 
-    def _position(self, function: str) -> str:
-        slides = self.machine.link(self.machine.function(function).moves).joint == "prismatic"
-        return f"{function}.position" if slides else f"{function}.angle"
-
     def _snapshot(self, wanted: Wanted, overruns: int, rate: float) -> Snapshot:
-        sim, row = self.simulator, self._row
-        n = len(self._take)
-        row[:n] = sim.values[self._take]
-        row[n] = sum(float(q) * float(p) for q, p in self._pumps)
-        row[n + 1] = self._payload
-        joints, (low, high) = sim.values[self._joints], self._stops
-        flags = Flag.LOCKED if wanted.locked else Flag(0)
-        flags |= Flag.RELIEF if any(float(q) > _RELIEF for q in self._relief) else Flag(0)
-        flags |= Flag.STOP if bool(np.any((joints <= low) | (joints >= high))) else Flag(0)
-        flags |= Flag.OUTSIDE if sim.steps_out_of_domain > self._outside else Flag(0)
-        self._outside = sim.steps_out_of_domain
-        return Snapshot(self._steps, wanted.seq, sim.time, overruns, int(flags), row.tobytes(), self._events, rate)
+        sim, view, tape, trial, player = self.simulator, self.view, self._tape, self._trial, self._player
+        aims = trial is not None and not trial.over
+        outside = sim.steps_out_of_domain + (self.shadow.outside if self.shadow else 0)
+        conditions = {
+            Flag.LOCKED: wanted.locked,
+            Flag.RELIEF: view.relieved,
+            Flag.STOP: bool(view.at_stop.any()),
+            Flag.OUTSIDE: outside > self._outside,
+            Flag.RECORDING: self._recording is not None,
+            Flag.REPLAY: player is not None,
+            Flag.TARGET: aims,
+        }
+        self._outside = outside
+        return Snapshot(
+            steps=self._steps,
+            seq=wanted.seq,
+            time=sim.time,
+            overruns=overruns,
+            flags=sum(flag for flag, holds in conditions.items() if holds),
+            values=view.values(self._payload, trial.target if trial is not None and aims else None),
+            rate=rate,
+            events=self._events,
+            payload=self._payload,
+            faults=tuple(fault.name for fault in self._begun),
+            error=self._error,
+            shadow=self.shadow.lost if self.shadow else "",
+            taped=None if tape is None else Taped(tape.number, tape.first, tape.blocks, tape.ended),
+            trial=self._trial_shown,
+            replay=self._replay_shown(wanted),
+        )
+
+    def _replay_shown(self, wanted: Wanted) -> ReplayShown | None:
+        if self._player is None or wanted.replay is None:
+            return None
+        player, playing = self._player, wanted.replay.playing and not self._player.ended
+        return ReplayShown(wanted.replay.number, player.drive.name, player.step * DT, player.drive.end * DT, playing)

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from polydraulic.cockpit.cab import DT, Cab
 from polydraulic.cockpit.drawn_machine import drawing_data
 from polydraulic.cockpit.protocol import FRAMES
@@ -9,19 +11,19 @@ from polydraulic.display import as_shown, shown_unit
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.simulation.stepping.levers import full_lever
 
+_DRAWN = 300  # places of a path
 
-def machine_description(cab: Cab, name: str, flow: str) -> dict[str, Any]:
+
+def machine_description(cab: Cab, shadow: str | None = None) -> dict[str, Any]:
     """``/machine.json``: SI, with what people read next to it.
 
     Parameters
     ----------
     cab : Cab
-    name : str
-        Of the parameter set.
-    flow : str
-        Of the flow model.
+    shadow : str, optional
+        Flow model of its shadow.
     """
-    machine = cab.machine
+    machine, columns = cab.machine, cab.view.columns
     functions = []
     for f in machine.functions:
         joint = machine.link(f.moves).joint
@@ -39,12 +41,12 @@ def machine_description(cab: Cab, name: str, flow: str) -> dict[str, Any]:
             }
         )
     return {
-        "machine": name,
+        "machine": cab.name,
         "title": machine.title,
-        "flow": flow,
+        "flow": cab.flow,
         "functions": functions,
-        "columns": [{"name": c.name, "unit": c.unit} for c in cab.columns],
-        "display": {c.name: _display(c.unit) for c in cab.columns},
+        "columns": [{"name": c.name, "unit": c.unit} for c in columns],
+        "display": {c.name: _display(c.unit) for c in columns},
         "drawing": drawing_data(layout_drawing(machine)),
         "circuits": [
             {
@@ -61,12 +63,24 @@ def machine_description(cab: Cab, name: str, flow: str) -> dict[str, Any]:
             name: {f: {"axis": axis.axis, "sign": axis.sign} for f, axis in axes.items()}
             for name, axes in cab.patterns.items()
         },
-        "exercises": [],
-        "faults": [],
-        "shadow": False,
+        "exercises": [
+            {"name": e.name, "title": e.title, "kind": e.kind, "tolerance": e.tolerance, "path": _thinned(e.path)}
+            for e in cab.exercises.values()
+        ],
+        "faults": [{"name": fault.name, "title": fault.title} for fault in cab.faults.values()],
+        "most_payload": cab.most_payload,
+        "shadow": shadow is not None,
+        "shadow_flow": shadow,
         "rate": FRAMES,
         "dt": DT,
     }
+
+
+def _thinned(path: np.ndarray) -> list[list[float]]:
+    """At most so many places of a path as a line needs."""
+    every = max(len(path) // _DRAWN, 1)
+    found: list[list[float]] = np.round(path[::every], 4).tolist()
+    return found
 
 
 def _display(unit: str) -> dict[str, Any]:

@@ -6,41 +6,66 @@ import signal
 import socket
 import webbrowser
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
 
 PORT = 8642
+FOLDER = Path("cockpit")
+_TAKEN = 1.0  # s that another program has to say what it is
 
 
-def told(line: str) -> None:
-    """Print a line at once, also into a file."""
-    print(line, flush=True)
+class ReadyCockpit(NamedTuple):
+    """A cockpit that is compiled and has a port.
+
+    Attributes
+    ----------
+    listening : socket
+    url : str
+        With the token.
+    app : aiohttp application
+    beat, keeper
+        The machine's thread, not yet started, and who writes what it shows.
+    title : str
+    """
+
+    listening: socket.socket
+    url: str
+    app: Any
+    beat: Any
+    keeper: Any
+    title: str
 
 
-def run_cockpit(
+def ready_cockpit(
     machine: LayoutMachine | str | Path,
     flow: str = "exact",
     *,
+    shadow: str | None = None,
     port: int = PORT,
-    browser: bool = True,
-    say: Callable[[str], None] = told,
+    folder: str | Path = FOLDER,
+    say: Callable[[str], None] = print,
     progress: Progress = quiet,
-) -> None:
-    """Serve a cockpit until it is interrupted.
+) -> ReadyCockpit:
+    """Take a port, and compile all that driving needs.
 
     Parameters
     ----------
     machine : LayoutMachine, or name or path of a parameter set
     flow : str
-        Flow model.
+        Flow model of the machine that is driven.
+    shadow : str, optional
+        Flow model that does the same beside it, to see its error.
     port : int
         Of this computer alone; 0 for any that is free.
-    browser : bool
-        Open a browser, if there is one.
+    folder : str or Path
+        For recordings and results; made when there are some.
     say : function (line)
+        What people at the terminal are told while it runs.
     progress : function (what, done, total)
 
     Raises
@@ -57,18 +82,33 @@ def run_cockpit(
     from polydraulic.cockpit.beat import Beat
     from polydraulic.cockpit.cab import Cab
     from polydraulic.cockpit.description import machine_description
-    from polydraulic.cockpit.guard import Guard
+    from polydraulic.cockpit.keeper import Keeper
+    from polydraulic.cockpit.web.guard import Guard
+    from polydraulic.cockpit.web.server import application
 
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is no folder; recordings and results need one")
     listening = listen(port)
-    with listening:
+    try:
         progress("compile (once after an installation)", 0, 2)
-        cab = Cab(machine, flow)
+        cab = Cab(machine, flow, shadow)
         cab.warm_up()
-        progress("describe", 1, 2)
-        guard, name = Guard(listening.getsockname()[1]), machine if isinstance(machine, str) else cab.machine.title
-        description = machine_description(cab, str(name), flow)
+        progress("describe the machine", 1, 2)
+        guard, beat = Guard(listening.getsockname()[1]), Beat(cab)
+        keeper = Keeper(beat, folder, say)
+        app = application(beat, keeper, guard, machine_description(cab, shadow))
         progress("serve", 2, 2)
-        asyncio.run(_serve(Beat(cab), guard, description, listening, browser, say))
+    except BaseException:
+        listening.close()
+        raise
+    return ReadyCockpit(listening, guard.url, app, beat, keeper, cab.machine.title)
+
+
+def serve(ready: ReadyCockpit, *, browser: bool = True, say: Callable[[str], None] = print) -> None:
+    """Serve until Ctrl-C, and end cleanly: what is recorded is written."""
+    with ready.listening:
+        asyncio.run(_serve(ready, browser, say))
 
 
 def listen(port: int) -> socket.socket:
@@ -90,52 +130,62 @@ def listen(port: int) -> socket.socket:
         made.close()
         if error.errno == errno.EADDRINUSE:
             raise InputError(
-                f"port {port} is taken{_taken_by(port)}; choose another with --port N, or --port 0 for one that is free"
+                f"port {port} is taken by {_taken_by(port)}; choose another with --port N, or --port 0 for one that is free"
             ) from error
         raise InputError(f"port {port} cannot be used: {error.strerror}; choose another with --port N") from error
     return made
 
 
 def _taken_by(port: int) -> str:
-    """Whether it is a cockpit that has a port."""
-    try:
-        with socket.create_connection(("127.0.0.1", port), timeout=1.0) as asked:
-            asked.settimeout(1.0)
-            asked.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: close\r\n\r\n" % port)
-            answer = asked.recv(4096)
-    except OSError:
-        return " by another program"
-    return " by a cockpit that runs already" if b"that the cockpit printed" in answer else " by another program"
+    """Who has a port."""
+    answer = b""
+    with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=_TAKEN) as asked:
+        asked.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: close\r\n\r\n" % port)
+        while part := asked.recv(4096):
+            answer += part
+            if len(answer) > 65536:
+                break
+    return (
+        "a cockpit that runs already (its terminal shows its URL)"
+        if b"that the cockpit printed" in answer
+        else "another program"
+    )
 
 
-async def _serve(beat, guard, description, listening, browser, say) -> None:
+async def _serve(ready: ReadyCockpit, browser: bool, say: Callable[[str], None]) -> None:
     from aiohttp import web
-
-    from polydraulic.cockpit.server import application
 
     ended, loop = asyncio.Event(), asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    runner = web.AppRunner(application(beat, guard, description), access_log=None, shutdown_timeout=1.0)
+    runner = web.AppRunner(ready.app, access_log=None, shutdown_timeout=1.0)
     await runner.setup()
+    beat = ready.beat
     try:
-        await web.SockSite(runner, listening).start()
+        await web.SockSite(runner, ready.listening).start()
         beat.start()
-        say(f"cockpit of {description['title']}: {guard.url}")
-        if browser and not await asyncio.to_thread(_opened, guard.url):
+        keeping = asyncio.create_task(ready.keeper.run())
+        say(f"cockpit of {ready.title}: {ready.url}")
+        if browser and not await asyncio.to_thread(_opened, ready.url):
             say("no browser could be opened; open this URL in one on this computer")
         say("Ctrl-C ends it")
-        while not ended.is_set():
-            try:
+        while not ended.is_set() and beat.failed is None:
+            with suppress(TimeoutError):
                 await asyncio.wait_for(ended.wait(), 1.0)
-            except TimeoutError:
-                if beat.failed is not None:
-                    raise beat.failed
+        beat.wanted = beat.wanted._replace(recording=0)  # the tape is closed
+        await asyncio.sleep(0.1)
+        beat.stop()
+        keeping.cancel()
+        with suppress(asyncio.CancelledError):
+            await keeping
     finally:
         beat.stop()
         await runner.cleanup()
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.remove_signal_handler(number)
+    if beat.failed is not None:
+        raise beat.failed
+    say(f"ended after {beat.made * 0.005:.1f} s of driving, {beat.overruns} steps of 5 ms given up")
 
 
 def _opened(url: str) -> bool:

@@ -56,7 +56,8 @@ def lever_patterns(machine: LayoutMachine) -> dict[str, dict[str, Axis]]:
 
 def _roles(machine: LayoutMachine) -> Mapping[str, str]:
     """What functions are for: the joint about an upright axis, the last joint that holds the tip, and the first two of the arm."""
-    roles, arm = {}, []
+    roles: dict[str, str] = {}
+    arm: list[str] = []
     for f in machine.functions:
         link = machine.link(f.moves)
         if link.joint == "revolute" and link.axis[-1] == "z" and "swing" not in roles.values():

@@ -15,10 +15,11 @@ Frames, to the page, 60 a second: binary, little endian, `HEAD` and then as many
 Texts, to the page, when something changes (JSON)::
 
     {"type": "status", "driver": "you|other|nobody", "locked", "mode", "pattern", "recording": name or null, "faults": [names],
-     "exercise": {"name", "subject"} or null, "replay": {"name", "time", "end", "playing"} or null, "recordings": [names], "payload": kg,
+     "shadow": why it is lost, or "", "exercise": {"name", "subject"} or null, "replay": {"name", "time", "end", "playing"} or null, "recordings": [names], "payload": kg,
      "rate": simulated seconds for each of the last second}
     {"type": "events", "events": [[time in s, function or circuit, what], ...]}
-    {"type": "score", "exercise", "running": bool, "finished": bool, "values": {name: [value, unit]}}
+    {"type": "score", "exercise", "subject", "running": bool, "finished": bool, "values": {name: [value, unit]}}   ten times a second
+        of "time", "error_rms", "error_max", "effort", "stops", "energy"
     {"type": "error", "text"}
 
 Texts, from the page, at most `MOST_BYTES` long::

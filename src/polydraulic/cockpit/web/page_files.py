@@ -23,7 +23,7 @@ class PageFile(NamedTuple):
 def page_files() -> dict[str, PageFile]:
     """All files of the page by name; nothing else is ever served."""
     found = {}
-    for entry in sorted((files(__package__) / "page").iterdir(), key=lambda entry: entry.name):
+    for entry in sorted((files("polydraulic.cockpit") / "page").iterdir(), key=lambda entry: entry.name):
         ending = f".{entry.name.rpartition('.')[2]}"
         if entry.is_file() and ending in _TYPES:
             found[entry.name] = PageFile(entry.read_bytes(), _TYPES[ending])

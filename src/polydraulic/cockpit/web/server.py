@@ -2,15 +2,18 @@
 
 import asyncio
 import json
+from contextlib import suppress
 from typing import Any
 
 from aiohttp import WSMsgType, web
 
 from polydraulic.cockpit.beat import Beat
-from polydraulic.cockpit.guard import Guard
-from polydraulic.cockpit.page_files import page_files
+from polydraulic.cockpit.keeper import Keeper
 from polydraulic.cockpit.protocol import FRAMES, MOST_BYTES, Flag, frame, read_message
-from polydraulic.cockpit.seat import Seat
+from polydraulic.cockpit.web.guard import Guard
+from polydraulic.cockpit.web.news import News
+from polydraulic.cockpit.web.page_files import page_files
+from polydraulic.cockpit.web.seat import Seat
 from polydraulic.errors import InputError
 
 _MOST_PAGES = 16  # that watch at once
@@ -18,19 +21,20 @@ _MOST_WAITING = 65536  # bytes that a page has not read; further frames are drop
 _HEARTBEAT = 5.0  # s
 
 
-def application(beat: Beat, guard: Guard, description: dict[str, Any]) -> web.Application:
+def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str, Any]) -> web.Application:
     """All that is served.
 
     Parameters
     ----------
     beat : Beat
         Running, or not yet.
+    keeper : Keeper
     guard : Guard
     description : dict
         ``/machine.json``.
     """
     app = web.Application(middlewares=[_guarded(guard)], client_max_size=MOST_BYTES)
-    files, described, seat = page_files(), json.dumps(description, allow_nan=False).encode(), Seat(beat)
+    files, described, seat = page_files(), json.dumps(description, allow_nan=False).encode(), Seat(beat, keeper)
 
     async def index(request: web.Request) -> web.StreamResponse:
         if "token" in request.query:
@@ -51,6 +55,10 @@ def application(beat: Beat, guard: Guard, description: dict[str, Any]) -> web.Ap
     async def machine(request: web.Request) -> web.StreamResponse:
         return web.Response(body=described, content_type="application/json")
 
+    async def results(request: web.Request) -> web.StreamResponse:
+        found = await asyncio.to_thread(keeper.compared_results)
+        return web.json_response(found)
+
     async def live(request: web.Request) -> web.StreamResponse:
         if not guard.is_origin(request.headers.get("Origin")):
             raise web.HTTPForbidden(text="another page's script")
@@ -66,7 +74,10 @@ def application(beat: Beat, guard: Guard, description: dict[str, Any]) -> web.Ap
                     await socket.send_json({"type": "error", "text": "messages are JSON as text"})
                     continue
                 try:
-                    seat.hear(number, read_message(message.data))
+                    said = read_message(message.data)
+                    if (name := seat.drive_to_read(number, said)) is not None:
+                        seat.begin_replay(await asyncio.to_thread(seat.read, name))
+                    seat.hear(number, said)
                 except InputError as error:
                     await socket.send_json({"type": "error", "text": str(error)})
         finally:
@@ -77,36 +88,29 @@ def application(beat: Beat, guard: Guard, description: dict[str, Any]) -> web.Ap
     app.router.add_get("/", index)
     app.router.add_get("/page/{name}", page)
     app.router.add_get("/machine.json", machine)
+    app.router.add_get("/results.json", results)
     app.router.add_get("/live", live)
     return app
 
 
 async def _show(request: web.Request, socket: web.WebSocketResponse, seat: Seat, number: int) -> None:
     """Send frames at their pace, and what has changed; a page that does not read gets the next ones."""
-    loop, count, seen_events, said = asyncio.get_running_loop(), 0, 0, None
+    loop, count, news = asyncio.get_running_loop(), 0, News(seat, number)
     begun = loop.time()
-    while not socket.closed:
-        await asyncio.sleep(max(begun + (count + 1) / FRAMES - loop.time(), 0.0))
-        count = max(int((loop.time() - begun) * FRAMES), count + 1)
-        transport = request.transport
-        if transport is None:
-            return
-        if transport.get_write_buffer_size() > _MOST_WAITING:
-            continue
-        shown = seat.beat.cab.shown
-        flags = shown.flags | (Flag.DRIVER if seat.driver == number else 0)
-        try:
+    with suppress(ConnectionError):
+        while not socket.closed:
+            await asyncio.sleep(max(begun + (count + 1) / FRAMES - loop.time(), 0.0))
+            count = max(int((loop.time() - begun) * FRAMES), count + 1)
+            transport = request.transport
+            if transport is None:
+                return
+            if transport.get_write_buffer_size() > _MOST_WAITING:
+                continue
+            shown = seat.beat.cab.shown
+            flags = shown.flags | (Flag.DRIVER if seat.driver == number else 0)
             await socket.send_bytes(frame(count, shown.seq, shown.time, shown.overruns, flags, shown.values))
-            events = [event for place, event in shown.events if place > seen_events]
-            if events:
-                seen_events = shown.events[-1][0]
-                await socket.send_json({"type": "events", "events": events})
-            status = seat.status(number)
-            if status != said:
-                said = status
-                await socket.send_json(status)
-        except ConnectionError:
-            return
+            for text in news.of(shown):
+                await socket.send_json(text)
 
 
 def _guarded(guard: Guard) -> Any:

@@ -1,0 +1,92 @@
+"""What a frame shows of a machine: its columns, and what they say of stops and relief valves."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.cockpit.shadow import Shadow
+from polydraulic.simulation.stepping.simulator import Simulator
+
+_RELIEF = 1e-12  # m3/s: below is rounding
+TARGET = ("target.x", "target.y", "target.z")
+
+
+class Seen(NamedTuple):
+    """A column of a frame, and its unit."""
+
+    name: str
+    unit: str
+
+
+class View:
+    """The columns of a simulator, and more that a page shows.
+
+    Parameters
+    ----------
+    simulator : Simulator
+    shadow : Shadow or None
+
+    Attributes
+    ----------
+    columns : tuple of Seen
+        Those of the simulator, ``pump.power`` where it is known, ``payload``, the target of an exercise; of a shadow its joints and how far its tip is away.
+    """
+
+    def __init__(self, simulator: Simulator, shadow: Shadow | None) -> None:
+        self._simulator, self._shadow, machine = simulator, shadow, simulator.machine
+        own = [Seen(name, simulator.units[name]) for name in simulator.place]
+        pumps = [(f"{c.name}.q_pump", f"{c.name}.p_pump") for c in machine.circuits]
+        self.knows_power = all(name in simulator.outputs for both in pumps for name in both)
+        self._pumps = [(simulator[q], simulator[p]) for q, p in pumps] if self.knows_power else []
+        added = [Seen("pump.power", "W")] if self.knows_power else []
+        added += [Seen("payload", "kg"), *(Seen(name, "m") for name in TARGET)]
+        behind = [Seen(f"shadow.{name}", simulator.units[name]) for name in joint_columns(simulator)] if shadow else []
+        behind += [Seen("shadow.tip_error", "m")] if shadow else []
+        self.columns = (*own, *added, *behind)
+        self._take = np.array(list(simulator.place.values()))
+        self._n, self._row = len(own), np.zeros(len(self.columns), dtype="<f4")
+        reliefs = [f"{c.name}.q_relief" for c in machine.circuits]
+        self._reliefs = [simulator[name] for name in reliefs if name in simulator.outputs]
+        self._joints = np.array([simulator.place[name] for name in joint_columns(simulator)])
+        self._tip = np.array([simulator.place[f"effector.{c}"] for c in "xyz"])
+        self._low, self._high = np.array([f.stops[:2] for f in machine.functions]).T
+
+    @property
+    def tip(self) -> np.ndarray:
+        """Place of the tip, (3,) in m."""
+        return self._simulator.values[self._tip]
+
+    @property
+    def power(self) -> float:
+        """Of all pumps, W; 0 if the flow model does not find their pressures, which `knows_power` says."""
+        return sum(float(q) * float(p) for q, p in self._pumps)
+
+    @property
+    def at_stop(self) -> np.ndarray:
+        """Which joints are at an end, (n_function,)."""
+        joints = self._simulator.values[self._joints]
+        return np.asarray((joints <= self._low) | (joints >= self._high))
+
+    @property
+    def relieved(self) -> bool:
+        """Whether a pump's relief valve is open."""
+        return any(float(q) > _RELIEF for q in self._reliefs)
+
+    def values(self, payload: float, target: np.ndarray | None) -> bytes:
+        """The columns as float32; without a target, the tip in its place."""
+        row, n = self._row, self._n
+        row[:n] = self._simulator.values[self._take]
+        if self.knows_power:
+            row[n] = self.power
+            n += 1
+        row[n], row[n + 1 : n + 4] = payload, self.tip if target is None else target
+        if self._shadow is not None:
+            row[n + 4 :] = self._shadow.seen(self.tip)
+        return row.tobytes()
+
+
+def joint_columns(simulator: Simulator) -> list[str]:
+    """Names of the columns of positions, in the order of the functions."""
+    machine = simulator.machine
+    slides = [machine.link(f.moves).joint == "prismatic" for f in machine.functions]
+    return [f"{name}.{'position' if s else 'angle'}" for name, s in zip(simulator.names, slides, strict=True)]

@@ -1,0 +1,1 @@
+"""What the browser talks to: who may, who drives, what is sent."""
