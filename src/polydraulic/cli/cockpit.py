@@ -42,3 +42,34 @@ def cockpit(
     with progress_bar("cockpit") as progress:
         ready = ready_cockpit(machine, flow, shadow=shadow, port=port, folder=record, say=say, progress=progress)
     serve(ready, browser=not no_browser, say=say)
+
+
+@app.command("cockpit-export")
+def cockpit_export(
+    drive: Annotated[Path, typer.Argument(help="Recorded drive, .drive.jsonl, from the cockpit's folder.")],
+    scenario: Annotated[
+        Path | None, typer.Option(help="Scenario to write, .toml; its levers are written beside it, .csv.")
+    ] = None,
+    log: Annotated[Path | None, typer.Option(help="Log to write, .csv or .parquet (SI).")] = None,
+    raster: Annotated[float, typer.Option(help="Of the log, in s; a whole number of steps of 5 ms.")] = 0.01,
+) -> None:
+    """Make a scenario and a log of a drive that was recorded in the cockpit.
+
+    The drive is driven once more, bit for bit. A scenario begins at the drive's last reset; drives with faults, or without a reset, give logs alone.
+
+    Example: `polydraulic cockpit-export cockpit/20261129-101500-cat215b.drive.jsonl --scenario drive.toml --log drive.csv`
+
+    What comes next: `polydraulic simulate drive.toml` does the same with any flow model; `polydraulic import --suggest drive.csv --out map.toml`
+    begins what leads to `polydraulic identify`.
+    """
+    from polydraulic.cockpit.recorded.drives import read_drive
+    from polydraulic.cockpit.recorded.export import export_drive
+
+    found = read_drive(drive)
+    with progress_bar("cockpit-export") as progress:
+        export_drive(found, scenario=scenario, log=log, raster=raster, progress=progress)
+    seconds = found.end * found.head["dt"]
+    print(f"{drive}: {seconds:.2f} s" + ("" if found.whole else "; it was not ended: up to what was written"))
+    for path in (scenario, log):
+        if path is not None:
+            print(f"{path}: written")

@@ -1,0 +1,150 @@
+import json
+
+import numpy as np
+import pytest
+
+from polydraulic.cockpit.cab import DT, Cab
+from polydraulic.cockpit.description import machine_description
+from polydraulic.cockpit.protocol import Flag
+from polydraulic.cockpit.wanted import TrialWish, Wanted
+
+FREE = Wanted(locked=False)
+
+
+def sticks(**axes):
+    """Sticks by name."""
+    names = ("lx", "ly", "rx", "ry", "a5", "a6")
+    return FREE._replace(axes=tuple(axes.get(name, 0.0) for name in names))
+
+
+def columns(cab):
+    """Values of the last frame by name."""
+    return dict(zip((c.name for c in cab.view.columns), np.frombuffer(cab.shown.values, "<f4").tolist(), strict=True))
+
+
+def test_a_locked_machine_ignores_its_levers(cab):
+    other = Cab("wheel_loader")
+    cab.move(sticks(ry=-1.0)._replace(locked=True), 100)
+    other.move(Wanted(), 100)
+    assert cab.shown.values == other.shown.values
+    assert cab.shown.flags & Flag.LOCKED
+    assert columns(cab)["lift.voltage"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("machine", "axes", "column", "sign"),
+    [
+        ("wheel_loader", {"ry": -0.6}, "lift.angle", 1),  # pulled back: up
+        ("wheel_loader", {"rx": -0.6}, "tilt.angle", 1),  # to the left: rolls back
+    ],
+)
+def test_a_lever_moves_its_joint_the_way_the_pattern_says(machine, axes, column, sign):
+    cab = Cab(machine)
+    before = columns(cab)
+    cab.move(sticks(**axes), 200)
+    moved = columns(cab)[column] - before[column]
+    assert sign * moved > 0.05
+
+
+def test_the_last_sticks_and_the_steps_are_shown(cab):
+    cab.move(FREE._replace(seq=5), 3, overruns=2)
+    shown = cab.shown
+    assert (shown.seq, shown.overruns, shown.steps) == (5, 2, 3)
+    assert shown.time == pytest.approx(3 * DT)
+    assert columns(cab)["effector.z"] == pytest.approx(float(cab.simulator["effector.z"]), rel=1e-6)
+
+
+def test_how_steps_are_divided_among_calls_does_not_matter(cab):
+    other = Cab("wheel_loader")
+    cab.move(sticks(ry=-0.7), 60)
+    for n in (1, 9, 10, 10, 10, 10, 10):
+        other.move(sticks(ry=-0.7), n)
+    assert cab.simulator.save().live.tobytes() == other.simulator.save().live.tobytes()
+
+
+def test_a_reset_is_made_once(cab):
+    cab.move(sticks(ry=-0.7), 50)
+    cab.move(FREE._replace(resets=1), 1)
+    cab.move(FREE._replace(resets=1), 1)
+    assert cab.simulator.steps == 2
+
+
+def test_a_fault_changes_the_machine_and_leaves_it_as_it_was(cab):
+    pump = cab.machine.circuit("work").pump
+    cab.move(FREE._replace(faults=("work pump flow low", "work relief low")), 10)
+    ill = cab.simulator.machine.circuit("work").pump
+    assert (ill.flow, ill.relief) == (0.9 * pump.flow, 0.7 * pump.relief)
+    assert cab.shown.faults == ("work pump flow low", "work relief low")
+    cab.move(FREE._replace(faults=("work relief low",)), 10)
+    assert cab.simulator.machine.circuit("work").pump == pump._replace(relief=0.7 * pump.relief)
+    cab.move(FREE, 10)
+    assert cab.simulator.machine == cab.machine
+
+
+def test_a_payload_weighs(cab):
+    other = Cab("wheel_loader")
+    cab.move(FREE._replace(payload=1500.0), 200)
+    other.move(FREE, 200)
+    assert columns(cab)["payload"] == 1500.0
+    assert columns(cab)["lift.p_a"] > columns(other)["lift.p_a"] + 1e6
+
+
+def test_relief_and_stop_are_flagged_and_told(cab):
+    cab.move(sticks(rx=-1.0), 400)  # rolled back to the end
+    assert cab.shown.flags & Flag.STOP
+    assert any(what == "high stop met" for _, (_, _, what) in cab.shown.events)
+
+
+def test_a_machine_that_diverges_stands_still_until_it_is_reset(cab, monkeypatch):
+    from polydraulic.errors import SimulationError
+
+    def diverges(*args):
+        raise SimulationError("diverged")
+
+    with monkeypatch.context() as m:
+        m.setattr(cab.simulator, "step", diverges)
+        cab.move(FREE, 1)
+    assert "diverged" in cab.shown.error[1]
+    cab.move(FREE, 5)
+    assert cab.simulator.steps == 0
+    cab.move(FREE._replace(resets=1), 5)
+    assert cab.simulator.steps == 5
+
+
+def test_a_shadow_of_the_same_model_stays_where_the_machine_is(cab):
+    shadowed = Cab("wheel_loader", shadow="tlm")
+    twin = Cab("wheel_loader", shadow="exact")
+    for c in (shadowed, twin):
+        c.move(sticks(ry=-0.7)._replace(payload=500.0, faults=("lift friction high",)), 300)
+    assert columns(twin)["shadow.tip_error"] == 0.0
+    assert 0.0 < columns(shadowed)["shadow.tip_error"] < 0.5
+    assert columns(shadowed)["lift.angle"] == columns(twin)["lift.angle"]
+
+
+def test_an_exercise_begins_anew_and_is_scored(cab):
+    cab.move(sticks(ry=-0.7), 50)
+    wish = FREE._replace(trial=TrialWish(1, "tracking", "S-1"))
+    cab.move(wish, 1000)  # 3 s to get ready
+    assert cab.shown.time == pytest.approx(5.0)
+    assert cab.shown.flags & Flag.TARGET
+    score = cab.shown.trial.score
+    assert cab.shown.trial.running
+    assert score["time"][0] == pytest.approx(2.0, abs=2 * DT)
+    seen = columns(cab)
+    away = np.linalg.norm([seen[f"target.{c}"] - seen[f"effector.{c}"] for c in "xyz"])
+    assert score["error_max"][0] == pytest.approx(away, abs=0.05)  # it moves away from a machine that stands
+    assert score["energy"][0] > 0.0
+    cab.move(FREE, 1)
+    assert not cab.shown.flags & Flag.TARGET
+    assert (cab.shown.trial.running, cab.shown.trial.finished) == (False, False)
+
+
+def test_the_description_is_json_that_names_every_column(cab):
+    found = json.loads(json.dumps(machine_description(cab), allow_nan=False))
+    assert len(found["columns"]) * 4 == len(cab.shown.values)
+    bar = found["display"]["lift.p_a"]
+    assert (bar["unit"], bar["factor"] * 2e5 + bar["offset"]) == ("bar", pytest.approx(2.0))
+    assert found["circuits"][0]["functions"] == ["tilt", "lift"]  # in the order in which oil reaches them
+    assert [f["position"] for f in found["functions"]] == ["lift.angle", "tilt.angle"]
+    assert {e["name"] for e in found["exercises"]} == {"tracking", "trench", "pick and place", "truck loading"}
+    assert found["patterns"]["iso"]["lift"] == {"axis": 3, "sign": -1.0}
