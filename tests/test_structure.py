@@ -14,6 +14,18 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
+    "cockpit/description.py": ("cockpit/test_cab.py", "the machine that is driven there is described"),
+    "cockpit/exercises/reachable.py": ("cockpit/exercises/test_catalogue.py", "paths there are held to it"),
+    "cockpit/open_cockpit.py": ("cli/test_cockpit.py", "the command opens one"),
+    "cockpit/recorded/drives.py": (
+        "cockpit/recorded/test_player.py",
+        "files of drives are read there, and written in test_keeper.py",
+    ),
+    "cockpit/recorded/tape.py": ("cockpit/recorded/test_player.py", "tapes are played there"),
+    "cockpit/shadow.py": ("cockpit/test_cab.py", "it follows the machine that is driven there"),
+    "cockpit/view.py": ("cockpit/test_cab.py", "columns of the frames there"),
+    "cockpit/wanted.py": ("cockpit/test_cab.py", "records"),
+    "cockpit/web/": ("cockpit/web/test_server.py", "what is served, to whom, is seen by a client"),
     "columns/": ("measure/formats/test_csv_log.py", "files of all kinds are opened, and read as a whole"),
     "errors.py": ("parameters/test_load.py", "two names of exceptions"),
     "export/build.py": ("export/fmu/test_networks.py", "a compiler is found and called to build FMUs"),
@@ -62,6 +74,7 @@ TESTED_ELSEWHERE = {
     "simulation/stepping/per_machine.py": ("simulation/stepping/test_batch_simulator.py", "arguments of batches"),
     "simulation/stepping/saved.py": ("simulation/stepping/test_simulator.py", "what is saved comes back there"),
     "simulation/stepping/setup.py": ("simulation/stepping/test_simulator.py", "what cannot be built is named there"),
+    "simulation/stepping/until.py": ("simulation/stepping/test_simulator.py", "runs end there as they should"),
     "simulation/stepping/tip_load.py": ("simulation/stepping/test_simulator.py", "loads are those of scenarios there"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
     "flow/layout/network_parts.py": ("flow/layout/test_networks.py", "the kernels around which a step is written"),

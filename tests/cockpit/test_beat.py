@@ -3,7 +3,7 @@
 from polydraulic.cockpit.beat import MOST_AT_ONCE, Beat
 from polydraulic.cockpit.cab import DT
 from polydraulic.cockpit.protocol import SILENCE
-from polydraulic.cockpit.wanted import Snapshot, Wanted
+from polydraulic.cockpit.wanted import CabShown, Wanted
 
 
 class Moved:
@@ -11,7 +11,7 @@ class Moved:
 
     def __init__(self):
         self.moves = []
-        self.shown = Snapshot()
+        self.shown = CabShown()
 
     def move(self, wanted, n, *, overruns, rate):
         self.moves.append((n, wanted.axes, overruns, rate))

@@ -53,7 +53,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(kept, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(os, "write", full)
-    go(kept, 300)
+    go(kept, 300, locked=False, axes=(0.0, 0.0, 0.0, -0.5, 0.0, 0.0))
     monkeypatch.setattr(os, "write", whole)
     assert "No space left" in keeper.error[1]
     assert said == [f"warning: {keeper.error[1]}"]
@@ -80,6 +80,11 @@ def test_a_result_is_written_once(kept):
     go(kept, 1, trial=None)
     go(kept, 1)
     (result,) = read_results(keeper.folder)
-    assert (result["subject"], result["exercise"], result["mode"], result["finished"]) == ("S-1", "tracking", "joint", False)
+    assert (result["subject"], result["exercise"], result["mode"], result["finished"]) == (
+        "S-1",
+        "tracking",
+        "joint",
+        False,
+    )
     assert keeper.compared_results()["compared"] == []
     assert beat.wanted == Wanted(locked=False)

@@ -30,7 +30,10 @@ def test_faults_of_one_number_act_one_after_the_other(loader):
 def test_a_sensor_reads_what_is_not():
     stuck = Fault("stuck", "stuck", readings=(Deviation("lift.angle", "is", (0.3,), (2.0,)),))
     assert faulty_readings({"lift.angle": 0.1, "tilt.angle": 0.2}, {stuck: 1.9})["lift.angle"] == 0.1
-    assert faulty_readings({"lift.angle": 0.1, "tilt.angle": 0.2}, {stuck: 2.0}) == {"lift.angle": 0.3, "tilt.angle": 0.2}
+    assert faulty_readings({"lift.angle": 0.1, "tilt.angle": 0.2}, {stuck: 2.0}) == {
+        "lift.angle": 0.3,
+        "tilt.angle": 0.2,
+    }
 
 
 @pytest.mark.parametrize(

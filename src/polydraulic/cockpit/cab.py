@@ -17,7 +17,7 @@ from polydraulic.cockpit.recorded.player import Player
 from polydraulic.cockpit.recorded.tape import Tape, head_of
 from polydraulic.cockpit.shadow import Shadow
 from polydraulic.cockpit.view import View
-from polydraulic.cockpit.wanted import ReplayShown, Snapshot, Taped, TrialShown, Wanted
+from polydraulic.cockpit.wanted import ReplayShown, CabShown, Taped, TrialShown, Wanted
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.parameters.faults import Fault, faulty_numbers, stages, usual_faults
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -50,7 +50,7 @@ class Cab:
     exercises : mapping from name to Exercise
     faults : mapping from name to Fault
     view : View
-    shown : Snapshot
+    shown : CabShown
         What the machine does; replaced whole.
     """
 
@@ -291,7 +291,7 @@ class Cab:
             found[row, axes[name].axis] = axes[name].sign * full
         return found
 
-    def _snapshot(self, wanted: Wanted, overruns: int, rate: float) -> Snapshot:
+    def _snapshot(self, wanted: Wanted, overruns: int, rate: float) -> CabShown:
         sim, view, tape, trial, player = self.simulator, self.view, self._tape, self._trial, self._player
         aims = trial is not None and not trial.over
         outside = sim.steps_out_of_domain + (self.shadow.outside if self.shadow else 0)
@@ -305,7 +305,7 @@ class Cab:
             Flag.TARGET: aims,
         }
         self._outside = outside
-        return Snapshot(
+        return CabShown(
             steps=self._steps,
             seq=wanted.seq,
             time=sim.time,

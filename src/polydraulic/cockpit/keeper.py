@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from polydraulic.cockpit.beat import Beat
-from polydraulic.cockpit.exercises.results import NAME, add_result, compared, read_results
+from polydraulic.cockpit.exercises.results import NAME, add_result, compared_attempts, read_results
 from polydraulic.cockpit.recorded.drives import DriveFile, drive_names, new_name
 from polydraulic.errors import InputError
 
@@ -89,10 +89,10 @@ class Keeper:
         OSError
         """
         results = read_results(self.folder)
-        return {"file": NAME, "attempts": results, "compared": compared(results)}
+        return {"file": NAME, "attempts": results, "compared": compared_attempts(results)}
 
     def _open(self) -> None:
-        name = new_name(self._beat.cab.name)
+        name = new_name(self.folder, self._beat.cab.name)
         self._file = DriveFile(self.folder, name)
         self.recording = name
 

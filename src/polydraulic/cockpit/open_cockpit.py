@@ -107,8 +107,10 @@ def ready_cockpit(
 
 def serve(ready: ReadyCockpit, *, browser: bool = True, say: Callable[[str], None] = print) -> None:
     """Serve until Ctrl-C, and end cleanly: what is recorded is written."""
+    from aiohttp import web
+
     with ready.listening:
-        asyncio.run(_serve(ready, browser, say))
+        asyncio.run(_serve(ready, web, browser, say))
 
 
 def listen(port: int) -> socket.socket:
@@ -152,9 +154,7 @@ def _taken_by(port: int) -> str:
     )
 
 
-async def _serve(ready: ReadyCockpit, browser: bool, say: Callable[[str], None]) -> None:
-    from aiohttp import web
-
+async def _serve(ready: ReadyCockpit, web: Any, browser: bool, say: Callable[[str], None]) -> None:
     ended, loop = asyncio.Event(), asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)

@@ -70,14 +70,14 @@ class Flag(IntFlag):
     TARGET = 128  # there is a target: `target.x`, `.y`, `.z`
 
 
-class Message(NamedTuple):
+class PageMessage(NamedTuple):
     """What a page said: which type, and its fields, checked."""
 
     type: str
     fields: dict[str, Any]
 
 
-def read_message(text: str) -> Message:
+def read_message(text: str) -> PageMessage:
     """Read a message of a page.
 
     Parameters
@@ -108,7 +108,7 @@ def read_message(text: str) -> Message:
     for key in fields:
         if key not in given and key not in optional:
             raise InputError(f"{kind}: the field {key!r} is missing")
-    return Message(kind, {key: fields[key](given[key], f"{kind}: {key}") for key in given})
+    return PageMessage(kind, {key: fields[key](given[key], f"{kind}: {key}") for key in given})
 
 
 def frame(number: int, seq: int, time: float, overruns: int, flags: int, values: bytes) -> bytes:

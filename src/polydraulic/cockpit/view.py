@@ -40,14 +40,16 @@ class View:
         self._pumps = [(simulator[q], simulator[p]) for q, p in pumps] if self.knows_power else []
         added = [Seen("pump.power", "W")] if self.knows_power else []
         added += [Seen("payload", "kg"), *(Seen(name, "m") for name in TARGET)]
-        behind = [Seen(f"shadow.{name}", simulator.units[name]) for name in joint_columns(simulator)] if shadow else []
+        behind = (
+            [Seen(f"shadow.{name}", simulator.units[name]) for name in position_columns(simulator)] if shadow else []
+        )
         behind += [Seen("shadow.tip_error", "m")] if shadow else []
         self.columns = (*own, *added, *behind)
         self._take = np.array(list(simulator.place.values()))
         self._n, self._row = len(own), np.zeros(len(self.columns), dtype="<f4")
         reliefs = [f"{c.name}.q_relief" for c in machine.circuits]
         self._reliefs = [simulator[name] for name in reliefs if name in simulator.outputs]
-        self._joints = np.array([simulator.place[name] for name in joint_columns(simulator)])
+        self._joints = np.array([simulator.place[name] for name in position_columns(simulator)])
         self._tip = np.array([simulator.place[f"effector.{c}"] for c in "xyz"])
         self._low, self._high = np.array([f.stops[:2] for f in machine.functions]).T
 
@@ -85,7 +87,7 @@ class View:
         return row.tobytes()
 
 
-def joint_columns(simulator: Simulator) -> list[str]:
+def position_columns(simulator: Simulator) -> list[str]:
     """Names of the columns of positions, in the order of the functions."""
     machine = simulator.machine
     slides = [machine.link(f.moves).joint == "prismatic" for f in machine.functions]

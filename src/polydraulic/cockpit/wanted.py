@@ -107,7 +107,7 @@ class ReplayShown(NamedTuple):
     playing: bool
 
 
-class Snapshot(NamedTuple):
+class CabShown(NamedTuple):
     """What the machine does.
 
     Attributes

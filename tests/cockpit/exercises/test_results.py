@@ -1,6 +1,6 @@
 import pytest
 
-from polydraulic.cockpit.exercises.results import NAME, add_result, compared, read_results
+from polydraulic.cockpit.exercises.results import NAME, add_result, compared_attempts, read_results
 
 
 def result(mode, seconds, *, finished=True):
@@ -26,7 +26,7 @@ def test_a_line_that_a_crash_has_torn_spoils_no_other(tmp_path):
 def test_finished_attempts_are_compared_by_mode():
     results = [result("joint", t) for t in (1.0, 5.0, 3.0)]
     results += [result("coordinated", 2.0), result("joint", 99.0, finished=False)]
-    found = {group["mode"]: group for group in compared(results)}
+    found = {group["mode"]: group for group in compared_attempts(results)}
     assert (found["joint"]["attempts"], found["coordinated"]["attempts"]) == (3, 1)
     assert found["joint"]["values"] == {"time": 3.0, "error_rms": pytest.approx(0.3)}
 

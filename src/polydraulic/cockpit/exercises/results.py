@@ -60,7 +60,7 @@ def read_results(folder: Path) -> list[dict[str, Any]]:
     return found
 
 
-def compared(results: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def compared_attempts(results: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Medians of finished attempts, by machine, exercise and mode.
 
     Returns

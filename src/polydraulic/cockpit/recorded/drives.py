@@ -4,6 +4,7 @@ import json
 import math
 import os
 from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -87,10 +88,12 @@ def read_drive(path: str | Path) -> Drive:
     return Drive(path.name.removesuffix(ENDING), head, tuple(stamps), step, bool(stamps and stamps[-1].get("end")))
 
 
-def new_name(machine: str) -> str:
-    """Name of a drive that begins now, in UTC."""
+def new_name(folder: Path, machine: str) -> str:
+    """Name of a drive that begins now, in UTC; one of the same second gets a number."""
     of = "".join(c if c.isalnum() or c in "-_" else "_" for c in Path(machine).stem)[:40]
-    return f"{datetime.now(UTC):%Y%m%d-%H%M%S}-{of}"
+    name = f"{datetime.now(UTC):%Y%m%d-%H%M%S}-{of}"
+    taken = set(drive_names(folder))
+    return next(found for k in count(1) if (found := name if k == 1 else f"{name}-{k}") not in taken)
 
 
 class DriveFile:

@@ -130,7 +130,10 @@ def start_of(head: Mapping[str, Any], simulator: Simulator, healthy: LayoutMachi
         )
     parts = {}
     for name, array in (("live", like.live), ("counts", like.counts), ("delay", like.delay)):
-        content = b64decode(str(head["start"][name]), validate=True)
+        try:
+            content = b64decode(str(head["start"][name]), validate=True)
+        except (KeyError, ValueError) as error:
+            raise InputError(f"the drive's start is damaged: {name} cannot be read") from error
         if len(content) != array.nbytes:
             raise InputError(f"the drive's start is damaged: {name} has {len(content)} bytes instead of {array.nbytes}")
         parts[name] = np.frombuffer(content, dtype=array.dtype).reshape(array.shape)

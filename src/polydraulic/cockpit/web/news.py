@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from polydraulic.cockpit.wanted import Snapshot
+from polydraulic.cockpit.wanted import CabShown
 from polydraulic.cockpit.web.seat import Seat
 
 _EVERY = 6  # frames between two scores
@@ -26,7 +26,7 @@ class News:
         self._score: dict[str, Any] | None = None
         self._count = 0
 
-    def of(self, shown: Snapshot) -> list[dict[str, Any]]:
+    def of(self, shown: CabShown) -> list[dict[str, Any]]:
         """Texts that are to be sent with this snapshot."""
         found: list[dict[str, Any]] = []
         events = [event for number, event in shown.events if number > self._event]

@@ -6,7 +6,7 @@ from typing import Any
 from polydraulic.cockpit.beat import Beat
 from polydraulic.cockpit.cab import DT
 from polydraulic.cockpit.keeper import Keeper
-from polydraulic.cockpit.protocol import N_AXES, Message
+from polydraulic.cockpit.protocol import N_AXES, PageMessage
 from polydraulic.cockpit.recorded.drives import ENDING, Drive, read_drive
 from polydraulic.cockpit.wanted import ReplayWish, TrialWish
 from polydraulic.errors import InputError, briefly
@@ -58,7 +58,7 @@ class Seat:
             self.driver = 0
             self._want(locked=True, axes=_NEUTRAL)
 
-    def hear(self, page: int, message: Message) -> None:
+    def hear(self, page: int, message: PageMessage) -> None:
         """Let a message of a page have its effect.
 
         Raises
@@ -173,7 +173,7 @@ class Seat:
     def _payload_then(self, action: str) -> float:
         return self.beat.cab.shown.payload if action == "restart" else 0.0
 
-    def drive_to_read(self, page: int, message: Message) -> str | None:
+    def drive_to_read(self, page: int, message: PageMessage) -> str | None:
         """Name of the drive that a message wants to be read, because another one, or none, is replayed."""
         wish = self.beat.wanted.replay
         if message.type != "replay" or page != self.driver or message.fields["action"] not in ("play", "seek", "pause"):

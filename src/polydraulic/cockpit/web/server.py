@@ -3,9 +3,7 @@
 import asyncio
 import json
 from contextlib import suppress
-from typing import Any
-
-from aiohttp import WSMsgType, web
+from typing import TYPE_CHECKING, Any
 
 from polydraulic.cockpit.beat import Beat
 from polydraulic.cockpit.keeper import Keeper
@@ -16,12 +14,15 @@ from polydraulic.cockpit.web.page_files import page_files
 from polydraulic.cockpit.web.seat import Seat
 from polydraulic.errors import InputError
 
+if TYPE_CHECKING:
+    from aiohttp import web
+
 _MOST_PAGES = 16  # that watch at once
 _MOST_WAITING = 65536  # bytes that a page has not read; further frames are dropped
 _HEARTBEAT = 5.0  # s
 
 
-def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str, Any]) -> web.Application:
+def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str, Any]) -> "web.Application":
     """All that is served.
 
     Parameters
@@ -33,6 +34,8 @@ def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str,
     description : dict
         ``/machine.json``.
     """
+    from aiohttp import WSMsgType, web
+
     app = web.Application(middlewares=[_guarded(guard)], client_max_size=MOST_BYTES)
     files, described, seat = page_files(), json.dumps(description, allow_nan=False).encode(), Seat(beat, keeper)
 
@@ -93,7 +96,7 @@ def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str,
     return app
 
 
-async def _show(request: web.Request, socket: web.WebSocketResponse, seat: Seat, number: int) -> None:
+async def _show(request: "web.Request", socket: "web.WebSocketResponse", seat: Seat, number: int) -> None:
     """Send frames at their pace, and what has changed; a page that does not read gets the next ones."""
     loop, count, news = asyncio.get_running_loop(), 0, News(seat, number)
     begun = loop.time()
@@ -114,6 +117,8 @@ async def _show(request: web.Request, socket: web.WebSocketResponse, seat: Seat,
 
 
 def _guarded(guard: Guard) -> Any:
+    from aiohttp import web
+
     @web.middleware
     async def middleware(request: web.Request, handler: Any) -> web.StreamResponse:
         refused = _refusal(request, guard)
@@ -133,8 +138,10 @@ def _guarded(guard: Guard) -> Any:
     return middleware
 
 
-def _refusal(request: web.Request, guard: Guard) -> web.HTTPException | None:
+def _refusal(request: "web.Request", guard: Guard) -> "web.HTTPException | None":
     """Why a request is not answered; None if it is."""
+    from aiohttp import web
+
     hosts = request.headers.getall("Host", [])
     if len(hosts) != 1 or not guard.is_host(hosts[0]):
         return web.HTTPForbidden(text="another host's name")
