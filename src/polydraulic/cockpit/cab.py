@@ -17,7 +17,7 @@ from polydraulic.cockpit.recorded.player import Player
 from polydraulic.cockpit.recorded.tape import Tape, head_of
 from polydraulic.cockpit.shadow import Shadow
 from polydraulic.cockpit.view import View
-from polydraulic.cockpit.wanted import ReplayShown, CabShown, Taped, TrialShown, Wanted
+from polydraulic.cockpit.wanted import CabShown, ReplayShown, Taped, TrialShown, Wanted
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.parameters.faults import Fault, faulty_numbers, stages, usual_faults
 from polydraulic.parameters.layout.schema import LayoutMachine
