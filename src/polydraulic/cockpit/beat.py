@@ -23,14 +23,17 @@ class Beat:
         Moved by the thread alone; others read `cab.shown`.
     wanted : Wanted
         Replaced whole by whoever serves the page.
-    overruns : int
-        Steps that were given up.
+    made, overruns : int
+        Steps that were made, and that were given up.
+    failed : exception or None
+        What ended the thread.
     """
 
     cab: Cab
     clock: Callable[[], float] = time.perf_counter
     sleep: Callable[[float], None] = time.sleep
     wanted: Wanted = field(default_factory=Wanted)
+    made: int = 0
     overruns: int = 0
     failed: BaseException | None = None
     _done: int = 0
@@ -83,5 +86,3 @@ class Beat:
                     self.sleep(left)
         except BaseException as error:  # the thread's end must be seen
             self.failed = error
-
-    made: int = 0
