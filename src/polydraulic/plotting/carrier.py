@@ -55,12 +55,16 @@ def excavator_bodies(upper: str, axis: Point3, foot: Point3, scale: float, lowes
     body = scaled((-2.72, -0.1), (-2.6, 0.42), (-1.3, 0.5), (-0.35, 0.5), (0.3, 0.3))
     front = [(ahead - 0.25 * s, 0.14 * s), (ahead, -0.3 * s), (ahead, bottom)]
     hood = scaled((-2.55, -1.25), (-2.72, -0.7), (-2.72, 0.7), (-2.55, 1.25))
+    tracks, middle, whole = scaled((-1.5, -0.9), (0.9, 1.5)), scaled((-0.6, 0.6)), scaled((-1.25, 1.25))
+    cab, panes = scaled((0.45, 1.2)), scaled((0.43, 1.22))
     return (
-        _body(still(track), TRACK),
-        _body(still([(-0.2, -0.87), (0.2, -0.87), (0.2, bottom / s), (-0.2, bottom / s)]), INK),
-        _body(turning([(-2.6 * s, bottom), *body, *front]), UPPER),
-        _body(turning(scaled((-0.42, -0.3), (-0.42, 1.3), (0.42, 1.3), (0.78, 0.35), (0.78, -0.3))), CAB),
-        _body(turning(scaled((-0.3, 0.42), (-0.3, 1.18), (0.35, 1.18), (0.62, 0.42))), GLASS, edge="none"),
+        _body(still(track), TRACK, across=tracks),
+        _body(still([(-0.2, -0.87), (0.2, -0.87), (0.2, bottom / s), (-0.2, bottom / s)]), INK, across=middle),
+        _body(turning([(-2.6 * s, bottom), *body, *front]), UPPER, across=whole),
+        _body(turning(scaled((-0.42, -0.3), (-0.42, 1.3), (0.42, 1.3), (0.78, 0.35), (0.78, -0.3))), CAB, across=cab),
+        _body(
+            turning(scaled((-0.3, 0.42), (-0.3, 1.18), (0.35, 1.18), (0.62, 0.42))), GLASS, edge="none", across=panes
+        ),
         _body(above(GROUND, scaled((-2.0, -1.5), (2.0, -1.5), (2.0, -0.9), (-2.0, -0.9))), TRACK, view="top"),
         _body(above(GROUND, scaled((-2.0, 0.9), (2.0, 0.9), (2.0, 1.5), (-2.0, 1.5))), TRACK, view="top"),
         _body(above(upper, [*hood, (ahead, 1.25 * s), (ahead, -1.25 * s)]), UPPER, view="top"),
@@ -75,8 +79,10 @@ def block(low: Point3, high: Point3, axis: Point3) -> tuple[Outline, ...]:
     (x0, y0, z0), (x1, y1, z1) = low, high
     side = tuple(Spot(PLANE, (x - axis[0], 0.0, z)) for x, z in ((x0, z0), (x1, z0), (x1, z1), (x0, z1)))
     top = tuple(Spot(GROUND, (x, y, z0)) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
-    return _body(side, TRACK), _body(top, TRACK, view="top")
+    return _body(side, TRACK, across=[(y0, y1)]), _body(top, TRACK, view="top")
 
 
-def _body(spots: tuple[Spot, ...], fill: str, view: Any = "side", edge: str = INK) -> Outline:
-    return Outline(spots, (), (view,), fill, edge)
+def _body(
+    spots: tuple[Spot, ...], fill: str, view: Any = "side", edge: str = INK, across: Sequence[tuple[float, float]] = ()
+) -> Outline:
+    return Outline(spots, (), (view,), fill, edge, tuple(across))

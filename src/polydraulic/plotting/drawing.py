@@ -39,6 +39,8 @@ class Outline(NamedTuple):
         Where it is drawn.
     fill, edge : str
         Colours. Bodies of the first run alone have a colour of their own, others are `OF_RUN` or `OPEN`, which is dashed.
+    across : tuple of (low, high), m
+        In space: from where to where it reaches across its plane, once for each part. Outlines of a view from above alone have none.
     """
 
     spots: tuple[Spot, ...]
@@ -46,6 +48,7 @@ class Outline(NamedTuple):
     views: tuple[View, ...]
     fill: str
     edge: str = OF_RUN
+    across: tuple[tuple[float, float], ...] = ()
 
 
 class DrawnCylinder(NamedTuple):

@@ -21,6 +21,7 @@ from polydraulic.plotting.travel import across, joint_stops, signed_axis
 
 _THICK, _SLIMMER = 0.026, 0.86  # radius of a first link by reach, and of each next link by the one before
 _PIN = 0.55  # radius round a pin, by that of its link
+_BROAD = 0.75  # half of a link's breadth, by its radius
 # a bucket seen along its joint: from joint to teeth, and to the side of its shell, by its length
 _SHELL = ((0.1, 0.42), (0.42, 0.55), (0.76, 0.47), (1.0, 0.0), (0.68, 0.05), (0.4, -0.06))
 
@@ -164,7 +165,8 @@ def _bodies(machine: LayoutMachine, link: LinkParameters, bones: _Bones, size: f
     spots += [(_spot(link.name, point), _PIN * size) for point in bones.pins]
     if link.joint == "prismatic":
         spots.append((_spot(link.parent, vector(link.at)), size))
-    return (Outline(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN),)
+    broad = ((-_BROAD * size, _BROAD * size),)
+    return (Outline(tuple(s for s, _ in spots), tuple(r for _, r in spots), ("side", "top"), OF_RUN, across=broad),)
 
 
 def _bucket(link: LinkParameters, bones: _Bones, pin: np.ndarray, size: float) -> tuple[Outline, ...]:
@@ -174,12 +176,13 @@ def _bucket(link: LinkParameters, bones: _Bones, pin: np.ndarray, size: float) -
     left = np.cross(axis, ahead)
     length, beside = float(ahead @ teeth), float(left @ vector(link.cg))
     side = 1.0 if (beside if abs(beside) > 0.15 * length else left @ pin) >= 0.0 else -1.0
-    joint, broad = np.zeros(3), 3.5 * size * axis
+    half = 3.5 * size
+    joint, broad = np.zeros(3), half * axis
     shell = [joint, *(length * (along * ahead + side * off * left) for along, off in _SHELL)]
     ears = (_spot(link.name, joint), _spot(link.name, pin), _spot(link.name, 0.5 * shell[1]))
     return (
-        Outline(ears, (size, _PIN * size, 0.1 * size), ("side",), OF_RUN),
-        Outline(tuple(_spot(link.name, corner) for corner in shell), (), ("side",), OF_RUN),
+        Outline(ears, (size, _PIN * size, 0.1 * size), ("side",), OF_RUN, across=((-_BROAD * size, _BROAD * size),)),
+        Outline(tuple(_spot(link.name, corner) for corner in shell), (), ("side",), OF_RUN, across=((-half, half),)),
         Outline(
             tuple(_spot(link.name, corner) for corner in (joint - broad, teeth - broad, teeth + broad, joint + broad)),
             (),
@@ -193,7 +196,8 @@ def _bars(linkage: _Linkage, size: float) -> list[Outline]:
     """Rocker and coupler."""
     knee = _knee(linkage.name, linkage.pins)
     ends = (Spot(knee.link, (0.0, 0.0, 0.0)), _spot(linkage.link.name, vector(linkage.pins.pin)))
-    return [Outline((knee, end), (size, size), ("side",), OF_RUN) for end in ends]
+    beside = ((-2.2 * size, -1.5 * size), (1.5 * size, 2.2 * size))
+    return [Outline((knee, end), (size, size), ("side",), OF_RUN, across=beside) for end in ends]
 
 
 def _ram(machine: LayoutMachine, f: MachineFunction) -> DrawnCylinder | None:
