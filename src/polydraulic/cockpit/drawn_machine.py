@@ -18,7 +18,7 @@ def drawing_data(drawing: Drawing) -> dict[str, Any]:
     -------
     dict
         ``links`` (parents first; ``function`` is the number of what moves it, None of a follower, whose angle is linear between points of
-        ``follows``), ``bodies`` (polygons, or hulls of balls where there are ``radii``), ``rams``, ``stops``, ``pins``, ``tip``,
+        ``follows``), ``bodies`` (polygons, or hulls of balls where there are ``radii``; ``across`` is their breadth in space), ``rams``, ``stops``, ``pins``, ``tip``,
         ``ground``, ``corners``, ``scale``, ``slews``. A spot is [link, [x, y, z]]; the link `PLANE` turns about the upright axis with
         the first one.
     """
@@ -80,6 +80,7 @@ def _body(body: Outline) -> dict[str, Any]:
         "views": list(body.views),
         "fill": body.fill,
         "edge": body.edge,
+        "across": [list(part) for part in body.across],
     }
 
 
