@@ -19,7 +19,7 @@ def drawing_data(drawing: Drawing) -> dict[str, Any]:
     dict
         ``links`` (parents first; ``function`` is the number of what moves it, None of a follower, whose angle is linear between points of
         ``follows``), ``bodies`` (polygons, or hulls of balls where there are ``radii``; ``across`` is their breadth in space), ``rams``, ``stops``, ``pins``, ``tip``,
-        ``ground``, ``corners``, ``scale``, ``slews``. A spot is [link, [x, y, z]]; the link `PLANE` turns about the upright axis with
+        ``ground``, ``corners``, ``scale``, ``slews``, ``initial`` positions. A spot is [link, [x, y, z]]; the link `PLANE` turns about the upright axis with
         the first one.
     """
     n, names = len(drawing.names), [link.name for link in drawing.links]
@@ -41,6 +41,7 @@ def drawing_data(drawing: Drawing) -> dict[str, Any]:
         "links": links,
         "plane": PLANE,
         "slews": drawing.slews,
+        "initial": list(drawing.initial),
         "bodies": [_body(body) for body in drawing.bodies],
         "rams": [{"base": _spot(r.base), "rod": _spot(r.rod), "barrel": r.barrel} for r in drawing.rams],
         "stops": [

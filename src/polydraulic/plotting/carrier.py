@@ -79,7 +79,7 @@ def block(low: Point3, high: Point3, axis: Point3) -> tuple[Outline, ...]:
     (x0, y0, z0), (x1, y1, z1) = low, high
     side = tuple(Spot(PLANE, (x - axis[0], 0.0, z)) for x, z in ((x0, z0), (x1, z0), (x1, z1), (x0, z1)))
     top = tuple(Spot(GROUND, (x, y, z0)) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
-    return _body(side, TRACK, across=[(y0, y1)]), _body(top, TRACK, view="top")
+    return _body(side, TRACK, across=[(y0 - axis[1], y1 - axis[1])]), _body(top, TRACK, view="top")
 
 
 def _body(
