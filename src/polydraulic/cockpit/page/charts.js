@@ -1,0 +1,97 @@
+// Curves of the last seconds; one of them is drawn in every second picture, so that they never take the time of the machine's own.
+
+import uPlot from "./uplot.js";
+import { made } from "./dom.js";
+import { FUNCTION_COLORS } from "./paint.js";
+
+const SPAN = 20; // s
+const EVERY = 1 / 30; // s between points
+const ROOM = Math.ceil(SPAN / EVERY);
+const GRID = "#e6eaee", SOFT = "#6b7a89";
+
+class Chart {
+  constructor(title, series) {
+    this.series = series;
+    this.data = [0, ...series].map(() => []);
+    this.holder = made("div", "plot");
+    this.element = made("section", "card chart", made("h2", "", title), this.holder);
+    this.plot = null;
+  }
+
+  take(readings) {
+    const row = [readings.time, ...this.series.map((one) => readings.shown(one.column))];
+    row.forEach((value, k) => {
+      this.data[k].push(Number.isFinite(value) ? value : null);
+      if (this.data[k].length > ROOM) this.data[k].shift();
+    });
+  }
+
+  clear() {
+    for (const values of this.data) values.length = 0;
+  }
+
+  draw() {
+    const { clientWidth: width, clientHeight: height } = this.holder;
+    if (!width || !height) return;
+    if (this.plot === null) this.#make(width, height);
+    else if (this.plot.width !== width || this.plot.height !== height) this.plot.setSize({ width, height });
+    this.plot.setData(this.data);
+  }
+
+  #make(width, height) {
+    const axis = { stroke: SOFT, grid: { stroke: GRID, width: 1 }, ticks: { show: false }, font: "11px system-ui, sans-serif" };
+    this.plot = new uPlot({
+      width, height,
+      pxAlign: false,
+      cursor: { show: false },
+      legend: { show: true, live: false },
+      scales: { x: { time: false, range: (_, low, high) => [Math.max(high - SPAN, Math.min(low, high - 1)), high] } },
+      axes: [{ ...axis, size: 20, gap: 2 }, { ...axis, size: 44, gap: 3 }],
+      series: [{}, ...this.series.map((one) => ({ label: one.label, stroke: one.color, width: 1.6, dash: one.dash, points: { show: false } }))],
+    }, this.data, this.holder);
+  }
+}
+
+export class Charts {
+  constructor(machine, readings) {
+    const unit = (column) => readings.unit(column), label = (name) => machine.functions.find((f) => f.name === name)?.label ?? name;
+    const color = (name) => FUNCTION_COLORS[machine.functions.findIndex((f) => f.name === name)];
+    const named = (part, column) => ({ column: `${part}.${column}`, label: label(part), color: color(part) });
+    const dashes = [undefined, [5, 3], [2, 3]];
+    const pumps = (column) => machine.circuits.map((circuit, k) => ({
+      column: `${circuit.name}.${column}`, label: machine.circuits.length > 1 ? `pump ${k + 1}` : "pump", color: "#2b3640", dash: dashes[k % 3],
+    }));
+    const flow = pumps("q_pump"), pressure = pumps("p_pump");
+    const names = machine.functions.map((f) => f.name);
+    this.charts = [
+      new Chart(`Pressure at inlets and pumps [${unit(pressure[0].column)}]`, [...names.map((name) => named(name, "p_in")), ...pressure]),
+      new Chart(`Flow to functions and from pumps [${unit(flow[0].column)}]`, [...names.map((name) => named(name, "q_in")), ...flow]),
+    ];
+    const errors = names.map((name) => ({ ...named(name, "q_in"), column: `shadow.${name}` })).filter((one) => readings.has(one.column));
+    if (errors.length) this.charts.push(new Chart(`Shadow model minus machine [${unit(errors[0].column)}]`, errors));
+    this.element = made("div", "charts", ...this.charts.map((chart) => chart.element));
+    this.turn = 0;
+    this.pictures = 0;
+    this.last = -Infinity;
+  }
+
+  take(readings) {
+    if (readings.time < this.last) this.clear();
+    if (readings.time - this.last < EVERY) return;
+    this.last = readings.time;
+    for (const chart of this.charts) chart.take(readings);
+  }
+
+  clear() {
+    this.last = -Infinity;
+    for (const chart of this.charts) chart.clear();
+  }
+
+  /** Called once for each picture. */
+  draw() {
+    this.pictures += 1;
+    if (this.pictures % 2 || this.element.offsetParent === null) return;
+    this.charts[this.turn % this.charts.length].draw();
+    this.turn += 1;
+  }
+}

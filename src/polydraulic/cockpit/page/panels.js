@@ -1,0 +1,139 @@
+// Exercises, recordings, faults: what a driver asks of the server, and what it says of them.
+
+import { button, made, say } from "./dom.js";
+import { number } from "./readings.js";
+
+const shownName = (name) => name.replaceAll("_", " ");
+
+/** Exercises: one is begun, its score is followed. */
+export class Exercises {
+  constructor(machine, send) {
+    this.send = send;
+    this.subject = made("input");
+    Object.assign(this.subject, { maxLength: 32, placeholder: "P07", autocomplete: "off", spellcheck: false });
+    this.score = made("dl", "score");
+    this.said = made("p", "soft");
+    this.items = machine.exercises.map((exercise) => this.#item(exercise));
+    const nothing = machine.exercises.length ? [] : [made("p", "soft", "This machine has no exercises.")];
+    this.element = made("div", "panel",
+      made("section", "card", made("label", "row", "Code of the driver", this.subject), made("p", "soft", "A code and nothing personal: it stands in the results.")),
+      ...this.items.map((item) => item.element), ...nothing, made("section", "card", made("h2", "", "Score"), this.said, this.score));
+  }
+
+  #item({ name, title, text }) {
+    const start = button("Start", () => this.#toggle(name), "primary");
+    return { name, start, element: made("section", "card exercise", made("h2", "", title ?? shownName(name), start), made("p", "soft", text ?? "")) };
+  }
+
+  #toggle(name) {
+    const action = this.running === name ? "stop" : "start";
+    this.send({ type: "exercise", name, action, subject: this.subject.value.trim() });
+  }
+
+  status({ exercise }) {
+    this.running = exercise?.name ?? null;
+    for (const item of this.items) {
+      say(item.start, this.running === item.name ? "Stop" : "Start");
+      item.element.classList.toggle("running", this.running === item.name);
+    }
+  }
+
+  scored({ exercise, finished, values }) {
+    say(this.said, `${shownName(exercise)}: ${finished ? "finished" : "running"}`);
+    this.score.replaceChildren(...Object.entries(values).flatMap(([name, [value, unit]]) =>
+      [made("dt", "", shownName(name)), made("dd", "", `${number(value, Math.abs(value) < 100 ? 1 : 0)} ${unit}`)]));
+  }
+}
+
+/** Recordings: made, played, gone on from. */
+export class Recordings {
+  constructor(send) {
+    this.send = send;
+    this.on = false;
+    this.record = button("Record", () => send({ type: "record", on: !this.on }), "primary record");
+    this.said = made("p", "soft", "Every step of the levers is kept: a replay gives the same bits.");
+    this.list = made("ul", "list");
+    this.element = made("div", "panel", made("section", "card", made("h2", "", "Recording", this.record), this.said),
+      made("section", "card", made("h2", "", "Recordings"), this.list));
+    this.names = "";
+  }
+
+  status({ recording, recordings }) {
+    this.on = recording !== null;
+    say(this.record, this.on ? "Stop recording" : "Record");
+    this.record.classList.toggle("lit", this.on);
+    say(this.said, this.on ? `Recording into ${recording}.` : "Every step of the levers is kept: a replay gives the same bits.");
+    const names = recordings.join("\n");
+    if (names === this.names && this.list.children.length) return;
+    this.names = names;
+    this.list.replaceChildren(...recordings.map((name) => made("li", "", made("span", "", name),
+      button("Replay", () => this.send({ type: "replay", name, action: "play" })))));
+    if (!recordings.length) this.list.append(made("li", "soft", "None yet."));
+  }
+}
+
+/** Faults, each on or off, and the load at the tip. */
+export class Faults {
+  constructor(machine, send) {
+    this.boxes = machine.faults.map(({ name, title, text }) => {
+      const box = made("input");
+      box.type = "checkbox";
+      box.addEventListener("change", () => {
+        send({ type: "fault", name, on: box.checked });
+        box.blur();
+      });
+      return { name, box, element: made("label", "row fault", box, made("span", "", made("b", "", title ?? shownName(name)), made("small", "soft", text ?? ""))) };
+    });
+    this.mass = made("input");
+    Object.assign(this.mass, { type: "number", min: 0, step: 50, value: 0 });
+    this.mass.addEventListener("change", () => send({ type: "payload", mass: Math.max(0, Number(this.mass.value) || 0) }));
+    const nothing = this.boxes.length ? [] : [made("p", "soft", "This machine has no faults to choose from.")];
+    this.element = made("div", "panel",
+      made("section", "card", made("h2", "", "Payload"), made("label", "row", "Mass at the tip, kg", this.mass)),
+      made("section", "card", made("h2", "", "Faults"), ...this.boxes.map((one) => one.element), ...nothing));
+  }
+
+  status({ faults, payload }) {
+    for (const { name, box } of this.boxes) box.checked = faults.includes(name);
+    if (document.activeElement !== this.mass) this.mass.value = payload;
+  }
+}
+
+/** The replay's bar: played, stopped, sought in, left. */
+export class ReplayBar {
+  constructor(element, send) {
+    this.element = element;
+    this.range = element.querySelector("input");
+    this.clock = element.querySelector("output");
+    this.play = element.querySelector("[data-action=play]");
+    this.held = false;
+    this.replay = null;
+    const ask = (action, more = {}) => this.replay && send({ type: "replay", name: this.replay.name, action, ...more });
+    this.play.addEventListener("click", () => ask(this.replay?.playing ? "pause" : "play"));
+    for (const action of ["restart", "stop"]) element.querySelector(`[data-action=${action}]`).addEventListener("click", () => ask(action));
+    this.range.addEventListener("input", () => {
+      this.held = true;
+      ask("seek", { time: Number(this.range.value) });
+    });
+    this.range.addEventListener("change", () => {
+      this.held = false;
+      this.range.blur();
+    });
+  }
+
+  status({ replay }) {
+    this.replay = replay;
+    this.element.hidden = !replay;
+    if (!replay) return;
+    say(this.play, replay.playing ? "Pause" : "Play");
+    this.range.max = replay.end;
+    this.at(replay.time);
+  }
+
+  /** Show a time of the replay, s. */
+  at(time) {
+    if (!this.replay) return;
+    if (!this.held) this.range.value = time;
+    say(this.clock, `${number(time, 2)} / ${number(this.replay.end, 2)} s`);
+  }
+}
