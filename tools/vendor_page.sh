@@ -13,7 +13,7 @@ npm install --silent --no-audit --no-fund --ignore-scripts "three@$THREE" "uplot
 cat > three.js <<'EOF'
 export {
   BufferGeometry, CanvasTexture, Color, CylinderGeometry, DirectionalLight, DoubleSide, EdgesGeometry, ExtrudeGeometry, Float32BufferAttribute,
-  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
   PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, Scene, Shape, SphereGeometry, Vector3, WebGLRenderer,
 } from "three";
 EOF

@@ -16,7 +16,7 @@ export class Eye {
     this.view = "side";
     this.turn = -0.3; // rad, how far one has walked round the machine
     this.rise = 0.2; // rad
-    this.zoom = 1.2;
+    this.zoom = 1;
     this.camera = new PerspectiveCamera(ANGLE, 1, 0.05, 60 * reach);
     this.limits = Object.fromEntries(["side", "top"].map((view) => [view, viewLimits(machine.drawing, machine.functions, view)]));
     this.#drag(canvas);
@@ -60,10 +60,10 @@ export class Eye {
     const tall = Math.tan((ANGLE * Math.PI) / 360), size = [high[0] - low[0], high[1] - low[1]];
     const free = 1 - LOW;
     const distance = Math.max(size[1] / free, size[0] / this.camera.aspect) / (2 * tall * this.zoom);
-    const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2 - (LOW * distance * tall)];
+    const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2 - LOW * distance * tall];
     if (this.view === "top") {
       this.camera.up.set(0, 1, 0);
-      this.camera.position.set(middle[0], middle[1], drawing.ground + distance);
+      this.camera.position.set(middle[0], middle[1], (drawing.ground + this.limits.side.high[1]) / 2 + distance);
       this.camera.lookAt(middle[0], middle[1], drawing.ground);
       return;
     }

@@ -1,5 +1,6 @@
 // Where the links of a drawing are: frames [x, y, z, origin] of unit vectors and a point in the ground's axes (x ahead, y to the left, z up), m.
 
+const DEPTH = 0.35; // of the height above the ground: what is shown below it, so that machines that dig deep are not drawn small
 const GROUND = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
 
 const sum = (...terms) => [0, 1, 2].map((n) => terms.reduce((total, [factor, v]) => total + factor * v[n], 0));
@@ -56,9 +57,6 @@ export function seenFromSide(drawing, turn, [x, y, z]) {
   return [(x - ax) * Math.cos(turn) + (y - ay) * Math.sin(turn), z];
 }
 
-/** Middle of what a joint can do, a free swing taken as straight ahead. */
-export const initialPositions = (drawing) => drawing.initial.slice();
-
 /** Corners {low, high} of what the side view or that from above shows: each joint from stop to stop, the others where they begin. */
 export function viewLimits(drawing, functions, view) {
   const low = [...drawing.corners[view][0]], high = [...drawing.corners[view][1]];
@@ -75,11 +73,12 @@ export function viewLimits(drawing, functions, view) {
   functions.forEach((f, place) => {
     const from = Math.max(f.low, -Math.PI), to = Math.min(f.high, Math.PI);
     for (let k = 0; k <= 12; k++) {
-      const positions = initialPositions(drawing);
+      const positions = [...drawing.initial];
       positions[place] = from + ((to - from) * k) / 12;
       take(positions);
     }
   });
+  if (view === "side") low[1] = Math.max(low[1], drawing.ground - DEPTH * (high[1] - drawing.ground));
   return { low, high };
 }
 

@@ -1,13 +1,13 @@
 // The machine in space: from the cab, from the side of its arm, from above.
 
 import {
-  BufferGeometry, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, ExtrudeGeometry, Float32BufferAttribute, GridHelper, Group,
+  BufferGeometry, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, ExtrudeGeometry, Float32BufferAttribute, Group,
   HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PCFShadowMap, PlaneGeometry,
   Scene, Shape, SphereGeometry, Vector3, WebGLRenderer,
 } from "./three.js";
 import { Eye } from "./eye.js";
 import { heading, hull, linkFrames, spotAt } from "./kinematics.js";
-import { BARREL, EARTH, GROUND_GRID, GROUND_LINE, INK, STEEL, TARGET, TRAIL, paint } from "./paint.js";
+import { BARREL, EARTH, GROUND_GRID, INK, STEEL, TARGET, TRAIL, paint } from "./paint.js";
 
 const ROOM = 0.05; // of the reach, round what a view must show: see `clear` of a drawing
 const MOVED = 1e-3; // m, from which on a body between two links is made anew
@@ -30,6 +30,18 @@ function slab(corners, [low, high]) {
   corners.forEach(([x, z], k) => (k ? shape.lineTo(x, z) : shape.moveTo(x, z)));
   const made = new ExtrudeGeometry(shape, { depth: high - low, bevelEnabled: false });
   return made.rotateX(Math.PI / 2).translate(0, high, 0);
+}
+
+/** Lines at every metre, in short pieces: some drivers lose lines that pass behind the eye. */
+function gridPoints(half, z) {
+  const found = [], piece = Math.max(1, Math.round(half / 6));
+  for (let at = -half; at <= half; at++) {
+    for (let from = -half; from < half; from += piece) {
+      const to = Math.min(from + piece, half);
+      found.push(at, from, z, at, to, z, from, at, z, to, at, z);
+    }
+  }
+  return found;
 }
 
 const inFrame = ([x, y, z, origin], point) => {
@@ -79,11 +91,9 @@ export class SpaceView {
     earth.position.z = ground;
     earth.receiveShadow = true;
     earth.renderOrder = 2;
-    const grid = new GridHelper(size, size, GROUND_LINE, GROUND_GRID);
-    grid.rotation.x = Math.PI / 2;
-    grid.position.z = ground;
+    const grid = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: GROUND_GRID, transparent: true, depthWrite: false }));
+    grid.geometry.setAttribute("position", new Float32BufferAttribute(gridPoints(Math.ceil(2.5 * this.reach), ground), 3));
     grid.renderOrder = 3; // on the earth, which hides nothing
-    grid.material.depthWrite = false;
     this.scene.add(earth, grid);
   }
 
