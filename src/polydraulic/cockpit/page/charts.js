@@ -2,12 +2,13 @@
 
 import uPlot from "./uplot.js";
 import { made } from "./dom.js";
-import { FUNCTION_COLORS } from "./paint.js";
+import { FUNCTION_COLORS, INK } from "./paint.js";
 
 const SPAN = 20; // s
 const EVERY = 1 / 30; // s between points
 const ROOM = Math.ceil(SPAN / EVERY);
-const GRID = "#e6eaee", SOFT = "#6b7a89";
+const DASHES = [undefined, [5, 3], [2, 3]]; // of pumps, in their order
+const SHADOW = "#aa4499", GRID = "#e6eaee", SOFT = "#6b7a89";
 
 class Chart {
   constructor(title, series) {
@@ -44,31 +45,26 @@ class Chart {
       width, height,
       pxAlign: false,
       cursor: { show: false },
-      legend: { show: true, live: false },
+      legend: { show: false },
       scales: { x: { time: false, range: (_, low, high) => [Math.max(high - SPAN, Math.min(low, high - 1)), high] } },
       axes: [{ ...axis, size: 20, gap: 2 }, { ...axis, size: 44, gap: 3 }],
-      series: [{}, ...this.series.map((one) => ({ label: one.label, stroke: one.color, width: 1.6, dash: one.dash, points: { show: false } }))],
+      series: [{}, ...this.series.map((one) => ({ stroke: one.color, width: 1.6, dash: one.dash, points: { show: false } }))],
     }, this.data, this.holder);
   }
 }
 
 export class Charts {
   constructor(machine, readings) {
-    const unit = (column) => readings.unit(column), label = (name) => machine.functions.find((f) => f.name === name)?.label ?? name;
-    const color = (name) => FUNCTION_COLORS[machine.functions.findIndex((f) => f.name === name)];
-    const named = (part, column) => ({ column: `${part}.${column}`, label: label(part), color: color(part) });
-    const dashes = [undefined, [5, 3], [2, 3]];
-    const pumps = (column) => machine.circuits.map((circuit, k) => ({
-      column: `${circuit.name}.${column}`, label: machine.circuits.length > 1 ? `pump ${k + 1}` : "pump", color: "#2b3640", dash: dashes[k % 3],
-    }));
-    const flow = pumps("q_pump"), pressure = pumps("p_pump");
-    const names = machine.functions.map((f) => f.name);
+    const unit = (column) => readings.unit(column), names = machine.functions.map((f) => f.name);
+    const known = (series) => series.filter((one) => readings.has(one.column));
+    const ofFunctions = (value) => names.map((name, k) => ({ column: `${name}.${value}`, color: FUNCTION_COLORS[k] }));
+    const ofPumps = (value) => machine.circuits.map((circuit, k) => ({ column: `${circuit.name}.${value}`, color: INK, dash: DASHES[k % 3] }));
+    const inlets = ofFunctions("p_in"), flows = ofFunctions("q_in"), tip = "shadow.tip_error";
     this.charts = [
-      new Chart(`Pressure at inlets and pumps [${unit(pressure[0].column)}]`, [...names.map((name) => named(name, "p_in")), ...pressure]),
-      new Chart(`Flow to functions and from pumps [${unit(flow[0].column)}]`, [...names.map((name) => named(name, "q_in")), ...flow]),
+      new Chart(`Pressure at inlets and pumps (dark) [${unit(inlets[0].column)}]`, known([...inlets, ...ofPumps("p_pump")])),
+      new Chart(`Flow to functions and from pumps (dark) [${unit(flows[0].column)}]`, known([...flows, ...ofPumps("q_pump")])),
+      ...(readings.has(tip) ? [new Chart(`Tip of the ${machine.shadow_flow} shadow, distance [${unit(tip)}]`, [{ column: tip, color: SHADOW }])] : []),
     ];
-    const errors = names.map((name) => ({ ...named(name, "q_in"), column: `shadow.${name}` })).filter((one) => readings.has(one.column));
-    if (errors.length) this.charts.push(new Chart(`Shadow model minus machine [${unit(errors[0].column)}]`, errors));
     this.element = made("div", "charts", ...this.charts.map((chart) => chart.element));
     this.turn = 0;
     this.pictures = 0;

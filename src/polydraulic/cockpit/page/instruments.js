@@ -35,11 +35,11 @@ class PumpCard {
 
   update(readings) {
     const { name, relief } = this.circuit;
-    const p = readings.si(`${name}.p_pump`), q = readings.si(`${name}.q_pump`), column = `${name}.p_pump`;
+    const p = readings.si(`${name}.p_pump`), q = readings.si(`${name}.q_pump`);
     this.pressure.set(p / relief);
-    const flow = `${name}.q_pump`;
+    const column = `${name}.p_pump`, flow = `${name}.q_pump`;
     say(this.read, `${number(readings.shown(column))} ${readings.unit(column)}  ${number(readings.shown(flow))} ${readings.unit(flow)}  ${number((p * q) / 1000)} kW`);
-    const flows = this.parts.map((part) => Math.max(readings.si(part.column), 0));
+    const flows = this.parts.map((part) => Math.max(readings.si(part.column) || 0, 0));
     const whole = Math.max(flows.reduce((a, b) => a + b, 0), SMALL);
     this.rows.forEach(({ fill, value }, k) => {
       fill.style.flexGrow = ((100 * flows[k]) / whole).toFixed(2);

@@ -1,9 +1,7 @@
 // Exercises, recordings, faults: what a driver asks of the server, and what it says of them.
 
 import { button, made, say } from "./dom.js";
-import { number } from "./readings.js";
-
-const shownName = (name) => name.replaceAll("_", " ");
+import { number, readable, shownName } from "./readings.js";
 
 /** Exercises: one is begun, its score is followed. */
 export class Exercises {
@@ -20,9 +18,9 @@ export class Exercises {
       ...this.items.map((item) => item.element), ...nothing, made("section", "card", made("h2", "", "Score"), this.said, this.score));
   }
 
-  #item({ name, title, text }) {
+  #item({ name, title }) {
     const start = button("Start", () => this.#toggle(name), "primary");
-    return { name, start, element: made("section", "card exercise", made("h2", "", title ?? shownName(name), start), made("p", "soft", text ?? "")) };
+    return { name, start, element: made("section", "card exercise", made("h2", "", shownName(name), start), made("p", "soft", title)) };
   }
 
   #toggle(name) {
@@ -41,7 +39,7 @@ export class Exercises {
   scored({ exercise, finished, values }) {
     say(this.said, `${shownName(exercise)}: ${finished ? "finished" : "running"}`);
     this.score.replaceChildren(...Object.entries(values).flatMap(([name, [value, unit]]) =>
-      [made("dt", "", shownName(name)), made("dd", "", `${number(value, Math.abs(value) < 100 ? 1 : 0)} ${unit}`)]));
+      [made("dt", "", shownName(name)), made("dd", "", readable(value, unit))]));
   }
 }
 
@@ -75,21 +73,21 @@ export class Recordings {
 /** Faults, each on or off, and the load at the tip. */
 export class Faults {
   constructor(machine, send) {
-    this.boxes = machine.faults.map(({ name, title, text }) => {
+    this.boxes = machine.faults.map(({ name, title }) => {
       const box = made("input");
       box.type = "checkbox";
       box.addEventListener("change", () => {
         send({ type: "fault", name, on: box.checked });
         box.blur();
       });
-      return { name, box, element: made("label", "row fault", box, made("span", "", made("b", "", title ?? shownName(name)), made("small", "soft", text ?? ""))) };
+      return { name, box, element: made("label", "row fault", box, made("span", "", made("b", "", shownName(name)), made("small", "soft", title))) };
     });
     this.mass = made("input");
-    Object.assign(this.mass, { type: "number", min: 0, step: 50, value: 0 });
+    Object.assign(this.mass, { type: "number", min: 0, max: machine.most_payload, step: 50, value: 0 });
     this.mass.addEventListener("change", () => send({ type: "payload", mass: Math.max(0, Number(this.mass.value) || 0) }));
     const nothing = this.boxes.length ? [] : [made("p", "soft", "This machine has no faults to choose from.")];
     this.element = made("div", "panel",
-      made("section", "card", made("h2", "", "Payload"), made("label", "row", "Mass at the tip, kg", this.mass)),
+      made("section", "card", made("h2", "", "Payload"), made("label", "row", `Mass at the tip, kg (at most ${number(machine.most_payload)})`, this.mass)),
       made("section", "card", made("h2", "", "Faults"), ...this.boxes.map((one) => one.element), ...nothing));
   }
 

@@ -146,21 +146,24 @@ export class SpaceView {
   }
 
   #marks() {
-    const r = this.reach, flat = (color, opacity = 1) => new MeshBasicMaterial({ color, transparent: opacity < 1, opacity });
-    const line = (n, color) => {
+    const r = this.reach, above = { transparent: true, depthTest: false }; // seen through the earth and the machine
+    const flat = (color, opacity, more = {}) => new MeshBasicMaterial({ color, transparent: true, opacity, ...more });
+    const line = (n, color, more = {}) => {
       const geometry = new BufferGeometry();
       geometry.setAttribute("position", new Float32BufferAttribute(new Float32Array(3 * n), 3));
-      const made = new Line(geometry, new LineBasicMaterial({ color }));
+      const made = new Line(geometry, new LineBasicMaterial({ color, ...more }));
       made.frustumCulled = false;
+      made.renderOrder = 4;
       this.scene.add(made);
       return made;
     };
     this.trail = line(600, TRAIL);
     this.plumb = line(2, TRAIL);
-    this.tip = new Mesh(new SphereGeometry(0.008 * r, 16, 12), flat(TRAIL));
-    this.target = new Mesh(new SphereGeometry(0.022 * r, 20, 14), flat(TARGET, 0.75));
-    this.targetPlumb = line(2, TARGET);
-    this.way = line(400, TARGET);
+    this.tip = new Mesh(new SphereGeometry(0.008 * r, 16, 12), flat(TRAIL, 1));
+    this.target = new Mesh(new SphereGeometry(0.022 * r, 20, 14), flat(TARGET, 0.7, above));
+    this.target.renderOrder = 5;
+    this.targetPlumb = line(2, TARGET, above);
+    this.way = line(400, TARGET, above);
     this.scene.add(this.tip, this.target);
   }
 

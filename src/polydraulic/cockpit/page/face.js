@@ -1,0 +1,61 @@
+// What is written and lit around the machine: who drives, the lockout lever, the pattern of the levers, how the simulation keeps up.
+
+import { $, made, say } from "./dom.js";
+import { number } from "./readings.js";
+
+const DRIVERS = { you: "You drive", other: "Watching: another page drives", nobody: "Nobody drives" };
+const NOTICE = 6000; // ms
+const EVENTS = 4; // that are shown
+
+export class Face {
+  constructor(machine) {
+    this.machine = machine;
+    document.title = machine.title;
+    say($("title"), machine.title);
+    const names = ["model", ...(machine.shadow ? ["shadow"] : []), "sim rate", "overruns", "lever to picture", "sticks sent", "time"];
+    this.vitals = new Map(names.map((name) => {
+      const value = made("dd");
+      $("vitals").append(made("dt", "", name), value);
+      return [name, value];
+    }));
+    say(this.vitals.get("model"), machine.flow);
+  }
+
+  notice(text) {
+    say($("notice"), text);
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => say($("notice"), ""), NOTICE);
+  }
+
+  events(events) {
+    for (const [time, where, what] of events) $("events").append(made("li", "", `${number(time, 2)} s  ${where} ${what}`));
+    while ($("events").children.length > EVENTS) $("events").firstChild.remove();
+  }
+
+  status({ driver, locked, mode, pattern }, open) {
+    document.body.dataset.driver = open ? driver : "none";
+    document.body.dataset.locked = locked;
+    say($("driver"), open ? DRIVERS[driver] : "No connection");
+    $("drive").hidden = driver === "you";
+    $("lock").setAttribute("aria-pressed", locked);
+    say($("lock").querySelector("span"), locked ? "Locked" : "Unlocked");
+    say($("lock").querySelector("small"), locked ? "unlock: Enter" : "lock: Space");
+    for (const one of document.querySelectorAll("[data-pattern]")) one.classList.toggle("on", mode === "joint" && one.dataset.pattern === pattern);
+    for (const one of document.querySelectorAll("[data-mode]")) one.classList.toggle("on", one.dataset.mode === mode);
+  }
+
+  /** @param {{tip: number[], rate: number, overruns: number, latency: number|null, source: string, seq: number}} now */
+  texts(now, readings) {
+    const { factor, unit } = this.machine.display["effector.x"], shown = now.tip.map((value) => `${number(value * factor)} ${unit}`);
+    say($("tip"), `tip  x ${shown[0]}   y ${shown[1]}   z ${shown[2]}`);
+    const texts = {
+      shadow: `${number(readings.shown("shadow.tip_error"))} ${unit}`,
+      "sim rate": `${number(now.rate, 2)} ×`,
+      overruns: `${now.overruns} steps`,
+      "lever to picture": now.latency === null ? "–" : `${number(now.latency)} ms`,
+      "sticks sent": `${now.source === "none" ? "" : `${now.source} `}${now.seq}`,
+      time: `${number(readings.time, 1)} s`,
+    };
+    for (const [name, element] of this.vitals) if (name in texts) say(element, texts[name]);
+  }
+}
