@@ -11,11 +11,11 @@ const DASHES = [undefined, [5, 3], [2, 3]]; // of pumps, in their order
 const SHADOW = "#aa4499", GRID = "#e6eaee", SOFT = "#6b7a89";
 
 class Chart {
-  constructor(title, series) {
+  constructor(title, text, series) {
     this.series = series;
     this.data = [0, ...series].map(() => []);
     this.holder = made("div", "plot");
-    this.element = made("section", "card chart", made("h2", "", title), this.holder);
+    this.element = made("section", "card chart", made("h2", "", title, made("span", "soft", text)), this.holder);
     this.plot = null;
   }
 
@@ -61,9 +61,9 @@ export class Charts {
     const ofPumps = (value) => machine.circuits.map((circuit, k) => ({ column: `${circuit.name}.${value}`, color: INK, dash: DASHES[k % 3] }));
     const inlets = ofFunctions("p_in"), flows = ofFunctions("q_in"), tip = "shadow.tip_error";
     this.charts = [
-      new Chart(`Pressure at inlets and pumps (dark) [${unit(inlets[0].column)}]`, known([...inlets, ...ofPumps("p_pump")])),
-      new Chart(`Flow to functions and from pumps (dark) [${unit(flows[0].column)}]`, known([...flows, ...ofPumps("q_pump")])),
-      ...(readings.has(tip) ? [new Chart(`Tip of the ${machine.shadow_flow} shadow, distance [${unit(tip)}]`, [{ column: tip, color: SHADOW }])] : []),
+      new Chart(`Pressure [${unit(inlets[0].column)}]`, "inlets; dark: pumps", known([...inlets, ...ofPumps("p_pump")])),
+      new Chart(`Flow [${unit(flows[0].column)}]`, "to functions; dark: from pumps", known([...flows, ...ofPumps("q_pump")])),
+      ...(readings.has(tip) ? [new Chart(`Tip of the shadow [${unit(tip)}]`, `${machine.shadow_flow}, away from the machine's`, [{ column: tip, color: SHADOW }])] : []),
     ];
     this.element = made("div", "charts", ...this.charts.map((chart) => chart.element));
     this.turn = 0;

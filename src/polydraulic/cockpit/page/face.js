@@ -19,6 +19,8 @@ export class Face {
       return [name, value];
     }));
     say(this.vitals.get("model"), machine.flow);
+    this.tip = ["x", "y", "z"].map(() => made("span"));
+    $("tip").append(made("span", "soft", "tip"), ...this.tip);
   }
 
   notice(text) {
@@ -46,10 +48,10 @@ export class Face {
 
   /** @param {{tip: number[], rate: number, overruns: number, latency: number|null, source: string, seq: number}} now */
   texts(now, readings) {
-    const { factor, unit } = this.machine.display["effector.x"], shown = now.tip.map((value) => `${number(value * factor)} ${unit}`);
-    say($("tip"), `tip  x ${shown[0]}   y ${shown[1]}   z ${shown[2]}`);
+    const { factor, unit } = this.machine.display["effector.x"], far = readings.shown("shadow.tip_error");
+    this.tip.forEach((element, k) => say(element, `${"xyz"[k]} ${number(now.tip[k] * factor)} ${unit}`));
     const texts = {
-      shadow: `${number(readings.shown("shadow.tip_error"))} ${unit}`,
+      shadow: `${number(far, far < 10 ? 2 : 0)} ${unit}`,
       "sim rate": `${number(now.rate, 2)} ×`,
       overruns: `${now.overruns} steps`,
       "lever to picture": now.latency === null ? "–" : `${number(now.latency)} ms`,
