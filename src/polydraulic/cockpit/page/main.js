@@ -63,7 +63,7 @@ class Cockpit {
     this.results = new Results($("results"));
     $("lamps").append(...this.instruments.lamps.map((lamp) => lamp.element));
     const [exercises, recordings, faults] = this.informed.map((panel) => panel.element);
-    const panels = { Instruments: made("div", "panel", this.instruments.element, this.charts.element), Exercises: exercises, Record: recordings, Faults: faults };
+    const panels = { Instruments: made("div", "panel", this.instruments.element, this.charts.element), Exercises: exercises, Recordings: recordings, Faults: faults };
     const tabs = Object.entries(panels).map(([name, panel]) => {
       const tab = button(name, () => open(name));
       tab.setAttribute("role", "tab");
