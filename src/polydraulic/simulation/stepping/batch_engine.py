@@ -107,6 +107,7 @@ def batch_engine(
     threads: int,
     *,
     longest: int,
+    differ: bool,
 ) -> BatchEngine:
     """Compile, or load, what moves machines side by side.
 
@@ -123,6 +124,8 @@ def batch_engine(
     threads : int
     longest : int
         Dead time in steps that any of them may have.
+    differ : bool
+        Whether they have, or can come to have, numbers of their own.
     """
     first: ReadyMachine = readied(setup, loaded_machine(setup, masses[0]))
     hand, n_block = hand_of(setup.machine, setup.dt, setup.locked), -(-len(machines) // LANES)
@@ -130,7 +133,6 @@ def batch_engine(
     parts: dict[str, Any] = {"valves": first.valves, "plant": first.plant}
     module = lanes_module(loaded_machine(setup, masses[0]), first.module, parts, force=bool(setup.loads.force))
     n_input, n_row = n_function + (3 if setup.loads.force else 0), first.module.N_ROW + MORE_ROWS
-    differ = any(machine is not machines[0] for machine in machines)
 
     def own(numbers: Any) -> np.ndarray:
         return np.repeat(np.tile(leaves(numbers), (n_block, 1)), LANES, axis=1)

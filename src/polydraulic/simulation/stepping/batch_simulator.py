@@ -121,6 +121,7 @@ class BatchSimulator:
             list(rows.values()),
             count(threads, "threads", 1024),
             longest=self._longest,
+            differ=not alike,
         )
         seen = self._engine.out.view()
         seen.flags.writeable = False

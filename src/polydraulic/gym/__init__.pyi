@@ -1,0 +1,4 @@
+from .machine_env import MachineEnv
+from .machine_vector_env import MachineVectorEnv
+
+__all__ = ["MachineEnv", "MachineVectorEnv"]

@@ -1,0 +1,64 @@
+"""Grade: draw the tip along a level line at a given height, as fast as the line's mark moves."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from polydraulic.gym.kinematics import to_arm
+from polydraulic.gym.motion import Motion
+from polydraulic.gym.reach import TO_GOAL, seen_from_arm
+from polydraulic.gym.task import Judged, Number, State, Task, chosen
+from polydraulic.gym.workspace import Workspace
+
+SPEED, WAIT = 0.3, 0.5  # m/s of the mark; s before it moves
+ACROSS, ALONG, LEAST = 0.1, 1.0, -2.0  # m off the line, and m behind the mark, that cost what a second brings; least reward of a second
+STRAIGHT, AT_END = 0.05, 0.2  # m: rms error across the line, and distance from its end, of a pass that is well done
+SEEN = (
+    *TO_GOAL,
+    Number("mark.out", "m/s", 1.0, "speed of the mark, outward in the plane of the arm"),
+    Number("line.left", "m", 10.0, "way that the mark has before it"),
+)
+
+
+def grade_task() -> Task:
+    """Build the task."""
+    return Task("Grade", 1, SEEN, True, False, (), _begin, _aim, _observe, _judge)
+
+
+def _begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) -> tuple[np.ndarray, State]:
+    start = chosen(draws[0], len(workspace.starts))
+    first, last = workspace.lines.first[start].T, workspace.lines.last[start].T
+    length = np.sqrt(((last - first) ** 2).sum(axis=0))
+    nought = np.zeros(len(start))
+    state = {"first": first, "way": (last - first) / length, "length": length, "time": nought, "square": nought, "steps": nought}
+    return start, state
+
+
+def _marked(state: State) -> np.ndarray:
+    """How far the mark has come, (n,) m."""
+    return np.clip(SPEED * (state["time"] - WAIT), 0.0, state["length"])
+
+
+def _aim(state: State) -> np.ndarray:
+    return np.asarray(state["first"] + state["way"] * _marked(state))
+
+
+def _observe(workspace: Workspace, state: State, motion: Motion) -> list[np.ndarray]:
+    moving = (state["time"] >= WAIT) & (_marked(state) < state["length"])
+    speed = to_arm(workspace.slews * motion.position[0], state["way"] * SPEED * moving)
+    return [seen_from_arm(workspace, motion, _aim(state)), speed[:1], (state["length"] - _marked(state))[None]]
+
+
+def _judge(state: State, before: Motion, now: Motion, levers: np.ndarray, period: float) -> Judged:
+    state["time"] += period
+    apart = now.tip - _aim(state)
+    along = (apart * state["way"]).sum(axis=0)
+    across = np.sqrt(np.maximum((apart * apart).sum(axis=0) - along * along, 0.0))
+    state["square"] += across * across
+    state["steps"] += 1.0
+    rms = np.sqrt(state["square"] / state["steps"])
+    over = _marked(state) >= state["length"]
+    success = over & (rms < STRAIGHT) & (np.abs(along) < AT_END)
+    reward = period * np.maximum(1.0 - across / ACROSS - np.abs(along) / ALONG, LEAST)
+    return Judged(reward, success, over, {"across": across, "along": along, "across_rms": rms})

@@ -1,0 +1,80 @@
+"""Where the tip is, and how it moves with the joints: in the ground's axes, and in those of the arm.
+
+The axes of the arm are outward, to the left and up. They turn with a first joint about an upright axis; without one they are those of the ground.
+"""
+
+import numpy as np
+
+from polydraulic.machine.frames import link_frames, placed
+from polydraulic.parameters.layout.parts import GROUND, LinkParameters
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+_AXES = {"x": 0, "y": 1, "z": 2}
+_DAMPING = 0.02  # of the inverse, in shares of the largest reach of a joint
+
+
+def tip_places(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
+    """Places of the tip, (n, 3) in m, at joint positions (n, n_function) in rad or m."""
+    return placed(link_frames(machine, positions), *machine.tip)
+
+
+def tip_jacobian(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
+    """Speed of the tip for each joint's, (n, 3, n_function) in m or 1 per second of m or rad; positions as for `tip_places`."""
+    frames = link_frames(machine, positions)
+    tip, carriers = placed(frames, *machine.tip), _carriers(machine)
+    found = np.zeros((*positions.shape[:-1], 3, len(machine.functions)))
+    for place, f in enumerate(machine.functions):
+        link = machine.link(f.moves)
+        if link.name in carriers:
+            turn, origin = frames[link.name]
+            axis = turn[..., :, _AXES[link.axis[-1]]] * _sign(link)
+            found[..., :, place] = axis if link.joint == "prismatic" else np.cross(axis, tip - origin)
+    return found
+
+
+def joint_speeds(jacobian: np.ndarray, speed: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Joint speeds that move the tip as wanted: least squares, damped where the arm is stretched.
+
+    Parameters
+    ----------
+    jacobian : (n, 3, n_function) array
+    speed : (n, 3) array, m/s
+    free : (n_function,) array
+        How much each joint is to do of it, for example its travel; 0 for one that stands.
+
+    Returns
+    -------
+    (n, n_function) array, rad/s or m/s
+    """
+    weighed = jacobian * free
+    square = weighed @ np.swapaxes(weighed, -1, -2)
+    damping = _DAMPING**2 * np.trace(square, axis1=-2, axis2=-1) + 1e-12
+    square = square + damping[..., None, None] * np.eye(3)
+    forces = np.linalg.solve(square, speed[..., None])
+    return np.asarray((np.swapaxes(weighed, -1, -2) @ forces)[..., 0] * free)
+
+
+def slew_sign(machine: LayoutMachine) -> float:
+    """1 or -1 if the first joint turns the arm about an upright axis, to the left or to the right; 0 otherwise."""
+    first = machine.link(machine.functions[0].moves)
+    upright = first.parent == GROUND and first.joint == "revolute" and first.axis[-1] == "z"
+    return _sign(first) if upright else 0.0
+
+
+def to_arm(heading: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """A vector (3, n) of the ground's axes in those of the arm, which has turned by `heading` (n,) rad."""
+    c, s = np.cos(heading), np.sin(heading)
+    return np.stack([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])
+
+
+def _sign(link: LinkParameters) -> float:
+    return -1.0 if link.axis[0] == "-" else 1.0
+
+
+def _carriers(machine: LayoutMachine) -> set[str]:
+    """Links between the ground and the tip."""
+    found, name = set(), machine.tip[0]
+    while name != GROUND:
+        found.add(name)
+        name = machine.link(name).parent
+    return found

@@ -1,0 +1,47 @@
+"""What an environment shows of machine and task: which numbers, in which order and unit."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from polydraulic.gym.motion import Motion
+from polydraulic.gym.task import Number, State, Task
+from polydraulic.gym.workspace import Workspace
+
+
+def numbers_seen(workspace: Workspace, task: Task) -> list[Number]:
+    """Numbers of an observation, in their order."""
+    found = []
+    for f, turns in zip(workspace.machine.functions, workspace.turns, strict=True):
+        slides = workspace.machine.link(f.moves).joint == "prismatic"
+        if not turns:
+            found.append(Number(f"{f.name}.travel", "1", 1.5, "place of the joint between its stops, -1 to 1"))
+        found.append(Number(f"{f.name}.{'speed' if slides else 'rate'}", "m/s" if slides else "rad/s", 10.0, "of the joint"))
+        found.append(Number(f"{f.name}.spool", "1", 1.5, "share of the spool's full travel, -1 to 1"))
+        found.append(Number(f"{f.name}.load", "1", 5.0, "pressure at A less that at B, in shares of the line's relief pressure"))
+    return [*found, *task.seen]
+
+
+def limits_seen(numbers: Sequence[Number]) -> np.ndarray:
+    """Limits of an observation, (n_number,) of float32."""
+    return np.array([number.limit for number in numbers], dtype=np.float32)
+
+
+def observation(workspace: Workspace, task: Task, state: State, motion: Motion) -> np.ndarray:
+    """Observations of n machines, (n, n_number) of float32."""
+    low, high = workspace.low[:, None], workspace.high[:, None]
+    travel = (2.0 * motion.position - low - high) / (high - low)
+    spool = motion.spool / workspace.travel[:, None]
+    load = (motion.p_a - motion.p_b) / workspace.relief[:, None]
+    of_task = task.observe(workspace, state, motion)
+    n_joint = 4 * len(travel) - int(workspace.turns.sum())
+    found = np.empty((motion.tip.shape[1], n_joint + len(task.seen)), dtype=np.float32)
+    at = 0
+    for j, turns in enumerate(workspace.turns):
+        for row in (motion.rate[j], spool[j], load[j]) if turns else (travel[j], motion.rate[j], spool[j], load[j]):
+            found[:, at] = row
+            at += 1
+    for rows in of_task:
+        found[:, at : at + len(rows)] = rows.T
+        at += len(rows)
+    return found
