@@ -117,8 +117,7 @@ class Episodes:
 
     def observe(self) -> np.ndarray:
         """Observations, (n, n_number) of float32."""
-        found = observation(self._workspace, self._task, self._state, self.motion)
-        return np.clip(found, -self._limits, self._limits, out=found)
+        return observation(self._workspace, self._task, self._state, self.motion, self._limits)
 
     def aim(self) -> np.ndarray:
         """Where the tips should be, (n, 3) m."""

@@ -11,9 +11,9 @@ from polydraulic.gym.reach import TO_GOAL, seen_from_arm
 from polydraulic.gym.task import Judged, Number, State, Task, chosen
 from polydraulic.gym.workspace import Workspace
 
-SPEED, WAIT = 0.3, 0.5  # m/s of the mark; s before it moves
+WAIT = 0.5  # s before the mark moves
 ACROSS, ALONG, LEAST = 0.1, 1.0, -2.0  # m off the line, and m behind the mark, that cost what a second brings; least reward of a second
-STRAIGHT, AT_END = 0.05, 0.2  # m: rms error across the line, and distance from its end, of a pass that is well done
+STRAIGHT, AT_END = 0.1, 0.2  # m: rms error across the line, and distance from its end, of a pass that is well done
 SEEN = (
     *TO_GOAL,
     Number("mark.out", "m/s", 1.0, "speed of the mark, outward in the plane of the arm"),
@@ -30,14 +30,22 @@ def _begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) 
     start = chosen(draws[0], len(workspace.starts))
     first, last = workspace.lines.first[start].T, workspace.lines.last[start].T
     length = np.sqrt(((last - first) ** 2).sum(axis=0))
-    nought = np.zeros(len(start))
-    state = {"first": first, "way": (last - first) / length, "length": length, "time": nought, "square": nought, "steps": nought}
-    return start, state
+    speed, (time, square, steps) = workspace.lines.speed[start], np.zeros((3, len(start)))
+    way = (last - first) / length
+    return start, {
+        "first": first,
+        "way": way,
+        "length": length,
+        "speed": speed,
+        "time": time,
+        "square": square,
+        "steps": steps,
+    }
 
 
 def _marked(state: State) -> np.ndarray:
     """How far the mark has come, (n,) m."""
-    return np.clip(SPEED * (state["time"] - WAIT), 0.0, state["length"])
+    return np.clip(state["speed"] * (state["time"] - WAIT), 0.0, state["length"])
 
 
 def _aim(state: State) -> np.ndarray:
@@ -46,7 +54,7 @@ def _aim(state: State) -> np.ndarray:
 
 def _observe(workspace: Workspace, state: State, motion: Motion) -> list[np.ndarray]:
     moving = (state["time"] >= WAIT) & (_marked(state) < state["length"])
-    speed = to_arm(workspace.slews * motion.position[0], state["way"] * SPEED * moving)
+    speed = to_arm(workspace.slews * motion.position[0], state["way"] * state["speed"] * moving)
     return [seen_from_arm(workspace, motion, _aim(state)), speed[:1], (state["length"] - _marked(state))[None]]
 
 

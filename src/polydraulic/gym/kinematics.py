@@ -39,14 +39,14 @@ def joint_speeds(jacobian: np.ndarray, speed: np.ndarray, free: np.ndarray) -> n
     ----------
     jacobian : (n, 3, n_function) array
     speed : (n, 3) array, m/s
-    free : (n_function,) array
+    free : (n_function,) or (n, n_function) array
         How much each joint is to do of it, for example its travel; 0 for one that stands.
 
     Returns
     -------
     (n, n_function) array, rad/s or m/s
     """
-    weighed = jacobian * free
+    weighed = jacobian * free[..., None, :]
     square = weighed @ np.swapaxes(weighed, -1, -2)
     damping = _DAMPING**2 * np.trace(square, axis1=-2, axis2=-1) + 1e-12
     square = square + damping[..., None, None] * np.eye(3)

@@ -27,21 +27,22 @@ def limits_seen(numbers: Sequence[Number]) -> np.ndarray:
     return np.array([number.limit for number in numbers], dtype=np.float32)
 
 
-def observation(workspace: Workspace, task: Task, state: State, motion: Motion) -> np.ndarray:
-    """Observations of n machines, (n, n_number) of float32."""
+def observation(
+    workspace: Workspace, task: Task, state: State, motion: Motion, limits: np.ndarray
+) -> np.ndarray:
+    """Observations of n machines within `limits_seen`, (n, n_number) of float32."""
     low, high = workspace.low[:, None], workspace.high[:, None]
     travel = (2.0 * motion.position - low - high) / (high - low)
     spool = motion.spool / workspace.travel[:, None]
     load = (motion.p_a - motion.p_b) / workspace.relief[:, None]
-    of_task = task.observe(workspace, state, motion)
-    n_joint = 4 * len(travel) - int(workspace.turns.sum())
-    found = np.empty((motion.tip.shape[1], n_joint + len(task.seen)), dtype=np.float32)
-    at = 0
+    rows: list[np.ndarray] = []
     for j, turns in enumerate(workspace.turns):
-        for row in (motion.rate[j], spool[j], load[j]) if turns else (travel[j], motion.rate[j], spool[j], load[j]):
-            found[:, at] = row
-            at += 1
-    for rows in of_task:
-        found[:, at : at + len(rows)] = rows.T
-        at += len(rows)
-    return found
+        rows += [motion.rate[j], spool[j], load[j]] if turns else [travel[j], motion.rate[j], spool[j], load[j]]
+    found = np.empty((len(limits), motion.tip.shape[1]), dtype=np.float32)
+    found[: len(rows)] = rows
+    at = len(rows)
+    for part in task.observe(workspace, state, motion):
+        found[at : at + len(part)] = part
+        at += len(part)
+    np.clip(found, -limits[:, None], limits[:, None], out=found)
+    return np.ascontiguousarray(found.T)

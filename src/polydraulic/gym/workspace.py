@@ -19,15 +19,19 @@ _NEAR = 0.3  # of the largest reach, where the machine itself stands
 _SETTLING, _WATCHED, _STILL = 3.0, 1.0, 2e-3  # s, s, rad or m
 _STEP = 0.02  # m, of a line
 _SHORTEST, _LONGEST = 0.5, 4.0  # m
+_SLOWEST, _FASTEST = 0.1, 0.3  # m/s, along a line
+STROKE, ROUND = 5.0, 0.6  # s, that a full stroke takes at full lever in machines of this kind; rad/s of joints that turn all the way round
+_SHARE = 0.5  # of that speed, which a line may ask of a joint
 
 Settle = Callable[[np.ndarray, float], np.ndarray]  # (m, n_state) states and s -> states after so long with centred levers
 
 
 class Lines(NamedTuple):
-    """Level lines along which a machine can draw its tip: first (n, 3) and last (n, 3) point in m."""
+    """Level lines along which a machine can draw its tip: first (n, 3) and last (n, 3) point in m, and how fast, (n,) m/s."""
 
     first: np.ndarray
     last: np.ndarray
+    speed: np.ndarray
 
 
 class Workspace(NamedTuple):
@@ -96,13 +100,14 @@ def workspace_of(machine: LayoutMachine, settle: Settle, *, lines: bool = False,
     low = np.where(turns, initial - _SLEW, stops[:, 0])
     high = np.where(turns, initial + _SLEW, stops[:, 1])
     poses = _poses(machine, low, high)
-    ends, length = _line_poses(machine, low, high, poses, depth) if lines else (poses, np.zeros(len(poses)))
+    nought = np.zeros(len(poses))
+    ends, length, speed = _line_poses(machine, low, high, poses, depth) if lines else (poses, nought, nought)
     states, still = _at_rest(machine, ends[:_STARTS], settle)
     if not still.any():
         raise InputError(
             f"{machine.title!r} comes to rest in none of {len(states)} poses with centred levers: no task can begin"
         )
-    states, length = states[still], length[:_STARTS][still]
+    states, length, speed = states[still], length[:_STARTS][still], speed[:_STARTS][still]
     at = _positions(machine, states)
     tips = tip_places(machine, at)
     return Workspace(
@@ -117,7 +122,7 @@ def workspace_of(machine: LayoutMachine, settle: Settle, *, lines: bool = False,
         tip_places(machine, poses),
         states,
         tips,
-        Lines(tips, tips + length[:, None] * _inward(machine, at)),
+        Lines(tips, tips + length[:, None] * _inward(machine, at), speed),
     )
 
 
@@ -145,49 +150,67 @@ def _inward(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
 
 def _line_poses(
     machine: LayoutMachine, low: np.ndarray, high: np.ndarray, poses: np.ndarray, depth: float | None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Poses at the outer ends of level lines, the longest first, and how long these are, m."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Poses at the outer ends of level lines, the longest first; how long these are, m, and how fast joints can follow, m/s."""
     poses = poses[:_TRIED]
     if depth is not None:
         rise = depth - tip_places(machine, poses)[:, 2]
-        poses, gone = _drawn(machine, low, high, poses, np.sign(rise)[:, None] * (0.0, 0.0, 1.0), np.abs(rise))
+        poses, gone, _ = _drawn(machine, low, high, poses, np.sign(rise)[:, None] * (0.0, 0.0, 1.0), np.abs(rise))
         poses = poses[gone > np.abs(rise) - 1e-9]
-    length = np.zeros(0)
+    length = speed = np.zeros(0)
     if len(poses):
         most = np.full(len(poses), _LONGEST)
-        _, length = _drawn(machine, low, high, poses, _inward(machine, poses), most)
+        _, length, speed = _drawn(machine, low, high, poses, _inward(machine, poses), most, _SLOWEST)
     long = length >= _SHORTEST
     if not long.any():
         heights = tip_places(machine, _poses(machine, low, high))[:, 2]
         at = "at any height" if depth is None else f"at depth = {depth:g} m; its tip reaches heights from {heights.min():.2f} to {heights.max():.2f} m"
         raise InputError(f"{machine.title!r} can draw its tip along no level line of {_SHORTEST} m {at}")
     order = np.argsort(-length[long], kind="stable")
-    return poses[long][order], length[long][order]
+    return poses[long][order], length[long][order], speed[long][order]
 
 
 def _drawn(
-    machine: LayoutMachine, low: np.ndarray, high: np.ndarray, poses: np.ndarray, direction: np.ndarray, length: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Draw tips along lines as long as joints stay away from their stops: where they end, and how far they have come, m."""
+    machine: LayoutMachine,
+    low: np.ndarray,
+    high: np.ndarray,
+    poses: np.ndarray,
+    direction: np.ndarray,
+    length: np.ndarray,
+    slowest: float = 0.0,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Draw tips along lines as long as joints stay away from their stops and can follow: where they end, how far they have come, how fast."""
     room = _INNER / 2.0 * (high - low)
     free = high - low
     if slew_sign(machine):
         free = np.concatenate([[0.0], free[1:]])
     first, poses, gone = tip_places(machine, poses), poses.copy(), np.zeros(len(poses))
+    speed, able = np.full(len(poses), _FASTEST), _SHARE * full_speeds(machine, low, high)
     going = np.ones(len(poses), dtype=bool)
     for _ in range(int(length.max() / _STEP) + 1):
-        on = gone[going] + np.minimum(_STEP, length[going] - gone[going])
+        step = np.minimum(_STEP, length[going] - gone[going])
+        on = gone[going] + step
         wanted, tried = first[going] + on[:, None] * direction[going], poses[going]
         for _ in range(2):
             tried = tried + joint_speeds(tip_jacobian(machine, tried), wanted - tip_places(machine, tried), free)
         inside = ((tried > low + room) & (tried < high - room)).all(axis=1)
         good = inside & (np.linalg.norm(wanted - tip_places(machine, tried), axis=1) < 5e-3)
+        turned = np.abs(tried - poses[going]) / np.maximum(step, 1e-9)[:, None]  # rad or m of a joint for each m
+        fast = np.minimum(speed[going], (able / np.maximum(turned, 1e-9)).min(axis=1))
+        good &= fast >= slowest
         at = np.flatnonzero(going)
+        speed[at[good]] = fast[good]
         poses[at[good]], gone[at[good]] = tried[good], on[good]
         going[at] = good & (on < length[going] - 1e-9)
         if not going.any():
             break
-    return poses, gone
+    return poses, gone, speed
+
+
+def full_speeds(machine: LayoutMachine, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """What joints do at full lever, roughly, (n_function,) rad/s or m/s; from travels as those of `Workspace`."""
+    stops = np.array([f.stops.high - f.stops.low for f in machine.functions])
+    return np.where(stops > high - low + 1e-9, ROUND, (high - low) / STROKE)
 
 
 def _at_rest(machine: LayoutMachine, poses: np.ndarray, settle: Settle) -> tuple[np.ndarray, np.ndarray]:
