@@ -18,7 +18,7 @@ numpydoc.xref.DEFAULT_LINKS.clear()  # into other projects' sites, which a build
 DOCS = Path(__file__).parent
 PACKAGES = [
     "polydraulic",
-    *(f"polydraulic.{name}" for name in "networks flow control measure identification export plotting".split()),
+    *(f"polydraulic.{name}" for name in "networks flow control measure identification export plotting gym".split()),
 ]
 PUBLIC = {
     package: sorted(getattr(importlib.import_module(package), "__all__", []), key=str.lower) for package in PACKAGES

@@ -81,6 +81,13 @@ TESTED_ELSEWHERE = {
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),
+    "gym/arguments.py": ("gym/test_machine_env.py", "environments are built and refused there"),
+    "gym/episodes.py": ("gym/test_machine_vector_env.py", "episodes of environments"),
+    "gym/motion.py": ("gym/test_machine_env.py", "columns that observations are made of"),
+    "gym/observations.py": ("gym/test_machine_env.py", "what environments show"),
+    "gym/picture.py": ("gym/test_machine_env.py", "pictures of environments"),
+    "gym/registered.py": ("gym/test_machine_env.py", "names by which environments are made"),
+    "gym/task.py": ("gym/test_reach.py", "what all tasks share"),
     "identification/equations/finished.py": (
         "identification/equations/test_identify.py",
         "circuits that were fitted there are kept",

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,12 +73,16 @@ def arguments_of(
     if render_mode not in (None, *RENDER_MODES):
         raise InputError(f"render_mode = {briefly(render_mode)}: must be None or one of {list(RENDER_MODES)}")
     found, ranges = as_machine(machine), checked_ranges(randomize)
-    steps = round(period / dt) if _positive(period) and _positive(dt) else 0
+    steps = round(period / dt) if _within(period, 1e-6, 60.0) and _within(dt, 1e-6, 60.0) else 0
     if not (1 <= steps <= 10_000 and abs(steps * dt - period) < 1e-9 * period):
-        raise InputError(f"period = {briefly(period)} s: must be a whole number of steps of dt = {briefly(dt)} s, up to 10000")
-    if depth is not None and (task != "Grade" or not np.isfinite(depth)):
-        raise InputError(f"depth = {briefly(depth)} m: is the height of the line of Grade, a finite number; leave it out")
-    if load is not None and (task != "PickPlace" or not 0.0 <= load < 1e6):
+        raise InputError(
+            f"period = {briefly(period)} s: must be a whole number of steps of dt = {briefly(dt)} s, up to 10000"
+        )
+    if depth is not None and (task != "Grade" or not _within(depth, -1e3, 1e3)):
+        raise InputError(
+            f"depth = {briefly(depth)} m: is the height of the line of Grade, a finite number; leave it out"
+        )
+    if load is not None and (task != "PickPlace" or not _within(load, 0.0, 1e6)):
         raise InputError(f"load = {briefly(load)} kg: is what PickPlace carries, from 0 to 1e6 kg; leave it out")
     if task == "PickPlace":
         of = pick_place_task(found.link(found.tip[0]).mass / 2.0 if load is None else float(load))
@@ -89,5 +93,5 @@ def arguments_of(
     return Arguments(of, found, dt, steps, ranges, depth, {"z": 0.0} if of.weighs else None)
 
 
-def _positive(value: float) -> bool:
-    return isinstance(value, int | float) and 0.0 < value < np.inf
+def _within(value: Any, low: float, high: float) -> bool:
+    return isinstance(value, int | float | np.number) and bool(low <= value <= high)

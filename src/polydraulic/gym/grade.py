@@ -12,7 +12,11 @@ from polydraulic.gym.task import Judged, Number, State, Task, chosen
 from polydraulic.gym.workspace import Workspace
 
 WAIT = 0.5  # s before the mark moves
-ACROSS, ALONG, LEAST = 0.1, 1.0, -2.0  # m off the line, and m behind the mark, that cost what a second brings; least reward of a second
+ACROSS, ALONG, LEAST = (
+    0.1,
+    1.0,
+    -2.0,
+)  # m off the line, and m behind the mark, that cost what a second brings; least reward of a second
 STRAIGHT, AT_END = 0.1, 0.2  # m: rms error across the line, and distance from its end, of a pass that is well done
 SEEN = (
     *TO_GOAL,

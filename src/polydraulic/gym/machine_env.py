@@ -77,16 +77,14 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.render_mode, given = render_mode, self._given
         self.metadata = self.metadata | {"render_fps": max(round(1.0 / period), 1)}
         self._simulator = Simulator(given.machine, dt=dt, load=given.load)
-        self.workspace: Workspace = workspace_of(
-            given.machine, self._settled, lines=given.task.lines, depth=depth
-        )
+        self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
         self._episodes = Episodes(given.task, self.workspace, 1, given.period, given.ranges)
         self._places = [self._simulator.place[name] for name in motion_columns(given.machine)]
         self.numbers: tuple[Number, ...] = tuple(numbers_seen(self.workspace, given.task))
         limits = limits_seen(self.numbers)
         self.observation_space = gymnasium.spaces.Box(-limits, limits, dtype=np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(given.machine.names),), np.float32)
-        self._weight = 0.0
+        self._weight, self._begun = 0.0, False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -137,6 +135,8 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             Levers that are no finite numbers, or too many or few.
         """
         levers = checked_levers(action, self.action_space.shape or ())
+        if not self._begun:
+            raise InputError("no episode has begun; call reset first")
         values = self._values().copy()
         try:
             self._simulator.step(levers * self.workspace.full, self._given.steps, load=self._hung())
@@ -147,7 +147,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         told = {name: value[0].item() for name, value in judged.told.items()}
         return self._episodes.observe()[0], float(judged.reward[0]), bool(judged.over[0]), False, told
 
-    def render(self) -> np.ndarray | None:  # type: ignore[override]
+    def render(self) -> np.ndarray | None:
         """Draw the machine and where its tip should be, (height, width, 3) of uint8; None without a render mode."""
         if self.render_mode is None:
             return None
@@ -160,7 +160,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._simulator.close()
 
     def _start(self, begun: Begun) -> None:
-        given, self._weight = self._given, 0.0
+        given, self._weight, self._begun = self._given, 0.0, True
         if given.ranges:
             own = {name: values[:, 0] for name, values in begun.parameters.items()}
             self._simulator.close()

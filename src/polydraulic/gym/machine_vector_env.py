@@ -132,14 +132,12 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """
         rest = dict(options or {})
         mask = self._mask(rest.pop("reset_mask", None))
-        super().reset(seed=seed if isinstance(seed, int) else None)
+        super().reset(seed=int(seed) if isinstance(seed, int | np.integer) else None)
         self._seed(seed, mask)
         told = self._begin(mask, rest)
         return self._episodes.observe(), _masked(told, mask)
 
-    def step(
-        self, actions: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Hold all levers for a period.
 
         Parameters
@@ -182,7 +180,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             infos = self._begun_at_once(infos)
         return self._episodes.observe(), rewards, over, cut, infos
 
-    def render(self) -> tuple[np.ndarray, ...] | None:  # type: ignore[override]
+    def render(self) -> tuple[np.ndarray, ...] | None:
         """Draw all machines, a picture each; None without a render mode."""
         if self.render_mode is None:
             return None
@@ -206,7 +204,11 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         told = self._begin(over, {})
         self._ended = np.zeros(self.num_envs, dtype=bool)
         going = _masked({name: values for name, values in infos.items() if not name.startswith("_")}, ~over)
-        return going | _masked(told, over) | {"final_obs": final, "_final_obs": over.copy(), "final_info": last, "_final_info": over.copy()}
+        return (
+            going
+            | _masked(told, over)
+            | {"final_obs": final, "_final_obs": over.copy(), "final_info": last, "_final_info": over.copy()}
+        )
 
     def _begin(self, mask: np.ndarray, options: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """Begin episodes where the mask says so; what is said of them, a row for each machine."""
@@ -238,10 +240,10 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         seeds: list[int | None]
         if seed is None:
             seeds = [None] * self.num_envs
-        elif isinstance(seed, int):
-            seeds = [seed + i for i in range(self.num_envs)]
+        elif isinstance(seed, int | np.integer):
+            seeds = [int(seed) + i for i in range(self.num_envs)]
         else:
-            seeds = list(seed)
+            seeds = [None if each is None else int(each) for each in seed]
         if len(seeds) != self.num_envs:
             raise InputError(f"seed has {len(seeds)} numbers: must be one number, or {self.num_envs}")
         if not self._generators:

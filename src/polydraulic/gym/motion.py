@@ -38,4 +38,4 @@ def motion_columns(machine: LayoutMachine) -> list[str]:
 def motion_from(values: np.ndarray) -> Motion:
     """Rows of `motion_columns`, (5 n_function + 3, n), by their names."""
     n = (len(values) - len(EFFECTOR)) // len(STATE)
-    return Motion(*(values[k * n : (k + 1) * n] for k in range(len(STATE))), values[len(STATE) * n :])
+    return Motion._make([*(values[k * n : (k + 1) * n] for k in range(len(STATE))), values[len(STATE) * n :]])

@@ -16,9 +16,13 @@ def numbers_seen(workspace: Workspace, task: Task) -> list[Number]:
         slides = workspace.machine.link(f.moves).joint == "prismatic"
         if not turns:
             found.append(Number(f"{f.name}.travel", "1", 1.5, "place of the joint between its stops, -1 to 1"))
-        found.append(Number(f"{f.name}.{'speed' if slides else 'rate'}", "m/s" if slides else "rad/s", 10.0, "of the joint"))
+        found.append(
+            Number(f"{f.name}.{'speed' if slides else 'rate'}", "m/s" if slides else "rad/s", 10.0, "of the joint")
+        )
         found.append(Number(f"{f.name}.spool", "1", 1.5, "share of the spool's full travel, -1 to 1"))
-        found.append(Number(f"{f.name}.load", "1", 5.0, "pressure at A less that at B, in shares of the line's relief pressure"))
+        found.append(
+            Number(f"{f.name}.load", "1", 5.0, "pressure at A less that at B, in shares of the line's relief pressure")
+        )
     return [*found, *task.seen]
 
 
@@ -27,9 +31,7 @@ def limits_seen(numbers: Sequence[Number]) -> np.ndarray:
     return np.array([number.limit for number in numbers], dtype=np.float32)
 
 
-def observation(
-    workspace: Workspace, task: Task, state: State, motion: Motion, limits: np.ndarray
-) -> np.ndarray:
+def observation(workspace: Workspace, task: Task, state: State, motion: Motion, limits: np.ndarray) -> np.ndarray:
     """Observations of n machines within `limits_seen`, (n, n_number) of float32."""
     low, high = workspace.low[:, None], workspace.high[:, None]
     travel = (2.0 * motion.position - low - high) / (high - low)

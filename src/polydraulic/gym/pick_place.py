@@ -12,7 +12,10 @@ from polydraulic.gym.workspace import Workspace
 
 SEEN = (
     *TO_GOAL,
-    *(goal._replace(name=goal.name.replace("goal", "place"), means=goal.means.replace("goal", "place")) for goal in TO_GOAL),
+    *(
+        goal._replace(name=goal.name.replace("goal", "place"), means=goal.means.replace("goal", "place"))
+        for goal in TO_GOAL
+    ),
     Number("loaded", "1", 1.0, "whether the load hangs at the tip"),
 )
 
@@ -59,7 +62,9 @@ def _judge(state: State, before: Motion, now: Motion, levers: np.ndarray, period
     reward = distance(state["goal"], before) - left - spent(levers, period) + DONE * there
     state["loaded"] |= picked
     np.copyto(state["goal"], state["place"], where=picked)
-    return Judged(reward, success, success, {"distance": distance(state["goal"], now), "loaded": state["loaded"].copy()})
+    return Judged(
+        reward, success, success, {"distance": distance(state["goal"], now), "loaded": state["loaded"].copy()}
+    )
 
 
 def _weight(state: State) -> np.ndarray:

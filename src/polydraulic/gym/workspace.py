@@ -20,10 +20,15 @@ _SETTLING, _WATCHED, _STILL = 3.0, 1.0, 2e-3  # s, s, rad or m
 _STEP = 0.02  # m, of a line
 _SHORTEST, _LONGEST = 0.5, 4.0  # m
 _SLOWEST, _FASTEST = 0.1, 0.3  # m/s, along a line
-STROKE, ROUND = 5.0, 0.6  # s, that a full stroke takes at full lever in machines of this kind; rad/s of joints that turn all the way round
+STROKE, ROUND = (
+    5.0,
+    0.6,
+)  # s, that a full stroke takes at full lever in machines of this kind; rad/s of joints that turn all the way round
 _SHARE = 0.5  # of that speed, which a line may ask of a joint
 
-Settle = Callable[[np.ndarray, float], np.ndarray]  # (m, n_state) states and s -> states after so long with centred levers
+Settle = Callable[
+    [np.ndarray, float], np.ndarray
+]  # (m, n_state) states and s -> states after so long with centred levers
 
 
 class Lines(NamedTuple):
@@ -75,7 +80,9 @@ class Workspace(NamedTuple):
     lines: Lines
 
 
-def workspace_of(machine: LayoutMachine, settle: Settle, *, lines: bool = False, depth: float | None = None) -> Workspace:
+def workspace_of(
+    machine: LayoutMachine, settle: Settle, *, lines: bool = False, depth: float | None = None
+) -> Workspace:
     """Look where a machine can be, and let it come to rest in some of these poses.
 
     Parameters
@@ -164,7 +171,11 @@ def _line_poses(
     long = length >= _SHORTEST
     if not long.any():
         heights = tip_places(machine, _poses(machine, low, high))[:, 2]
-        at = "at any height" if depth is None else f"at depth = {depth:g} m; its tip reaches heights from {heights.min():.2f} to {heights.max():.2f} m"
+        at = (
+            "at any height"
+            if depth is None
+            else f"at depth = {depth:g} m; its tip reaches heights from {heights.min():.2f} to {heights.max():.2f} m"
+        )
         raise InputError(f"{machine.title!r} can draw its tip along no level line of {_SHORTEST} m {at}")
     order = np.argsort(-length[long], kind="stable")
     return poses[long][order], length[long][order], speed[long][order]
