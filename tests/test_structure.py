@@ -84,7 +84,6 @@ TESTED_ELSEWHERE = {
     "gym/arguments.py": ("gym/test_machine_env.py", "environments are built and refused there"),
     "gym/episodes.py": ("gym/test_machine_vector_env.py", "episodes of environments"),
     "gym/motion.py": ("gym/test_machine_env.py", "columns that observations are made of"),
-    "gym/observations.py": ("gym/test_machine_env.py", "what environments show"),
     "gym/picture.py": ("gym/test_machine_env.py", "pictures of environments"),
     "gym/registered.py": ("gym/test_machine_env.py", "names by which environments are made"),
     "gym/task.py": ("gym/test_reach.py", "what all tasks share"),

@@ -9,7 +9,10 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "learn_to_reach.py"
 def test_a_few_rounds_improve_the_policy(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = EXAMPLE.read_text()
-    for whole, less in (("= 60, 32, 4, 16, ", "= 12, 8, 4, 4, "), ('machine="wheel_loader"', 'machine="wheel_loader", max_episode_steps=100')):
+    for whole, less in (
+        ("= 60, 32, 4, 16, ", "= 12, 8, 4, 4, "),
+        ('machine="wheel_loader"', 'machine="wheel_loader", max_episode_steps=100'),
+    ):
         assert whole in text
         text = text.replace(whole, less)
     (tmp_path / "short.py").write_text(text.replace("assert learnt > none + 1.0", ""))

@@ -65,7 +65,7 @@ def test_observations_are_what_their_names_say(reach):
     seen, info = reach.reset(seed=1)
     seen, *_ = reach.step(np.array([1.0, -0.5]))
     named = dict(zip([number.name for number in reach.numbers], seen, strict=True))
-    sim, machine = reach._simulator, reach.workspace.machine
+    sim, machine = reach.simulator, reach.workspace.machine
     lift = machine.function("lift")
     assert named["lift.travel"] == pytest.approx(
         (2.0 * sim["lift.angle"] - lift.stops.low - lift.stops.high) / (lift.stops.high - lift.stops.low), rel=1e-5
@@ -134,7 +134,7 @@ def test_machines_are_drawn_and_said():
     assert set(one) == {"goal", "valve_gain", "dead_time"}
     assert np.all((one["valve_gain"] > 0.5) & (one["valve_gain"] < 2.0))
     env.step(np.array([0.2, 0.2]))
-    pilots = [f.pilot for f in env._simulator.machine.functions]
+    pilots = [f.pilot for f in env.simulator.machine.functions]
     nominal = [f.pilot for f in load_machine("wheel_loader").functions]
     assert [pilot.gain for pilot in pilots] == pytest.approx([p.gain for p in nominal] * one["valve_gain"])
     assert [pilot.dead_time for pilot in pilots] == pytest.approx(one["dead_time"])
@@ -150,7 +150,7 @@ def test_a_machine_that_diverges_ends_its_episode(monkeypatch):
     def diverge(*_, **__):
         raise SimulationError("lift: a rate grew without bound")
 
-    monkeypatch.setattr(env._simulator, "step", diverge)
+    monkeypatch.setattr(env.simulator, "step", diverge)
     seen, reward, terminated, truncated, info = env.step(np.zeros(2))
     assert np.array_equal(seen, before)
     assert np.isfinite(reward)

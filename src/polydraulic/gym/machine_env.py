@@ -52,6 +52,8 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         Name, unit and meaning of each number of an observation.
     workspace : Workspace
         Where the machine can be.
+    simulator : Simulator
+        The machine itself, all of its outputs by name; of each episode another one where machines are drawn.
 
     Raises
     ------
@@ -76,10 +78,10 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._given = arguments_of(task, machine, dt, period, randomize, depth, load, render_mode)
         self.render_mode, given = render_mode, self._given
         self.metadata = self.metadata | {"render_fps": max(round(1.0 / period), 1)}
-        self._simulator = Simulator(given.machine, dt=dt, load=given.load)
+        self.simulator = Simulator(given.machine, dt=dt, load=given.load)
         self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
         self._episodes = Episodes(given.task, self.workspace, 1, given.period, given.ranges)
-        self._places = [self._simulator.place[name] for name in motion_columns(given.machine)]
+        self._places = [self.simulator.place[name] for name in motion_columns(given.machine)]
         self.numbers: tuple[Number, ...] = tuple(numbers_seen(self.workspace, given.task))
         limits = limits_seen(self.numbers)
         self.observation_space = gymnasium.spaces.Box(-limits, limits, dtype=np.float32)
@@ -139,7 +141,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             raise InputError("no episode has begun; call reset first")
         values = self._values().copy()
         try:
-            self._simulator.step(levers * self.workspace.full, self._given.steps, load=self._hung())
+            self.simulator.step(levers * self.workspace.full, self._given.steps, load=self._hung())
             values = self._values()
         except SimulationError:
             values[:] = np.nan
@@ -157,15 +159,15 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def close(self) -> None:
         """End: further steps are refused."""
-        self._simulator.close()
+        self.simulator.close()
 
     def _start(self, begun: Begun) -> None:
         given, self._weight, self._begun = self._given, 0.0, True
         if given.ranges:
             own = {name: values[:, 0] for name, values in begun.parameters.items()}
-            self._simulator.close()
-            self._simulator = Simulator(varied_machine(given.machine, own), dt=given.dt, load=given.load)
-        self._simulator.reset(begun.states[0])
+            self.simulator.close()
+            self.simulator = Simulator(varied_machine(given.machine, own), dt=given.dt, load=given.load)
+        self.simulator.reset(begun.states[0])
 
     def _hung(self) -> dict[str, float] | None:
         """What hangs at the tip, if it has changed."""
@@ -176,15 +178,15 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return {"z": -self._weight}
 
     def _values(self) -> np.ndarray:
-        return np.asarray(self._simulator.values[self._places][:, None])
+        return np.asarray(self.simulator.values[self._places][:, None])
 
     def _settled(self, states: np.ndarray, span: float) -> np.ndarray:
         found, n = states.copy(), round(span / self._given.dt)
         for state in found:
-            self._simulator.reset(state)
+            self.simulator.reset(state)
             try:
-                self._simulator.step(n=n)
-                state[:] = self._simulator.state
+                self.simulator.step(n=n)
+                state[:] = self.simulator.state
             except SimulationError:
                 state[:] = np.nan
         return found

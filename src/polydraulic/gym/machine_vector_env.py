@@ -52,6 +52,8 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         Name, unit and meaning of each number of an observation.
     workspace : Workspace
         Where the machines can be.
+    simulator : BatchSimulator
+        The machines themselves, with the outputs that observations are made of.
 
     Raises
     ------
@@ -90,7 +92,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             "autoreset_mode": self._mode,
         }
         columns = motion_columns(given.machine)
-        self._simulator = BatchSimulator(
+        self.simulator = BatchSimulator(
             [given.machine] * num_envs if given.ranges else given.machine,
             num_envs,
             dt=dt,
@@ -99,7 +101,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             threads=threads,
             longest_delay=_longest(given.machine, given.ranges),
         )
-        self._outputs = [self._simulator[name] for name in columns]
+        self._outputs = [self.simulator[name] for name in columns]
         self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
         self._episodes = Episodes(given.task, self.workspace, num_envs, given.period, given.ranges)
         self.numbers: tuple[Number, ...] = tuple(numbers_seen(self.workspace, given.task))
@@ -165,7 +167,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise InputError("no episode has begun; call reset first")
         weight = self._episodes.weight()
         hung = None if weight is None else {"z": -weight}
-        self._simulator.step(levers * self.workspace.full, self._given.steps, load=hung)
+        self.simulator.step(levers * self.workspace.full, self._given.steps, load=hung)
         judged = self._episodes.step(np.stack(self._outputs), levers.T)
         self._steps += 1
         rewards, over = judged.reward, judged.over
@@ -191,7 +193,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def close_extras(self) -> None:
         """End: further steps are refused, and threads end."""
-        self._simulator.close()
+        self.simulator.close()
 
     def _begun_at_once(self, infos: dict[str, Any]) -> dict[str, Any]:
         """Begin the episodes that are over, with what is last seen of them in the infos."""
@@ -234,7 +236,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             for k, i in enumerate(which):
                 own = {name: values[:, k] for name, values in begun.parameters.items()}
                 machines[i] = varied_machine(self._given.machine, own)
-        self._simulator.reset(mask, states, machines=machines)
+        self.simulator.reset(mask, states, machines=machines)
 
     def _seed(self, seed: int | Sequence[int | None] | None, mask: np.ndarray) -> None:
         seeds: list[int | None]

@@ -145,6 +145,17 @@ def test_machines_of_their_own_with_dead_times(loader):
 
 
 @slowly
+def test_one_machine_several_times_makes_room_for_others(loader):
+    others = randomised(loader, 2)
+    with BatchSimulator([loader, loader], longest_delay=0.1) as sim:
+        sim.reset(machines=others)
+        sim.step({"lift": 0.5}, n=20)
+        for i, other in enumerate(others):
+            run = simulate(other, "exact", held_scenario(other, np.tile([0.5, 0.0], (20, 1)), DT))
+            assert sim["lift.angle"][i] == run["lift.angle"][-1]
+
+
+@slowly
 def test_forces_and_payloads_of_each_machine(loader):
     mass, push = np.linspace(0.0, 2000.0, N), np.linspace(-5e3, 5e3, N)
     levers = levers_of(STEPS // 2, 2)
