@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import load_machine
-from polydraulic.gym.kinematics import joint_speeds, slew_sign, tip_jacobian, tip_places, to_arm
+from polydraulic.gym.kinematics import joint_speeds, slew_sign, tip_at_joints, tip_jacobian, to_arm
 from polydraulic.parameters.load import machine_names
 
 
@@ -18,7 +18,7 @@ def test_the_jacobian_is_the_slope_of_the_tip(name):
     machine, h = load_machine(name), 1e-6
     at = poses(machine)
     steps = h * np.eye(at.shape[1])
-    slopes = [(tip_places(machine, at + step) - tip_places(machine, at - step)) / (2.0 * h) for step in steps]
+    slopes = [(tip_at_joints(machine, at + step) - tip_at_joints(machine, at - step)) / (2.0 * h) for step in steps]
     assert np.allclose(tip_jacobian(machine, at), np.stack(slopes, axis=-1), rtol=0.0, atol=1e-8)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, Simulator, load_machine
-from polydraulic.gym.kinematics import tip_places
+from polydraulic.gym.kinematics import tip_at_joints
 from polydraulic.gym.workspace import Lines, full_speeds, workspace_of
 from polydraulic.simulation.layout.columns import columns_of
 
@@ -52,7 +52,7 @@ def test_starts_stand_still(loader):
     at = [place[f"{f}.angle"] for f in loader.names]
     assert len(work.starts) > 20
     assert np.abs(settle(work.starts, 2.0)[:, at] - work.starts[:, at]).max() < 5e-3
-    assert np.allclose(work.start_tips, tip_places(loader, work.starts[:, at]))
+    assert np.allclose(work.start_tips, tip_at_joints(loader, work.starts[:, at]))
 
 
 def test_a_machine_that_never_stands_still_is_refused(loader):

@@ -10,7 +10,7 @@ from polydraulic.errors import InputError, briefly
 from polydraulic.gym.grade import grade_task
 from polydraulic.gym.pick_place import pick_place_task
 from polydraulic.gym.reach import reach_task
-from polydraulic.gym.task import Task
+from polydraulic.gym.task import GymTask
 from polydraulic.gym.varied import Ranges, checked_ranges, varied_machine
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -26,7 +26,7 @@ class Arguments(NamedTuple):
 
     Attributes
     ----------
-    task : Task
+    task : GymTask
     machine : LayoutMachine
         With a payload of 0 kg if payloads are drawn.
     steps : int
@@ -37,7 +37,7 @@ class Arguments(NamedTuple):
         What simulators are built with.
     """
 
-    task: Task
+    task: GymTask
     machine: LayoutMachine
     dt: float
     steps: int

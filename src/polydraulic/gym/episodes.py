@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic.errors import InputError, briefly
 from polydraulic.gym.motion import Motion, motion_from
 from polydraulic.gym.observations import limits_seen, numbers_seen, observation
-from polydraulic.gym.task import Judged, State, Task
+from polydraulic.gym.task import GymTask, Judged, State
 from polydraulic.gym.varied import Ranges, draw_count, parameters_from
 from polydraulic.gym.workspace import Workspace
 
@@ -33,7 +33,7 @@ class Episodes:
 
     Parameters
     ----------
-    task : Task
+    task : GymTask
     workspace : Workspace
     n : int
     period : float, s
@@ -51,7 +51,7 @@ class Episodes:
         Machines that have diverged in the last step; they are shown as they were before it.
     """
 
-    def __init__(self, task: Task, workspace: Workspace, n: int, period: float, ranges: Ranges) -> None:
+    def __init__(self, task: GymTask, workspace: Workspace, n: int, period: float, ranges: Ranges) -> None:
         n_function = len(workspace.machine.functions)
         self._task, self._workspace, self._period, self._ranges = task, workspace, period, ranges
         self._limits = limits_seen(numbers_seen(workspace, task))

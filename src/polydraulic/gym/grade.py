@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic.gym.kinematics import to_arm
 from polydraulic.gym.motion import Motion
 from polydraulic.gym.reach import TO_GOAL, seen_from_arm
-from polydraulic.gym.task import Judged, Number, State, Task, chosen
+from polydraulic.gym.task import GymTask, Judged, Number, State, chosen
 from polydraulic.gym.workspace import Workspace
 
 WAIT = 0.5  # s before the mark moves
@@ -25,9 +25,9 @@ SEEN = (
 )
 
 
-def grade_task() -> Task:
+def grade_task() -> GymTask:
     """Build the task."""
-    return Task("Grade", 1, SEEN, True, False, (), _begin, _aim, _observe, _judge)
+    return GymTask("Grade", 1, SEEN, True, False, (), _begin, _aim, _observe, _judge)
 
 
 def _begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) -> tuple[np.ndarray, State]:

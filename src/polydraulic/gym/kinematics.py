@@ -13,13 +13,13 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 _DAMPING = 0.02  # of the inverse, in shares of the largest reach of a joint
 
 
-def tip_places(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
+def tip_at_joints(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
     """Places of the tip, (n, 3) in m, at joint positions (n, n_function) in rad or m."""
     return placed(link_frames(machine, positions), *machine.tip)
 
 
 def tip_jacobian(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
-    """Speed of the tip for each joint's, (n, 3, n_function) in m or 1 per second of m or rad; positions as for `tip_places`."""
+    """Speed of the tip for each joint's, (n, 3, n_function) in m or 1 per second of m or rad; positions as for `tip_at_joints`."""
     frames = link_frames(machine, positions)
     tip, carriers = placed(frames, *machine.tip), _carriers(machine)
     found = np.zeros((*positions.shape[:-1], 3, len(machine.functions)))

@@ -153,9 +153,9 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """Draw the machine and where its tip should be, (height, width, 3) of uint8; None without a render mode."""
         if self.render_mode is None:
             return None
-        from polydraulic.gym.picture import picture
+        from polydraulic.gym.picture import machine_picture
 
-        return picture(self.workspace, self._episodes.motion.position[:, 0], self._episodes.aim()[0])
+        return machine_picture(self.workspace, self._episodes.motion.position[:, 0], self._episodes.aim()[0])
 
     def close(self) -> None:
         """End: further steps are refused."""

@@ -186,10 +186,10 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Draw all machines, a picture each; None without a render mode."""
         if self.render_mode is None:
             return None
-        from polydraulic.gym.picture import picture
+        from polydraulic.gym.picture import machine_picture
 
         shown = zip(self._episodes.motion.position.T, self._episodes.aim(), strict=True)
-        return tuple(picture(self.workspace, position, goal) for position, goal in shown)
+        return tuple(machine_picture(self.workspace, position, goal) for position, goal in shown)
 
     def close_extras(self) -> None:
         """End: further steps are refused, and threads end."""

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.task import Number, State, Task
+from polydraulic.gym.task import GymTask, Number, State
 from polydraulic.gym.workspace import Workspace
 
 
-def numbers_seen(workspace: Workspace, task: Task) -> list[Number]:
+def numbers_seen(workspace: Workspace, task: GymTask) -> list[Number]:
     """Numbers of an observation, in their order."""
     found = []
     for f, turns in zip(workspace.machine.functions, workspace.turns, strict=True):
@@ -31,7 +31,7 @@ def limits_seen(numbers: Sequence[Number]) -> np.ndarray:
     return np.array([number.limit for number in numbers], dtype=np.float32)
 
 
-def observation(workspace: Workspace, task: Task, state: State, motion: Motion, limits: np.ndarray) -> np.ndarray:
+def observation(workspace: Workspace, task: GymTask, state: State, motion: Motion, limits: np.ndarray) -> np.ndarray:
     """Observations of n machines within `limits_seen`, (n, n_number) of float32."""
     low, high = workspace.low[:, None], workspace.high[:, None]
     travel = (2.0 * motion.position - low - high) / (high - low)

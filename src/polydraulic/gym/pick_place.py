@@ -7,7 +7,7 @@ import numpy as np
 
 from polydraulic.gym.motion import Motion
 from polydraulic.gym.reach import DONE, NEARBY, TO_GOAL, seen_from_arm, spent
-from polydraulic.gym.task import SLOW, Judged, Number, State, Task, asked_places, chosen, distance, tip_speed
+from polydraulic.gym.task import SLOW, GymTask, Judged, Number, State, asked_places, chosen, distance, tip_speed
 from polydraulic.gym.workspace import Workspace
 
 SEEN = (
@@ -20,13 +20,13 @@ SEEN = (
 )
 
 
-def pick_place_task(load: float) -> Task:
+def pick_place_task(load: float) -> GymTask:
     """Build the task with a load in kg."""
 
     def begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) -> tuple[np.ndarray, State]:
         return _begin(workspace, draws, options, load)
 
-    return Task("PickPlace", 3, SEEN, False, True, ("pick", "place"), begin, _aim, _observe, _judge, _weight)
+    return GymTask("PickPlace", 3, SEEN, False, True, ("pick", "place"), begin, _aim, _observe, _judge, _weight)
 
 
 def _begin(

@@ -9,9 +9,10 @@ from polydraulic.plotting.scene import draw_view, fill_place, moving_artists
 
 _SIZE, _DPI = (6.4, 3.2), 100  # in
 _GOAL = "#c0392b"
+_POSES = 200  # that a picture has room for
 
 
-def picture(workspace: Workspace, position: np.ndarray, goal: np.ndarray) -> np.ndarray:
+def machine_picture(workspace: Workspace, position: np.ndarray, goal: np.ndarray) -> np.ndarray:
     """Draw a machine.
 
     Parameters
@@ -30,14 +31,18 @@ def picture(workspace: Workspace, position: np.ndarray, goal: np.ndarray) -> np.
 
     drawing = layout_drawing(workspace.machine)
     motion = motion_of(drawing, position[None])
-    ends = motion_of(drawing, np.stack([workspace.low, workspace.high]))
+    all_round = np.where(workspace.turns, np.pi, 0.0)
+    anywhere = np.random.default_rng(0).uniform(
+        workspace.low - all_round, workspace.high + all_round, (_POSES, len(position))
+    )
+    whole = motion_of(drawing, anywhere)
     figure = Figure(figsize=_SIZE, dpi=_DPI)
     canvas = FigureCanvasAgg(figure)
     views: list[tuple[View, float, float]] = [("side", 0.0, 0.6), ("top", 0.6, 0.4)]
     for view, left, width in views:
         axis = figure.add_axes((left, 0.0, width, 1.0))
         axis.axis("off")
-        fill_place(axis, *view_limits(drawing, [ends, motion], view))
+        fill_place(axis, *view_limits(drawing, [whole], view))
         draw_view(axis, drawing, view, [motion])(0)
         place = seen(motion, view, goal[None, None])[0, 0]
         axis.plot(*place, "x", color=_GOAL, markersize=9.0, markeredgewidth=2.0, zorder=9)

@@ -9,10 +9,10 @@ from polydraulic.gym.kinematics import to_arm
 from polydraulic.gym.motion import Motion
 from polydraulic.gym.task import (
     SLOW,
+    GymTask,
     Judged,
     Number,
     State,
-    Task,
     asked_places,
     chosen,
     distance,
@@ -29,9 +29,9 @@ TO_GOAL = tuple(
 )
 
 
-def reach_task() -> Task:
+def reach_task() -> GymTask:
     """Build the task."""
-    return Task("Reach", 2, TO_GOAL, False, False, ("target",), _begin, _aim, _observe, _judge)
+    return GymTask("Reach", 2, TO_GOAL, False, False, ("target",), _begin, _aim, _observe, _judge)
 
 
 def _begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) -> tuple[np.ndarray, State]:

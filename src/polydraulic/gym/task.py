@@ -41,7 +41,7 @@ class Judged(NamedTuple):
     told: dict[str, np.ndarray]
 
 
-class Task(NamedTuple):
+class GymTask(NamedTuple):
     """A task.
 
     Attributes

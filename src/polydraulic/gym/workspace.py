@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.gym.kinematics import joint_speeds, slew_sign, tip_jacobian, tip_places
+from polydraulic.gym.kinematics import joint_speeds, slew_sign, tip_at_joints, tip_jacobian
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import start_vector
@@ -116,7 +116,7 @@ def workspace_of(
         )
     states, length, speed = states[still], length[:_STARTS][still], speed[:_STARTS][still]
     at = _positions(machine, states)
-    tips = tip_places(machine, at)
+    tips = tip_at_joints(machine, at)
     return Workspace(
         machine,
         low,
@@ -126,7 +126,7 @@ def workspace_of(
         np.array([f.valve.knots[-1] for f in machine.functions]),
         np.array([f.line.relief for f in machine.functions]),
         slew_sign(machine),
-        tip_places(machine, poses),
+        tip_at_joints(machine, poses),
         states,
         tips,
         Lines(tips, tips + length[:, None] * _inward(machine, at), speed),
@@ -137,7 +137,7 @@ def _poses(machine: LayoutMachine, low: np.ndarray, high: np.ndarray) -> np.ndar
     """Joint positions away from stops in which the tip is not where the machine stands, (n, n_function)."""
     share = np.random.default_rng(0).uniform(_INNER, 1.0 - _INNER, (2 * _POSES, len(low)))
     poses = low + (high - low) * share
-    reach = np.linalg.norm(_outward(machine, tip_places(machine, poses)), axis=1)
+    reach = np.linalg.norm(_outward(machine, tip_at_joints(machine, poses)), axis=1)
     return poses[reach > _NEAR * reach.max()][:_POSES]
 
 
@@ -151,7 +151,7 @@ def _inward(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
     """Level direction from the tip to the machine in the plane of its arm, (n, 3)."""
     heading = slew_sign(machine) * positions[:, 0]
     plane = np.column_stack([np.cos(heading), np.sin(heading)])
-    away = np.sign((_outward(machine, tip_places(machine, positions)) * plane).sum(axis=1, keepdims=True))
+    away = np.sign((_outward(machine, tip_at_joints(machine, positions)) * plane).sum(axis=1, keepdims=True))
     return np.column_stack([-away * plane, np.zeros(len(positions))])
 
 
@@ -161,7 +161,7 @@ def _line_poses(
     """Poses at the outer ends of level lines, the longest first; how long these are, m, and how fast joints can follow, m/s."""
     poses = poses[:_TRIED]
     if depth is not None:
-        rise = depth - tip_places(machine, poses)[:, 2]
+        rise = depth - tip_at_joints(machine, poses)[:, 2]
         poses, gone, _ = _drawn(machine, low, high, poses, np.sign(rise)[:, None] * (0.0, 0.0, 1.0), np.abs(rise))
         poses = poses[gone > np.abs(rise) - 1e-9]
     length = speed = np.zeros(0)
@@ -170,7 +170,7 @@ def _line_poses(
         _, length, speed = _drawn(machine, low, high, poses, _inward(machine, poses), most, _SLOWEST)
     long = length >= _SHORTEST
     if not long.any():
-        heights = tip_places(machine, _poses(machine, low, high))[:, 2]
+        heights = tip_at_joints(machine, _poses(machine, low, high))[:, 2]
         at = (
             "at any height"
             if depth is None
@@ -195,7 +195,7 @@ def _drawn(
     free = high - low
     if slew_sign(machine):
         free = np.concatenate([[0.0], free[1:]])
-    first, poses, gone = tip_places(machine, poses), poses.copy(), np.zeros(len(poses))
+    first, poses, gone = tip_at_joints(machine, poses), poses.copy(), np.zeros(len(poses))
     speed, able = np.full(len(poses), _FASTEST), _SHARE * full_speeds(machine, low, high)
     going = np.ones(len(poses), dtype=bool)
     for _ in range(int(length.max() / _STEP) + 1):
@@ -203,9 +203,9 @@ def _drawn(
         on = gone[going] + step
         wanted, tried = first[going] + on[:, None] * direction[going], poses[going]
         for _ in range(2):
-            tried = tried + joint_speeds(tip_jacobian(machine, tried), wanted - tip_places(machine, tried), free)
+            tried = tried + joint_speeds(tip_jacobian(machine, tried), wanted - tip_at_joints(machine, tried), free)
         inside = ((tried > low + room) & (tried < high - room)).all(axis=1)
-        good = inside & (np.linalg.norm(wanted - tip_places(machine, tried), axis=1) < 5e-3)
+        good = inside & (np.linalg.norm(wanted - tip_at_joints(machine, tried), axis=1) < 5e-3)
         turned = np.abs(tried - poses[going]) / np.maximum(step, 1e-9)[:, None]  # rad or m of a joint for each m
         fast = np.minimum(speed[going], (able / np.maximum(turned, 1e-9)).min(axis=1))
         good &= fast >= slowest
