@@ -27,7 +27,7 @@ def calls_of(env, n, period):
     one, inner = env.unwrapped, env.unwrapped.simulator
     shape, within = (CALLS[n], *one.action_space.shape), round(period / inner.dt)
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, shape).astype(np.float32)
-    volts = actions * one.workspace.full
+    volts = actions * one.workspace.lever
 
     def whole():
         one.reset(seed=0)

@@ -85,8 +85,10 @@ TESTED_ELSEWHERE = {
     "gym/episodes.py": ("gym/test_machine_vector_env.py", "episodes of environments"),
     "gym/motion.py": ("gym/test_machine_env.py", "columns that observations are made of"),
     "gym/picture.py": ("gym/test_machine_env.py", "pictures of environments"),
+    "gym/reachable/lines.py": ("gym/reachable/test_workspace.py", "lines that lead from starts"),
+    "gym/reachable/travels.py": ("gym/reachable/test_workspace.py", "travels of the machines there"),
     "gym/registered.py": ("gym/test_machine_env.py", "names by which environments are made"),
-    "gym/task.py": ("gym/test_reach.py", "what all tasks share"),
+    "gym/tasks/task.py": ("gym/tasks/test_reach.py", "what all tasks share"),
     "identification/equations/finished.py": (
         "identification/equations/test_identify.py",
         "circuits that were fitted there are kept",

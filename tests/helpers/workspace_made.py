@@ -4,7 +4,8 @@ import numpy as np
 
 from polydraulic import load_machine
 from polydraulic.gym.motion import motion_from
-from polydraulic.gym.workspace import Lines, Workspace
+from polydraulic.gym.reachable.travels import travels_of
+from polydraulic.gym.reachable.workspace import Lines, Workspace
 from polydraulic.simulation.layout.prepare import start_vector
 
 
@@ -15,11 +16,9 @@ def workspace_made(name="cat215b"):
     first = np.tile([6.0, 0.0, 1.0], (2, 1))
     return Workspace(
         machine,
-        low=np.full(n, -1.0),
-        high=np.full(n, 1.0),
-        turns=np.arange(n) == 0,
-        full=np.full(n, 0.8),
-        travel=np.full(n, 0.01),
+        travels_of(machine),
+        lever=np.full(n, 0.8),
+        spool=np.full(n, 0.01),
         relief=np.full(n, 3e7),
         slews=1.0,
         tips=np.array([[6.0, 0.0, 1.0], [5.0, 1.0, 2.0], [4.0, 0.0, -1.0], [5.0, -1.0, 0.0]]),

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError, briefly
-from polydraulic.gym.grade import grade_task
-from polydraulic.gym.pick_place import pick_place_task
-from polydraulic.gym.reach import reach_task
-from polydraulic.gym.task import GymTask
+from polydraulic.gym.tasks.grade import grade_task
+from polydraulic.gym.tasks.pick_place import pick_place_task
+from polydraulic.gym.tasks.reach import reach_task
+from polydraulic.gym.tasks.task import GymTask
 from polydraulic.gym.varied import Ranges, checked_ranges, varied_machine
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.gym.kinematics import joint_speeds, tip_jacobian
 from polydraulic.gym.machine_env import MachineEnv
 from polydraulic.gym.machine_vector_env import MachineVectorEnv
-from polydraulic.gym.workspace import Workspace, full_speeds
+from polydraulic.gym.reachable.kinematics import joint_speeds, tip_jacobian
+from polydraulic.gym.reachable.workspace import Workspace
 
 _PULL, _FASTEST = 1.5, 1.5  # 1/s, speed of the tip for its distance; m/s
 _LEAD = 0.3  # s, by which levers lead the tip
@@ -37,9 +37,8 @@ def follow_goal(env: MachineEnv | MachineVectorEnv) -> Callable[[np.ndarray], np
     goal = [place[f"goal.{axis}"] for axis in ("out", "left", "up")]
     seen = [(j, place[f"{f}.travel"]) for j, f in enumerate(machine.names) if f"{f}.travel" in place]
     joints, columns = [j for j, _ in seen], [column for _, column in seen]
-    low, high = workspace.low, workspace.high
-    rest = np.where(workspace.turns & (np.arange(len(low)) == 0), 0.0, 0.5 * (low + high))  # the arm's own axes
-    full = full_speeds(machine, low, high)
+    _, low, high, turns, full = workspace.travels
+    rest = np.where(turns & (np.arange(len(low)) == 0), 0.0, 0.5 * (low + high))  # seen from the arm, it has not turned
     rated = [place.get(f"{f}.rate", place.get(f"{f}.speed", 0)) for f in machine.names]
     openings, loads = _openings(workspace), [place[f"{f}.load"] for f in machine.names]
 
@@ -58,7 +57,7 @@ def follow_goal(env: MachineEnv | MachineVectorEnv) -> Callable[[np.ndarray], np
         rates = joint_speeds(jacobian, wanted, full)
         held = (np.abs(travel) > _AT_STOP) & (rates * travel > 0.0)
         share = joint_speeds(jacobian, wanted, np.where(held, 0.0, full)) / full
-        against = np.where(workspace.turns, 0.0, np.sign(share) * shown[:, loads])
+        against = np.where(turns, 0.0, np.sign(share) * shown[:, loads])
         begin = np.stack([opening.at(load) for opening, load in zip(openings, against.T, strict=True)], axis=1)
         levers = np.sign(share) * (begin + (1.0 - begin) * np.abs(share)) * (np.abs(share) > _CREEP)
         found = np.clip(levers, -1.0, 1.0).astype(np.float32)

@@ -12,9 +12,9 @@ from polydraulic.gym.arguments import RENDER_MODES, arguments_of
 from polydraulic.gym.episodes import Begun, Episodes
 from polydraulic.gym.motion import motion_columns
 from polydraulic.gym.observations import limits_seen, numbers_seen
-from polydraulic.gym.task import Number
+from polydraulic.gym.reachable.workspace import Workspace, workspace_of
+from polydraulic.gym.tasks.task import Number
 from polydraulic.gym.varied import varied_machine
-from polydraulic.gym.workspace import Workspace, workspace_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.stepping.simulator import Simulator
 
@@ -141,7 +141,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             raise InputError("no episode has begun; call reset first")
         values = self._values().copy()
         try:
-            self.simulator.step(levers * self.workspace.full, self._given.steps, load=self._hung())
+            self.simulator.step(levers * self.workspace.lever, self._given.steps, load=self._hung())
             values = self._values()
         except SimulationError:
             values[:] = np.nan

@@ -16,9 +16,9 @@ from polydraulic.gym.episodes import Begun, Episodes
 from polydraulic.gym.machine_env import checked_levers
 from polydraulic.gym.motion import motion_columns
 from polydraulic.gym.observations import limits_seen, numbers_seen
-from polydraulic.gym.task import Number
+from polydraulic.gym.reachable.workspace import Workspace, workspace_of
+from polydraulic.gym.tasks.task import Number
 from polydraulic.gym.varied import varied_machine
-from polydraulic.gym.workspace import Workspace, workspace_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.stepping.batch_simulator import BatchSimulator
@@ -167,7 +167,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise InputError("no episode has begun; call reset first")
         weight = self._episodes.weight()
         hung = None if weight is None else {"z": -weight}
-        self.simulator.step(levers * self.workspace.full, self._given.steps, load=hung)
+        self.simulator.step(levers * self.workspace.lever, self._given.steps, load=hung)
         judged = self._episodes.step(np.stack(self._outputs), levers.T)
         self._steps += 1
         rewards, over = judged.reward, judged.over

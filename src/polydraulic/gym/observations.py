@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.task import GymTask, Number, State
-from polydraulic.gym.workspace import Workspace
+from polydraulic.gym.reachable.workspace import Workspace
+from polydraulic.gym.tasks.task import GymTask, Number, State
 
 
 def numbers_seen(workspace: Workspace, task: GymTask) -> list[Number]:
     """Numbers of an observation, in their order."""
     found = []
-    for f, turns in zip(workspace.machine.functions, workspace.turns, strict=True):
+    for f, turns in zip(workspace.machine.functions, workspace.travels.turns, strict=True):
         slides = workspace.machine.link(f.moves).joint == "prismatic"
         if not turns:
             found.append(Number(f"{f.name}.travel", "1", 1.5, "place of the joint between its stops, -1 to 1"))
@@ -33,12 +33,12 @@ def limits_seen(numbers: Sequence[Number]) -> np.ndarray:
 
 def observation(workspace: Workspace, task: GymTask, state: State, motion: Motion, limits: np.ndarray) -> np.ndarray:
     """Observations of n machines within `limits_seen`, (n, n_number) of float32."""
-    low, high = workspace.low[:, None], workspace.high[:, None]
+    low, high = workspace.travels.low[:, None], workspace.travels.high[:, None]
     travel = (2.0 * motion.position - low - high) / (high - low)
-    spool = motion.spool / workspace.travel[:, None]
+    spool = motion.spool / workspace.spool[:, None]
     load = (motion.p_a - motion.p_b) / workspace.relief[:, None]
     rows: list[np.ndarray] = []
-    for j, turns in enumerate(workspace.turns):
+    for j, turns in enumerate(workspace.travels.turns):
         rows += [motion.rate[j], spool[j], load[j]] if turns else [travel[j], motion.rate[j], spool[j], load[j]]
     found = np.empty((len(limits), motion.tip.shape[1]), dtype=np.float32)
     found[: len(rows)] = rows

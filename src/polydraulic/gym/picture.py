@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from polydraulic.gym.workspace import Workspace
+from polydraulic.gym.reachable.workspace import Workspace
 from polydraulic.plotting.drawing import View, motion_of, seen, view_limits
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.scene import draw_view, fill_place, moving_artists
@@ -31,10 +31,9 @@ def machine_picture(workspace: Workspace, position: np.ndarray, goal: np.ndarray
 
     drawing = layout_drawing(workspace.machine)
     motion = motion_of(drawing, position[None])
-    all_round = np.where(workspace.turns, np.pi, 0.0)
-    anywhere = np.random.default_rng(0).uniform(
-        workspace.low - all_round, workspace.high + all_round, (_POSES, len(position))
-    )
+    travels, n = workspace.travels, len(position)
+    all_round = np.where(travels.turns, np.pi, 0.0)
+    anywhere = np.random.default_rng(0).uniform(travels.low - all_round, travels.high + all_round, (_POSES, n))
     whole = motion_of(drawing, anywhere)
     figure = Figure(figsize=_SIZE, dpi=_DPI)
     canvas = FigureCanvasAgg(figure)

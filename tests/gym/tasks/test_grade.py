@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from helpers.workspace_made import motion_at, workspace_made
-from polydraulic.gym.grade import ACROSS, ALONG, AT_END, LEAST, STRAIGHT, WAIT, grade_task
+from polydraulic.gym.tasks.grade import ACROSS, ALONG, AT_END, LEAST, STRAIGHT, WAIT, grade_task
 
 TASK, WORK, PERIOD = grade_task(), workspace_made(), 0.05
 NO_LEVERS = np.zeros((3, 1))

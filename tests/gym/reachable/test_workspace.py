@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, Simulator, load_machine
-from polydraulic.gym.kinematics import tip_at_joints
-from polydraulic.gym.workspace import Lines, full_speeds, workspace_of
+from polydraulic.gym.reachable.kinematics import tip_at_joints
+from polydraulic.gym.reachable.workspace import Lines, workspace_of
 from polydraulic.simulation.layout.columns import columns_of
 
 
@@ -21,18 +21,18 @@ def loader():
 def test_tips_lie_where_joints_between_their_stops_bring_them(loader):
     work = workspace_of(loader, as_they_are)
     stops = np.array([f.stops for f in loader.functions])
-    assert np.array_equal(np.stack([work.low, work.high], axis=1), stops)
-    assert not work.turns.any()
+    assert np.array_equal(np.stack([work.travels.low, work.travels.high], axis=1), stops)
+    assert not work.travels.turns.any()
     assert len(work.tips) > 1000
     assert np.all(np.linalg.norm(work.tips - [0.0, 0.0, 2.0], axis=1) < 2.6 + 1.3)
     assert np.ptp(work.tips[:, 2]) > 3.0
-    assert np.array_equal(work.lines.first, work.lines.last)  # none were asked for
+    assert work.lines is None  # none were asked for
 
 
 def test_joints_that_turn_all_round_are_turned_a_part_of_it():
     work = workspace_of(load_machine("cat215b"), as_they_are)
-    assert work.turns.tolist() == [True, False, False]
-    assert work.high[0] - work.low[0] < np.pi
+    assert work.travels.turns.tolist() == [True, False, False]
+    assert work.travels.high[0] - work.travels.low[0] < np.pi
     assert work.slews == 1.0
 
 
@@ -88,8 +88,6 @@ def test_a_depth_without_lines_is_refused(loader):
 
 
 def test_full_speeds_are_strokes_in_their_time():
-    machine = load_machine("loader_crane")
-    work = workspace_of(machine, as_they_are)
-    speeds = full_speeds(machine, work.low, work.high)
+    speeds = workspace_of(load_machine("loader_crane"), as_they_are).travels.full
     assert speeds[0] == 0.6
     assert speeds[3] == pytest.approx(1.7 / 5.0)

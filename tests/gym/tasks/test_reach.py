@@ -5,8 +5,8 @@ import pytest
 
 from helpers.workspace_made import motion_at, workspace_made
 from polydraulic import InputError
-from polydraulic.gym.reach import DONE, EFFORT_COST, NEARBY, TIME_COST, reach_task
-from polydraulic.gym.task import SLOW
+from polydraulic.gym.tasks.reach import DONE, EFFORT_COST, NEARBY, TIME_COST, reach_task
+from polydraulic.gym.tasks.task import SLOW
 
 TASK, WORK, PERIOD = reach_task(), workspace_made(), 0.05
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from helpers.workspace_made import motion_at, workspace_made
-from polydraulic.gym.pick_place import pick_place_task
-from polydraulic.gym.reach import DONE, TIME_COST
+from polydraulic.gym.tasks.pick_place import pick_place_task
+from polydraulic.gym.tasks.reach import DONE, TIME_COST
 
 TASK, WORK, PERIOD = pick_place_task(200.0), workspace_made(), 0.05
 PICK, PLACE, FAR = [4.0, 0.0, -1.0], [5.0, 1.0, 2.0], [6.0, 0.0, 1.0]

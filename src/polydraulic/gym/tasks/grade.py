@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.gym.kinematics import to_arm
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.reach import TO_GOAL, seen_from_arm
-from polydraulic.gym.task import GymTask, Judged, Number, State, chosen
-from polydraulic.gym.workspace import Workspace
+from polydraulic.gym.reachable.kinematics import to_arm
+from polydraulic.gym.reachable.workspace import Workspace
+from polydraulic.gym.tasks.reach import TO_GOAL, seen_from_arm
+from polydraulic.gym.tasks.task import GymTask, Judged, Number, State, chosen
 
 WAIT = 0.5  # s before the mark moves
 ACROSS, ALONG, LEAST = (
@@ -32,9 +32,12 @@ def grade_task() -> GymTask:
 
 def _begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) -> tuple[np.ndarray, State]:
     start = chosen(draws[0], len(workspace.starts))
-    first, last = workspace.lines.first[start].T, workspace.lines.last[start].T
+    lines = workspace.lines
+    if lines is None:
+        raise ValueError("the workspace was found without lines")
+    first, last = lines.first[start].T, lines.last[start].T
     length = np.sqrt(((last - first) ** 2).sum(axis=0))
-    speed, (time, square, steps) = workspace.lines.speed[start], np.zeros((3, len(start)))
+    speed, (time, square, steps) = lines.speed[start], np.zeros((3, len(start)))
     way = (last - first) / length
     return start, {
         "first": first,

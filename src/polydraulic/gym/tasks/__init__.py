@@ -1,0 +1,1 @@
+"""What is to be done: `task` (what a task is), and one module for each."""
