@@ -12,7 +12,14 @@ from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.identification.equations.free_runs import FREE_RUN_HEADS, free_run_rows, free_runs
 from polydraulic.identification.equations.identify import Identification
-from polydraulic.identification.equations.words import NUMBER_HEADS, VALVE_HEADS, number_rows, valve_rows
+from polydraulic.identification.equations.words import (
+    NUMBER_HEADS,
+    VALVE_HEADS,
+    WINDOW_HEADS,
+    number_rows,
+    valve_rows,
+    window_rows,
+)
 from polydraulic.pages.html import bullets, document
 from polydraulic.pages.html import table as html_table
 from polydraulic.progress import Progress, quiet
@@ -46,12 +53,21 @@ def write_identification_card(
     identification_card_ending(path)
     runs, why = free_runs(found, progress=progress)
     parts = [
-        f"<p>Identified from {escape(found.source)}, {len(found.table)} rows. Every fifth block of half a minute was held out to choose knots and to "
-        "state errors; the curves below are those of all rows.</p>",
+        f"<p>Identified from {escape(found.source)}, {len(found.table)} rows.</p>",
+        "<p>Every fifth block of half a minute was held out to choose knots and to state errors; the curves below are those of all rows.</p>"
+        if found.circuits
+        else "",
         html_table("Flows left on blocks held out, root mean square", VALVE_HEADS, valve_rows(found, units))
         if found.circuits
         else "",
-        html_table("Single numbers", NUMBER_HEADS, rows) if (rows := number_rows(found, units)) else "",
+        html_table(
+            f"Runs of {found.runs.windows} windows of {found.runs.seconds:g} s against sensors, robust standard deviation of what is left",
+            WINDOW_HEADS,
+            window_rows(found, units),
+        )
+        if found.runs is not None
+        else "",
+        html_table("Numbers", NUMBER_HEADS, rows) if (rows := number_rows(found, units)) else "",
         "<h2>What is determined, and what is not</h2>",
         bullets([*found.remarks, *found.kept]) or "<p>All that was free is determined.</p>",
         "<h2>Run against the log</h2>",
@@ -60,9 +76,11 @@ def write_identification_card(
         if runs
         else f"<p>{escape(why)}.</p>",
         html_table("", FREE_RUN_HEADS, free_run_rows(runs, units)) if runs else "",
-        "<h2>Curves</h2>",
+        "<h2>Curves</h2>" if found.circuits else "",
         f"<p>Conductances as flows at a drop of {as_shown(_DROP, 'Pa', units):g} {shown_unit('Pa', units)}, with {_SURE:g} standard errors; dashed, before. "
-        "Below, how often the log has a spool there. Grey is where it has never been.</p>",
+        "Below, how often the log has a spool there. Grey is where it has never been.</p>"
+        if found.circuits
+        else "",
     ]
     for name in found.circuits:
         parts.append(f"<h3>{escape(name)}</h3>")

@@ -1,44 +1,43 @@
-"""A machine identified from a log of its work: curves of valves, pumps and pilots inside the equations that are known.
+"""A machine identified from a log of its work: curves, pumps, pilots, masses and friction inside the equations that are known.
 
-What the sensors determine is fitted, circuit by circuit; all else keeps its value and is named, with the reason.
+Three ways, each where the log has the sensors for it (`ways`): circuits from spools, pressures and flows, masses and friction from pressures and
+positions, what is left through simulation. All else keeps its value and is named, with the reason.
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from polydraulic.display import DEFAULT, amount
+from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFound, identify_circuit
+from polydraulic.identification.equations.circuits import CircuitFound
 from polydraulic.identification.equations.finished import Finished
-from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom, fitted_here, freedom
+from polydraulic.identification.equations.free_numbers import Freedom, freedom
 from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data
 from polydraulic.identification.equations.log_pieces import raster_within
+from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
-from polydraulic.identification.equations.sensors import (
-    Signals,
-    check_units,
-    missing_for_circuit,
-    read_function,
-    wanted_columns,
-)
+from polydraulic.identification.equations.sensors import Signals, check_units, read_function
+from polydraulic.identification.equations.shooting.fit import ShootingFit
+from polydraulic.identification.equations.shooting.windows import run_sensors
+from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots
+from polydraulic.identification.equations.ways.by_pressures import find_mechanics
+from polydraulic.identification.equations.ways.by_runs import find_left, lacking_for_runs
+from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
 from polydraulic.parameters.entries import read_toml
-from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_machine, machine_path
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
-_STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
-_KNOWN = 0.5  # of its spread, or of itself: a number whose standard error is larger is not determined
-_LEAST_ROWS = 500
+_RUN_STEPS = 25  # of a progress bar, for simulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +53,10 @@ class Identification:
     circuits : dict from name to CircuitFound
         Those that were fitted.
     pilots : dict from function to PilotFit
+    mechanics : MechanicsFit or None
+        Masses and friction by regression.
+    runs : ShootingFit or None
+        What was left to simulation.
     kept : list of str
         What kept its value, and why.
     remarks : list of str
@@ -71,6 +74,8 @@ class Identification:
     changes: dict[str, Identified]
     circuits: dict[str, CircuitFound]
     pilots: dict[str, PilotFit]
+    mechanics: MechanicsFit | None
+    runs: ShootingFit | None
     kept: list[str]
     remarks: list[str]
     freedom: Freedom
@@ -116,8 +121,10 @@ def identify(
 
     For each circuit of valves in series: inlet, bypass and outlet conductances over spool travel, monotone, on knots that are added where blocks of
     time held out ask for them; flow of the pump, and its relief setting and torque limit where rows show them. For each function with voltage and
-    spool: gain, time constant and dead time of its pilot. Numbers that the sensors do not
-    determine keep their value. Beyond the travel that the log has, curves go on in the shape they had, scaled to meet.
+    spool: gain, time constant and dead time of its pilot. Masses and friction that are marked: by regression from pressures and positions. What is
+    free and has not the sensors for these: through simulation, from voltages and positions of all functions and whatever else there is.
+    Numbers that the sensors do not determine keep their value. Beyond the travel that the log has, curves go on in the shape they had,
+    scaled to meet.
 
     Parameters
     ----------
@@ -130,7 +137,7 @@ def identify(
         To begin from, or its name or file.
     free : sequence of str
         Patterns of paths that may change, such as ``functions.*.valve.*``, besides what the file marks with ``free = true``. If nothing is
-        marked either, all that can be fitted may.
+        marked either, curves, pumps and pilots may; masses and friction only where a log tells nothing else.
     parts : str or Path, optional
         Folder in which finished circuits are kept while the others are fitted, and found again by the next call with the same log and machine.
     progress : Progress, optional
@@ -147,70 +154,67 @@ def identify(
     before = machine if isinstance(machine, LayoutMachine) else load_machine(machine)
     data = machine_data(before) if isinstance(machine, LayoutMachine) else read_toml(machine_path(machine))
     may = freedom(before, data, free)
-    table, source = table_of(log, ["time"], ["segment", *wanted_columns(before)])
+    table, source = table_of(
+        log, ["time"], ["segment", *(f"{name}.voltage" for name in before.names), *run_sensors(before)]
+    )
     check_units(table)
     segment = _segments(table, source)
     raster = raster_within(table["time"], segment)
-    steps = len(before.functions) + 2 * len(before.circuits)
+    simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
+    steps = len(before.functions) + 2 * len(before.circuits) + 1 + simulated
     signals: dict[str, Signals] = {}
     for number, f in enumerate(before.functions):
         progress(f"{f.name}: sensors and pilot", number, steps)
         signals[f.name] = read_function(before, f, table, segment, may.has(f"functions.{f.name}.pilot.time_constant"))
-    notes: list[str] = []
-    changes: dict[str, Identified] = {}
-    from_log = f"identified from {source}"
-    pilots: dict[str, PilotFit] = {}
-    for f in before.functions:
-        pilot = signals[f.name].pilot
-        if not any(may.has(f"functions.{f.name}.pilot.{key}") for key in f.pilot._fields):
-            continue
-        if pilot is None:
-            notes.append(f"functions.{f.name}.pilot: kept; the log has no voltage with a spool that follows it")
-        else:
-            pilots[f.name] = pilot
-            changes |= _pilot_changes(f, pilot, may, from_log)
-    circuits: dict[str, CircuitFound] = {}
+    so_far = SoFar(before, may, f"identified from {source}")
     finished = Finished(parts, _digest(table, data, may))
-    for number, circuit in enumerate(before.circuits):
-        at = len(before.functions) + 2 * number
-        why = _refused(before, circuit, signals, may)
-        if why:
-            notes.append(f"circuits.{circuit.name}: kept; {why}")
-            continue
-        known = finished.circuit(circuit.name)
-        if known is None:
-            fitted = identify_circuit(
-                before, circuit, signals, table["time"], segment, raster, _free_pump(circuit, may),
-                lambda what, name=circuit.name, at=at: progress(f"{name}: {what}", at, steps),  # type: ignore[misc]
-            )  # fmt: skip
-            if isinstance(fitted, str):
-                notes.append(f"circuits.{circuit.name}: kept; {fitted}")
-                continue
-            finished.keep(circuit.name, fitted)
-            known = fitted
-        circuits[circuit.name] = known
-        changes |= _circuit_changes(before, circuit, known, may, from_log, notes)
-    if not changes:
-        raise InputError("; ".join([f"{source} determines nothing of this machine", *notes]))
-    others = [path for path in may.spreads if may.marked and not fitted_here(path)]
-    if others:
-        notes.append(
-            f"{', '.join(others)}: kept; only a fit through simulation can change {'it' if len(others) == 1 else 'them'}"
-        )
-    found = before.with_values({path: new.value for path, new in changes.items()})
+    at = len(before.functions)
+    pilots = find_pilots(so_far, signals)
+    circuits = find_circuits(
+        so_far,
+        signals,
+        table["time"],
+        segment,
+        raster,
+        finished,
+        lambda place, what: progress(what, at + 2 * place, steps),
+    )
+    at += 2 * len(before.circuits)
+    progress("masses and friction", at, steps)
+    mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not simulated)
+    taken = _taken(before, pilots, circuits, mechanics)
+    runs = find_left(
+        so_far, table, taken, lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps)
+    )
+    lacks = [f"{what}: {'not by regression' if runs else 'kept'}; {why}" for what, why in so_far.lacks.items()]
+    if not so_far.changes:
+        raise InputError("; ".join([f"{source} determines nothing of this machine", *lacks, *so_far.kept]))
     finished.forget()
     progress("identified", steps, steps)
     return Identification(
-        found, before, changes, circuits, pilots, notes, _remarks(before, circuits), may, table, source, data
-    )
+        so_far.machine, before, so_far.changes, circuits, pilots, mechanics, runs, [*lacks, *so_far.kept], so_far.remarks, may, table,
+        source, data,
+    )  # fmt: skip
+
+
+def _taken(
+    machine: LayoutMachine,
+    pilots: Container[str],
+    circuits: Container[str],
+    mechanics: MechanicsFit | None,
+) -> tuple[str, ...]:
+    """Beginnings of paths that need no simulation: their numbers were found, or looked for with better means."""
+    found = [f"functions.{f.name}.pilot." for f in machine.functions if f.name in pilots]
+    for circuit in machine.circuits:
+        if circuit.name in circuits:
+            found += [f"{circuit.pump_path}.", *(f"functions.{name}.valve." for name in circuit.functions)]
+    return (*found, *(e.path for e in mechanics.estimates.numbers)) if mechanics else tuple(found)
 
 
 def _segments(table: Table, source: str) -> np.ndarray:
     time = table["time"]
-    if len(time) < _LEAST_ROWS:
-        raise InputError(
-            f"{source} determines nothing of this machine: it has {len(time)} rows; {_LEAST_ROWS} at least"
-        )
+    if len(time) < LEAST_ROWS:
+        raise InputError(f"{source} determines nothing of this machine: it has {len(time)} rows; {LEAST_ROWS} at least")
     if np.any(np.diff(time) <= 0.0):
         raise InputError(
             "column 'time' does not rise from row to row; a machine is identified from a log as it was recorded"
@@ -219,101 +223,6 @@ def _segments(table: Table, source: str) -> np.ndarray:
     step = float(np.median(np.diff(time)))
     jumps = np.concatenate([[0.0], (np.abs(np.diff(time) - step) > 0.05 * step) | (np.diff(own) != 0.0)])
     return np.cumsum(jumps).astype(np.int64)
-
-
-def _refused(machine: LayoutMachine, circuit: SupplyCircuit, signals: dict[str, Signals], may: Freedom) -> str:
-    if circuit.kind != "series":
-        return f"it is of the kind {circuit.kind!r}; only circuits of valves in series are identified"
-    paths = [f"functions.{f}.valve.{key}" for f in circuit.functions for key in CURVES] + [
-        f"{circuit.pump_path}.{key}" for key in PUMP_KEYS.values()
-    ]
-    if not any(may.has(path) for path in paths):
-        return "none of its numbers is free"
-    missing = missing_for_circuit(machine, circuit.functions, signals)
-    if missing:
-        return missing
-    for name in circuit.functions:
-        spool, opens = signals[name].spool, machine.function(name).valve
-        assert spool is not None
-        if np.count_nonzero(np.abs(spool) > 0.1 * opens.knots[-1]) < _LEAST_ROWS:
-            return f"the spool of {name} hardly ever leaves its centre"
-    return ""
-
-
-def _free_pump(circuit: SupplyCircuit, may: Freedom) -> dict[str, float]:
-    found = {}
-    for name, key in PUMP_KEYS.items():
-        path = f"{circuit.pump_path}.{key}"
-        if may.has(path):
-            found[name] = may.spread(path, SPREADS[key] * float(getattr(circuit.pump, key)))
-    return found
-
-
-def _pilot_changes(f: MachineFunction, found: PilotFit, may: Freedom, from_log: str) -> dict[str, Identified]:
-    source = f"{from_log}: spool after voltage, {found.rows} rows, {amount(found.rms, 'm')} rms left"
-    values = found.pilot._replace(dead_time=max(found.pilot.dead_time - _STEP_LAG, 0.0))
-    return {
-        f"functions.{f.name}.pilot.{key}": Identified(value, error, source)
-        for key, value, error in zip(values._fields, values, found.errors, strict=True)
-        if may.has(f"functions.{f.name}.pilot.{key}")
-    }
-
-
-def _circuit_changes(
-    machine: LayoutMachine, circuit: SupplyCircuit, found: CircuitFound, may: Freedom, from_log: str, notes: list[str]
-) -> dict[str, Identified]:
-    changes = {}
-    for name, v in found.valves.items():
-        seen = f"travel {amount(v.seen[0], 'm')} to {amount(v.seen[1], 'm')} and pressure {amount(v.pressure[0], 'Pa')} to {amount(v.pressure[1], 'Pa')} seen"
-        source = f"{from_log}: {v.rows} rows with an open valve, {seen}; beyond, the old curve's shape"
-        for key in ("knots", *CURVES):
-            values = getattr(v.curves, key)
-            errors = v.errors.get(key)
-            sure = (
-                tuple(float("inf") if e != e else float(e) for e in errors)
-                if errors is not None
-                else (0.0,) * len(values)
-            )
-            changes[f"functions.{name}.valve.{key}"] = Identified(values, sure, source)
-        notes += [
-            f"functions.{name}.valve.{key}: kept; the log has too few rows with a spool on that side and a flow out"
-            for key, fitted in zip(("outlet_positive", "outlet_negative"), v.outlets, strict=True)
-            if not fitted
-        ]
-    for name, (value, error) in found.pump.items():
-        key = PUMP_KEYS[name]
-        changes[f"{circuit.pump_path}.{key}"] = Identified(value, error, f"{from_log}: {found.rows} rows")
-    for name, key in PUMP_KEYS.items():
-        if (
-            name not in found.pump
-            and may.has(f"{circuit.pump_path}.{key}")
-            and (name != "limit_start" or circuit.pump.torque_limit_enabled)
-        ):
-            notes.append(f"{circuit.pump_path}.{key}: kept; the log does not show it")
-    return changes
-
-
-def _remarks(machine: LayoutMachine, circuits: dict[str, CircuitFound]) -> list[str]:
-    """What is determined within what error, and what is not, in words."""
-    found = []
-    for c in circuits.values():
-        for name, v in c.valves.items():
-            knots = np.array(v.curves.knots)
-            for key in CURVES:
-                values, errors = np.array(getattr(v.curves, key)), v.errors[key]
-                open_ = values > 0.02 * values.max()
-                unsure = open_ & ~(errors < _KNOWN * 0.2 * np.maximum(values, 1e-300)) & (knots <= v.seen[1] + 1e-9)
-                if unsure.any():
-                    at = ", ".join(amount(k, "m") for k in knots[unsure])
-                    found.append(
-                        f"functions.{name}.valve.{key} is not known within 10 % at {at}: there the log hardly depends on it"
-                    )
-            if v.seen[1] < machine.function(name).valve.knots[-1] - 1e-4:
-                found.append(
-                    f"functions.{name}.valve beyond {amount(v.seen[1], 'm')} was never seen, to {amount(knots[-1], 'm')}: the old curves' shape"
-                )
-        found += c.trades
-    return found
 
 
 def _digest(table: Table, data: dict[str, Any], may: Freedom) -> str:

@@ -59,14 +59,6 @@ def position_column(machine: LayoutMachine, f: MachineFunction) -> str:
     return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
 
 
-def wanted_columns(machine: LayoutMachine) -> list[str]:
-    """Columns that a machine is identified from, as far as a log has them."""
-    shown = [
-        f"{f.name}.{what}" for f in machine.functions for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")
-    ]
-    return [*shown, *(position_column(machine, f) for f in machine.functions)]
-
-
 def check_units(table: Table) -> None:
     """Refuse columns that are not in SI."""
     for name in table.names:

@@ -7,6 +7,7 @@ import numpy as np
 
 COVERED = 1.6448536269514722  # standard deviations on both sides that hold 90 % of a normal distribution
 KNOWN = 0.5  # of the prior's standard deviation: a log that leaves more has not determined a number
+HIDDEN = 0.9  # of it: a number of which a log says next to nothing
 _TRADES = 0.9  # correlation
 _SHOWN = 3
 
@@ -20,6 +21,8 @@ class Estimate(NamedTuple):
     value : float, SI
     sd : float, SI
         Standard deviation.
+    spread : float, SI
+        Standard deviation of the prior.
     determined : bool
         Whether the log says more than the prior did.
     """
@@ -27,6 +30,7 @@ class Estimate(NamedTuple):
     path: str
     value: float
     sd: float
+    spread: float
     determined: bool
 
     @property
@@ -38,6 +42,11 @@ class Estimate(NamedTuple):
     def high(self) -> float:
         """Upper end of it."""
         return self.value + COVERED * self.sd
+
+    @property
+    def hidden(self) -> bool:
+        """Whether the log says next to nothing of it."""
+        return self.sd > HIDDEN * self.spread
 
 
 class Estimates(NamedTuple):
@@ -78,7 +87,7 @@ def estimates_of(
     """
     sd = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
     numbers = tuple(
-        Estimate(path, float(value), float(own), bool(own < KNOWN * spread))
+        Estimate(path, float(value), float(own), float(spread), bool(own < KNOWN * spread))
         for path, value, own, spread in zip(paths, values, sd, spreads, strict=True)
     )
     return Estimates(numbers, covariance, tuple(_trades(numbers, correlation)))

@@ -26,6 +26,7 @@ from polydraulic.identification.equations.shooting.runs import (
     driven_windows,
     first_states,
     shoot,
+    spool_range,
     window_slopes,
 )
 from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
@@ -79,6 +80,8 @@ class ShootingFit(NamedTuple):
     windows : int
     seconds : float
         Length of a window.
+    travel : dict
+        Largest travel of each spool that commands drive, m.
     """
 
     machine: LayoutMachine
@@ -87,6 +90,7 @@ class ShootingFit(NamedTuple):
     before: dict[str, float]
     windows: int
     seconds: float
+    travel: dict[str, float]
 
 
 def fit_by_shooting(
@@ -146,13 +150,15 @@ def fit_by_shooting(
         done += steps
     progress("identify", total, total)
     columns = [channel.column for channel in windows.channels]
+    found = search.machine_at(u)
     return ShootingFit(
-        search.machine_at(u),
+        found,
         search.estimates(u),
         dict(zip(columns, search.noise.tolist(), strict=True)),
         dict(zip(columns, search.before.tolist(), strict=True)),
         len(windows.first),
         seconds,
+        spool_range(found, windows),
     )
 
 

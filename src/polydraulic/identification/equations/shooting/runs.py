@@ -14,6 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.inertia import inertial_numbers, inertial_values, torque_regressor
 from polydraulic.identification.equations.mechanics.motion_rows import oil_torques
 from polydraulic.identification.equations.shooting.windows import LEAD, Windows
+from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.batch.batch import simulate_batch
 from polydraulic.simulation.layout.columns import columns_of, function_column
@@ -152,9 +153,15 @@ def driven_windows(machine: LayoutMachine, windows: Windows) -> Driven:
     return _driven(machine, windows, windows.first, windows.n_step)
 
 
-def _driven(machine: LayoutMachine, windows: Windows, first: np.ndarray, n_step: int) -> Driven:
-    from scipy.signal import lfilter
+def spool_range(machine: LayoutMachine, windows: Windows) -> dict[str, float]:
+    """Largest travel that commands drive each spool to in all pieces, m."""
+    return {
+        f.name: max(float(np.abs(_followed(f, command[:, k], windows.dt)).max()) for command in windows.command)
+        for k, f in enumerate(machine.functions)
+    }
 
+
+def _driven(machine: LayoutMachine, windows: Windows, first: np.ndarray, n_step: int) -> Driven:
     spool = np.empty((len(first), len(machine.functions)))
     voltage = np.empty((len(first), n_step, len(machine.functions)))
     inside = first[:, None] + np.arange(n_step)
@@ -163,14 +170,20 @@ def _driven(machine: LayoutMachine, windows: Windows, first: np.ndarray, n_step:
         at = np.arange(len(command)) * windows.dt
         for k, f in enumerate(machine.functions):
             late = np.interp(at - f.pilot.dead_time, at, command[:, k])
-            travel = f.valve.knots[-1]
-            target = np.clip(f.pilot.gain * late, -travel, travel)
-            decay = np.exp(-windows.dt / f.pilot.time_constant)
-            after = lfilter([1.0 - decay], [1.0, -decay], target, zi=[decay * target[0]])[0]
-            before = np.append(target[0], after[:-1])
-            spool[mine, k] = before[first[mine]]
+            spool[mine, k] = _followed(f, late, windows.dt)[first[mine]]
             voltage[mine, :, k] = late[inside[mine]]
     return Driven(spool, voltage)
+
+
+def _followed(f: MachineFunction, late: np.ndarray, dt: float) -> np.ndarray:
+    """Spool at the beginning of each step, (n_step,) in m, from voltages behind the dead time."""
+    from scipy.signal import lfilter
+
+    travel = f.valve.knots[-1]
+    target = np.clip(f.pilot.gain * late, -travel, travel)
+    decay = np.exp(-dt / f.pilot.time_constant)
+    after = lfilter([1.0 - decay], [1.0, -decay], target, zi=[decay * target[0]])[0]
+    return np.append(target[0], after[:-1])
 
 
 def _vectors(machine: LayoutMachine, spool: np.ndarray, states: np.ndarray) -> np.ndarray:

@@ -83,14 +83,18 @@ class Windows(NamedTuple):
 
 def sensors_of(machine: LayoutMachine, table: Table) -> list[str]:
     """Columns of a log that a run has, too, but for commands."""
+    return [name for name in run_sensors(machine) if name in table.names]
+
+
+def run_sensors(machine: LayoutMachine) -> list[str]:
+    """Columns of a run that a sensor may read."""
     known = [
         function_column(machine, f.name, quantity, "").name
         for f in machine.functions
         for quantity in kept_quantities(f)
     ]
     known += [key for c in machine.circuits for key in circuit_keys(c, p_pump=True, stores_oil=False)]
-    known += [cross_name(x.giving) for x in machine.crossovers]
-    return [name for name in known if name in table.names]
+    return [*known, *(cross_name(x.giving) for x in machine.crossovers)]
 
 
 def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *, seconds: float, most: int) -> Windows:

@@ -1,0 +1,174 @@
+"""Pilots from voltages and spools, and circuits from spools, pressures and flows."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from polydraulic.display import amount
+from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFound, identify_circuit
+from polydraulic.identification.equations.finished import Finished
+from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom
+from polydraulic.identification.equations.identified_file import Identified
+from polydraulic.identification.equations.pilot_fit import PilotFit
+from polydraulic.identification.equations.sensors import Signals, missing_for_circuit
+from polydraulic.identification.equations.ways.so_far import SoFar
+from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+LEAST_ROWS = 500
+_STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
+_KNOWN = 0.5  # of its spread, or of itself: a number whose standard error is larger is not determined
+
+
+def find_pilots(so_far: SoFar, signals: dict[str, Signals]) -> dict[str, PilotFit]:
+    """Pilots of the functions whose voltage and spool the log has."""
+    found = {}
+    for f in so_far.machine.functions:
+        pilot = signals[f.name].pilot
+        if not any(so_far.may.has(f"functions.{f.name}.pilot.{key}") for key in f.pilot._fields):
+            continue
+        if pilot is None:
+            so_far.lacks[f"functions.{f.name}.pilot"] = "the log has no voltage with a spool that follows it"
+        else:
+            found[f.name] = pilot
+            so_far.take(_pilot_changes(f, pilot, so_far.may, so_far.from_log))
+    return found
+
+
+def find_circuits(
+    so_far: SoFar,
+    signals: dict[str, Signals],
+    time: np.ndarray,
+    segment: np.ndarray,
+    raster: float,
+    finished: Finished,
+    tell: Callable[[int, str], object],
+) -> dict[str, CircuitFound]:
+    """Circuits whose sensors the log has; finished ones as they were.
+
+    Parameters
+    ----------
+    so_far : SoFar
+    signals : dict from function to Signals
+    time, segment : (n_row,) array
+    raster : float, s
+    finished : Finished
+    tell : callable
+        Told the place of a circuit, and what is being done.
+    """
+    machine, may, found = so_far.machine, so_far.may, {}
+    for place, circuit in enumerate(machine.circuits):
+        why = _refused(machine, circuit, signals, may)
+        if why:
+            so_far.lacks[f"circuits.{circuit.name}"] = why
+            continue
+        known = finished.circuit(circuit.name)
+        if known is None:
+            fitted = identify_circuit(
+                machine, circuit, signals, time, segment, raster, _free_pump(circuit, may),
+                lambda what, name=circuit.name, place=place: tell(place, f"{name}: {what}"),  # type: ignore[misc]
+            )  # fmt: skip
+            if isinstance(fitted, str):
+                so_far.lacks[f"circuits.{circuit.name}"] = fitted
+                continue
+            finished.keep(circuit.name, fitted)
+            known = fitted
+        found[circuit.name] = known
+        so_far.take(_circuit_changes(machine, circuit, known, may, so_far.from_log, so_far.kept))
+    so_far.remarks += _remarks(machine, found)
+    return found
+
+
+def _refused(machine: LayoutMachine, circuit: SupplyCircuit, signals: dict[str, Signals], may: Freedom) -> str:
+    if circuit.kind != "series":
+        return f"it is of the kind {circuit.kind!r}; only circuits of valves in series are identified"
+    paths = [f"functions.{f}.valve.{key}" for f in circuit.functions for key in CURVES] + [
+        f"{circuit.pump_path}.{key}" for key in PUMP_KEYS.values()
+    ]
+    if not any(may.has(path) for path in paths):
+        return "none of its numbers is free"
+    missing = missing_for_circuit(machine, circuit.functions, signals)
+    if missing:
+        return missing
+    for name in circuit.functions:
+        spool, opens = signals[name].spool, machine.function(name).valve
+        assert spool is not None
+        if np.count_nonzero(np.abs(spool) > 0.1 * opens.knots[-1]) < LEAST_ROWS:
+            return f"the spool of {name} hardly ever leaves its centre"
+    return ""
+
+
+def _free_pump(circuit: SupplyCircuit, may: Freedom) -> dict[str, float]:
+    found = {}
+    for name, key in PUMP_KEYS.items():
+        path = f"{circuit.pump_path}.{key}"
+        if may.has(path):
+            found[name] = may.spread(path, SPREADS[key] * float(getattr(circuit.pump, key)))
+    return found
+
+
+def _pilot_changes(f: MachineFunction, found: PilotFit, may: Freedom, from_log: str) -> dict[str, Identified]:
+    source = f"{from_log}: spool after voltage, {found.rows} rows, {amount(found.rms, 'm')} rms left"
+    values = found.pilot._replace(dead_time=max(found.pilot.dead_time - _STEP_LAG, 0.0))
+    return {
+        f"functions.{f.name}.pilot.{key}": Identified(value, error, source)
+        for key, value, error in zip(values._fields, values, found.errors, strict=True)
+        if may.has(f"functions.{f.name}.pilot.{key}")
+    }
+
+
+def _circuit_changes(
+    machine: LayoutMachine, circuit: SupplyCircuit, found: CircuitFound, may: Freedom, from_log: str, notes: list[str]
+) -> dict[str, Identified]:
+    changes = {}
+    for name, v in found.valves.items():
+        seen = f"travel {amount(v.seen[0], 'm')} to {amount(v.seen[1], 'm')} and pressure {amount(v.pressure[0], 'Pa')} to {amount(v.pressure[1], 'Pa')} seen"
+        source = f"{from_log}: {v.rows} rows with an open valve, {seen}; beyond, the old curve's shape"
+        for key in ("knots", *CURVES):
+            values = getattr(v.curves, key)
+            errors = v.errors.get(key)
+            sure = (
+                tuple(float("inf") if e != e else float(e) for e in errors)
+                if errors is not None
+                else (0.0,) * len(values)
+            )
+            changes[f"functions.{name}.valve.{key}"] = Identified(values, sure, source)
+        notes += [
+            f"functions.{name}.valve.{key}: kept; the log has too few rows with a spool on that side and a flow out"
+            for key, fitted in zip(("outlet_positive", "outlet_negative"), v.outlets, strict=True)
+            if not fitted
+        ]
+    for name, (value, error) in found.pump.items():
+        key = PUMP_KEYS[name]
+        changes[f"{circuit.pump_path}.{key}"] = Identified(value, error, f"{from_log}: {found.rows} rows")
+    for name, key in PUMP_KEYS.items():
+        if (
+            name not in found.pump
+            and may.has(f"{circuit.pump_path}.{key}")
+            and (name != "limit_start" or circuit.pump.torque_limit_enabled)
+        ):
+            notes.append(f"{circuit.pump_path}.{key}: kept; the log does not show it")
+    return changes
+
+
+def _remarks(machine: LayoutMachine, circuits: dict[str, CircuitFound]) -> list[str]:
+    """What is determined within what error, and what is not, in words."""
+    found = []
+    for c in circuits.values():
+        for name, v in c.valves.items():
+            knots = np.array(v.curves.knots)
+            for key in CURVES:
+                values, errors = np.array(getattr(v.curves, key)), v.errors[key]
+                open_ = values > 0.02 * values.max()
+                unsure = open_ & ~(errors < _KNOWN * 0.2 * np.maximum(values, 1e-300)) & (knots <= v.seen[1] + 1e-9)
+                if unsure.any():
+                    at = ", ".join(amount(k, "m") for k in knots[unsure])
+                    found.append(
+                        f"functions.{name}.valve.{key} is not known within 10 % at {at}: there the log hardly depends on it"
+                    )
+            if v.seen[1] < machine.function(name).valve.knots[-1] - 1e-4:
+                found.append(
+                    f"functions.{name}.valve beyond {amount(v.seen[1], 'm')} was never seen, to {amount(knots[-1], 'm')}: the old curves' shape"
+                )
+        found += c.trades
+    return found

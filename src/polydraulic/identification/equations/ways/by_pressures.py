@@ -1,0 +1,48 @@
+"""Masses and friction from pressures and positions of all functions, by regression.
+
+They change only where somebody marks them, or where a log tells nothing else: a data sheet often knows them better.
+"""
+
+import numpy as np
+
+from polydraulic.display import amount
+from polydraulic.errors import InputError
+from polydraulic.identification.equations.mechanics.fit import MechanicsFit, fit_mechanics, mechanical_spreads
+from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
+from polydraulic.tables import Table
+
+WAY = "masses and friction from pressures"
+
+
+def find_mechanics(so_far: SoFar, table: Table, *, unasked: bool) -> MechanicsFit | None:
+    """Masses and friction, None where none is free or the log lacks what it takes.
+
+    Parameters
+    ----------
+    so_far : SoFar
+    table : Table
+        The log, in SI.
+    unasked : bool
+        Whether they are free where nothing is marked.
+    """
+    machine, may = so_far.machine, so_far.may
+    usual = mechanical_spreads(machine)
+    if unasked and not may.marked:
+        spreads = usual
+    else:
+        spreads = {path: may.spread(path, usual.get(path, np.nan)) for path in may.spreads if is_mechanical(path)}
+        spreads = {path: spread for path, spread in spreads.items() if np.isfinite(spread)}
+    if not spreads:
+        return None
+    try:
+        found = fit_mechanics(table, machine, spreads)
+    except InputError as error:
+        so_far.lacks[WAY] = str(error).removeprefix("table: ")
+        return None
+    pressures = [table[f"{f}.{p}"] for f in machine.names for p in ("p_a", "p_b")]
+    low, high = min(float(p.min()) for p in pressures), max(float(p.max()) for p in pressures)
+    so_far.take_estimates(
+        found.estimates,
+        f"{so_far.from_log}: torques of the oil, pressure {amount(low, 'Pa')} to {amount(high, 'Pa')} seen",
+    )
+    return found

@@ -1,0 +1,94 @@
+"""What is left, through simulation: voltages and positions of all functions are enough, and whatever else was measured is compared, too.
+
+All numbers are found together, around the values so far.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from polydraulic.display import amount
+from polydraulic.errors import InputError
+from polydraulic.identification.equations.free_numbers import CURVES
+from polydraulic.identification.equations.numbers.spreads import spreads_of
+from polydraulic.identification.equations.sensors import position_column
+from polydraulic.identification.equations.shooting.fit import ShootingFit, fit_by_shooting
+from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.tables import Table
+
+WAY = "through simulation"
+SECONDS, MOST_WINDOWS = 2.0, 64
+_SHOWN = {
+    "valve": CURVES,
+    "pump": ("flow", "relief", "torque_limit_start"),
+    "pilot": ("gain", "time_constant", "dead_time"),
+    "friction": ("coulomb", "static", "viscous"),
+    "line": ("compliance_a", "compliance_b", "leakage"),
+    "tank": ("return_pressure",),
+}
+
+
+def lacking_for_runs(machine: LayoutMachine, table: Table) -> str:
+    """Why a log cannot be simulated, in words; empty if it can."""
+    wanted = [name for f in machine.functions for name in (f"{f.name}.voltage", position_column(machine, f))]
+    lacks = [name for name in wanted if name not in table.names]
+    return f"the log has no {', '.join(lacks)}" if lacks else ""
+
+
+def find_left(
+    so_far: SoFar, table: Table, taken: tuple[str, ...], tell: Callable[[int, int], object]
+) -> ShootingFit | None:
+    """Numbers that are free and were not found, None where there are none or the log lacks what it takes.
+
+    Parameters
+    ----------
+    so_far : SoFar
+    table : Table
+        The log, in SI.
+    taken : tuple of str
+        Beginnings of paths that were found, or that the log was asked for and does not show.
+    tell : callable
+        Told how many pieces of the work are done, and of how many.
+    """
+    left = entries_left(so_far, taken)
+    if not left:
+        return None
+    lacking = lacking_for_runs(so_far.machine, table)
+    try:
+        if lacking:
+            raise InputError(lacking)
+        found = fit_by_shooting(
+            table, so_far.machine, spreads_of(so_far.machine, left), seconds=SECONDS, most=MOST_WINDOWS,
+            progress=lambda _, done, total: tell(done, total),
+        )  # fmt: skip
+    except InputError as error:
+        so_far.lacks[WAY] = str(error).removeprefix("table: ")
+        return None
+    seen = ", ".join(f"{name} to {amount(travel, 'm')}" for name, travel in found.travel.items())
+    so_far.take_estimates(
+        found.estimates,
+        f"{so_far.from_log}: simulation of {found.windows} windows of {found.seconds:g} s, travel of {seen} seen",
+    )
+    return found
+
+
+def entries_left(so_far: SoFar, taken: tuple[str, ...]) -> dict[str, float]:
+    """Entries that are left to simulation with their spreads, nan where nothing is said; others that are free are named as kept."""
+    machine, largest = so_far.machine, dict[str, float]()
+    for number in machine.numbers:
+        path = number.path.partition("[")[0]
+        largest[path] = max(largest.get(path, 0.0), abs(number.value))
+    unlimited = tuple(f"{c.pump_path}.torque" for c in machine.circuits if not c.pump.torque_limit_enabled)
+    left = {}
+    for path, spread in so_far.may.spreads.items():
+        if path.startswith((*taken, *unlimited)):
+            continue
+        above, _, last = path.rpartition(".")
+        shown = is_mechanical(path) if path.startswith("links.") else last in _SHOWN.get(above.split(".")[-1], ())
+        if np.isfinite(spread) or (shown and (largest[path] > 0.0 or last == "dead_time")):
+            left[path] = spread
+        elif last != "knots":
+            why = "it is 0" if shown else "sizes, places and settings are better measured"
+            so_far.kept.append(f"{path}: kept; {why}, and the file says no spread, how far it may be off")
+    return left

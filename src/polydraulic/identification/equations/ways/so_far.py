@@ -1,0 +1,71 @@
+"""What has been found so far: new values of entries, what kept its value and why, what is known only together with others."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from polydraulic.identification.equations.free_numbers import Freedom
+from polydraulic.identification.equations.identified_file import Identified
+from polydraulic.identification.equations.numbers.estimates import Estimates
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+_MECHANICAL = ("mass", "cg", "inertia")
+
+
+@dataclass
+class SoFar:
+    """An identification on its way, which each way adds to.
+
+    Attributes
+    ----------
+    machine : LayoutMachine
+        With what has been found.
+    may : Freedom
+        What may be changed.
+    from_log : str
+        Where new values come from.
+    changes : dict from path to Identified
+    kept, remarks : list of str
+        What kept its value, and why; what is determined, and what is not.
+    lacks : dict
+        What a way could not do, and why.
+    """
+
+    machine: LayoutMachine
+    may: Freedom
+    from_log: str
+    changes: dict[str, Identified] = field(default_factory=dict)
+    kept: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    lacks: dict[str, str] = field(default_factory=dict)
+
+    def take(self, changes: dict[str, Identified]) -> None:
+        """Take new values of entries."""
+        self.changes |= changes
+        self.machine = self.machine.with_values({path: new.value for path, new in changes.items()})
+
+    def take_estimates(self, estimates: Estimates, source: str) -> None:
+        """Take estimates around the values so far: what hardly shows keeps its value, what shows only together with others is named."""
+        before = {number.path: number.value for number in self.machine.numbers}
+        of = {e.path: e for e in estimates.numbers}
+        whole: dict[str, list[str]] = {}
+        for path in before:
+            whole.setdefault(path.partition("[")[0], []).append(path)
+        changes = {}
+        for entry in dict.fromkeys(path.partition("[")[0] for path in of):
+            paths = whole[entry]
+            if all(path not in of or of[path].hidden for path in paths):
+                continue
+            values = tuple(of[p].value if p in of and not of[p].hidden else before[p] for p in paths)
+            errors = tuple(0.0 if p not in of else np.inf if of[p].hidden else of[p].sd for p in paths)
+            many = paths != [entry]
+            changes[entry] = Identified(values if many else values[0], errors if many else errors[0], source)
+        self.take(changes)
+        self.kept += [f"{e.path}: kept; it hardly shows in this log" for e in estimates.numbers if e.hidden]
+        self.remarks += [line for line in estimates.trades if not of[line.partition(" ")[0]].hidden]
+
+
+def is_mechanical(path: str) -> bool:
+    """Whether an entry is a mass, a centre of gravity, an inertia, or friction."""
+    parts = path.split(".")
+    return (parts[0] == "links" and parts[2] in _MECHANICAL) or (parts[0] == "functions" and parts[2] == "friction")
