@@ -1,8 +1,9 @@
-"""`polydraulic identify`: what is refused before any work, and a log that determines nothing."""
+"""`polydraulic identify`: what is refused before any work, and a log that determines nothing, one that lacks most sensors."""
 
 import numpy as np
 import pytest
 
+from polydraulic import load_machine
 from polydraulic.tables import Table, write_table
 
 
@@ -37,3 +38,43 @@ def test_what_cannot_be_identified_is_one_line_and_no_file(call, silent, tmp_pat
     assert err.startswith("error: ")
     assert words in err
     assert not list(tmp_path.glob("m.*"))
+
+
+def test_a_recording_of_commands_and_angles_alone_gives_pilot_and_pump(call, tmp_path):
+    """From `record` to a machine file that runs, with no sensor of pressure, spool or flow."""
+    sensors, channels = (
+        ["seed = 4"],
+        ['raster = "20 ms"', "[[channel]]", 'source = "time"', 'role = "time"', 'unit = "s"'],
+    )
+    for name in ("lift", "tilt"):
+        for what, unit, noise, role in (("voltage", "V", 0.001, "input"), ("angle", "deg", 0.03, "output")):
+            sensors += [
+                "[[sensor]]",
+                f'column = "{name}.{what}"',
+                f'unit = "{unit}"',
+                'raster = "20 ms"',
+                f"noise = {noise}",
+            ]
+            channels += [
+                "[[channel]]",
+                f'source = "{name}.{what}"',
+                f'role = "{role}"',
+                f'unit = "{unit}"',
+                "range = [-200, 200]",
+            ]
+    (tmp_path / "sensors.toml").write_text("\n".join(sensors))
+    (tmp_path / "map.toml").write_text("\n".join(channels))
+    assert call("machine new guess.toml --like wheel_loader")[0] == 0
+    guess = tmp_path / "guess.toml"
+    guess.write_text(guess.read_text().replace("flow = { value = 180.0", "flow = { value = 200.0"))
+    assert call("record random:7:14 --machine wheel_loader --sensors sensors.toml --out log.parquet")[0] == 0
+    assert call("import log.parquet --channels map.toml --out table.parquet")[0] == 0
+    code, out, err = call(
+        "identify table.parquet --machine guess.toml --out found.toml --free *.pump.flow --free functions.lift.pilot.gain"
+    )
+    assert (code, err) == (0, "")
+    assert "windows of 2 s against sensors" in out
+    assert "circuits.work: not by regression; the log has no" in out
+    found, true = load_machine(tmp_path / "found.toml"), load_machine("wheel_loader")
+    assert found.circuit("work").pump.flow == pytest.approx(true.circuit("work").pump.flow, rel=0.01)
+    assert "identified from table.parquet: simulation of" in (tmp_path / "found.toml").read_text()

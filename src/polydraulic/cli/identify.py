@@ -33,17 +33,21 @@ def identify(
     ] = None,
     units: UnitsOption = METRIC,
 ) -> None:
-    """Identify curves of valves, pumps and pilots from a log, inside the equations that are known, as a machine file.
+    """Identify curves of valves, pumps, pilots, masses and friction from a log, inside the equations that are known, as a machine file.
 
-    A circuit of valves in series is identified if the log has spool and both port pressures of all its functions, and flows into them or their joints
-    (NAME.spool, .p_a, .p_b, .q_in, .q_out, .angle or .position); a pilot, from NAME.voltage and NAME.spool. What the log does not determine
-    keeps its value and is named. A log that determines nothing ends with exit code 2, and says why.
+    It takes whatever sensors there are (NAME.voltage, .spool, .p_a, .p_b, .q_in, .q_out, .angle or .position) and says what they tell. With spool
+    and both port pressures of all functions of a circuit, and flows into them or their joints: curves and pump, with knots where they are
+    asked for. With pressures and joints of all functions: masses and friction that are marked. With voltages and joints of all functions alone: what
+    is left, through simulation. What the log does not determine keeps its value and is named. A log that determines nothing ends with exit
+    code 2, and says why.
 
     Interrupted (Ctrl-C), it keeps the circuits that are finished in a folder beside --out, and the next run goes on from there.
 
     Example: `polydraulic identify table.parquet --machine my_machine.toml --out identified.toml --card identified.html`
 
-    - Valves of one circuit alone: `polydraulic identify day*.parquet --machine my_machine.toml --free 'functions.boom.*' --out identified.toml`
+    - Valves of one circuit alone: `polydraulic identify day*.parquet --machine my_machine.toml --free 'functions.boom.valve.*' --out identified.toml`
+
+    - Masses and friction as well: `--free 'links.*' --free 'functions.*.friction.*' --free 'functions.*.valve.*'`
 
     What comes next: `polydraulic machine check identified.toml`, then `polydraulic replay later.parquet --machine identified.toml --flow exact` runs it
     against another log.

@@ -152,7 +152,9 @@ def identify(
         A log that determines nothing, and why; columns in other units; times that do not rise; a pattern that fits nothing.
     """
     before = machine if isinstance(machine, LayoutMachine) else load_machine(machine)
-    data = machine_data(before) if isinstance(machine, LayoutMachine) else read_toml(machine_path(machine))
+    data = {} if isinstance(machine, LayoutMachine) else read_toml(machine_path(machine))
+    if "functions" not in data:  # no file, or one of the older form, which has other places for the same numbers
+        data = machine_data(before)
     may = freedom(before, data, free)
     table, source = table_of(
         log, ["time"], ["segment", *(f"{name}.voltage" for name in before.names), *run_sensors(before)]

@@ -1,7 +1,7 @@
 """Windows of a log simulated from given states, all side by side, and the slopes of what comes out.
 
 A machine whose number is a little different runs through all windows at once in lanes; so does one whose windows all begin with a little more of
-one quantity, since windows do not see each other. One batch per number and per quantity gives all slopes.
+one quantity, since windows do not see each other. One batch per number, and one for all quantities of the start, give all slopes.
 """
 
 import re
@@ -136,15 +136,14 @@ def window_slopes(
                 break
         if there is None:
             return None
-    n = len(machine.names)
-    of_states = np.empty((*here.shape, 4 * n))
-    for k, step in enumerate(np.repeat([PRESSURE_STEP, PRESSURE_STEP, POSITION_STEP, RATE_STEP], n)):
-        moved = states.copy()
-        moved[:, k] += step
-        there = shoot(machine, windows, moved, driven)
-        if there is None:
-            return None
-        of_states[..., k] = (there - here) / step
+    steps = np.repeat([PRESSURE_STEP, PRESSURE_STEP, POSITION_STEP, RATE_STEP], len(machine.names))
+    moved = (states[None] + np.diag(steps)[:, None]).reshape(-1, len(steps))  # one after the other, all windows of each
+    there = shoot(
+        machine, windows, moved, Driven(*(np.tile(part, (len(steps), *[1] * (part.ndim - 1))) for part in driven))
+    )
+    if there is None:
+        return None
+    of_states = np.moveaxis(there.reshape(len(steps), *here.shape) - here, 0, -1) / steps
     return Slopes(of_numbers, of_states)
 
 

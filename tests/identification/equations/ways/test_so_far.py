@@ -1,0 +1,45 @@
+"""What is taken of estimates: what shows is found, what hardly shows is as it was."""
+
+import numpy as np
+
+from polydraulic import load_machine
+from polydraulic.identification.equations.free_numbers import Freedom
+from polydraulic.identification.equations.numbers.estimates import estimates_of
+from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
+
+BYPASS = "functions.lift.valve.bypass"
+
+
+def test_what_hardly_shows_keeps_its_value_and_what_trades_is_named():
+    machine = load_machine("wheel_loader")
+    before = {number.path: number.value for number in machine.numbers}
+    paths = [
+        f"{BYPASS}[0]",
+        f"{BYPASS}[1]",
+        "circuits.work.pump.flow",
+        "links.tool.mass" if "links.tool.mass" in before else "links.lift_arm.mass",
+    ]
+    paths = [path for path in paths if path in before]
+    values = np.array([1.1 * before[path] for path in paths])
+    spread = 0.3 * np.array([before[path] for path in paths])
+    left = np.array([0.95, 0.1, 0.7, 0.99])[: len(paths)]
+    correlation = np.eye(len(paths))
+    correlation[1, 2] = correlation[2, 1] = 0.97
+    so_far = SoFar(machine, Freedom({}, True), "identified from a log")
+    so_far.take_estimates(estimates_of(paths, values, np.diag((left * spread) ** 2), spread, correlation), "told so")
+    bypass = so_far.changes[BYPASS]
+    assert bypass.value[:2] == (before[f"{BYPASS}[0]"], values[1])
+    assert bypass.uncertainty[0] == np.inf
+    assert bypass.uncertainty[1] == left[1] * spread[1]
+    assert set(bypass.uncertainty[2:]) == {0.0}
+    assert so_far.machine.circuit("work").pump.flow == values[2]
+    assert f"{paths[0]}: kept; it hardly shows in this log" in so_far.kept
+    assert so_far.remarks == [f"circuits.work.pump.flow trades against {BYPASS}[1] (rises with it)"]
+    assert all(path not in so_far.changes for path in paths[3:])
+
+
+def test_masses_and_friction_are_known_by_their_paths():
+    assert is_mechanical("links.boom.cg.x")
+    assert is_mechanical("functions.boom.friction.viscous")
+    assert not is_mechanical("links.boom.at.x")
+    assert not is_mechanical("functions.boom.pilot.gain")
