@@ -20,6 +20,9 @@ def silent(tmp_path, monkeypatch):
     [
         ("silent.csv --machine wheel_loader --out m.json", "m.json: a machine file ends in .toml"),
         ("silent.csv --machine wheel_loader --out m.toml --card c.pdf", "c.pdf: a card ends in .html"),
+        ("silent.csv --machine wheel_loader", "an identification needs --out MACHINE.toml; --plan says"),
+        ("silent.csv --machine wheel_loader --plan --out m.toml", "--plan writes nothing; --out and --card go with"),
+        ("silent.csv --machine wheel_loader --plan", "the log has no column 'lift.voltage'"),
         ("silent.csv --machine none --out m.toml", "unknown parameter set 'none'"),
         ("none.csv --machine wheel_loader --out m.toml", "none.csv"),
         (
@@ -67,7 +70,9 @@ def test_a_recording_of_commands_and_angles_alone_gives_pilot_and_pump(call, tmp
     assert call("machine new guess.toml --like wheel_loader")[0] == 0
     guess = tmp_path / "guess.toml"
     guess.write_text(guess.read_text().replace("flow = { value = 180.0", "flow = { value = 200.0"))
-    assert call("record random:7:14 --machine wheel_loader --sensors sensors.toml --out log.parquet")[0] == 0
+    assert (
+        call("record random:7:14 --full-stroke --machine wheel_loader --sensors sensors.toml --out log.parquet")[0] == 0
+    )
     assert call("import log.parquet --channels map.toml --out table.parquet")[0] == 0
     code, out, err = call(
         "identify table.parquet --machine guess.toml --out found.toml --free *.pump.flow --free functions.lift.pilot.gain"
@@ -78,3 +83,7 @@ def test_a_recording_of_commands_and_angles_alone_gives_pilot_and_pump(call, tmp
     found, true = load_machine(tmp_path / "found.toml"), load_machine("wheel_loader")
     assert found.circuit("work").pump.flow == pytest.approx(true.circuit("work").pump.flow, rel=0.01)
     assert "identified from table.parquet: simulation of" in (tmp_path / "found.toml").read_text()
+    code, out, err = call("identify table.parquet --machine found.toml --plan --free functions.lift.pilot.gain")
+    assert (code, err) == (0, "")
+    assert "best further sensor" in out
+    assert "all functions, full stroke" in out

@@ -77,7 +77,8 @@ def test_its_name_is_a_scenario():
 
 
 @pytest.mark.parametrize(
-    "name", ["random:", "random:x", "random:1:y", "random:1.5", "random:1:2:3", "random:-1", "random:1:0"]
+    "name",
+    ["random:", "random:x", "random:1:y", "random:1.5", "random:1:2:3:4", "random:1:2:x", "random:-1", "random:1:0"],
 )
 def test_names_that_are_no_operator_are_named(name):
     with pytest.raises(InputError, match=f"scenario '{name}': must be random:SEED or random:SEED:SECONDS"):

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from polydraulic.cli.application import METRIC, UnitsOption, app
+from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
 
@@ -20,7 +21,7 @@ def identify(
     machine: Annotated[
         str, typer.Option(help="Machine to begin from, by name or a TOML file with links, functions and circuits.")
     ],
-    out: Annotated[Path, typer.Option(help="Machine file to write, .toml.")],
+    out: Annotated[Path | None, typer.Option(help="Machine file to write, .toml.")] = None,
     card: Annotated[
         Path | None,
         typer.Option(help="Card to write, .html: fit, curves, what is not determined, drift against the log."),
@@ -31,6 +32,10 @@ def identify(
             help="Paths that may change, such as 'functions.*.valve.*', besides those marked free = true; repeat for more."
         ),
     ] = None,
+    plan: Annotated[
+        bool,
+        typer.Option("--plan", help="Fit nothing; say which further sensor or motion would narrow which number most."),
+    ] = False,
     units: UnitsOption = METRIC,
 ) -> None:
     """Identify curves of valves, pumps, pilots, masses and friction from a log, inside the equations that are known, as a machine file.
@@ -41,6 +46,8 @@ def identify(
     is left, through simulation. What the log does not determine keeps its value and is named. A log that determines nothing ends with exit
     code 2, and says why.
 
+    With --plan it says, before anything is fitted, what each further sensor or motion would add. It wants voltages and joints of all functions.
+
     Interrupted (Ctrl-C), it keeps the circuits that are finished in a folder beside --out, and the next run goes on from there.
 
     Example: `polydraulic identify table.parquet --machine my_machine.toml --out identified.toml --card identified.html`
@@ -49,13 +56,26 @@ def identify(
 
     - Masses and friction as well: `--free 'links.*' --free 'functions.*.friction.*' --free 'functions.*.valve.*'`
 
+    - What else to measure: `polydraulic identify table.parquet --machine my_machine.toml --plan`
+
     What comes next: `polydraulic machine check identified.toml`, then `polydraulic replay later.parquet --machine identified.toml --flow exact` runs it
     against another log.
     """
     from polydraulic.identification.equations.card import identification_card_ending, write_identification_card
     from polydraulic.identification.equations.identify import identify as run
     from polydraulic.identification.equations.identify import toml_ending
+    from polydraulic.identification.equations.plan import plan_identification
 
+    if plan:
+        if out is not None or card is not None:
+            raise InputError("--plan writes nothing; --out and --card go with an identification")
+        with progress_bar("plan") as progress:
+            print(plan_identification(log, machine, free=free or [], progress=progress))
+        return
+    if out is None:
+        raise InputError(
+            "an identification needs --out MACHINE.toml; --plan says what further sensors and motions promise"
+        )
     toml_ending(out)
     if card is not None:
         identification_card_ending(card)

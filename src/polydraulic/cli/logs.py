@@ -92,7 +92,7 @@ def import_(
 def record(
     scenario: Annotated[
         list[str] | None,
-        typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS."),
+        typer.Argument(help="Scenarios as for simulate, recorded one after the other; random:SEED:SECONDS:VOLTS."),
     ] = None,
     sensors: Annotated[
         Path | None, typer.Option(help="Sensors, TOML: what they read, how accurately and how often.")
@@ -107,6 +107,10 @@ def record(
         int | None,
         typer.Option(help="Of the sensors' errors, instead of the file's: another one for another day.", min=0),
     ] = None,
+    full_stroke: Annotated[
+        bool,
+        typer.Option("--full-stroke", help="Random operators give as much voltage as drives every spool to its end."),
+    ] = False,
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
     machine: MachineOption = "cat215b",
 ) -> None:
@@ -115,6 +119,8 @@ def record(
     Example: `polydraulic record random:1:600 random:2:600 --sensors sensors.toml --out log.mf4`
 
     - Sensors to begin with: `polydraulic record --example --out sensors.toml`
+
+    - A log to identify valves from: `polydraulic record random:1:600 --full-stroke --sensors sensors.toml --out log.mf4`
 
     - Another day: the same sensors err in the same way with the same seed, so give it one of its own with `--seed 2`
 
@@ -126,6 +132,7 @@ def record(
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
+    from polydraulic.parameters.layout.adapt import at_full_stroke
     from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
 
@@ -147,7 +154,8 @@ def record(
     log_ending(out)
     bench, plant = load_sensors(sensors), load_machine(machine)
     bench = bench if seed is None else replace(bench, seed=seed)
-    what = [load_scenario(name, functions=plant.names) for name in scenario]
+    given = [at_full_stroke(name, plant) for name in scenario] if full_stroke else scenario
+    what = [load_scenario(name, functions=plant.names) for name in given]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))
         n = write_log(plant, what, bench, out, dt=dt, progress=progress)

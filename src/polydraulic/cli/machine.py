@@ -33,7 +33,7 @@ ScenarioArgument = Annotated[
     typer.Argument(
         help="A scenario by name (single_05, single_08: boom alone; pulse, sine, step, task: three links; cat215b_bucket_dig, cat215b_crossover_dig, "
         "excavator_22t_dig, loader_crane_lift, wheel_loader_cycle: those machines), a TOML file, "
-        "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS.",
+        "a recording (.csv or .parquet), or random:SEED, random:SEED:SECONDS, random:SEED:SECONDS:VOLTS.",
         autocompletion=_scenario_names,
     ),
 ]

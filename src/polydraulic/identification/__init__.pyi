@@ -1,6 +1,7 @@
 from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic, fit_joints
 from .equations.card import write_identification_card
 from .equations.identify import Identification, identify
+from .equations.plan import IdentificationPlan, plan_identification
 from .judging import Errors, HeldOut, OutputFit
 from .log_replay import Drift, Replay, Window, replay
 from .machine.machine_card import Covered, machine_coverage
@@ -22,6 +23,7 @@ __all__ = [
     "Errors",
     "HeldOut",
     "Identification",
+    "IdentificationPlan",
     "MachineFit",
     "ModelRuns",
     "OutputFit",
@@ -37,6 +39,7 @@ __all__ = [
     "fit_table",
     "identify",
     "machine_coverage",
+    "plan_identification",
     "plot_replay",
     "plot_runs",
     "replay",

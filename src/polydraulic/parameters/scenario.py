@@ -29,6 +29,7 @@ _SECTIONS = {"title", "machine", "source", "duration", "locked", "voltage", "cha
 _USUAL_MACHINE = "cat215b"
 _CHANGEABLE = {"pilot", "initial"}
 _RANDOM = "random:"
+_RANDOM_USUAL = ("60", "0.8")  # s and V
 _TIME_NAMES = ("time", "zeit", "timestamp", "zeitstempel")  # of the column of the time in a recording
 _TIME, _VOLT = Quantity("s"), Quantity("V")
 _KINDS = {
@@ -79,7 +80,8 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
     source : str or Path
         Name of a scenario that comes with the package (``"single_08"``); the path of a TOML file; the path of a recording,
         ``.csv``, ``.csv.gz``, ``.txt`` or ``.parquet``, with the columns ``time`` and ``swing``, ``boom``, ``stick`` or some of
-        these (the others get 0 V), in s and V or in the units of the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"`` for a `random_operator`.
+        these (the others get 0 V), in s and V or in the units of the header, which starts at its first row; or ``"random:SEED"``, ``"random:SEED:SECONDS"``,
+        ``"random:SEED:SECONDS:VOLTS"`` for a `random_operator`.
     functions : sequence of str, optional
         Of the machine that is to do it; those of the machine that the file is for (`scenario_machine`) if not given.
 
@@ -309,11 +311,12 @@ def _recording(path: Path, functions: Sequence[str]) -> Scenario:
 
 
 def _random(source: str, functions: Sequence[str]) -> Scenario:
-    seed, _, seconds = source.removeprefix(_RANDOM).partition(":")
+    seed, *more = source.removeprefix(_RANDOM).split(":")
     try:
-        return random_operator(int(seed), float(seconds) if seconds else 60.0, functions=functions)
+        seconds, limit = (float(text) for text in [*more, *_RANDOM_USUAL[len(more) :]])
+        return random_operator(int(seed), seconds, limit=limit, functions=functions)
     except ValueError as error:
         reason = f": {error}" if isinstance(error, InputError) else ""
         raise InputError(
-            f"scenario {source!r}: must be random:SEED or random:SEED:SECONDS, for example random:42:120{reason}"
+            f"scenario {source!r}: must be random:SEED or random:SEED:SECONDS, or random:SEED:SECONDS:VOLTS for another limit, for example random:42:120{reason}"
         ) from error

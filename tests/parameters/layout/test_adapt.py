@@ -1,8 +1,9 @@
+import numpy as np
 import pytest
 
 from helpers.small_crane import write_crane
 from polydraulic import InputError, load_machine, load_scenario
-from polydraulic.parameters.layout.adapt import adapted
+from polydraulic.parameters.layout.adapt import adapted, at_full_stroke, full_stroke
 
 SCENARIO = """
 title = "Lift"
@@ -44,3 +45,14 @@ def test_a_state_beyond_the_stops_and_a_function_that_is_not_there_are_refused(t
         scenario(tmp_path, crane, SCENARIO.replace("voltage.lift", "voltage.boom"))
     with pytest.raises(InputError, match="unknown key 'boom' in change"):
         scenario(tmp_path, crane, SCENARIO.replace("change.lift", "change.boom"))
+
+
+def test_full_stroke_drives_every_spool_to_its_end(crane):
+    limit = full_stroke(crane)
+    assert all(f.pilot.gain * limit > f.valve.knots[-1] for f in crane.functions)
+    assert at_full_stroke("random:3:9", crane) == f"random:3:9:{limit:.6g}"
+    assert at_full_stroke("random:3", crane) == f"random:3:60:{limit:.6g}"
+    assert at_full_stroke("random:3:9:0.5", crane) == "random:3:9:0.5"
+    assert at_full_stroke("task", crane) == "task"
+    highest = np.abs(load_scenario("random:3:60:0.5").voltages(np.arange(0.0, 60.0, 0.01))).max()
+    assert 0.4 < highest <= 0.5

@@ -40,3 +40,23 @@ def _changed(f: MachineFunction, machine: LayoutMachine, scenario: Scenario) -> 
         start = build(type(base), parts["initial"], where=f"{where}.initial.", path=path, base=base)
         f = f._replace(initial=Initial(*start))
     return f
+
+
+def full_stroke(machine: LayoutMachine) -> float:
+    """Voltage that drives every spool of a machine to its end, V, with a tenth to spare for hands that hold it for a short time."""
+    return 1.1 * max(f.valve.knots[-1] / f.pilot.gain for f in machine.functions)
+
+
+def at_full_stroke(source: str, machine: LayoutMachine) -> str:
+    """A scenario's name as it is, that of a random operator with `full_stroke` where it says no voltage.
+
+    Examples
+    --------
+    >>> from polydraulic import load_machine
+    >>> at_full_stroke("random:1:600", load_machine("wheel_loader"))
+    'random:1:600:0.88'
+    """
+    parts = source.split(":")
+    if parts[0] != "random" or len(parts) > 3:
+        return source
+    return ":".join([*parts, *["60"][len(parts) - 2 :], f"{full_stroke(machine):.6g}"])

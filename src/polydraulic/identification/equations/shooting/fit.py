@@ -21,12 +21,13 @@ from polydraulic.identification.equations.numbers.unbounded import (
     to_unbounded,
     unbounded,
 )
+from polydraulic.identification.equations.shooting.information import state_spreads
 from polydraulic.identification.equations.shooting.runs import (
     Driven,
     driven_windows,
     first_states,
     shoot,
-    spool_range,
+    commanded_travel,
     window_slopes,
 )
 from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of
@@ -44,11 +45,6 @@ _PASSES = (
     (1.0, 12),
 )  # how much larger noise is taken, so that priors hold while states are far off; steps at most
 _ROBUST = 3.0  # standard deviations
-_PRESSURE_SPREAD = 30e5, 5e6  # Pa, of pressures at the start that are measured, and that are not
-_STATE_FACTOR = (
-    10.0  # by which what is known of positions and rates at the start is loosened: the rows themselves count, too
-)
-_LEAST_SPREAD = 1e-4, 1e-2  # rad or m, rad/s or m/s
 _SHARES = 1.0, 0.3, 0.0  # of a window's own step of its states that are tried
 _SETTLING = 3  # steps of the states before numbers move
 _RULES = Damping(
@@ -158,7 +154,7 @@ def fit_by_shooting(
         dict(zip(columns, search.before.tolist(), strict=True)),
         len(windows.first),
         seconds,
-        spool_range(found, windows),
+        commanded_travel(found, windows),
     )
 
 
@@ -190,12 +186,7 @@ class _Search:
     def __init__(self, machine: LayoutMachine, numbers: Unbounded, windows: Windows) -> None:
         self.machine, self.numbers, self.windows = machine, numbers, windows
         self.first = first_states(machine, windows)
-        n = len(machine.names)
-        known = windows.p_a is not None and windows.p_b is not None
-        pressure = np.full(2 * n, _PRESSURE_SPREAD[0 if known else 1])
-        position = np.maximum(_STATE_FACTOR * windows.position_sd, _LEAST_SPREAD[0])
-        rate = np.maximum(_STATE_FACTOR * windows.rate_sd, _LEAST_SPREAD[1])
-        self.state_spread = np.concatenate([pressure, position, rate])
+        self.state_spread = state_spreads(windows)
         start = shoot(machine, windows, self.first)
         if start is None:
             raise InputError(

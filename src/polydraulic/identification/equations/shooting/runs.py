@@ -152,7 +152,7 @@ def driven_windows(machine: LayoutMachine, windows: Windows) -> Driven:
     return _driven(machine, windows, windows.first, windows.n_step)
 
 
-def spool_range(machine: LayoutMachine, windows: Windows) -> dict[str, float]:
+def commanded_travel(machine: LayoutMachine, windows: Windows) -> dict[str, float]:
     """Largest travel that commands drive each spool to in all pieces, m."""
     return {
         f.name: max(float(np.abs(_followed(f, command[:, k], windows.dt)).max()) for command in windows.command)
