@@ -7,9 +7,11 @@ if "PYTEST_XDIST_WORKER" in os.environ:  # before NumPy is loaded: one worker pe
 import numba
 import pytest
 from hypothesis import settings
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 
 from polydraulic import build_flow, cli, load_machine, load_scenario, simulate
+from polydraulic._kernel_cache import KernelCache
 
 
 def compiled_untraced(compile_it):
@@ -26,6 +28,27 @@ def compiled_untraced(compile_it):
     return compile_signature
 
 
+def compiled_by_one(compile_it, folder):
+    """Compilation in one process at a time: what another has begun is waited for, and then read from the cache.
+
+    A function is locked while those that it calls are compiled, and none the other way round, so that nobody waits in a circle.
+    """
+    import fcntl
+
+    def compile_signature(dispatcher, signature):
+        if not isinstance(dispatcher._cache, KernelCache):
+            return compile_it(dispatcher, signature)
+        function, inlined = dispatcher.py_func, dispatcher.targetoptions.get("no_cpython_wrapper", False)
+        with (
+            global_compiler_lock,
+            open(folder / f"{function.__module__}.{function.__qualname__}.{inlined}", "w") as lock,
+        ):
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            return compile_it(dispatcher, signature)
+
+    return compile_signature
+
+
 Dispatcher.compile = compiled_untraced(Dispatcher.compile)
 settings.register_profile("quick", max_examples=60, deadline=None, derandomize=True)
 settings.load_profile("quick")
@@ -38,6 +61,15 @@ def pytest_collection_modifyitems(items):
         for item in items:
             if item.get_closest_marker("slow_to_compile"):
                 item.add_marker("slow")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_compiler(tmp_path_factory):
+    """Workers do not compile the same at once: where all are busy, one that waits takes no longer, and the others are quicker."""
+    if "PYTEST_XDIST_WORKER" in os.environ and not numba.config.DISABLE_JIT:
+        folder = tmp_path_factory.getbasetemp().parent / "compiling"
+        folder.mkdir(exist_ok=True)
+        Dispatcher.compile = compiled_by_one(Dispatcher.compile, folder)
 
 
 @pytest.fixture(scope="session")
