@@ -53,8 +53,11 @@ def operator_voltages(n, seed):
     return np.column_stack([signals[link](np.arange(n) * 5e-3) for link in LINKS])
 
 
-@pytest.mark.parametrize("flow", ["exact", "polynomial"])
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize(
+    ("flow", "name"),
+    [("exact", name) for name in SCENARIOS]
+    + [pytest.param("polynomial", name, marks=[pytest.mark.slow] if name != "task" else []) for name in SCENARIOS],
+)
 def test_all_scenarios_give_the_bits_of_simulate(machine, flow, name, tmp_path):
     scenario = load_scenario(name)
     table = simulate(machine, flow, scenario, **END)

@@ -194,13 +194,17 @@ def test_fmus_have_all_names_as_they_are(version, tmp_path):
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 @pytest.mark.parametrize(
-    "name", ["v", "memory", "y", "fmu", "config", "equations", "instance", "failed", "fmi2", "main", "write", "S"]
+    ("name", "version"),
+    [
+        pytest.param(name, version, marks=[] if (k + version) % 2 else [pytest.mark.slow])  # each in one version
+        for k, name in enumerate("v memory y fmu config equations instance failed fmi2 main write S".split())
+        for version in (2, 3)
+    ],
 )
-def test_fmus_of_names_that_their_sources_use_compile_and_answer(name, tmp_path):
-    for version in (2, 3):
-        whole = bundle([model(name)])
-        answers = fresh.run_fmu(whole, tmp_path, version, "CoSimulation", X)
-        assert np.array_equal(answers.y, whole.predict(X))
+def test_fmus_of_names_that_their_sources_use_compile_and_answer(name, version, tmp_path):
+    whole = bundle([model(name)])
+    answers = fresh.run_fmu(whole, tmp_path, version, "CoSimulation", X)
+    assert np.array_equal(answers.y, whole.predict(X))
 
 
 def test_onnx_takes_all_names(tmp_path):

@@ -109,6 +109,22 @@ def test_networks_of_the_torque_limit_come_with_machines_that_have_one(machine, 
     assert np.all(np.sqrt(np.mean((ours - true) ** 2, axis=0)) < 0.1 * wrong)
 
 
+def test_the_torque_limit_of_one_pump_is_that_of_its_circuit_alone(machine):
+    spool, p_in = over_the_map(machine, "D", 200)
+
+    def flows(machine):
+        return sample_flow(machine, build_flow("polynomial", machine), spool, p_in, 0.0 * p_in).q_in
+
+    limited = {c.name: c for c in with_limit(machine).circuits}
+    none, both = flows(machine), flows(with_limit(machine))
+    for name in limited:
+        one = flows(machine._replace(circuits=tuple(limited[name] if c.name == name else c for c in machine.circuits)))
+        for place, function in enumerate(machine.names):
+            of = both if function in limited[name].functions else none
+            assert np.array_equal(one[:, place], of[:, place]), (name, function)
+            assert np.any(both[:, place] != none[:, place])
+
+
 @pytest.mark.parametrize("name", ["polynomial", "neural"])
 def test_networks_of_the_package_refuse_circuits_they_were_not_trained_on(machine, name):
     valve, pump = machine.function("boom").valve, pump_of(machine, "boom")

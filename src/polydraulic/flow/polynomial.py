@@ -14,6 +14,7 @@ from pathlib import Path
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
 from polydraulic.flow.layout.networks import layout_networks
+from polydraulic.flow.network_slots import LIMITED
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.model_file import parse_models
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -36,7 +37,7 @@ def polynomial_flow(
     models : sequence of Model, optional
         In SI: of each function of a circuit ``NAME.q_in`` and ``NAME.k_out`` (or ``NAME.q_out``), and those of single modes of the pump,
         which may be missing; see `flow.layout.slots`. Those of one circuit alone serve runs that move nothing else. If no models are
-        given, the networks that come with the package, of cat215b; they know the torque limit where the machine has one.
+        given, the networks that come with the package, of cat215b; they know the torque limits of those pumps that have one.
     arrangement : {"cascade", "direct"}
         Which of the package's networks; given models say it by what the inlets behind the first valve read.
 
@@ -53,6 +54,8 @@ def polynomial_flow(
     if models is None:
         _check_trained(machine, "polynomial")
         models = shipped_models(arrangement, limited=_limited(machine))
+        without = [f for c in machine.circuits if not c.pump.torque_limit_enabled for f in c.functions]
+        models = [m for m in models if m.output.name not in {f"{f}.q_in{LIMITED}" for f in without}]
     return layout_networks(machine, models, "polynomial")
 
 
@@ -99,11 +102,14 @@ def _check_trained(machine: LayoutMachine, kind: str) -> None:
     train = f"train networks for this machine (polydraulic train --machine MACHINE --out networks.json, or `train_layout`) and give them as models (--flow {kind} --model networks.json)"
     if circuits_of(machine) != circuits_of(trained):
         raise InputError(f"flow {kind!r}: no networks come with the package for {machine.title!r}: {train}")
-    limit = _limited(machine)
-    switches = {f"circuits.{c.name}.pump.torque_limit_enabled": limit for c in machine.circuits}
-    known = _circuit_numbers(trained) | switches
+    # a limit may be on or off, as there are networks for both; that of a pump that has none does not matter
+    free = {f"{c.pump_path}.torque_limit_enabled" for c in machine.circuits}
+    for c in machine.circuits:
+        if not c.pump.torque_limit_enabled:
+            free |= {f"{c.pump_path}.{name}" for name in c.pump._fields if name.startswith("torque_limit")}
+    known = _circuit_numbers(trained)
     for name, value in _circuit_numbers(machine).items():
-        if value != known[name] and (limit or "torque_limit" not in name):
+        if value != known[name] and name not in free:
             raise InputError(
                 f"{name} = {value}, and {known[name]} in {TRAINED_ON}, whose circuits the package's networks were trained on: {train}"
             )

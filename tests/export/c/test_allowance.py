@@ -125,11 +125,11 @@ def test_exported_models_keep_their_allowances_and_ranges(which, way, exported_m
 
 
 def shipped():
-    """All networks of the package; those with many regions take a minute each."""
+    """All networks of the package; the large ones take half a minute and more each."""
     several = {name: shipped_models(name, limited=name == "cascade") for name in ("cascade", "direct", "neural")}
     found = {f"{name}-{model.output.name}": model for name, models in several.items() for model in models}
     return [
-        pytest.param(model, id=name, marks=[pytest.mark.slow] if len(model.networks) > 20 else [])
+        pytest.param(model, id=name, marks=[pytest.mark.slow] if model.n_coefficients > 800 else [])
         for name, model in {model.networks: (name, model) for name, model in found.items()}.values()
     ]
 
