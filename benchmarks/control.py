@@ -19,7 +19,14 @@ import numpy as np
 
 from identify import recorded, rough
 from polydraulic import build_flow, load_machine
-from polydraulic.control import ControlSettings, CoordinatedControl, SensorErrors, joints_at, run_controlled, straight_line
+from polydraulic.control import (
+    ControlSettings,
+    CoordinatedControl,
+    SensorErrors,
+    joints_at,
+    run_controlled,
+    straight_line,
+)
 from polydraulic.control.arm import arm_pose, arm_rates, planar_arm
 from polydraulic.control.coordinated import servo_of
 from polydraulic.identification import fit_machine, identify
@@ -51,10 +58,12 @@ class JointControl:
         self.reset()
 
     def reset(self):
+        """Forget everything."""
         n = len(self.machine.names)
         self._live, self._integral, self._begun = np.zeros(4 * n), np.zeros(n), False
 
     def step(self, measured, wanted):
+        """Voltages of the levers."""
         n, dt = len(self.machine.names), self.dt
         if not self._begun:
             self._live[:n], self._begun = measured[:n], True
@@ -84,7 +93,9 @@ def passed(name, controller, *, speed=0.3, length=4.0, seeds=range(3), truth=Non
         return straight_line(tip, length=length, speed=speed, slope=slope, ramp=max(1.0, speed / 0.6))
 
     return [
-        run_controlled(machine, controller, line, errors=SensorErrors(NOISE, PRESSURE, DELAY, seed), start=start, limit=60.0)
+        run_controlled(
+            machine, controller, line, errors=SensorErrors(NOISE, PRESSURE, DELAY, seed), start=start, limit=60.0
+        )
         for seed in seeds
     ]
 
@@ -97,7 +108,10 @@ def errors(name, runs):
     across = np.concatenate([np.sin(slope) * a[0] + np.cos(slope) * a[1] for a in away])
     everywhere = np.concatenate(apart)
     seconds = max(float(run["time"][-1] - run["time"][0]) for run in runs)
-    way = min(np.hypot(run["tip.reach"][-1] - run["tip.reach"][0], run["tip.height"][-1] - run["tip.height"][0]) for run in runs)
+    way = min(
+        np.hypot(run["tip.reach"][-1] - run["tip.reach"][0], run["tip.height"][-1] - run["tip.height"][0])
+        for run in runs
+    )
     rms = [100.0 * float(np.sqrt(np.mean(np.square(values)))) for values in (everywhere, across)]
     return rms[0], 100.0 * float(everywhere.max()), rms[1], seconds, float(way)
 

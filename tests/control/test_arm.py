@@ -48,7 +48,9 @@ def test_columns_are_differences_of_the_end(name):
         for sign in (1.0, -1.0):
             moved = angles.copy()
             moved[f] += sign * step
-            if arm.attachment >= 0 and arm.slides[i] == 0:  # the attachment keeps its angle to the ground, as its pin moves
+            if (
+                arm.attachment >= 0 and arm.slides[i] == 0
+            ):  # the attachment keeps its angle to the ground, as its pin moves
                 moved[arm.attachment] -= sign * step * arm.sign[i] * arm.attachment_sign
             ends.append(pose_of(machine, moved)[0][:2])
         np.testing.assert_allclose(live[2 * n + 2 * i : 2 * n + 2 * i + 2], (ends[0] - ends[1]) / (2 * step), atol=1e-8)

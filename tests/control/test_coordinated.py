@@ -25,7 +25,9 @@ def moved(machine, wanted, seconds, *, start=AT, **settings):
         simulator.step(np.zeros(3), n=200)
         for _ in range(round(seconds / control.dt)):
             volts = control.step(control.measured(simulator), wanted)
-            rows.append([*(float(simulator[f"{f}.angle"]) for f in machine.names), *control.reference[:2], float(control.share)])
+            rows.append(
+                [*(float(simulator[f"{f}.angle"]) for f in machine.names), *control.reference[:2], float(control.share)]
+            )
             simulator.step(volts, n=2)
     return np.array(rows), control
 
@@ -116,7 +118,11 @@ def test_the_same_calls_give_the_same_bits_after_a_reset(machine):
 def test_a_closed_run_follows_a_line_through_noise_and_delay(machine):
     control = CoordinatedControl(machine, settings=ControlSettings(delay=0.04))
     run = run_controlled(
-        machine, control, lambda tip: straight_line(tip, length=1.0, ramp=1.0), start=AT, errors=SensorErrors(5e-4, 1e5, 0.04, 1)
+        machine,
+        control,
+        lambda tip: straight_line(tip, length=1.0, ramp=1.0),
+        start=AT,
+        errors=SensorErrors(5e-4, 1e5, 0.04, 1),
     )
     apart = np.hypot(run["tip.reach"] - run["target.reach"], run["tip.height"] - run["target.height"])
     assert np.sqrt(np.mean(apart**2)) < 0.018

@@ -118,7 +118,15 @@ def arm_pose(arm: Arm, live: np.ndarray, angles: int, columns: int) -> Pose:
 
 @kernel
 def arm_rates(
-    arm: Arm, live: np.ndarray, columns: int, rates: int, reach: float, height: float, swing: float, pitch: float, slow: float
+    arm: Arm,
+    live: np.ndarray,
+    columns: int,
+    rates: int,
+    reach: float,
+    height: float,
+    swing: float,
+    pitch: float,
+    slow: float,
 ) -> None:
     """Rates of all functions that move the arm's end with `reach` and `height` in m/s, and turn swing and attachment in rad/s.
 
@@ -188,7 +196,8 @@ def planar_arm(machine: LayoutMachine) -> Arm:
         np.array([_upward(link) for link in joints]),
         np.array([_towards(link, "x") for link in joints]),
         np.array([_towards(link, "z") for link in joints]),
-        *(np.array(values, dtype=np.float64) for values in zip(*ats, strict=True)),
+        np.array([x for x, _ in ats]),
+        np.array([z for _, z in ats]),
         np.array([pump_rate(machine, machine.functions[moved[link.name]]) for link in joints]),
         end.get("x", 0.0),
         end.get("z", 0.0),

@@ -3,18 +3,16 @@
 from collections.abc import Callable, Mapping
 from math import isfinite
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.control.arm import Arm, planar_arm, pump_rate
+from polydraulic.control.arm import planar_arm, pump_rate
 from polydraulic.control.servo import Servo
 from polydraulic.control.text import INVERTED, controller_module, live_places
 from polydraulic.errors import InputError, briefly
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.lookup import table_bytes
-from polydraulic.machine.drives import prepare_drive
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.simulation.layout.prepare import prepare_layout
@@ -66,6 +64,9 @@ class ControlSettings(NamedTuple):
     load_time: float = 0.5
     margin: float = 0.01
     shares_flow: bool = True
+
+
+USUAL = ControlSettings()
 
 
 class ControlParts(NamedTuple):
@@ -142,17 +143,21 @@ class CoordinatedControl:
         machine: LayoutMachine | str | Path,
         flow: str | FlowModel = "exact",
         *,
-        settings: ControlSettings = ControlSettings(),
+        settings: ControlSettings = USUAL,
     ) -> None:
         self.machine = as_machine(machine)
         self.names = self.machine.names
         self.settings = _checked(settings)
         model = layout_flow(flow, self.machine)
         if model.kernels not in INVERTED:
-            raise InputError(f"flow {model.name!r}: valves are inverted of 'exact' circuits and of networks; use one of these")
+            raise InputError(
+                f"flow {model.name!r}: valves are inverted of 'exact' circuits and of networks; use one of these"
+            )
         unserved = [name for name in self.names if name not in model.served]
         if unserved:
-            raise InputError(f"flow {model.name!r} has no networks for {', '.join(unserved)}; train networks of their circuits, too")
+            raise InputError(
+                f"flow {model.name!r} has no networks for {', '.join(unserved)}; train networks of their circuits, too"
+            )
         ready = prepare_layout(self.machine, settings.dt, flow=model)
         self.arm = planar_arm(self.machine)
         self.servo = servo_of(self.machine, settings)
@@ -243,7 +248,9 @@ def servo_of(machine: LayoutMachine, settings: ControlSettings) -> Servo:
     stops = np.array([f.stops for f in functions])
     kept = settings.margin * (stops[:, 1] - stops[:, 0])
     knots = [np.array(f.valve.knots) for f in functions]
-    opens = np.array([k[max(np.flatnonzero(np.array(f.valve.inlet) > 0.0)[0] - 1, 0)] for f, k in zip(functions, knots, strict=True)])
+    opens = np.array(
+        [k[max(np.flatnonzero(np.array(f.valve.inlet) > 0.0)[0] - 1, 0)] for f, k in zip(functions, knots, strict=True)]
+    )
     time = np.array([f.pilot.time_constant for f in functions])
     order = [machine.names.index(name) for c in machine.circuits for name in c.functions]
     decay = np.exp(-settings.dt / time)
@@ -283,10 +290,14 @@ def _checked(settings: ControlSettings) -> ControlSettings:
     check_time_step(settings.dt)
     for name, value in settings._asdict().items():
         least = 0.0 if name in ("delay", "integral_gain", "margin", "load_time") else 1e-6
-        if not (isinstance(value, int | float) and isfinite(value) and value >= (0.0 if name == "shares_flow" else least)):
+        if not (
+            isinstance(value, int | float) and isfinite(value) and value >= (0.0 if name == "shares_flow" else least)
+        ):
             raise InputError(f"settings: {name} = {briefly(value)}: must be a number above zero")
     if settings.margin >= 0.5 or settings.delay > 1.0:
-        raise InputError(f"settings: margin = {settings.margin:g} must be below 0.5, delay = {settings.delay:g} s at most 1 s")
+        raise InputError(
+            f"settings: margin = {settings.margin:g} must be below 0.5, delay = {settings.delay:g} s at most 1 s"
+        )
     return settings
 
 
@@ -298,4 +309,9 @@ def _velocity(wanted: Mapping[str, float]) -> np.ndarray:
 
 
 def _fits(values: Any, shape: tuple[int, ...]) -> bool:
-    return isinstance(values, np.ndarray) and values.dtype == np.float64 and values.shape == shape and bool(np.isfinite(values).all())
+    return (
+        isinstance(values, np.ndarray)
+        and values.dtype == np.float64
+        and values.shape == shape
+        and bool(np.isfinite(values).all())
+    )

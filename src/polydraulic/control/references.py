@@ -81,19 +81,29 @@ def tip_path(
     """
     given = np.asarray(points, dtype=np.float64)
     if given.ndim != 2 or given.shape[1] != len(COORDINATES) or len(given) < 2 or not np.isfinite(given).all():
-        raise InputError(f"points have the shape {given.shape}: must be two or more rows of finite {', '.join(COORDINATES)}")
+        raise InputError(
+            f"points have the shape {given.shape}: must be two or more rows of finite {', '.join(COORDINATES)}"
+        )
     for name, value in (("speed", speed), ("turning", turning), ("ramp", ramp)):
         if not (isinstance(value, int | float) and isfinite(value) and value > 0.0):
             raise InputError(f"{name} = {briefly(value)}: must be a number above zero")
     ways = np.abs(np.diff(given, axis=0))
     times = np.maximum(np.hypot(ways[:, 0], ways[:, 1]) / speed, ways[:, 2:].max(axis=1) / turning)
     if (times <= 0.0).any():
-        raise InputError(f"points {1 + int(np.argmin(times))} and {2 + int(np.argmin(times))} are the same: leave one out")
+        raise InputError(
+            f"points {1 + int(np.argmin(times))} and {2 + int(np.argmin(times))} are the same: leave one out"
+        )
     return TipPath(given, np.concatenate([[0.0], np.cumsum(np.maximum(times, ramp) + ramp)]), ramp)
 
 
 def straight_line(
-    start: Sequence[float] | np.ndarray, *, length: float, speed: float = 0.3, slope: float = 0.0, depth: float = 0.0, ramp: float = 0.6
+    start: Sequence[float] | np.ndarray,
+    *,
+    length: float,
+    speed: float = 0.3,
+    slope: float = 0.0,
+    depth: float = 0.0,
+    ramp: float = 0.6,
 ) -> TipPath:
     """A grading pass towards the machine: down to a depth, then along a straight line, with the attachment's angle held.
 
@@ -112,13 +122,19 @@ def straight_line(
     ramp : float, s
     """
     first = np.asarray(start, dtype=np.float64)
-    down = first - [0.0, depth, 0.0, 0.0]
-    last = down + [-length * cos(slope), length * sin(slope), 0.0, 0.0]
-    return tip_path([first, down, last] if depth else [down, last], speed=speed, ramp=ramp)
+    down = first - np.array([0.0, depth, 0.0, 0.0])
+    last = down + np.array([-length * cos(slope), length * sin(slope), 0.0, 0.0])
+    return tip_path(np.stack([first, down, last] if depth else [down, last]), speed=speed, ramp=ramp)
 
 
 def pick_and_place(
-    start: Sequence[float] | np.ndarray, *, swing: float = 0.8, lift: float = 0.8, dig: float = 1.0, pull: float = 1.2, speed: float = 0.5
+    start: Sequence[float] | np.ndarray,
+    *,
+    swing: float = 0.8,
+    lift: float = 0.8,
+    dig: float = 1.0,
+    pull: float = 1.2,
+    speed: float = 0.5,
 ) -> TipPath:
     """A task in the order of the thesis' section 5.3.4: swing and lift, down and towards the machine, up again, all links to the destination.
 
@@ -132,8 +148,10 @@ def pick_and_place(
         Upward on the way there, down below that, and towards the machine.
     speed : float, m/s
     """
-    first = np.asarray(start, dtype=np.float64)
-    there = first + [0.0, lift, swing, 0.0]
-    picked = there + [-pull, -dig, 0.0, 0.0]
-    up = picked + [0.0, dig, 0.0, 0.0]
-    return tip_path([first, there, picked, up, up + [0.5 * pull, 0.0, -0.5 * swing, 0.0]], speed=speed)
+    ways = [
+        [0.0, lift, swing, 0.0],
+        [-pull, -dig, 0.0, 0.0],
+        [0.0, dig, 0.0, 0.0],
+        [0.5 * pull, 0.0, -0.5 * swing, 0.0],
+    ]
+    return tip_path(np.cumsum([np.asarray(start, dtype=np.float64), *ways], axis=0), speed=speed)

@@ -53,13 +53,16 @@ class SensorErrors(NamedTuple):
     seed: int = 0
 
 
+FAULTLESS = SensorErrors()
+
+
 def run_controlled(
     machine: LayoutMachine | str | Path,
     controller: Controller,
     path: Callable[[np.ndarray], TipPath],
     *,
     flow: str | FlowModel = "exact",
-    errors: SensorErrors = SensorErrors(),
+    errors: SensorErrors = FAULTLESS,
     start: Mapping[str, float] | None = None,
     settle: float = 2.0,
     limit: float = 120.0,
@@ -120,7 +123,16 @@ def run_controlled(
             back = before - controller.reference if clock > 0.0 else np.zeros(4)
             volts = controller.step(waiting[0], velocity + _TOWARDS * back)
             recent, before = [*recent[1:], point], point
-            rows.append([moved.time, *tip_of(moved.values[seen]), *recent[0], float(controller.share), *moved.values[seen], *volts])
+            rows.append(
+                [
+                    moved.time,
+                    *tip_of(moved.values[seen]),
+                    *recent[0],
+                    float(controller.share),
+                    *moved.values[seen],
+                    *volts,
+                ]
+            )
             moved.step(volts, n=every)
             clock += controller.dt * (float(controller.share) if clock > 0.0 else 1.0)
             stuck = 0.0 if float(controller.share) > _STUCK else stuck + controller.dt

@@ -56,7 +56,15 @@ _BY_FUNCTION = (
 def live_places(machine: LayoutMachine) -> dict[str, int]:
     """Where what begins in the array that a controller changes; ``RING`` is the last."""
     n = len(machine.names)
-    sizes = dict.fromkeys(_BY_FUNCTION, n) | {"VELOCITY": 4, "POSE": 4, "SHARE": 1, "FLOWING": 1, "STARTED": 1, "PLACE": 1, "COLUMNS": 2 * n}
+    sizes = dict.fromkeys(_BY_FUNCTION, n) | {
+        "VELOCITY": 4,
+        "POSE": 4,
+        "SHARE": 1,
+        "FLOWING": 1,
+        "STARTED": 1,
+        "PLACE": 1,
+        "COLUMNS": 2 * n,
+    }
     starts = [0, *accumulate(sizes.values())]
     return dict(zip([*sizes, "RING"], starts, strict=True))
 
@@ -79,7 +87,8 @@ def controller_module(machine: LayoutMachine, step: ModuleType, parts: Mapping[s
     of_step = [*_STEP, *(f"orifices_{k}" for k in lengths if kernels == "exact")]
     lists = page_lists(machine, function_of(machine, machine.tip[0]), False)
     pages = [
-        (files(__package__) / "pages" / f"{page}.py.txt").read_text("utf-8") for page in (f"outlets_{kernels}", "controller")
+        (files(__package__) / "pages" / f"{page}.py.txt").read_text("utf-8")
+        for page in (f"outlets_{kernels}", "controller")
     ]
     text = [
         f'"""Coordinated control of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',

@@ -36,12 +36,20 @@ def controller_c(control: CoordinatedControl, *, name: str = "controller") -> di
         If `name` is not a C identifier, or networks are too large for a C file.
     """
     if c_name(name) != name:
-        raise InputError(f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken")
+        raise InputError(
+            f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken"
+        )
     parts, n = control.parts, len(control.names)
     arrays = {"scratch": parts.n_scratch, "live": parts.n_live}
     check_size("networks", parts.n_number, MOST_NUMBERS)
     program = Program([f"{name}_{word}" for word in ("state", "init", "step", "numbers")])
-    examples = [parts.numbers, *(np.zeros(size) for size in arrays.values()), np.zeros(3 * n), np.zeros(len(VELOCITIES)), np.zeros(n)]
+    examples = [
+        parts.numbers,
+        *(np.zeros(size) for size in arrays.values()),
+        np.zeros(3 * n),
+        np.zeros(len(VELOCITIES)),
+        np.zeros(n),
+    ]
     program.entry(f"{name}_kernel_step", parts.step, examples)
     fill = {
         "name": name,
@@ -59,7 +67,9 @@ def controller_c(control: CoordinatedControl, *, name: str = "controller") -> di
         "code": program.code(),
     }
     return {
-        f"{name}{ending}": Template((_TEMPLATES / f"controller{ending}.txt").read_text(encoding="utf-8")).substitute(fill)
+        f"{name}{ending}": Template((_TEMPLATES / f"controller{ending}.txt").read_text(encoding="utf-8")).substitute(
+            fill
+        )
         for ending in (".h", ".c")
     }
 
