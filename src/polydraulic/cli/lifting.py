@@ -112,3 +112,76 @@ def _held(text: str, machine: object) -> tuple[str, float]:
     except ValueError:
         raise InputError(f"--hold {text!r}: must be NAME=NUMBER, in {'mm' if slides else 'deg'}") from None
     return name, read_unit("mm" if slides else "deg").to_si(number)
+
+
+@app.command()
+def payload(
+    log: Annotated[
+        str,
+        typer.Argument(
+            help="Imported table in SI with NAME.angle (.position where it slides), .p_a, .p_b of all functions."
+        ),
+    ],
+    machine: MachineOption = "excavator_22t",
+    window: Annotated[float, typer.Option(help="For how many s the load is taken as constant.")] = 2.0,
+    force: Annotated[
+        bool, typer.Option("--force", help="Estimate the force at the tip instead, along x, y and z of the ground.")
+    ] = False,
+    known: Annotated[
+        float, typer.Option(help="With --force: mass in kg that hangs at the tip, whose weight is not counted.")
+    ] = 0.0,
+    out: Annotated[Path | None, typer.Option(help="Table of the windows to write, .csv or .parquet (SI).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture of the payload to write, .svg, .png or .pdf.")] = None,
+    units: UnitsOption = METRIC,
+) -> None:
+    """Say what hangs at the tip of a machine, from pressures and positions of a log: window by window, with standard errors.
+
+    The machine's masses and friction must be known; `polydraulic identify` finds them from a log without a payload. At rest friction may hold
+    as much as its static value, and the error says so: lift and lower the load to know it better.
+
+    Example: `polydraulic payload day.parquet --machine excavator_22t --plot payload.svg`
+
+    - The force at the tip while digging: `polydraulic payload day.parquet --force --out force.csv`
+
+    What comes next: `polydraulic loadchart --machine excavator_22t` says whether that much may be lifted there.
+    """
+    from polydraulic.display import amount
+    from polydraulic.identification.loads.payload_figure import plot_payload
+    from polydraulic.identification.loads.tip_loads import estimate_payload, estimate_tip_force, load_table
+    from polydraulic.parameters.load import load_machine
+    from polydraulic.plotting.run_figure import picture_ending, save_figure
+    from polydraulic.tables import read_table, table_ending, write_table
+
+    if out is not None:
+        table_ending(out)
+    if plot is not None:
+        picture_ending(plot)
+        if force:
+            raise InputError("--plot draws the payload; with --force write a table, --out force.csv")
+    plant, table = load_machine(machine), read_table(log)
+    with progress_bar("payload") as progress:
+        progress("least squares, compiled once after an installation", 0, 2)
+        found = (
+            estimate_tip_force(plant, table, payload=known, window=window)
+            if force
+            else estimate_payload(plant, table, window=window)
+        )
+        progress("write", 1, 2)
+        if out is not None:
+            write_table(load_table(found), out)
+        if plot is not None and not force:
+            save_figure(plot_payload(found, units=units), plot)  # type: ignore[arg-type]
+        progress("done", 2, 2)
+    windows = load_table(found)
+    unit = "N" if force else "kg"
+    for k, time in enumerate(windows["time"]):
+        values = [(name, windows[name][k], windows[f"{name}_error"][k]) for name in windows.names[1::2]]
+        print(
+            f"{time:8.2f} s  "
+            + ", ".join(f"{name} {amount(v, unit, units)} +- {amount(e, unit, units)}" for name, v, e in values)
+        )
+    if not force:
+        print(f"payload {amount(found.mean, 'kg', units)}, standard error {amount(found.mean_error, 'kg', units)}")  # type: ignore[union-attr]
+    for path in (out, plot):
+        if path is not None:
+            print(path)

@@ -3,6 +3,8 @@ from .equations.card import write_identification_card
 from .equations.identify import Identification, identify
 from .equations.plan import IdentificationPlan, plan_identification
 from .judging import Errors, HeldOut, OutputFit
+from .loads.payload_figure import plot_payload
+from .loads.tip_loads import PayloadEstimate, TipForceEstimate, estimate_payload, estimate_tip_force
 from .log_replay import Drift, Replay, Window, replay
 from .machine.machine_card import Covered, machine_coverage
 from .machine.machine_fit import MachineFit, fit_machine
@@ -27,12 +29,16 @@ __all__ = [
     "MachineFit",
     "ModelRuns",
     "OutputFit",
+    "PayloadEstimate",
     "Replay",
     "RunErrors",
     "TableFit",
+    "TipForceEstimate",
     "Validity",
     "Window",
     "check_models",
+    "estimate_payload",
+    "estimate_tip_force",
     "fit_dynamic",
     "fit_joints",
     "fit_machine",
@@ -40,6 +46,7 @@ __all__ = [
     "identify",
     "machine_coverage",
     "plan_identification",
+    "plot_payload",
     "plot_replay",
     "plot_runs",
     "replay",

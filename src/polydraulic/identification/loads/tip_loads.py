@@ -267,3 +267,19 @@ def _solved(rows: _Rows, columns: np.ndarray) -> tuple[float, np.ndarray, np.nda
     felt = np.abs(np.diag(inverse @ square) - 1.0) < 1e-6  # what joints feel of it, not together with something else
     error = np.where(felt, np.hypot(noise, friction), np.inf)
     return rows.time, np.where(felt, value, np.nan), error, np.where(felt, friction, np.inf)
+
+
+def load_table(found: PayloadEstimate | TipForceEstimate) -> Table:
+    """Windows of an estimate in which everything is known, as a table in SI: ``time``, then each value with its ``_error``."""
+    known = np.isfinite(found.error)
+    if isinstance(found, PayloadEstimate):
+        rows, parts = known, {"payload": (found.payload, found.error, "kg")}
+    else:
+        axes = [k for k in range(3) if known[:, k].any()]
+        rows = known[:, axes].all(axis=1)
+        parts = {f"force_{'xyz'[k]}": (found.force[:, k], found.error[:, k], "N") for k in axes}
+    values, units = {"time": found.time[rows]}, {"time": "s"}
+    for name, (value, error, unit) in parts.items():
+        values[name], values[f"{name}_error"] = value[rows], error[rows]
+        units[name] = units[f"{name}_error"] = unit
+    return Table(values, units)
