@@ -43,32 +43,28 @@ def angle(a, b):
 def payloads(machine):
     """Errors of payloads, of whole logs and of windows of 2 s."""
     for kind in ("at rest", "in motion"):
-        means, windows, sure, total, within = [], [], 0, 0, 0
+        means, off, errors = [], [], []
         for load in (0.0, 0.25 * FULL, 0.5 * FULL, FULL):
             for seed in SEEDS:
-                work = (
-                    random_operator(seed, 40.0, functions=machine.names)
-                    if kind == "in motion"
-                    else Scenario("rest", 10.0, {})
-                )
-                found = estimate_payload(
-                    machine, log_of(machine, replace(work, loads=Loads({}, Payload((0.0,), (load,)))), seed)
-                )
+                moving = kind == "in motion"
+                work = random_operator(seed, 40.0, functions=machine.names) if moving else Scenario("rest", 10.0, {})
+                hung = replace(work, loads=Loads({}, Payload((0.0,), (load,))))
+                found = estimate_payload(machine, log_of(machine, hung, seed))
                 means.append(found.mean - load)
-                off = found.payload - load
-                good = found.error <= SURE * FULL
-                windows.append(off[good])
-                sure, total = sure + good.sum(), total + len(off)
-                within += (np.abs(off) <= 2.0 * found.error).sum()
-        off, means = np.concatenate(windows), np.abs(means)
+                off.append(found.payload - load)
+                errors.append(found.error)
+        off, errors, means = np.concatenate(off), np.concatenate(errors), np.abs(means)
+        sure, rms = errors <= SURE * FULL, lambda values: float(np.sqrt((values**2).mean()))
         print(f"payload {kind}, full scale {FULL:g} kg, {len(means)} logs")
         print(
             f"  whole logs: largest error {means.max():.1f} kg = {means.max() / FULL:.2%}, median {np.median(means):.1f} kg"
         )
-        print(
-            f"  windows of 2 s: rms {np.sqrt((off**2).mean()):.1f} kg = {np.sqrt((off**2).mean()) / FULL:.2%}, in {sure} of {total} that are sure"
-        )
-        print(f"  within twice their standard error: {within / total:.1%}")
+        print(f"  {len(off)} windows of 2 s: rms {rms(off):.1f} kg, median standard error {np.median(errors):.0f} kg")
+        if sure.mean() > 0.5:
+            print(
+                f"  {sure.sum()} of them with a standard error up to {SURE:.0%} of full scale: rms {rms(off[sure]):.1f} kg = {rms(off[sure]) / FULL:.2%}"
+            )
+        print(f"  within twice their standard error: {(np.abs(off) <= 2.0 * errors).mean():.1%}")
 
 
 def forces(machine):

@@ -30,6 +30,7 @@ NAVIGATION = {
     "guides": [
         "your_machine", "simulation", "stepping", "cockpit", "flow_models", "export_machine", "extending", "measured_logs", "identify", "machine_from_a_log", "guide", "networks",
         "your_machine", "simulation", "stepping", "gym", "flow_models", "export_machine", "extending", "measured_logs", "identify", "machine_from_a_log", "guide", "networks",
+        "your_machine", "simulation", "stepping", "stability", "flow_models", "export_machine", "extending", "measured_logs", "identify", "machine_from_a_log", "guide", "networks",
         "dynamic_models", "export",
     ],
     "background": ["equations", "figures", "benchmarks", "architecture"],

@@ -141,6 +141,10 @@ TESTED_ELSEWHERE = {
     "machine/tree/links.py": ("machine/tree/test_link_checks.py", "a record"),
     "machine/tree/mass.py": ("machine/tree/test_motion_text.py", "recorded mechanics are held to MuJoCo as a whole"),
     "machine/tree/points.py": ("machine/tree/test_motion_text.py", "points and forces there are held to MuJoCo"),
+    "machine/newton_euler.py": (
+        "simulation/layout/test_forces.py",
+        "forces of links are held to MuJoCo with those of actuators and pins",
+    ),
     "measure/columns_made.py": ("measure/test_flows.py", "records"),
     "measure/quality_plots.py": ("measure/test_quality.py", "pictures in the report"),
     "measure/formats/can/frames.py": ("measure/formats/can/test_can_log.py", "every format gives the same signals"),

@@ -20,7 +20,7 @@ _LASTING = {
     "low stop met": ("low stop left", "at its low end stop"),
     "high stop met": ("high stop left", "at its high end stop"),
 }
-_USUAL = ("valve closes", "bypass opens", "crossover closes")  # the other halves of what is counted
+_USUAL = ("valve closes", "bypass opens", "crossover closes", "stands again")  # the other halves of what is counted
 
 
 def run_summary(run: Table, units: str = DEFAULT) -> list[str]:

@@ -60,9 +60,7 @@ def test_a_payload_is_found_within_its_error(loader):
 def test_at_rest_static_friction_is_in_the_error(loader):
     """4 and 5.6 kN m of static friction, over the root of three, hold what weighs as much at the tip."""
     still = estimate_payload(loader, log_of(loader, Scenario("rest", 6.0, {}, loads=hung(500.0)), 1))
-    moving = estimate_payload(
-        loader, log_of(loader, Scenario("lift", 6.0, LIFTS, loads=hung(500.0)), 1)
-    )
+    moving = estimate_payload(loader, log_of(loader, Scenario("lift", 6.0, LIFTS, loads=hung(500.0)), 1))
     assert abs(still.mean - 500.0) < still.mean_error
     assert np.median(still.error) > 30.0
     assert moving.error.min() < 0.7 * np.median(still.error)
@@ -70,9 +68,7 @@ def test_at_rest_static_friction_is_in_the_error(loader):
 
 def test_a_force_is_found_in_the_plane_that_joints_feel(loader):
     push = (1500.0, 0.0, -2500.0)
-    found = estimate_tip_force(
-        loader, log_of(loader, Scenario("lift", 6.0, LIFTS, loads=pushed(push)), 3)
-    )
+    found = estimate_tip_force(loader, log_of(loader, Scenario("lift", 6.0, LIFTS, loads=pushed(push)), 3))
     assert np.isinf(found.error[:, 1]).all()  # no joint of a loader feels y
     assert np.isnan(found.force[:, 1]).all()
     off = found.force[:, [0, 2]] - np.array(push)[[0, 2]]

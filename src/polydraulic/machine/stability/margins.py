@@ -72,21 +72,21 @@ N_STANDING = 16  # floats of a `Standing`
 
 
 @kernel
-def dot(a: Vector, b: Vector) -> float:
+def _dot(a: Vector, b: Vector) -> float:
     """Product of two vectors."""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
 @kernel
-def cross(a: Vector, b: Vector) -> Vector:
+def _cross(a: Vector, b: Vector) -> Vector:
     """What is across two vectors."""
     return Vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @kernel
-def without(a: Vector, along: Vector) -> Vector:
+def _without(a: Vector, along: Vector) -> Vector:
     """A vector without its part along a unit vector."""
-    part = dot(a, along)
+    part = _dot(a, along)
     return Vector(a.x - part * along.x, a.y - part * along.y, a.z - part * along.z)
 
 
@@ -100,23 +100,23 @@ def edge_margins(begin: Vector, end: Vector, s: Standing) -> EdgeMargins:
     s : Standing
     """
     way = Vector(end.x - begin.x, end.y - begin.y, end.z - begin.z)
-    scale = 1.0 / sqrt(dot(way, way) + 1e-300)
+    scale = 1.0 / sqrt(_dot(way, way) + 1e-300)
     edge = Vector(scale * way.x, scale * way.y, scale * way.z)
-    to_edge = without(Vector(end.x - s.cg.x, end.y - s.cg.y, end.z - s.cg.z), edge)  # l of the paper
-    far2 = dot(to_edge, to_edge) + 1e-300
+    to_edge = _without(Vector(end.x - s.cg.x, end.y - s.cg.y, end.z - s.cg.z), edge)  # l of the paper
+    far2 = _dot(to_edge, to_edge) + 1e-300
     far = sqrt(far2)
-    across = without(s.upward, edge)
-    upright = sqrt(dot(across, across) + 1e-300)
-    inward = cross(s.upward, edge)  # level, of the length `upright`
-    distance = -dot(to_edge, inward) / upright
-    closing = -dot(s.velocity, inward) / upright
-    turning = dot(s.moment, edge)
-    couple = cross(to_edge, Vector(turning * edge.x, turning * edge.y, turning * edge.z))
-    force = without(s.force, edge)
+    across = _without(s.upward, edge)
+    upright = sqrt(_dot(across, across) + 1e-300)
+    inward = _cross(s.upward, edge)  # level, of the length `upright`
+    distance = -_dot(to_edge, inward) / upright
+    closing = -_dot(s.velocity, inward) / upright
+    turning = _dot(s.moment, edge)
+    couple = _cross(to_edge, Vector(turning * edge.x, turning * edge.y, turning * edge.z))
+    force = _without(s.force, edge)
     net = Vector(force.x + couple.x / far2, force.y + couple.y / far2, force.z + couple.z / far2)  # f* of the paper
-    keeping = dot(edge, cross(to_edge, net))
-    angle = atan2(keeping, dot(to_edge, net))
-    raised = s.weight * (far * upright + dot(to_edge, across))
+    keeping = _dot(edge, _cross(to_edge, net))
+    angle = atan2(keeping, _dot(to_edge, net))
+    raised = s.weight * (far * upright + _dot(to_edge, across))
     return EdgeMargins(
         distance,
         keeping / (s.weight * upright),

@@ -130,7 +130,7 @@ def tips(chassis: Chassis, time: np.ndarray, added: list[AddedColumn], events: l
     over = least <= 0.0
     for k in np.flatnonzero(over[1:] != over[:-1]) + 1:
         at, direction = float(time[k]), names[edge[k if over[k] else k - 1]]
-        happened.append([at, "chassis", f"tips {direction}" if over[k] else f"stands again, from {direction}"])
+        happened.append([at, "chassis", f"tips {direction}" if over[k] else "stands again"])
         if over[k]:
             found.append([at, direction, _warned(time[: k + 1], soon[: k + 1])])
     if over[0]:
