@@ -88,3 +88,14 @@ def test_a_result_is_written_once(kept):
     )
     assert keeper.compared_results()["compared"] == []
     assert beat.wanted == Wanted(locked=False)
+
+
+def test_a_drive_that_is_too_long_ends_where_it_can_still_be_read(kept, monkeypatch):
+    beat, keeper, said = kept
+    monkeypatch.setattr("polydraulic.cockpit.recorded.drives.MOST", 3000)
+    go(kept, 300, recording=1)
+    for k in range(30):
+        go(kept, 10, locked=False, axes=(0.0, 0.0, 0.0, 0.01 * k, 0.0, 0.0))
+    assert "record another one" in said[0]
+    assert beat.wanted.recording == 0
+    assert read_drive(keeper.folder / f"{keeper.drives[0]}{ENDING}").stamps

@@ -44,7 +44,8 @@ class Cab:
     ----------
     machine : LayoutMachine
         Without faults.
-    name, flow : str
+    name, source, flow : str
+        `source` is where the machine is found again, the path of its file or the name of its set; empty if it was given as it is.
     simulator : Simulator
     patterns : mapping from name to mapping from function to Axis
     exercises : mapping from name to Exercise
@@ -57,7 +58,9 @@ class Cab:
     def __init__(self, machine: LayoutMachine | str | Path, flow: str = "exact", shadow: str | None = None) -> None:
         self.simulator = Simulator(machine, flow, dt=DT, load={"payload": 0.0})
         self.machine = self.simulator.machine
-        self.name, self.flow = str(machine) if isinstance(machine, str | Path) else self.machine.title, flow
+        given = str(machine) if isinstance(machine, str | Path) else ""
+        self.source = str(Path(given).resolve()) if given.endswith(".toml") else given
+        self.name, self.flow = Path(given).stem if given else self.machine.title, flow
         self.patterns = lever_patterns(self.machine)
         self.exercises: Mapping[str, Exercise] = exercises_of(self.machine, DT, layout_drawing(self.machine).ground)
         self.faults: Mapping[str, Fault] = {fault.name: fault for fault in usual_faults(self.machine)}
@@ -179,7 +182,7 @@ class Cab:
         if wanted.faults != did.faults:
             self._break(wanted.faults)
         if wanted.recording != did.recording and wanted.recording and self._player is None:
-            head = head_of(self.simulator, self.name, self.flow, self._values)
+            head = head_of(self.simulator, self.source or self.name, self.flow, self._values)
             self._tape = Tape(wanted.recording, head)
 
     def _begin_anew(self) -> None:

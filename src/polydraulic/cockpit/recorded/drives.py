@@ -12,7 +12,7 @@ from polydraulic.cockpit.recorded.tape import FORM
 from polydraulic.errors import InputError, briefly
 
 ENDING = ".drive.jsonl"
-_MOST = 512 * 1024 * 1024  # bytes of a file
+MOST = 100 * 1024 * 1024  # bytes of a file: many hours
 _HEAD = {
     "form": str,
     "machine": str,
@@ -67,8 +67,8 @@ def read_drive(path: str | Path) -> Drive:
     """
     path = Path(path)
     try:
-        if path.stat().st_size > _MOST:
-            raise InputError(f"{path}: has more than {_MOST} bytes; no drive that was recorded is so long")
+        if path.stat().st_size > MOST:
+            raise InputError(f"{path}: has more than {MOST} bytes; no drive that was recorded is so long")
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "is no text"
@@ -106,7 +106,7 @@ class DriveFile:
 
     def __init__(self, folder: Path, name: str) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        self.path, self._blocks = folder / f"{name}{ENDING}", 0
+        self.path, self._blocks, self._size = folder / f"{name}{ENDING}", 0, 0
         self._file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
 
     def write(self, first: int, blocks: tuple[str, ...]) -> None:
@@ -121,17 +121,22 @@ class DriveFile:
         Raises
         ------
         InputError
-            If blocks were missed.
+            If blocks were missed, or the drive is too long.
         OSError
         """
         if first > self._blocks:
             raise InputError("the disk was too slow: parts of the drive were lost")
-        for block in blocks[self._blocks - first :]:
+        new = blocks[self._blocks - first :]
+        for block in new:
             content = memoryview(block.encode())
+            self._size += len(content)
+            if self._size > MOST:
+                raise InputError(f"a drive has at most {MOST} bytes; record another one")
             while content:
                 content = content[os.write(self._file, content) :]
             self._blocks += 1
-        os.fsync(self._file)
+        if new:
+            os.fsync(self._file)
 
     def close(self) -> None:
         """End."""

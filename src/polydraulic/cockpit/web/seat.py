@@ -196,8 +196,10 @@ class Seat:
             raise InputError(f"the recording {name} is of {drive.head['machine']}, not of this machine")
         return drive
 
-    def begin_replay(self, drive: Drive) -> None:
-        """Let a drive be replayed from its beginning."""
+    def begin_replay(self, page: int, drive: Drive) -> None:
+        """Let a drive be replayed from its beginning, if the page still drives."""
+        if page != self.driver:
+            raise InputError("another page drives by now")
         self._want(replay=ReplayWish(self._wish(), drive), recording=0, trial=None, locked=True, axes=_NEUTRAL)
 
     def _by_hand(self, what: str) -> None:

@@ -79,7 +79,7 @@ def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str,
                 try:
                     said = read_message(message.data)
                     if (name := seat.drive_to_read(number, said)) is not None:
-                        seat.begin_replay(await asyncio.to_thread(seat.read, name))
+                        seat.begin_replay(number, await asyncio.to_thread(seat.read, name))
                     seat.hear(number, said)
                 except InputError as error:
                     await socket.send_json({"type": "error", "text": str(error)})
