@@ -94,7 +94,7 @@ def test_a_drive_that_is_too_long_ends_where_it_can_still_be_read(kept, monkeypa
     beat, keeper, said = kept
     monkeypatch.setattr("polydraulic.cockpit.recorded.drives.MOST", 3000)
     go(kept, 300, recording=1)
-    for k in range(30):
+    for k in range(100):
         go(kept, 10, locked=False, axes=(0.0, 0.0, 0.0, 0.01 * k, 0.0, 0.0))
     assert "record another one" in said[0]
     assert beat.wanted.recording == 0
