@@ -14,6 +14,7 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
+    "cockpit/coordination.py": ("cockpit/test_cab.py", "the machine that is driven there is coordinated, too"),
     "cockpit/description.py": ("cockpit/test_cab.py", "the machine that is driven there is described"),
     "cockpit/exercises/reachable.py": ("cockpit/exercises/test_catalogue.py", "paths there are held to it"),
     "cockpit/open_cockpit.py": ("cli/test_cockpit.py", "the command opens one"),

@@ -156,4 +156,38 @@ def test_the_description_is_json_that_names_every_column(cab):
     assert found["circuits"][0]["functions"] == ["tilt", "lift"]  # in the order in which oil reaches them
     assert [f["position"] for f in found["functions"]] == ["lift.angle", "tilt.angle"]
     assert {e["name"] for e in found["exercises"]} == {"tracking", "trench", "pick and place", "truck loading"}
-    assert found["patterns"]["iso"]["lift"] == {"axis": 3, "sign": -1.0}
+    assert found["patterns"]["iso"]["lift"] == {"axis": 3, "sign": -1, "positive": "boom down", "negative": "boom up"}
+    assert found["coordinated"]["able"] is False  # before it is ready
+
+
+def test_coordinated_sticks_move_the_tip_and_not_a_joint(cab):
+    cab.warm_up()
+    assert machine_description(cab)["coordinated"]["able"] is True
+    before = cab.view.tip.copy()
+    up = sticks(ry=-0.4)._replace(mode="coordinated")  # pulled back: up
+    cab.move(up, 300)
+    moved = cab.view.tip - before
+    assert moved[2] > 0.25
+    assert abs(moved[0]) < 0.05
+    assert np.ptp([columns(cab)[f"{name}.voltage"] for name in ("lift", "tilt")]) > 0.0
+    other = Cab("wheel_loader")
+    other.warm_up()
+    for n in (7, 1, 10, *[10] * 28, 2):
+        other.move(up, n)
+    assert other.simulator.save().live.tobytes() == cab.simulator.save().live.tobytes()
+    cab.move(up._replace(locked=True), 5)
+    assert columns(cab)["lift.voltage"] == 0.0
+
+
+def test_a_sensor_that_errs_deceives_the_controller_and_not_the_view(cab):
+    cab.warm_up()
+    up = sticks(ry=-0.3)._replace(mode="coordinated")
+    other = Cab("wheel_loader")
+    other.warm_up()
+    for c, wanted in ((cab, up), (other, up._replace(faults=("lift sensor off",)))):
+        c.move(up, 100)
+        c.move(wanted, 200)  # the sensor goes off while the arm moves: the servo corrects what is no error
+    assert other.shown.faults == ("lift sensor off",)
+    assert other.simulator.machine == other.machine
+    assert cab.view.tip[2] - other.view.tip[2] > 0.02
+    assert columns(other)["lift.angle"] == pytest.approx(float(other.simulator["lift.angle"]), rel=1e-6)

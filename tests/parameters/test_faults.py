@@ -63,5 +63,7 @@ def test_every_machine_can_have_the_usual_faults(name):
     machine = load_machine(name)
     faults = usual_faults(machine)
     assert len({fault.name for fault in faults}) == len(faults)
+    read = {f"{name}.angle": 0.1 for name in machine.names}
     for fault in faults:
-        assert machine.with_values(faulty_numbers(machine, {fault: 0.0})) != machine
+        changed = machine.with_values(faulty_numbers(machine, {fault: 0.0})) != machine
+        assert changed != (faulty_readings(read, {fault: 0.0}) != read), fault.name

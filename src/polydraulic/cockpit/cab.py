@@ -9,15 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from polydraulic.cockpit.coordination import Coordination, coordination_of
 from polydraulic.cockpit.exercises.catalogue import Exercise, exercises_of
 from polydraulic.cockpit.exercises.trial import Observed, Trial
-from polydraulic.cockpit.patterns import Axis, lever_patterns
-from polydraulic.cockpit.protocol import N_AXES, Flag
+from polydraulic.cockpit.protocol import Flag
 from polydraulic.cockpit.recorded.player import Player
 from polydraulic.cockpit.recorded.tape import Tape, head_of
 from polydraulic.cockpit.shadow import Shadow
 from polydraulic.cockpit.view import View
 from polydraulic.cockpit.wanted import CabShown, ReplayShown, Taped, TrialShown, Wanted
+from polydraulic.control.lever_patterns import PATTERNS, LeverPattern, lever_pattern
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.parameters.faults import Fault, faulty_numbers, stages, usual_faults
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -47,7 +48,9 @@ class Cab:
     name, source, flow : str
         `source` is where the machine is found again, the path of its file or the name of its set; empty if it was given as it is.
     simulator : Simulator
-    patterns : mapping from name to mapping from function to Axis
+    patterns : mapping from name to LeverPattern
+    coordination : Coordination or None
+        None if the machine cannot be coordinated, or before `warm_up`; `uncoordinated` says why.
     exercises : mapping from name to Exercise
     faults : mapping from name to Fault
     view : View
@@ -61,19 +64,22 @@ class Cab:
         given = str(machine) if isinstance(machine, str | Path) else ""
         self.source = str(Path(given).resolve()) if given.endswith(".toml") else given
         self.name, self.flow = Path(given).stem if given else self.machine.title, flow
-        self.patterns = lever_patterns(self.machine)
+        self.patterns: Mapping[str, LeverPattern] = {
+            name: lever_pattern(self.machine, name, dead_zone=0.0) for name in PATTERNS
+        }
+        self.coordination: Coordination | None = None
+        self.uncoordinated = "coordinated control is not ready"
         self.exercises: Mapping[str, Exercise] = exercises_of(self.machine, DT, layout_drawing(self.machine).ground)
         self.faults: Mapping[str, Fault] = {fault.name: fault for fault in usual_faults(self.machine)}
         self.shadow = None if shadow is None else Shadow(self.machine, shadow, DT)
         self.view = View(self.simulator, self.shadow)
         self.most_payload = 2.0 * sum(link.mass for link in self.machine.links)  # kg
         self._full = np.array([full_lever(f) for f in self.machine.functions])
-        self._levers = {name: self._mixer(axes) for name, axes in self.patterns.items()}
         self._did = Wanted()  # wishes that have had their effect
         self._begun: dict[Fault, int] = {}  # step at which faults began
         self._stages: tuple[int, ...] = ()
         self._values: dict[str, float] = {}  # numbers that are not the healthy machine's
-        self._payload, self._steps, self._outside, self._lost = 0.0, 0, 0, False
+        self._payload, self._steps, self._outside, self._lost, self._coordinates = 0.0, 0, 0, False, False
         self._events: tuple[tuple[int, list[Any]], ...] = ()
         self._error, self._n_events = (0, ""), 0
         self._tape: Tape | None = None
@@ -84,8 +90,11 @@ class Cab:
         self.shown = self._snapshot(self._did, 0, 0.0)
 
     def warm_up(self) -> None:
-        """Compile, or load, all that a step, another payload and other numbers need; the machine is as before."""
+        """Compile, or load, all that a step, another payload and coordinated control need; the machine is as before."""
         zero = np.zeros(len(self.simulator.names))
+        self.coordination, self.uncoordinated = coordination_of(self.simulator, self.machine, self.flow)
+        if self.coordination is not None:
+            self.coordination.voltages(Wanted().axes, 1, {})
         self.simulator.step(zero, 1, {"payload": 1.0})
         self.simulator.reset()
         if self.shadow is not None:
@@ -95,25 +104,32 @@ class Cab:
     def move(self, wanted: Wanted, n: int, *, overruns: int = 0, rate: float = 0.0) -> None:
         """Make `n` steps as the driver wants, and show them."""
         self._obey(wanted)
-        volts = np.zeros(len(self._full))
         if self._player is not None:
             self._replay(wanted, n)
+            self._steps += n
         elif not self._lost:
-            volts = self.voltages(wanted)
-            self._drive(volts, n, wanted)
-        self._steps += n
+            self._drive(n, wanted)
         self.shown = self._snapshot(wanted, overruns, rate)
 
     def voltages(self, wanted: Wanted) -> np.ndarray:
         """What the levers give, V, in the order of the functions."""
         if wanted.locked:
             return np.zeros(len(self._full))
-        return np.asarray(self._levers[wanted.pattern] @ np.array(wanted.axes))
+        return self.patterns[wanted.pattern].voltages(np.array(wanted.axes))
 
-    def _drive(self, volts: np.ndarray, n: int, wanted: Wanted) -> None:
+    def _drive(self, n: int, wanted: Wanted) -> None:
         """Make `n` steps by hand; where they are scored, one by one."""
         trial = None if self._trial is None or self._trial.over else self._trial
-        for piece in [n] if trial is None else [1] * n:
+        coordination = None if wanted.locked or wanted.mode == "joint" else self.coordination
+        if coordination is not None and not self._coordinates:
+            coordination.begin()
+        self._coordinates = coordination is not None
+        volts, end = self.voltages(wanted), self._steps + n
+        while self._steps < end:
+            piece = end - self._steps if trial is None else 1
+            if coordination is not None:
+                volts, piece = coordination.voltages(wanted.axes, piece, self._since())
+            self._steps += piece
             payload = wanted.payload if trial is None else trial.payload
             load = None
             self._trouble()
@@ -138,7 +154,7 @@ class Cab:
                 trial.observe(Observed(self.view.tip, effort, self.view.power, self.view.at_stop))
                 self._show_trial()
             if self._lost:
-                return
+                self._steps = end
 
     def _replay(self, wanted: Wanted, n: int) -> None:
         """Make steps of a recorded drive."""
@@ -187,7 +203,7 @@ class Cab:
 
     def _begin_anew(self) -> None:
         self.simulator.reset()
-        self._payload, self._lost, self._outside = 0.0, False, 0
+        self._payload, self._lost, self._outside, self._coordinates = 0.0, False, 0, False
         self._begun = dict.fromkeys(self._begun, 0)
         self._stamp(reset=True)
         self._shadow_begins()
@@ -202,7 +218,7 @@ class Cab:
             return
         if (tape := self._recording) is not None:
             tape.end(self.simulator)
-        self._trial, self._sought, self._lost = None, wanted.replay.seeks, False
+        self._trial, self._sought, self._lost, self._coordinates = None, wanted.replay.seeks, False, False
         try:
             self._player = Player(wanted.replay.drive, self.simulator, self.machine)
             self._shadow_begins()
@@ -228,7 +244,7 @@ class Cab:
 
     def _trouble(self) -> None:
         """Let the numbers of faults act whose time has come."""
-        since = {fault: (self.simulator.steps - begun) * DT for fault, begun in self._begun.items()}
+        since = self._since()
         now = stages(since)
         if now == self._stages:
             return
@@ -256,6 +272,10 @@ class Cab:
     def _recording(self) -> Tape | None:
         """The tape that runs."""
         return None if self._tape is None or self._tape.ended else self._tape
+
+    def _since(self) -> dict[Fault, float]:
+        """How long faults have been there, s."""
+        return {fault: (self.simulator.steps - begun) * DT for fault, begun in self._begun.items()}
 
     def _stamp(self, **what: Any) -> None:
         if (tape := self._recording) is not None:
@@ -286,13 +306,6 @@ class Cab:
             number, trial.exercise.name, trial.subject, self._did.mode, self._did.pattern,
             running and not trial.over, trial.done, score,
         )  # fmt: skip
-
-    def _mixer(self, axes: Mapping[str, Axis]) -> np.ndarray:
-        """Matrix from sticks to voltages."""
-        found = np.zeros((len(self._full), N_AXES))
-        for row, (name, full) in enumerate(zip(self.simulator.names, self._full, strict=True)):
-            found[row, axes[name].axis] = axes[name].sign * full
-        return found
 
     def _snapshot(self, wanted: Wanted, overruns: int, rate: float) -> CabShown:
         sim, view, tape, trial, player = self.simulator, self.view, self._tape, self._trial, self._player

@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 from polydraulic.cockpit.cab import DT, Cab
+from polydraulic.cockpit.coordination import coordinated_axes
 from polydraulic.cockpit.drawn_machine import drawing_data
 from polydraulic.cockpit.protocol import FRAMES
+from polydraulic.control.lever_patterns import STICKS
 from polydraulic.display import as_shown, shown_unit
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.simulation.stepping.levers import full_lever
@@ -60,9 +62,18 @@ def machine_description(cab: Cab, shadow: str | None = None) -> dict[str, Any]:
         ],
         "crossovers": [{"name": x.name, "giving": x.giving, "taking": x.taking} for x in machine.crossovers],
         "patterns": {
-            name: {f: {"axis": axis.axis, "sign": axis.sign} for f, axis in axes.items()}
-            for name, axes in cab.patterns.items()
+            name: {
+                axis.function: {
+                    "axis": STICKS.index(axis.stick),
+                    "sign": axis.sign,
+                    "positive": axis.positive,
+                    "negative": axis.negative,
+                }
+                for axis in pattern.axes
+            }
+            for name, pattern in cab.patterns.items()
         },
+        "coordinated": coordinated_axes(cab.coordination is not None, cab.uncoordinated),
         "exercises": [
             {"name": e.name, "title": e.title, "kind": e.kind, "tolerance": e.tolerance, "path": _thinned(e.path)}
             for e in cab.exercises.values()

@@ -27,7 +27,7 @@ Texts, from the page, at most `MOST_BYTES` long::
     {"type": "sticks", "seq": n, "axes": [lx, ly, rx, ry, a5, a6]}   -1..1; right and forward are positive. While levers are not neutral
         they are to be sent at least every `SILENCE` s, or the machine takes them for released; while they are, once a second.
     {"type": "lock", "on": bool}
-    {"type": "mode", "mode": "joint|coordinated", "pattern": "iso|sae"}
+    {"type": "mode", "mode": "joint|coordinated", "pattern": "iso|sae"}   coordinated: left stick swing and reach, right one pitch and height
     {"type": "drive"}                                                ask to be the driver; all below and above is for the driver alone
     {"type": "reset"}
     {"type": "payload", "mass": kg}

@@ -3,7 +3,7 @@
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, radians
 from typing import Literal
 
 from polydraulic.errors import InputError
@@ -133,8 +133,8 @@ def stages(since: Mapping[Fault, float]) -> tuple[int, ...]:
 
 
 def usual_faults(machine: LayoutMachine) -> tuple[Fault, ...]:
-    """A few faults that any machine may have: worn pumps, low relief valves, friction, valves that open too little, lines that leak."""
-    return (*_of_pumps(machine), *_of_functions(machine))
+    """A few faults that any machine may have: worn pumps, low relief valves, friction, weak valves, lines that leak, sensors that err."""
+    return (*_of_pumps(machine), *_of_functions(machine), *_of_sensors(machine))
 
 
 def _of_pumps(machine: LayoutMachine) -> Iterable[Fault]:
@@ -164,4 +164,16 @@ def _of_functions(machine: LayoutMachine) -> Iterable[Fault]:
             f"{f.name} leaks",
             f"lines of {f.name} lose 4 l/min at 200 bar",
             (Deviation(f"{where}.line.leakage", "plus", (4.0 / 60e3 / 200e5,)),),
+        )
+
+
+def _of_sensors(machine: LayoutMachine) -> Iterable[Fault]:
+    """Of joints, which coordinated control reads, by the columns of a state: ``NAME.angle`` whatever the joint."""
+    for f in machine.functions:
+        slides = machine.link(f.moves).joint == "prismatic"
+        error, said = (0.05, "50 mm") if slides else (radians(3.0), "3 deg")
+        yield Fault(
+            f"{f.name} sensor off",
+            f"position sensor of {f.name} reads {said} too much (for coordinated control)",
+            readings=(Deviation(f"{f.name}.angle", "plus", (error,)),),
         )

@@ -287,7 +287,7 @@ def test_what_is_no_message_changes_nothing_and_too_much_ends_the_page(serve):
                 ('{"type": "replay", "name": "../../etc/passwd", "action": "play"}', "no recording"),
                 ('{"type": "replay", "name": "x", "action": "pause"}', "no recording"),
                 ('{"type": "payload", "mass": 1e9}', "at most"),
-                ('{"type": "mode", "mode": "coordinated", "pattern": "iso"}', "coordinated"),
+                ('{"type": "mode", "mode": "coordinated", "pattern": "iso"}', "no coordinated control"),
             ):
                 await page.socket.send_str(text)
                 await page.refused(says)

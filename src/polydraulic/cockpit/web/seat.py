@@ -106,8 +106,8 @@ class Seat:
         self._want(seq=fields["seq"], axes=fields["axes"], heard=self.beat.clock())
 
     def _mode(self, fields: dict[str, Any]) -> None:
-        if fields["mode"] == "coordinated":
-            raise InputError("coordinated control is not in this version; levers move joints")
+        if fields["mode"] == "coordinated" and self.beat.cab.coordination is None:
+            raise InputError(f"no coordinated control of this machine: {self.beat.cab.uncoordinated}")
         self._want(mode=fields["mode"], pattern=fields["pattern"], axes=_NEUTRAL)
 
     def _reset(self, fields: dict[str, Any]) -> None:

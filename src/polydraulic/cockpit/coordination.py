@@ -1,0 +1,88 @@
+"""Coordinated control at the cockpit: sticks say how the tip is to move, and the controller moves all levers for it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from polydraulic.control.coordinated import ControlSettings, CoordinatedControl
+from polydraulic.errors import InputError
+from polydraulic.parameters.faults import Fault, faulty_readings
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.stepping.simulator import Simulator
+
+AXES = {
+    "swing": (0, -1.0),
+    "reach": (1, 1.0),
+    "pitch": (2, 1.0),
+    "height": (3, -1.0),
+}  # as `CoordinatedControl.velocity` has them
+
+
+class Coordination:
+    """A controller of a simulator's machine.
+
+    Parameters
+    ----------
+    simulator : Simulator
+    machine : LayoutMachine
+        As the controller knows it: without faults.
+    flow : str
+        Flow model that it inverts.
+
+    Raises
+    ------
+    InputError
+        A machine or a flow model that cannot be coordinated.
+    """
+
+    def __init__(self, simulator: Simulator, machine: LayoutMachine, flow: str) -> None:
+        self._simulator, n = simulator, len(machine.names)
+        self._control = CoordinatedControl(machine, flow, settings=ControlSettings())
+        self.period = round(self._control.settings.dt / simulator.dt)  # steps between two calls
+        self._quantities = [f"{name}.{quantity}" for quantity in ("angle", "p_a", "p_b") for name in machine.names]
+        self._places = np.concatenate(
+            [np.arange(3 * n, 4 * n), np.arange(n, 2 * n), np.arange(2 * n, 3 * n)]
+        )  # of a state
+        self._left, self._volts = 0, np.zeros(n)
+
+    def begin(self) -> None:
+        """Begin where the machine is now."""
+        self._control.reset()
+        self._left = 0
+
+    def voltages(self, axes: tuple[float, ...], most: int, faults: Mapping[Fault, float]) -> tuple[np.ndarray, int]:
+        """Voltages of the levers, V, and for how many of the next `most` steps they hold.
+
+        Parameters
+        ----------
+        axes : tuple of float
+            Sticks, -1 to 1.
+        most : int
+        faults : mapping from Fault to s
+            Whose readings the controller is deceived by, and since when they are there.
+        """
+        if self._left == 0:
+            seen = self._simulator.state[self._places]
+            if any(fault.readings for fault in faults):
+                read = faulty_readings(dict(zip(self._quantities, seen.tolist(), strict=True)), faults)
+                seen = np.array(list(read.values()))
+            self._volts = self._control.step(seen, self._control.velocity(np.array(axes))).copy()
+            self._left = self.period
+        n = min(most, self._left)
+        self._left -= n
+        return self._volts, n
+
+
+def coordination_of(simulator: Simulator, machine: LayoutMachine, flow: str) -> tuple[Coordination | None, str]:
+    """A controller, or why there is none."""
+    try:
+        return Coordination(simulator, machine, flow), ""
+    except InputError as error:
+        return None, str(error)
+
+
+def coordinated_axes(able: bool, why: str) -> dict[str, Any]:
+    """What a page is told of it: whether it can be had, why not, and which stick moves what."""
+    axes = {name: {"axis": axis, "sign": sign} for name, (axis, sign) in AXES.items()}
+    return {"able": able, "why": why, "axes": axes}
