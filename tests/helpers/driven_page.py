@@ -134,6 +134,9 @@ class DrivenPage:
     def begin(self, pattern="iso", locked=False):
         """Drive from where the machine begins."""
         self.until_status("driver", "you")
+        if self.status()["replay"]:
+            self.click("#replay-bar [data-action=stop]")
+            self.until_status("replay", None)
         self.click("#reset")
         self.until("return cockpit.status.locked && cockpit.frame.time < 1")
         self.click(f"[data-pattern={pattern}]")
