@@ -54,6 +54,8 @@ class Cab:
     exercises : mapping from name to Exercise
     faults : mapping from name to Fault
     view : View
+    given_up : int
+        Number of the last replay that could not go on.
     shown : CabShown
         What the machine does; replaced whole.
     """
@@ -86,6 +88,7 @@ class Cab:
         self._trial: Trial | None = None
         self._trial_shown: TrialShown | None = None
         self._player: Player | None = None
+        self.given_up = 0
         self._sought = 0
         self.shown = self._snapshot(self._did, 0, 0.0)
 
@@ -178,6 +181,7 @@ class Cab:
             self._note_events()
         except (InputError, SimulationError) as error:
             self._fail(str(error))
+            self.given_up = wish.number
             self._player, self._stages = None, (-1,)
             self._payload, self._values = player.payload, dict(player.values)
             self._begin_anew()
@@ -224,6 +228,7 @@ class Cab:
             self._shadow_begins()
         except InputError as error:
             self._fail(str(error))
+            self.given_up = wanted.replay.number
 
     def _try(self, wanted: Wanted) -> None:
         """Begin or end an exercise."""

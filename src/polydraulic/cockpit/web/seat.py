@@ -156,7 +156,7 @@ class Seat:
 
     def _replay(self, fields: dict[str, Any]) -> None:
         """All but to begin, which reads a file: see `drive_to_read`."""
-        wish, action = self.beat.wanted.replay, fields["action"]
+        wish, action = self._replayed(), fields["action"]
         if wish is None:
             raise InputError("nothing is replayed; choose a recording and play it")
         if action in ("restart", "stop"):
@@ -175,7 +175,7 @@ class Seat:
 
     def drive_to_read(self, page: int, message: PageMessage) -> str | None:
         """Name of the drive that a message wants to be read, because another one, or none, is replayed."""
-        wish = self.beat.wanted.replay
+        wish = self._replayed()
         if message.type != "replay" or page != self.driver or message.fields["action"] not in ("play", "seek", "pause"):
             return None
         name = message.fields["name"]
@@ -202,8 +202,13 @@ class Seat:
             raise InputError("another page drives by now")
         self._want(replay=ReplayWish(self._wish(), drive), recording=0, trial=None, locked=True, axes=_NEUTRAL)
 
+    def _replayed(self) -> ReplayWish | None:
+        """What is replayed, or about to be; not what the machine's thread has given up."""
+        wish = self.beat.wanted.replay
+        return None if wish is None or wish.number == self.beat.cab.given_up else wish
+
     def _by_hand(self, what: str) -> None:
-        if self.beat.wanted.replay is not None:
+        if self._replayed() is not None:
             raise InputError(f"{what} is not for a replay; restart from it, or stop it first")
 
     @staticmethod
