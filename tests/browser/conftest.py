@@ -46,7 +46,7 @@ def opened(browser, cockpit_url):
 @pytest.fixture
 def page(opened):
     """The page, the machine at its beginning, unlocked, all levers released."""
-    opened.js("cockpit.levers.release(); window.padIn = false")
+    opened.js("cockpit.levers.release(); window.padIn = false; document.getElementById('results').close()")
     opened.begin()
     yield opened
     opened.js("cockpit.levers.release()")

@@ -44,7 +44,7 @@ def test_a_replay_has_the_bits_of_the_drive_and_is_gone_on_from(page, recorded):
     name, driven = recorded
     page.js("cockpit.connection.send({type: 'replay', name: arguments[0], action: 'play'})", name)
     page.until("return cockpit.status.replay?.playing && !document.getElementById('replay-bar').hidden")
-    page.until("return cockpit.frame.time >= cockpit.status.replay.end - 0.1")
+    page.until("return cockpit.status.replay.time >= cockpit.status.replay.end - 0.2")
     replayed = dict((time, values) for time, values in page.js("return [...kept]"))
     columns = page.js("return cockpit.machine.columns.map((column) => column.name)")
     known = [k for k, column in enumerate(columns) if not column.startswith("target.")]

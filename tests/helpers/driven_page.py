@@ -53,23 +53,19 @@ def served_cockpit(machine, folder):
 
 
 @contextmanager
-def opened_browser(width=1280, height=720):
+def opened_browser():
     """Chromium, driven by Selenium."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
     options = webdriver.ChromeOptions()
     options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", f"--window-size={width},{height}", *_SOFTWARE):
+    for argument in ("--headless=new", "--no-sandbox", *_SOFTWARE):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     browser = webdriver.Chrome(options=options, service=Service(DRIVER))
     try:
         browser.set_script_timeout(_LONGEST)
-        browser.execute_cdp_cmd(
-            "Emulation.setDeviceMetricsOverride",
-            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
-        )
         browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": _PAD})
         yield browser
     finally:
@@ -89,12 +85,17 @@ class DrivenPage:
         self.browser, self.url = browser, url
 
     def open(self, place=""):
+        self.size(1280, 720)
         self.browser.get("about:blank")
         self.browser.get(self.url)
         if place:
             self.browser.get(self.browser.current_url + place)
             self.browser.refresh()
         self.until("return !!(window.cockpit && cockpit.frame)")
+
+    def size(self, width, height):
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
     def js(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)

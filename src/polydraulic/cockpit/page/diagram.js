@@ -14,13 +14,16 @@ export function axisWords(machine, mode, pattern) {
     const [more, less] = sign > 0 ? ["+", "−"] : ["−", "+"];
     found[axis] = { high: positive ?? `${f.label} ${more}`, low: negative ?? `${f.label} ${less}` };
   }
-  if (mode === "coordinated") {
-    found[1] = { high: "reach out", low: "reach in" };
-    found[3] = { high: "tip down", low: "tip up" };
+  if (mode !== "coordinated" || !machine.coordinated?.able) return found;
+  for (const [name, { axis, sign }] of Object.entries(machine.coordinated.axes)) {
+    if (!(name in MOVES)) continue; // the bucket moves as it does joint by joint
+    const [more, less] = MOVES[name];
+    found[axis] = sign > 0 ? { high: more, low: less } : { high: less, low: more };
   }
   return found;
 }
 
+const MOVES = { reach: ["reach out", "reach in"], height: ["tip up", "tip down"], swing: ["swing left", "swing right"] }; // of positive speeds
 const ENDS = [["west", "east"], ["south", "north"]];
 
 /** Labels round two sticks on the screen, and beside the wheels for further axes. */

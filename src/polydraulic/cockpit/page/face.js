@@ -12,6 +12,9 @@ export class Face {
     this.machine = machine;
     document.title = machine.title;
     say($("title"), machine.title);
+    const coordinated = document.querySelector("[data-mode=coordinated]");
+    coordinated.disabled = !machine.coordinated?.able;
+    if (machine.coordinated?.why) coordinated.title = machine.coordinated.why;
     const names = ["model", ...(machine.shadow ? ["shadow"] : []), "sim rate", "overruns", "lever to picture", "sticks sent", "time"];
     this.vitals = new Map(names.map((name) => {
       const value = made("dd");

@@ -186,7 +186,6 @@ class Cockpit {
     }
     if (state.trail.length > TRAIL) state.trail.shift();
     this.instruments.light(frame.flags);
-    if (frame.flags & FLAGS.replay) this.replay.at(frame.time);
   }
 
   #picture(now) {

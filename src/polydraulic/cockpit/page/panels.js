@@ -125,13 +125,7 @@ export class ReplayBar {
     if (!replay) return;
     say(this.play, replay.playing ? "Pause" : "Play");
     this.range.max = replay.end;
-    this.at(replay.time);
-  }
-
-  /** Show a time of the replay, s. */
-  at(time) {
-    if (!this.replay) return;
-    if (!this.held) this.range.value = time;
-    say(this.clock, `${number(time, 2)} / ${number(this.replay.end, 2)} s`);
+    if (!this.held) this.range.value = replay.time;
+    say(this.clock, `${number(replay.time, 1)} / ${number(replay.end, 1)} s`);
   }
 }

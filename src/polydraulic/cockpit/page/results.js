@@ -10,6 +10,7 @@ const DRAWN = ["time", "error_rms", "effort"];
 const COLORS = { joint: "#0072b2", coordinated: "#d55e00" };
 const WIDTH = 300, HEIGHT = 120, EDGE = 12;
 const MOST = 200; // attempts in the table
+const AGAIN = 1000; // ms, after which new ones are looked for
 
 function drawn(parent, name, attributes) {
   const element = document.createElementNS(SVG, name);
@@ -28,14 +29,22 @@ export class Results {
     dialog.append(made("header", "", made("h1", "", "Attempts"), this.choice, made("span", "gap"), button("Close", () => dialog.close())), this.said, this.body);
   }
 
-  async open() {
+  open() {
     this.dialog.showModal();
+    this.#load();
+    const again = setInterval(() => (this.dialog.open ? this.#load() : clearInterval(again)), AGAIN);
+  }
+
+  async #load() {
     const answer = await fetch("/results.json");
     if (!answer.ok) {
       this.said.textContent = "The results cannot be read.";
       return;
     }
-    this.results = await answer.json();
+    const text = await answer.text();
+    if (text === this.text) return;
+    this.text = text;
+    this.results = JSON.parse(text);
     const names = [...new Set(this.results.attempts.map((attempt) => attempt.exercise))];
     const before = this.choice.value;
     this.choice.replaceChildren(...names.map((name) => new Option(shownName(name), name)));
