@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
-.PHONY: report docs test coverage test-all bench bench-joints bench-peers mutants lint surface build changes clean
+.PHONY: report docs test test-browser coverage test-all bench bench-joints bench-peers mutants lint surface build changes clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
@@ -25,8 +25,13 @@ PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation test
 
 # Compiled first, then the tests of kernels once more in plain Python: they must not depend on the compiler.
 test: .venv/ready
-	$(PYTEST) -m "not slow" $(MEASURED)
+	$(PYTEST) -m "not slow and not browser" $(MEASURED)
 	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(MEASURED) $(PLAIN)
+
+# The cockpit's page in a real browser without a screen, one process: Debian's chromium and chromium-driver, without which this fails.
+# `make test` leaves these tests out, plain `pytest` runs them where there is a browser and else says what is missing.
+test-browser: .venv/ready
+	POLYDRAULIC_BROWSER=needed $(BIN)/pytest tests/browser
 
 # The same tests, and what share of the lines of the package they run; of kernels in plain Python, since compiled code is not seen.
 # pyproject.toml says what share there must be; the modules with the least stand first.
@@ -37,7 +42,7 @@ coverage: .venv/ready
 	$(BIN)/coverage report --format=total
 
 test-all: .venv/ready
-	$(PYTEST)
+	$(PYTEST) -m "not browser"
 	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(PLAIN)
 
 # What is printed is kept in benchmarks/results, and pages state no number of it that is not there (tests/test_measured.py).
