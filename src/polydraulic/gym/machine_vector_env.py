@@ -179,7 +179,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             infos = _masked(judged.told, ~new)
         self._ended = over | cut
         if self._mode is AutoresetMode.SAME_STEP and self._ended.any():
-            infos = self._begun_at_once(infos)
+            infos = self._begun_at_once(judged.told)
         return self._episodes.observe(), rewards, over, cut, infos
 
     def render(self) -> tuple[np.ndarray, ...] | None:
@@ -195,22 +195,16 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """End: further steps are refused, and threads end."""
         self.simulator.close()
 
-    def _begun_at_once(self, infos: dict[str, Any]) -> dict[str, Any]:
-        """Begin the episodes that are over, with what is last seen of them in the infos."""
+    def _begun_at_once(self, told: Mapping[str, np.ndarray]) -> dict[str, Any]:
+        """Begin the episodes that are over; infos with what was last seen and said of them."""
         over = self._ended.copy()
         final = np.full(self.num_envs, None, dtype=object)
         seen = self._episodes.observe()
         for i in np.flatnonzero(over):
             final[i] = seen[i]
-        last = _masked({name: values for name, values in infos.items() if not name.startswith("_")}, over)
-        told = self._begin(over, {})
-        self._ended = np.zeros(self.num_envs, dtype=bool)
-        going = _masked({name: values for name, values in infos.items() if not name.startswith("_")}, ~over)
-        return (
-            going
-            | _masked(told, over)
-            | {"final_obs": final, "_final_obs": over.copy(), "final_info": last, "_final_info": over.copy()}
-        )
+        infos = _masked(told, ~over) | _masked(self._begin(over, {}), over)
+        infos |= {"final_obs": final, "final_info": _masked(told, over)}
+        return infos | {"_final_obs": over.copy(), "_final_info": over.copy()}
 
     def _begin(self, mask: np.ndarray, options: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """Begin episodes where the mask says so; what is said of them, a row for each machine."""
