@@ -59,13 +59,22 @@ def warnings(run: Table) -> list[str]:
     """What to be wary of in a run: steps that did not converge, rows outside the domain, relief valves, empty lines, end stops."""
     info: Any = run.info
     found = list(info.get("doubtful_inputs", []))
-    steps = info.get("steps", 0)
+    steps, beyond = info.get("steps", 0), info.get("steps_beyond_log", 0)
     for key, what in (
         ("steps_not_converged", "did not converge: choose a smaller dt"),
+        (
+            "steps_beyond_log",
+            "went beyond travel or pressure of the log that the machine was identified from: curves there are assumed",
+        ),
         ("steps_out_of_domain", "left the domain of the flow model, which was held at its border"),
     ):
-        if count := info.get(key, 0):
+        count = info.get(key, 0)
+        if count and not (key == "steps_out_of_domain" and count == beyond):
             found.append(f"{count} of {steps} steps ({count / steps:.1%}) {what}")
+    if count := info.get("rows_beyond_log", 0):
+        found.append(
+            f"{count} of {len(run)} rows ({count / len(run):.1%}) lie beyond travel or pressure of the log that the machine was identified from"
+        )
     if count := info.get("rows_not_converged", 0):
         found.append(f"{count} of {len(run)} rows ({count / len(run):.1%}) hold flows that did not converge")
     last, events = float(run["time"][-1]), info.get("events", [])

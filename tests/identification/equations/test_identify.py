@@ -96,12 +96,16 @@ def test_the_words_name_numbers_with_their_errors(found):
     assert "in3/s" in found.text("field")
 
 
-def test_the_file_is_a_machine_and_says_where_it_came_from(found, tmp_path):
+def test_the_file_is_a_machine_and_says_where_it_came_from(found, log, tmp_path):
     path = tmp_path / "identified.toml"
     found.write(path)
     again = load_machine(path)
     for ours, read in zip(found.machine.numbers, again.numbers, strict=True):
         assert read.value == pytest.approx(ours.value, rel=1e-8, abs=1e-30)
+    for ours, read in zip(found.machine.functions, again.functions, strict=True):
+        assert read.seen == pytest.approx(ours.seen, rel=1e-8)
+        assert ours.seen.travel == pytest.approx(np.abs(log[f"{ours.name}.spool"]).max(), rel=0.02)
+        assert 5e6 < ours.seen.pressure < 4e7
     text = path.read_text(encoding="utf-8")
     assert "identified from table: " in text
     assert "uncertainty" in text

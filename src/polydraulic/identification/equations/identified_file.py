@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import Any, NamedTuple
 
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -57,7 +58,22 @@ def machine_data(machine: LayoutMachine) -> dict[str, Any]:
         fed = [*machine.circuit(x.giving).functions, *machine.circuit(x.taking).functions]
         data["circuits"][x.name] |= {"kind": "crossover", "functions": fed}
     data.setdefault("tip", {})["link"] = machine.tip[0]
-    return data
+    return with_seen(data, machine)
+
+
+def with_seen(data: Mapping[str, Any], machine: LayoutMachine) -> dict[str, Any]:
+    """What a file holds, and how far the log went that its curves were identified from."""
+    whole = _copied(data)
+    for f in machine.functions:
+        for key, unit in (("travel", "mm"), ("pressure", "bar")):
+            if f.seen is not None and getattr(f.seen, key) < inf:
+                value = _short(read_unit(unit).from_si(getattr(f.seen, key)))
+                whole["functions"][f.name].setdefault("seen", {})[key] = {
+                    "value": value,
+                    "unit": unit,
+                    "source": "largest one of the log",
+                }
+    return whole
 
 
 def file_text(data: Mapping[str, Any], changes: Mapping[str, Identified], remarks: Sequence[str]) -> str:

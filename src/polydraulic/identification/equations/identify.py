@@ -19,7 +19,7 @@ from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.circuits import CircuitFound
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import Freedom, freedom
-from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data
+from polydraulic.identification.equations.identified_file import Identified, file_text, machine_data, with_seen
 from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
@@ -100,7 +100,7 @@ class Identification:
         """
         toml_ending(path)
         head = [f"{self.before.title}, identified from {self.source} by `polydraulic identify`.", *self.kept]
-        write_text(path, file_text(self.data, self.changes, head))
+        write_text(path, file_text(with_seen(self.data, self.machine), self.changes, head))
 
 
 def toml_ending(path: str | Path) -> None:
@@ -194,7 +194,7 @@ def identify(
     finished.forget()
     progress("identified", steps, steps)
     return Identification(
-        so_far.machine, before, so_far.changes, circuits, pilots, mechanics, runs, [*lacks, *so_far.kept], so_far.remarks, may, table,
+        so_far.found(), before, so_far.changes, circuits, pilots, mechanics, runs, [*lacks, *so_far.kept], so_far.remarks, may, table,
         source, data,
     )  # fmt: skip
 

@@ -1,6 +1,7 @@
 """A machine file with links, functions and circuits -> LayoutMachine: all that is wrong in it, in one message."""
 
 from collections.abc import Mapping
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ from polydraulic.parameters.layout.parts import (
     Pins,
     Point,
     PumpParameters,
+    Seen,
     SlideFriction,
     SlideInitial,
     SlideStops,
@@ -182,7 +184,7 @@ def _function(
     actuator = reader.word(item, "actuator", tuple(_ACTUATORS), where)
     drive_key = "motor" if actuator == "motor" else "cylinder"
     needed = ("moves", "actuator", drive_key, *_PARTS, *_HELD.get(actuator, ()))
-    data = reader.table(item, (*needed, "backlash", "role"), needed, where)
+    data = reader.table(item, (*needed, "backlash", "role", "seen"), needed, where)
     names = [link.name for link in links]
     moves = reader.word(data, "moves", names, where)
     slides = any(link.name == moves and link.joint == "prismatic" for link in links)
@@ -197,13 +199,13 @@ def _function(
     friction = reader.part(SlideFriction if slides else Friction, data, "friction", where, ("sticks",))
     stops = reader.part(SlideStops if slides else Stops, data, "stops", where)
     initial = reader.part(SlideInitial if slides else Initial, data, "initial", where)
-    effects = read_effects(reader, data, where, slides)
+    effects, seen = read_effects(reader, data, where, slides), _seen(reader, data, f"{where}.seen")
     role = reader.word(data, "role", ROLES, where) if "role" in data else name if name in ROLES else ""
     if len(reader.wrong) > before or not links or None in (drive, pilot, line, valve, friction, stops, initial):
         return None
     return MachineFunction(  # a prismatic joint's numbers go by the same names
         name, moves, actuator, drive, _pins(actuator, pins), pilot, valve, line,  # type: ignore[arg-type]
-        Friction(*friction), Stops(*stops), Initial(*initial), effects, role,  # type: ignore[misc]
+        Friction(*friction), Stops(*stops), Initial(*initial), effects, role, seen,  # type: ignore[misc]
     )  # fmt: skip
 
 
@@ -225,6 +227,15 @@ def _valve(reader: Reader, data: Mapping[str, Any], where: str) -> ValveCurves |
         return None
     reader.wrong += unequal_tables(where, {"knots": knots, **dict(zip(_CURVES, curves, strict=True))})
     return ValveCurves(knots, *curves) if len(reader.wrong) == before else None
+
+
+def _seen(reader: Reader, data: Mapping[str, Any], where: str) -> Seen | None:
+    if "seen" not in data:
+        return None
+    before, found = len(reader.wrong), reader.table(data["seen"], ("travel", "pressure"), ("travel",), where)
+    travel = reader.number(found, "travel", TRAVEL, where)
+    pressure = reader.number(found, "pressure", OPENING, where) if "pressure" in found else inf
+    return Seen(travel, pressure) if len(reader.wrong) == before else None
 
 
 def _circuits(reader: Reader, top: Mapping[str, Any]) -> tuple[tuple[SupplyCircuit, ...], tuple[Crossover, ...]]:

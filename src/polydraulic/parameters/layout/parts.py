@@ -4,6 +4,7 @@ Links form a tree, a function moves one link through an actuator, a circuit is a
 """
 
 from collections.abc import Mapping
+from math import inf
 from typing import Annotated, NamedTuple
 
 from polydraulic.parameters.quantity import Quantity
@@ -177,6 +178,21 @@ class Effects(NamedTuple):
         return tuple(key for key, value in zip(keys, self, strict=True) if value is not None and value is not False)
 
 
+class Seen(NamedTuple):
+    """How far the log went that a valve's curves were identified from; beyond, they are what was assumed before.
+
+    Attributes
+    ----------
+    travel : float, m
+        Largest travel of the spool, to either side.
+    pressure : float, Pa
+        Largest one at the pressurised port of the open valve; inf if none was measured.
+    """
+
+    travel: float
+    pressure: float = inf
+
+
 class MachineFunction(NamedTuple):
     """What an operator moves with one lever.
 
@@ -196,6 +212,8 @@ class MachineFunction(NamedTuple):
     effects : Effects
     role : str
         What it is to whoever holds the levers, one of `ROLES`; empty where the file says nothing and the name is none of these.
+    seen : Seen or None
+        Of curves that were identified.
     """
 
     name: str
@@ -211,6 +229,7 @@ class MachineFunction(NamedTuple):
     initial: Initial
     effects: Effects = Effects()
     role: str = ""
+    seen: Seen | None = None
 
 
 class PumpParameters(NamedTuple):

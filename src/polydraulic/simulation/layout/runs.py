@@ -36,6 +36,7 @@ from polydraulic.simulation.layout.methods.known import Integrate, run_known
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
+from polydraulic.simulation.layout.seen import beyond_seen
 from polydraulic.simulation.layout.served_methods import check_method
 from polydraulic.simulation.layout.stability.columns import stability_columns, tips
 from polydraulic.simulation.layout.step_check import step_warnings
@@ -163,6 +164,7 @@ def _stepped(
     rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
     account: list[list[AddedColumn]] = []
     state: np.ndarray | None = None
+    beyond_log: int | None = None  # steps, of an identified machine
     memory = np.zeros(model.n_memory)
     for part in segments(machine, scenario.loads.payload, dt, n_step):
         ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force), flow=model)
@@ -174,6 +176,9 @@ def _stepped(
             if done < end - first:
                 raise _diverged(scenario, model.name, machine, own[0], columns, (first + done) * dt)
             state = own[-1, : columns.n_state].copy()
+            beyond = beyond_seen(part.machine, columns, own[1:])
+            if beyond is not None:
+                beyond_log = (beyond_log or 0) + int(beyond.sum())
             steps = np.arange(first, end + 1)
             new = (steps % every == 0) & ((steps > first) | (first == 0))
             rows[steps[new] // every] = own[new]
@@ -181,6 +186,8 @@ def _stepped(
                 account.append(added(part.machine, ready.module, ready.plant, own[new], steps[new] * dt))
     info: dict[str, object] = {"steps": n_step}
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
+    if beyond_log is not None:
+        info |= {"steps_beyond_log": beyond_log, "steps_out_of_domain": max(int(counts[1]), beyond_log)}
     info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
     return _Made(rows, info, account)
 
@@ -195,7 +202,11 @@ def _integrated(
         module = layout_module(part.machine, force=bool(scenario.loads.force))
         if added is not None and end > first:
             account.append(added(part.machine, module, part.plant, run.rows[first:end], time[first:end]))
-    return _Made(run.rows, {"rtol": rtol, **run.info}, account)
+    info: dict[str, object] = {"rtol": rtol, **run.info}
+    beyond = beyond_seen(machine, columns_of(machine), run.rows)
+    if beyond is not None:
+        info["rows_beyond_log"] = int(beyond.sum())
+    return _Made(run.rows, info, account)
 
 
 def _solver(method: str) -> Integrate:

@@ -24,10 +24,10 @@ from polydraulic.identification.equations.numbers.unbounded import (
 from polydraulic.identification.equations.shooting.information import state_spreads
 from polydraulic.identification.equations.shooting.runs import (
     Driven,
+    commanded_travel,
     driven_windows,
     first_states,
     shoot,
-    commanded_travel,
     window_slopes,
 )
 from polydraulic.identification.equations.shooting.windows import Windows, cut_windows, sensors_of

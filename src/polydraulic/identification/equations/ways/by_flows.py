@@ -12,7 +12,7 @@ from polydraulic.identification.equations.identified_file import Identified
 from polydraulic.identification.equations.pilot_fit import PilotFit
 from polydraulic.identification.equations.sensors import Signals, missing_for_circuit
 from polydraulic.identification.equations.ways.so_far import SoFar
-from polydraulic.parameters.layout.parts import MachineFunction, SupplyCircuit
+from polydraulic.parameters.layout.parts import MachineFunction, Seen, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 LEAST_ROWS = 500
@@ -75,6 +75,7 @@ def find_circuits(
             known = fitted
         found[circuit.name] = known
         so_far.take(_circuit_changes(machine, circuit, known, may, so_far.from_log, so_far.kept))
+        so_far.seen |= {name: Seen(v.seen[1], v.pressure[1]) for name, v in known.valves.items()}
     so_far.remarks += _remarks(machine, found)
     return found
 

@@ -14,6 +14,7 @@ from polydraulic.identification.equations.numbers.spreads import spreads_of
 from polydraulic.identification.equations.sensors import position_column
 from polydraulic.identification.equations.shooting.fit import ShootingFit, fit_by_shooting
 from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
+from polydraulic.parameters.layout.parts import Seen
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
 
@@ -70,6 +71,11 @@ def find_left(
         found.estimates,
         f"{so_far.from_log}: simulation of {found.windows} windows of {found.seconds:g} s, travel of {seen} seen",
     )
+    for f in so_far.machine.functions:
+        if any(f"functions.{f.name}.valve.{key}" in so_far.changes for key in CURVES) and f.name not in so_far.seen:
+            ports = [f"{f.name}.{port}" for port in ("p_a", "p_b")]
+            measured = [float(table[port].max()) for port in ports if port in table.names]
+            so_far.seen[f.name] = Seen(found.travel[f.name], max(measured) if len(measured) == len(ports) else np.inf)
     return found
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from polydraulic.identification.equations.free_numbers import Freedom
 from polydraulic.identification.equations.identified_file import Identified
 from polydraulic.identification.equations.numbers.estimates import Estimates
+from polydraulic.parameters.layout.parts import Seen
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 _MECHANICAL = ("mass", "cg", "inertia")
@@ -29,6 +30,8 @@ class SoFar:
         What kept its value, and why; what is determined, and what is not.
     lacks : dict
         What a way could not do, and why.
+    seen : dict from function to Seen
+        How far the log went, of valves whose curves were found.
     """
 
     machine: LayoutMachine
@@ -38,6 +41,12 @@ class SoFar:
     kept: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     lacks: dict[str, str] = field(default_factory=dict)
+    seen: dict[str, Seen] = field(default_factory=dict)
+
+    def found(self) -> LayoutMachine:
+        """The machine with all that was found."""
+        of = self.machine.functions
+        return self.machine._replace(functions=tuple(f._replace(seen=self.seen.get(f.name, f.seen)) for f in of))
 
     def take(self, changes: dict[str, Identified]) -> None:
         """Take new values of entries."""
