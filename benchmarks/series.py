@@ -26,7 +26,7 @@ HAND = """
 @kernel
 def of_all(s):
     c = s.circuit
-    return s.q_first + s.q_second + s.p_between + c.q_pump + c.q_bypass + c.q_relief + c.p_pump
+    return s.q_in_1 + s.q_in_2 + s.p_between_1 + c.q_pump + c.q_bypass + c.q_relief + c.p_pump
 
 
 @driver
@@ -35,7 +35,7 @@ def single(rows, pump):
     for block in range(BLOCKS):
         part = rows[block * ROWS * LANES:]
         for lane in range(LANES):
-            total += of_all(series_circuit(VALVES, pump))
+            total += of_all(series_2(VALVES, pump))
     return total
 
 
@@ -45,7 +45,7 @@ def lanes(rows, pump):
     for block in range(BLOCKS):
         part = rows[block * ROWS * LANES:]
         for lane in range(LANES):
-            part[RESULT * LANES + lane] = of_all(series_at(pump.flow, VALVES, pump))
+            part[RESULT * LANES + lane] = of_all(series_2_at(pump.flow, VALVES, pump))
         for lane in range(LANES):
             total += part[RESULT * LANES + lane]
     return total
@@ -155,7 +155,7 @@ def circuit(name, n, text, folder):
     imports = [
         *SERIES_IMPORTS,
         "from polydraulic._kernel import driver",
-        "from polydraulic.machine.pump import series_at, series_circuit",
+        "from polydraulic.machine.circuits.series_short import series_2, series_2_at",
         "from polydraulic.machine.valve import Orifices",
     ]
     path = Path(folder) / f"benchmark_{name}.py"

@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from helpers.valves import circuit_pump, orifices
 from polydraulic._kernel import driver
-from polydraulic.machine.pump import Pump, delivered, series_circuit, single_circuit
+from polydraulic.machine.circuits.series_short import series_1, series_2
+from polydraulic.machine.pump import Pump, delivered
 from polydraulic.machine.valve import Orifices
 from polydraulic.thesis.excavator import spool_of
 from polydraulic.units import to_si
@@ -26,7 +27,7 @@ pressure = st.one_of(st.sampled_from([0.0, P_RETURN, RELIEF]), st.floats(0.0, 3.
 
 
 def single(k_in, k_bypass, p_in):
-    return single_circuit(Orifices(k_in, k_bypass, 0.0), p_in, PUMP)
+    return series_1(Orifices(k_in, k_bypass, 0.0), p_in, PUMP)
 
 
 def judge(k_in, k_bypass, p_in):
@@ -44,7 +45,7 @@ def judge(k_in, k_bypass, p_in):
 @given(k_in=conductance, k_bypass=conductance, p_in=pressure)
 def test_closed_form_against_the_judge(k_in, k_bypass, p_in):
     p, q = judge(k_in, k_bypass, p_in)
-    found = single(k_in, k_bypass, p_in).q_in
+    found = single(k_in, k_bypass, p_in).q_in_1
     # the judge finds the pressure to 1e-9 Pa or a rounding of it, which bounds how well it knows the flow
     slack = 1e-7 + 2e-15 * p
     known = k_in * math.sqrt(slack) if abs(p - p_in) < 1e-3 else k_in * slack / math.sqrt(abs(p - p_in))
@@ -53,7 +54,7 @@ def test_closed_form_against_the_judge(k_in, k_bypass, p_in):
 
 @given(k_in=conductance, k_bypass=conductance, p_in=pressure)
 def test_pump_flow_is_shared_out(k_in, k_bypass, p_in):
-    q, circuit = single(k_in, k_bypass, p_in)
+    q, circuit, _ = single(k_in, k_bypass, p_in)
     assert 0.0 <= q <= Q
     assert circuit.q_bypass >= 0.0
     assert circuit.q_relief >= 0.0
@@ -71,9 +72,9 @@ def test_pump_pressure_drives_both_flows(k_in, k_bypass, p_in):
     k_in=st.floats(1e-9, 2e-5), more=st.floats(1.0, 3.0), k_bypass=conductance, p_in=pressure, higher=st.floats(0, 1e7)
 )
 def test_flow_rises_with_opening_and_falls_with_pressure(k_in, more, k_bypass, p_in, higher):
-    q = single(k_in, k_bypass, p_in).q_in
-    assert single(k_in * more, k_bypass, p_in).q_in >= q * (1.0 - 1e-12)
-    assert single(k_in, k_bypass, p_in + higher).q_in <= q * (1.0 + 1e-12)
+    q = single(k_in, k_bypass, p_in).q_in_1
+    assert single(k_in * more, k_bypass, p_in).q_in_1 >= q * (1.0 - 1e-12)
+    assert single(k_in, k_bypass, p_in + higher).q_in_1 <= q * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize(
@@ -89,7 +90,7 @@ def test_flow_rises_with_opening_and_falls_with_pressure(k_in, more, k_bypass, p
 )
 def test_special_cases(k_in, k_bypass, p_in, q, p_pump):
     found = single(k_in, k_bypass, p_in)
-    assert found.q_in == pytest.approx(q, rel=1e-12, abs=1e-20)
+    assert found.q_in_1 == pytest.approx(q, rel=1e-12, abs=1e-20)
     assert found.circuit.p_pump == pytest.approx(p_pump, rel=1e-12)
 
 
@@ -196,14 +197,14 @@ def series_judge(first, second, p_first, p_second, pump):
 def errors_against_judge(k, p, pump, out):
     for i in range(k.shape[0]):
         first, second = Orifices(k[i, 0, 0], k[i, 0, 1], 0.0), Orifices(k[i, 1, 0], k[i, 1, 1], 0.0)
-        s = series_circuit(first, second, p[i, 0], p[i, 1], pump)
+        s = series_2(first, second, p[i, 0], p[i, 1], pump)
         true = series_judge(first, second, p[i, 0], p[i, 1], pump)
         circuit = s.circuit
         out[i, 0] = circuit.q_pump - true.q_pump
-        out[i, 1] = s.q_first - true.q_first
-        out[i, 2] = s.q_second - true.q_second
-        out[i, 3] = s.q_second + circuit.q_bypass - true.passed
-        out[i, 4] = circuit.q_pump - s.q_first - s.q_second - circuit.q_bypass - circuit.q_relief
+        out[i, 1] = s.q_in_1 - true.q_first
+        out[i, 2] = s.q_in_2 - true.q_second
+        out[i, 3] = s.q_in_2 + circuit.q_bypass - true.passed
+        out[i, 4] = circuit.q_pump - s.q_in_1 - s.q_in_2 - circuit.q_bypass - circuit.q_relief
         out[i, 5] = circuit.p_pump
 
 
@@ -267,9 +268,9 @@ def test_series_circuit_against_the_judge_a_million_times(machine, exponent, rel
     ],
 )
 def test_special_cases_in_series(first, second, p_first, p_second, share_first, share_second):
-    s = series_circuit(Orifices(*first, 0.0), Orifices(*second, 0.0), p_first, p_second, PUMP)
-    assert s.q_first == pytest.approx(share_first * Q, abs=1e-12 * Q)
-    assert s.q_second == pytest.approx(share_second * Q, abs=1e-12 * Q)
+    s = series_2(Orifices(*first, 0.0), Orifices(*second, 0.0), p_first, p_second, PUMP)
+    assert s.q_in_1 == pytest.approx(share_first * Q, abs=1e-12 * Q)
+    assert s.q_in_2 == pytest.approx(share_second * Q, abs=1e-12 * Q)
     assert s.circuit.q_pump == Q
 
 
@@ -277,16 +278,16 @@ def test_special_cases_in_series(first, second, p_first, p_second, share_first, 
 def test_single_circuit_with_torque_limit(machine, k_in, k_bypass, p_in, exponent):
     """The flow is what the pump gives at the pressure that the flow makes, unless the relief valve is open."""
     pump = pump_of(machine, exponent, RELIEF)
-    s = single_circuit(Orifices(k_in, k_bypass, 0.0), p_in, pump)
+    s = series_1(Orifices(k_in, k_bypass, 0.0), p_in, pump)
     circuit = s.circuit
     assert circuit.q_pump == pytest.approx(delivered(circuit.p_pump, pump), rel=1e-9)
     assert circuit.q_pump == pytest.approx(limited(circuit.p_pump, pump), rel=1e-9)
-    assert s.q_in + circuit.q_bypass + circuit.q_relief == pytest.approx(circuit.q_pump, rel=1e-12)
+    assert s.q_in_1 + circuit.q_bypass + circuit.q_relief == pytest.approx(circuit.q_pump, rel=1e-12)
     if circuit.q_relief > 1e-6 * Q:
         assert circuit.p_pump == RELIEF
-    elif s.q_in > 1e-6 * Q:
+    elif s.q_in_1 > 1e-6 * Q:
         # the pressure that drives the inlet, known to what rounding of the flow leaves
-        assert s.q_in == pytest.approx(k_in * math.sqrt(max(circuit.p_pump - p_in, 0.0)), rel=1e-6, abs=1e-7 * Q)
+        assert s.q_in_1 == pytest.approx(k_in * math.sqrt(max(circuit.p_pump - p_in, 0.0)), rel=1e-6, abs=1e-7 * Q)
 
 
 def test_swing_has_priority(machine):
@@ -294,7 +295,7 @@ def test_swing_has_priority(machine):
     valves = [machine.function(name).valve for name in ("swing", "stick")]
     second = orifices(0.8 * spool_of(machine).bypass_closed, valves[1])
     flows = [
-        series_circuit(orifices(x, valves[0]), second, 5e6, 5e6, PUMP).q_second
+        series_2(orifices(x, valves[0]), second, 5e6, 5e6, PUMP).q_in_2
         for x in np.linspace(spool_of(machine).deadband, spool_of(machine).end, 40)
     ]
     assert np.all(np.diff(flows) <= 1e-12 * Q)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
-from polydraulic.machine.circuits.series_short import Series1, Series2
+from polydraulic.machine.circuits.series_short import Series1, Series2, series_1, series_2
 from polydraulic.machine.feed import (
     DRAW_PASSES,
     SHUT,
@@ -28,7 +28,7 @@ from polydraulic.machine.feed import (
     inlet_part,
     relieved_flow,
 )
-from polydraulic.machine.pump import Circuit, Pump, delivered, series_circuit, single_circuit
+from polydraulic.machine.pump import Circuit, Pump, delivered
 from polydraulic.machine.valve import Orifices, orifice_flow
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -130,7 +130,7 @@ def stiff_1(
 ) -> Series1:
     """Flows of one valve over a step from the pump pressure `p_before`, or from that of steady flow if none has begun."""
     if not begun:
-        p_before = single_circuit(k_1, p_1, pump).circuit.p_pump
+        p_before = series_1(k_1, p_1, pump).circuit.p_pump
     z = dt / volumes.compliance
     bypass = Bypass(pump.p_return, 0.0, k_1.bypass * k_1.bypass)
     most = relieved_flow(k_1.inlet, p_1, bypass, pump.relief)
@@ -218,8 +218,8 @@ def stiff_2(
 ) -> Series2:
     """Flows of two valves in series over a step from the pressures before and between them, or from those of steady flow if none have begun."""
     if not begun:
-        still = series_circuit(k_1, k_2, p_1, p_2, pump)
-        p_before, p_between = still.circuit.p_pump, still.p_between
+        still = series_2(k_1, k_2, p_1, p_2, pump)
+        p_before, p_between = still.circuit.p_pump, still.p_between_1
     at = _Before(p_before, p_between, dt / volumes.compliance, dt / volumes.compliance_between)
     onward = Bypass(pump.p_return, 0.0, k_2.bypass * k_2.bypass)
     source = _constant(pump, at.p, at.z)

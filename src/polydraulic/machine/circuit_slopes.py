@@ -56,7 +56,7 @@ def _pump(c: Circuit, pump: Pump) -> float:
 
 @kernel
 def single_slopes(k: Orifices, slope: Orifices, q_in: float, c: Circuit, pump: Pump) -> SingleSlopes:
-    """Slopes at a solution of `single_circuit`; `slope` are those of the conductances over the spool."""
+    """Slopes at a solution of `series_1`; `slope` are those of the conductances over the spool."""
     g, rest = _conductance(k.inlet, q_in), _conductance(k.bypass, c.q_bypass) + _pump(c, pump)
     scale = 1.0 / (g + rest + 1e-300)
     inlet, bypass = _source(k.inlet, slope.inlet, q_in), _source(k.bypass, slope.bypass, c.q_bypass)
@@ -74,7 +74,7 @@ def series_slopes(
     c: Circuit,
     pump: Pump,
 ) -> SeriesSlopes:
-    """Slopes at a solution of `series_circuit`."""
+    """Slopes at a solution of `series_2`."""
     passed = q_second + c.q_bypass
     g1, g2 = _conductance(first.inlet, q_first), _conductance(second.inlet, q_second)
     between, tank = _conductance(first.bypass, passed), _conductance(second.bypass, c.q_bypass) + _FAINT

@@ -1,9 +1,7 @@
 """Pumps and their circuits: how a pump's flow is shared between actuators, bypasses and relief valve (Eqs 1-3, 8-13).
 
 One circuit has a closed form. Two valves in series are solved by the same form, five times: at the flow that passes the
-first valve, the second one looks like a single orifice. A torque limit is a root in one unknown, the pump flow, found in
-a bounded number of Newton steps within a bracket; once a step, after the first, changes nothing, neither do the others. Clamps decide
-all special cases.
+first valve, the second one looks like a single orifice. Clamps decide all special cases. Whole circuits, with torque limit, are in `circuits`.
 """
 
 from math import log as natural_log
@@ -15,7 +13,6 @@ from polydraulic.elementary import exp, log
 from polydraulic.machine.valve import Orifices, orifice_flow
 from polydraulic.parameters.layout.parts import PumpParameters
 
-LIMIT_PASSES = 10
 NEVER = 1e12  # Pa; a relief valve that stays shut
 
 
@@ -88,7 +85,7 @@ def delivered(p: float, pump: Pump) -> float:
 
 
 @kernel
-def _inlet_share(Q: float, k_in: float, b: float, drop: float) -> float:
+def inlet_share(Q: float, k_in: float, b: float, drop: float) -> float:
     """Part of Q that enters the actuator: Eqs (1)-(3) in closed form.
 
     Eliminating the pressure leaves a quadratic in the flow; written with the root in the denominator it has no
@@ -109,7 +106,7 @@ def _pressure(q_in: float, k_in: float, p_in: float, q_bypass: float, k_bypass: 
 
 
 @kernel
-def _as_one(Q: float, q: float, k_in: float, b: float, p_in: float, p_return: float) -> Orifice:
+def as_one(Q: float, q: float, k_in: float, b: float, p_in: float, p_return: float) -> Orifice:
     """Inlet and bypass, which share Q as q and the rest, as one orifice with the same pressure and slope at Q."""
     a, rest = k_in * k_in, Q - q
     square = Q * (a * rest + b * q) / (q * rest + 1e-300)
@@ -122,53 +119,6 @@ def _as_one(Q: float, q: float, k_in: float, b: float, p_in: float, p_return: fl
     return Orifice(square, p_rest)
 
 
-class Bracket(NamedTuple):
-    """Where y = ln(Q / flow) of a torque-limited pump lies, and how far off both ends of that range are."""
-
-    y: float
-    low: float
-    high: float
-    off_low: float
-    off_high: float
-    low_unknown: bool
-
-
-@kernel
-def unlimited(pump: Pump) -> Bracket:
-    """Where the search for the torque limit starts."""
-    return Bracket(0.0, pump.log_least, 0.0, -1.0, 1.0, True)
-
-
-@kernel
-def _narrowed(x: Bracket, circuit: Orifice, pump: Pump) -> Bracket:
-    """Newton step towards the torque limit, or the chord where it would go too far; the first one to the lower end.
-
-    ln P rises with ln Q by 0 to 2, so that ln P + y / exponent is well conditioned. Its slope drops where an orifice
-    opens, and Newton steps alone could swing around such a kink for ever.
-    """
-    n, Q = pump.limit_exponent, pump.flow * exp(x.y)
-    rise = min(Q * Q / (circuit.square + 1e-300), 1e15)
-    p = max(circuit.p_rest + rise, 1.0)
-    off = n * log(p / pump.limit_start) + x.y
-    above = off > 0.0
-    low, off_low = (x.low if above else x.y), (x.off_low if above else min(off, -1e-300))
-    high, off_high = (x.y if above else x.high), (off if above else x.off_high)
-    newton = x.y - off / (1.0 + 2.0 * n * min(rise / p, 1.0))
-    chord = (low * off_high - high * off_low) / (off_high - off_low)
-    near = newton >= low and newton <= high and abs(newton - x.y) <= 0.5 * (high - low)
-    y = newton if near else chord
-    y = pump.log_least if x.low_unknown else y
-    return Bracket(min(max(y, low), high), low, high, off_low, off_high, False)
-
-
-@kernel
-def limit_single(x: Bracket, k: Orifices, p_in: float, pump: Pump) -> Bracket:
-    """One step towards the torque limit with one actuator on the pump."""
-    b, Q = k.bypass * k.bypass, pump.flow * exp(x.y)
-    q = _inlet_share(Q, k.inlet, b, p_in - pump.p_return)
-    return _narrowed(x, _as_one(Q, q, k.inlet, b, p_in, pump.p_return), pump)
-
-
 @kernel
 def limits(p_pump: float, pump: Pump) -> bool:
     """Whether the torque limit lowers the flow of a pump that would otherwise have this pressure."""
@@ -178,7 +128,7 @@ def limits(p_pump: float, pump: Pump) -> bool:
 @kernel
 def single_at(Q: float, k: Orifices, p_in: float, pump: Pump) -> Single:
     """One actuator on a pump that delivers Q."""
-    q = _inlet_share(Q, k.inlet, k.bypass * k.bypass, p_in - pump.p_return)
+    q = inlet_share(Q, k.inlet, k.bypass * k.bypass, p_in - pump.p_return)
     q = min(q, orifice_flow(k.inlet, pump.relief - p_in))
     surplus = Q - q
     q_bypass = min(surplus, orifice_flow(k.bypass, pump.relief - pump.p_return))
@@ -188,30 +138,7 @@ def single_at(Q: float, k: Orifices, p_in: float, pump: Pump) -> Single:
     return Single(q, Circuit(Q, q_bypass, q_relief, p, 0.0))
 
 
-@kernel
-def single_circuit(k: Orifices, p_in: float, pump: Pump) -> Single:
-    """One actuator on a pump, Eqs (1)-(3).
-
-    Parameters
-    ----------
-    k : Orifices, m3/s/Pa^0.5
-    p_in : float, Pa
-        At the pressurised port.
-    pump : Pump
-    """
-    s = single_at(pump.flow, k, p_in, pump)
-    if limits(s.circuit.p_pump, pump):
-        x = unlimited(pump)
-        for i in range(LIMIT_PASSES):
-            y = x.y
-            x = limit_single(x, k, p_in, pump)
-            if i > 0 and x.y == y:
-                break
-        s = single_at(pump.flow * exp(x.y), k, p_in, pump)
-    return s
-
-
-class _Passed(NamedTuple):
+class PassedBetween(NamedTuple):
     """What flows on through the first valve's bypass, and what it meets there."""
 
     flow: float
@@ -226,22 +153,30 @@ class _Bounds(NamedTuple):
 
 
 @kernel
-def _series_pass(
-    w: float, Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, bounds: _Bounds, pump: Pump
-) -> _Passed:
-    """Second valve and first bypass as one orifice at the flow w, then the closed form for the first valve."""
+def behind_first(w: float, first: Orifices, second: Orifices, p_second: float, pump: Pump) -> Orifice:
+    """The first bypass, and the second valve behind it, as one orifice at the flow w."""
     b = first.bypass * first.bypass
-    q = _inlet_share(w, second.inlet, second.bypass * second.bypass, p_second - pump.p_return)
-    valve = _as_one(w, q, second.inlet, second.bypass * second.bypass, p_second, pump.p_return)
-    behind = Orifice(b * valve.square / (b + valve.square + 1e-300), valve.p_rest)
-    q = _inlet_share(Q, first.inlet, behind.square, p_first - behind.p_rest)
-    q = min(q, orifice_flow(first.inlet, pump.relief - p_first))
-    at_relief = max(sqrt(max(behind.square * (pump.relief - behind.p_rest), 0.0)), bounds.low)
-    return _Passed(min(Q - q, min(at_relief, bounds.high)), behind)
+    q = inlet_share(w, second.inlet, second.bypass * second.bypass, p_second - pump.p_return)
+    valve = as_one(w, q, second.inlet, second.bypass * second.bypass, p_second, pump.p_return)
+    return Orifice(b * valve.square / (b + valve.square + 1e-300), valve.p_rest)
 
 
 @kernel
-def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> _Passed:
+def _series_pass(
+    w: float, Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, bounds: _Bounds, pump: Pump
+) -> PassedBetween:
+    """Second valve and first bypass as one orifice at the flow w, then the closed form for the first valve."""
+    behind = behind_first(w, first, second, p_second, pump)
+    q = inlet_share(Q, first.inlet, behind.square, p_first - behind.p_rest)
+    q = min(q, orifice_flow(first.inlet, pump.relief - p_first))
+    at_relief = max(sqrt(max(behind.square * (pump.relief - behind.p_rest), 0.0)), bounds.low)
+    return PassedBetween(min(Q - q, min(at_relief, bounds.high)), behind)
+
+
+@kernel
+def passed_between(
+    Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump
+) -> PassedBetween:
     """Five passes; the start is that from which the slowest states, those at relief, settle soonest."""
     b, c = first.bypass * first.bypass, second.bypass * second.bypass
     # what both bypasses take when the relief valve is open; the second inlet adds to it
@@ -257,21 +192,19 @@ def _passed(Q: float, first: Orifices, second: Orifices, p_first: float, p_secon
 
 
 @kernel
-def limit_series(x: Bracket, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Bracket:
-    """One step towards the torque limit with two actuators on the pump."""
-    # without relief the pressure tells how far off the flow is; log_least then accounts for the relief valve
-    ideal = Pump(pump.flow, NEVER, pump.p_return, pump.limit_start, pump.limit_exponent, pump.log_least)
-    Q = pump.flow * exp(x.y)
-    passed = _passed(Q, first, second, p_first, p_second, ideal)
-    behind = passed.behind
-    return _narrowed(x, _as_one(Q, Q - passed.flow, first.inlet, behind.square, p_first, behind.p_rest), pump)
+def series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Series:
+    """Two actuators on a pump that delivers Q."""
+    return series_from(
+        Q, passed_between(Q, first, second, p_first, p_second, pump).flow, first, second, p_first, p_second, pump
+    )
 
 
 @kernel
-def series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Series:
-    """Two actuators on a pump that delivers Q."""
-    w = _passed(Q, first, second, p_first, p_second, pump).flow
-    q_second = _inlet_share(w, second.inlet, second.bypass * second.bypass, p_second - pump.p_return)
+def series_from(
+    Q: float, w: float, first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump
+) -> Series:
+    """The same where it is known that w passes the first valve's bypass."""
+    q_second = inlet_share(w, second.inlet, second.bypass * second.bypass, p_second - pump.p_return)
     q_bypass = w - q_second
     p_between = _pressure(q_second, second.inlet, p_second, q_bypass, second.bypass, pump.p_return)
     q_first = min(Q - w, orifice_flow(first.inlet, pump.relief - p_first))
@@ -279,27 +212,3 @@ def series_at(Q: float, first: Orifices, second: Orifices, p_first: float, p_sec
     p = _pressure(q_first, first.inlet, p_first, w, first.bypass, p_between)
     p = pump.relief if q_relief > 1e-9 * Q else p  # less is rounding
     return Series(q_first, q_second, p_between, Circuit(Q, q_bypass, q_relief, p, 0.0))
-
-
-@kernel
-def series_circuit(first: Orifices, second: Orifices, p_first: float, p_second: float, pump: Pump) -> Series:
-    """Two actuators on a pump, the first with priority, Eqs (8)-(13).
-
-    Parameters
-    ----------
-    first, second : Orifices, m3/s/Pa^0.5
-        Of the two valves.
-    p_first, p_second : float, Pa
-        At the pressurised ports.
-    pump : Pump
-    """
-    s = series_at(pump.flow, first, second, p_first, p_second, pump)
-    if limits(s.circuit.p_pump, pump):
-        x = unlimited(pump)
-        for i in range(LIMIT_PASSES):
-            y = x.y
-            x = limit_series(x, first, second, p_first, p_second, pump)
-            if i > 0 and x.y == y:
-                break
-        s = series_at(pump.flow * exp(x.y), first, second, p_first, p_second, pump)
-    return s

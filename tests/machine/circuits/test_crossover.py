@@ -21,7 +21,8 @@ from helpers.kernels_in_c import library
 from helpers.series_made import STATES, pump_of
 from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4
 from polydraulic.machine.circuits.series_check import PROVED, UNPROVED
-from polydraulic.machine.pump import NEVER, Pump, series_circuit, single_circuit
+from polydraulic.machine.circuits.series_short import series_1, series_2
+from polydraulic.machine.pump import NEVER, Pump
 from polydraulic.machine.valve import Orifices
 
 PLAIN = bool(numba.config.DISABLE_JIT)
@@ -78,11 +79,11 @@ def test_a_check_valve_that_stays_shut_leaves_two_circuits(machine, exponent):
     assert len(shut) > 5
     for i in shut:
         k = [Orifices(a, b, 0.0) for a, b in zip(inlets[i], bypasses[i], strict=True)]
-        left = series_circuit(k[0], k[1], ports[i, 0], ports[i, 1], gives)
-        right = series_circuit(k[2], k[3], ports[i, 2], ports[i, 3], takes)
-        alone = [left.q_first, left.q_second, right.q_first, right.q_second]
+        left = series_2(k[0], k[1], ports[i, 0], ports[i, 1], gives)
+        right = series_2(k[2], k[3], ports[i, 2], ports[i, 3], takes)
+        alone = [left.q_in_1, left.q_in_2, right.q_in_1, right.q_in_2]
         assert np.abs(found[i, :4] - alone).max() <= 1e-9 * gives.flow
-        nothing_behind = right.q_second + right.circuit.q_bypass == 0.0
+        nothing_behind = right.q_in_2 + right.circuit.q_bypass == 0.0
         assert crosses[i, 0] == 0.0 or nothing_behind or found[i, 8] <= found[i, BEHIND_TAKING] + crosses[i, 1] + 1e-6
 
 
@@ -90,17 +91,17 @@ def test_a_wide_crossover_brings_both_nodes_to_one_pressure(machine):
     gives = pump_of(machine, 0.0, relief=NEVER)
     valve, takes = Orifices(1e-6, 1e-6, 0.0), gives._replace(flow=0.5 * gives.flow)
     s = crossover_3(CrossoverOrifice(1e-2, 0.0), valve, Orifices(0.0, 1e-5, 0.0), valve, 5e6, 5e6, 5e6, gives, takes)
-    joined = single_circuit(Orifices(2e-6, 2e-6, 0.0), 5e6, gives._replace(flow=1.5 * gives.flow))
+    joined = series_1(Orifices(2e-6, 2e-6, 0.0), 5e6, gives._replace(flow=1.5 * gives.flow))
     assert s.giving.circuit.p_pump == pytest.approx(joined.circuit.p_pump, rel=1e-6)
-    assert s.giving.q_in_1 == pytest.approx(0.5 * joined.q_in, rel=1e-6)
-    assert s.taking.q_in_2 == pytest.approx(0.5 * joined.q_in, rel=1e-6)
+    assert s.giving.q_in_1 == pytest.approx(0.5 * joined.q_in_1, rel=1e-6)
+    assert s.taking.q_in_2 == pytest.approx(0.5 * joined.q_in_1, rel=1e-6)
 
 
 def test_the_check_valve_opens_at_its_pressure(machine):
     """Nothing reaches the second valve's open port but through the crossover, which takes its opening pressure of the drop."""
     gives = pump_of(machine, 0.0)
     blocked, open_, port = Orifices(0.0, 0.0, 0.0), Orifices(0.0, 1e-6, 0.0), Orifices(1e-3, 0.0, 0.0)
-    p = single_circuit(open_, 0.0, gives).circuit.p_pump
+    p = series_1(open_, 0.0, gives).circuit.p_pump
     for opening, opens in ((p - 2e6 - 1.0, True), (p - 2e6 + 1.0, False)):
         s = crossover_3(CrossoverOrifice(1e-6, opening), open_, blocked, port, 0.0, 0.0, 2e6, gives, gives)
         assert (s.q_cross > 0.0) == opens

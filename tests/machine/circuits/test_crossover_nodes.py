@@ -15,7 +15,8 @@ from polydraulic.machine.circuits.crossover_nodes import (
     orifice_passes,
     raised,
 )
-from polydraulic.machine.pump import Pump, delivered, series_circuit, single_circuit
+from polydraulic.machine.circuits.series_short import series_1, series_2
+from polydraulic.machine.pump import Pump, delivered
 from polydraulic.machine.valve import Orifices
 
 PUMP = Pump(3e-3, 3e7, 3e5)
@@ -61,10 +62,10 @@ def test_what_passes_a_bypass_obeys_all_three_orifices():
 
 def test_a_giving_circuit_has_nothing_left_at_its_own_pressure():
     k_1, k_2 = Orifices(1e-7, 4e-7, 0.0), Orifices(2e-7, 3e-7, 0.0)
-    alone = series_circuit(k_1, k_2, 5e6, 1e6, PUMP)
+    alone = series_2(k_1, k_2, 5e6, 1e6, PUMP)
     found = giving_at(FinePressure(alone.circuit.p_pump, 0.0), k_1, k_2, 5e6, 1e6, PUMP)
-    assert (found.q_in, found.behind.q_in) == pytest.approx((alone.q_first, alone.q_second), rel=1e-9)
-    assert found.behind.p == pytest.approx(alone.p_between, rel=1e-9)
+    assert (found.q_in, found.behind.q_in) == pytest.approx((alone.q_in_1, alone.q_in_2), rel=1e-9)
+    assert found.behind.p == pytest.approx(alone.p_between_1, rel=1e-9)
     assert abs(found.rest - alone.circuit.q_relief) <= 1e-9 * PUMP.flow
 
 
@@ -75,7 +76,7 @@ def test_a_first_valve_sees_the_pressure_behind_as_a_tank(pump):
         k, behind = Orifices(*10.0 ** rng.uniform(-9.0, -6.0, 2), 0.0), float(rng.uniform(0.0, 2.5e7))
         port = float(rng.uniform(0.0, 3e7))
         found = first_valve(k, port, FinePressure(behind, 0.0), pump)
-        alone = single_circuit(k, port, pump._replace(p_return=behind))
-        assert found.q_in == pytest.approx(alone.q_in, rel=1e-8, abs=1e-10 * pump.flow)
+        alone = series_1(k, port, pump._replace(p_return=behind))
+        assert found.q_in == pytest.approx(alone.q_in_1, rel=1e-8, abs=1e-10 * pump.flow)
         assert found.circuit.p_pump == pytest.approx(alone.circuit.p_pump, rel=1e-8)
         assert found.circuit.q_pump == pytest.approx(delivered(found.circuit.p_pump, pump), rel=1e-12)

@@ -20,7 +20,8 @@ from polydraulic.machine.circuits.series_pass import (
     stepped,
     tangent,
 )
-from polydraulic.machine.pump import Pump, delivered, single_circuit
+from polydraulic.machine.circuits.series_short import series_1
+from polydraulic.machine.pump import Pump, delivered
 from polydraulic.machine.valve import Orifices
 
 PUMP = Pump(3e-3, 3e7, 3e5)
@@ -31,7 +32,7 @@ CLOSED = resistance(0.0)
 
 def pressure(flow):
     """Of one valve's circuit."""
-    return single_circuit(VALVE, 5e6, PUMP._replace(flow=flow)).circuit.p_pump
+    return series_1(VALVE, 5e6, PUMP._replace(flow=flow)).circuit.p_pump
 
 
 def test_what_is_shut_resists_more_than_what_is_open():
@@ -76,8 +77,8 @@ def test_orifices_in_a_row_add_their_drops():
 
 
 def test_what_arrives_is_shared_and_nothing_passes_a_dead_end():
-    single = single_circuit(VALVE, 5e6, PUMP)
-    assert passed_on(PUMP.flow, INLET, 5e6, TANK) == pytest.approx(PUMP.flow - single.q_in, rel=1e-12)
+    single = series_1(VALVE, 5e6, PUMP)
+    assert passed_on(PUMP.flow, INLET, 5e6, TANK) == pytest.approx(PUMP.flow - single.q_in_1, rel=1e-12)
     assert passed_on(PUMP.flow, INLET, 5e6, Outlet(CLOSED, 3e5)) == 0.0
     assert passed_on(PUMP.flow, CLOSED, 5e6, TANK) == PUMP.flow
 

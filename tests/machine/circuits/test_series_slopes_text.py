@@ -7,9 +7,9 @@ import pytest
 from helpers.series_made import IMPORTS, listed, made, pump_of
 from helpers.valves import orifice_slopes, orifices
 from polydraulic.machine.circuit_slopes import series_slopes
+from polydraulic.machine.circuits.series_short import series_2
 from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
 from polydraulic.machine.circuits.series_text import series_text
-from polydraulic.machine.pump import series_circuit
 from polydraulic.machine.valve import Orifices
 from polydraulic.thesis.excavator import spool_of
 
@@ -94,11 +94,11 @@ def test_two_valves_have_the_slopes_written_by_hand(machine, limited):
         out = np.empty(8)
         module.slopes_of(k, d, p, pump, out)
         first, second, by_first, by_second = (Orifices(*row, 0.0) for row in (*k, *d))
-        found = series_circuit(first, second, *p, pump)
-        s = series_slopes(first, second, by_first, by_second, found.q_first, found.q_second, found.circuit, pump)
+        found = series_2(first, second, *p, pump)
+        s = series_slopes(first, second, by_first, by_second, found.q_in_1, found.q_in_2, found.circuit, pump)
         hand = [s.first_by_p, s.other_by_p, s.other_by_p, s.second_by_p]
         hand += [s.first_by_first, s.first_by_second, s.second_by_first, s.second_by_second]
-        flows = found.q_first, found.q_second, found.circuit.q_relief
+        flows = found.q_in_1, found.q_in_2, found.circuit.q_relief
         kinds.add(tuple(flow > 1e-9 * pump.flow for flow in flows))
         if all(flow == 0.0 or flow > 1e-6 * pump.flow for flow in flows):
             assert np.allclose(out[:4], hand[:4], rtol=1e-7, atol=1e-20)

@@ -13,8 +13,8 @@ from helpers.kernels_in_c import library
 from helpers.series_judge_exactly import SURE, judged_surely
 from helpers.series_made import IMPORTS, STATES, listed, made, pump_of, series, solved
 from polydraulic.machine.circuits.series_check import PROVED, REPAIRED
+from polydraulic.machine.circuits.series_short import series_2
 from polydraulic.machine.circuits.series_text import series_text
-from polydraulic.machine.pump import series_circuit
 from polydraulic.machine.valve import Orifices
 
 PLAIN = bool(numba.config.DISABLE_JIT)
@@ -107,8 +107,8 @@ def test_two_valves_are_those_written_by_hand(machine):
         inlets, bypasses, ports = states = STATES["real"](machine, 2, 20 if PLAIN else 1000, np.random.default_rng(5))
         found = solved(series(2).solve_all, states, pump)
         for k, b, p, row in zip(inlets, bypasses, ports, found, strict=True):
-            s = series_circuit(Orifices(k[0], b[0], 0.0), Orifices(k[1], b[1], 0.0), p[0], p[1], pump)
-            hand = [s.q_first, s.q_second, *s.circuit[:3]]
+            s = series_2(Orifices(k[0], b[0], 0.0), Orifices(k[1], b[1], 0.0), p[0], p[1], pump)
+            hand = [s.q_in_1, s.q_in_2, *s.circuit[:3]]
             assert np.abs(row[[0, 1, 3, 2, 4]] - hand).max() <= 1e-12 * pump.flow
             assert row[5] == pytest.approx(s.circuit.p_pump, rel=1e-9)
 

@@ -1,19 +1,11 @@
-"""One valve on a pump, and two in series, in the form that circuits of any length have."""
+"""One valve on a pump, and two in series, in the form that circuits of any length have (Eqs 1-3, 8-13)."""
 
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.machine.pump import (
-    Bracket,
-    Circuit,
-    Pump,
-    limit_series,
-    limit_single,
-    series_at,
-    series_circuit,
-    single_at,
-    single_circuit,
-)
+from polydraulic.machine.circuits.series_check import PROVED, UNPROVED
+from polydraulic.machine.circuits.torque_limit import Limited, limited_1, limited_2
+from polydraulic.machine.pump import Circuit, Pump, Series, limits, series_at, series_from, single_at
 from polydraulic.machine.valve import Orifices
 
 
@@ -36,40 +28,50 @@ class Series2(NamedTuple):
 
 
 @kernel
-def series_1(k_1: Orifices, p_1: float, pump: Pump) -> Series1:
-    """Flows with one valve; a closed form, which is always right."""
-    found = single_circuit(k_1, p_1, pump)
-    return Series1(found.q_in, found.circuit, 0)
-
-
-@kernel
-def series_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
-    """Flows with two valves, the first of which has priority."""
-    found = series_circuit(k_1, k_2, p_1, p_2, pump)
-    return Series2(found.q_first, found.q_second, found.p_between, found.circuit, 0)
-
-
-@kernel
 def series_1_at(Q: float, k_1: Orifices, p_1: float, pump: Pump) -> Series1:
-    """`series_1` on a pump that delivers Q."""
+    """`series_1` on a pump that delivers Q; a closed form, which is always right."""
     found = single_at(Q, k_1, p_1, pump)
-    return Series1(found.q_in, found.circuit, 0)
+    return Series1(found.q_in, found.circuit, PROVED)
+
+
+@kernel
+def _both(found: Series, status: int) -> Series2:
+    return Series2(found.q_first, found.q_second, found.p_between, found.circuit, status)
 
 
 @kernel
 def series_2_at(Q: float, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
     """`series_2` on a pump that delivers Q."""
-    found = series_at(Q, k_1, k_2, p_1, p_2, pump)
-    return Series2(found.q_first, found.q_second, found.p_between, found.circuit, 0)
+    return _both(series_at(Q, k_1, k_2, p_1, p_2, pump), PROVED)
 
 
 @kernel
-def limit_series_1(x: Bracket, k_1: Orifices, p_1: float, pump: Pump) -> Bracket:
-    """One step towards the torque limit of `series_1`."""
-    return limit_single(x, k_1, p_1, pump)
+def series_1_limited(x: Limited, k_1: Orifices, p_1: float, pump: Pump) -> Series1:
+    """`series_1` at the torque limit, with the pump's flow as it was found."""
+    found = single_at(x.q, k_1, p_1, pump)
+    return Series1(found.q_in, found.circuit, PROVED if x.still else UNPROVED)
 
 
 @kernel
-def limit_series_2(x: Bracket, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Bracket:
-    """One step towards the torque limit of `series_2`."""
-    return limit_series(x, k_1, k_2, p_1, p_2, pump)
+def series_2_limited(x: Limited, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
+    """`series_2` at the torque limit, with the flows of pump and first bypass as they were found."""
+    return _both(series_from(x.q, x.w, k_1, k_2, p_1, p_2, pump), PROVED if x.still else UNPROVED)
+
+
+@kernel
+def series_1(k_1: Orifices, p_1: float, pump: Pump) -> Series1:
+    """Flows with one valve: conductances in m3/s/Pa^0.5, the pressure at the pressurised port in Pa."""
+    found = series_1_at(pump.flow, k_1, p_1, pump)
+    if limits(found.circuit.p_pump, pump):
+        found = series_1_limited(limited_1(k_1, p_1, pump), k_1, p_1, pump)
+    return found
+
+
+@kernel
+def series_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
+    """Flows with two valves, the first of which has priority."""
+    found = series_2_at(pump.flow, k_1, k_2, p_1, p_2, pump)
+    if limits(found.circuit.p_pump, pump):
+        passed = pump.flow - found.q_in_1
+        found = series_2_limited(limited_2(passed, k_1, k_2, p_1, p_2, pump), k_1, k_2, p_1, p_2, pump)
+    return found

@@ -26,7 +26,7 @@ SERIES_IMPORTS = (
 def series_text(n: int) -> str:
     """Definitions of a circuit of `n` valves, 2 to 6; `SERIES_IMPORTS` belong above them.
 
-    Two are for comparison, since `series_circuit` is written by hand.
+    Two are for comparison, since `series_2` is written by hand.
     """
     return definitions((_tuples(n), _passes(n), _ends(n), march_text(n), _solved(n)))
 

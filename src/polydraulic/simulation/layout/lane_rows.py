@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
-from polydraulic.machine.pump import Bracket, Pump
+from polydraulic.machine.circuits.torque_limit import Limited
+from polydraulic.machine.pump import Pump
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import (
     CIRCUIT,
@@ -25,7 +26,7 @@ _SCRATCH = (
 )  # fmt: skip
 
 
-_BRACKET = [field for field in Bracket._fields if field != "low_unknown"]
+_LIMITED = [field for field in Limited._fields if field != "still"]
 
 
 class PackedRows(NamedTuple):
@@ -35,8 +36,10 @@ class PackedRows(NamedTuple):
     ----------
     lane : int
         From which lane a machine is.
-    pump, bracket : list of int
-        Its pump, and how far its flow is known.
+    pump, limited : list of int
+        Its pump, and how far its flows are known.
+    still : int
+        Whether they have settled.
     valve : list of list of int
         Inlet, bypass and pressure of each valve.
     found : list of int
@@ -45,7 +48,8 @@ class PackedRows(NamedTuple):
 
     lane: int
     pump: list[int]
-    bracket: list[int]
+    limited: list[int]
+    still: int
     valve: list[list[int]]
     found: list[int]
 
@@ -120,7 +124,8 @@ def lane_rows(
     packed = PackedRows(
         rows(1)[0],
         rows(len(Pump._fields)),
-        rows(len(_BRACKET)),
+        rows(len(_LIMITED)),
+        rows(1)[0],
         [rows(3) for _ in range(most)],
         rows(2 * most + len(CIRCUIT)),
     )
@@ -163,13 +168,20 @@ def lane_lists(
             for c in machine.circuits
         ],
         "PUMP_ROWS": _numbered("X", Pump._fields, packed.pump),
-        "BRACKET_ROWS": _numbered("X", _BRACKET, packed.bracket),
+        "LIMITED_ROWS": _numbered("X", _LIMITED, packed.limited),
         "PACKED_ROWS": [{"R": row * LANES} for of in packed.valve for row in of],
         "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
     }
     circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
     lists["SHORT_CIRCUITS"] = [
-        {**named, "P": place[f"{c.name}.p_pump"] * LANES} for c, n, named in circuits if n not in passes
+        {
+            **named,
+            "P": place[f"{c.name}.p_pump"] * LANES,
+            "Q": place[f"{c.functions[0]}.q_in"] * LANES,
+            "STATUS": rows.status[c.name] * LANES,
+        }
+        for c, n, named in circuits
+        if n not in passes
     ]
     lists["LONG_CIRCUITS"] = [
         {
