@@ -6,7 +6,13 @@ import pytest
 
 from polydraulic._kernel import driver
 from polydraulic.elementary import log
-from polydraulic.machine.circuits.torque_limit import LIMIT_PASSES, limit_begin, limit_pass_1, limit_pass_2
+from polydraulic.machine.circuits.torque_limit import (
+    LIMIT_PASSES,
+    limit_begin_1,
+    limit_begin_2,
+    limit_pass_1,
+    limit_pass_2,
+)
 from polydraulic.machine.pump import Pump, delivered, limits, series_at, series_from, single_at
 from polydraulic.machine.valve import Orifices
 
@@ -26,18 +32,18 @@ def settle(k, p, laws, out):
         one = single_at(FLOW, first, p[i, 0], pump)
         out[i, 0] = NO_LIMIT
         if limits(one.circuit.p_pump, pump):
-            x, passes = limit_begin(0.0, pump), 0
+            x, passes = limit_begin_1(first, pump), 0
             while passes < LIMIT_PASSES and not x.still:
-                x = limit_pass_1(x, first, p[i, 0], pump, power)
+                x = limit_pass_1(x, p[i, 0], pump, power)
                 passes += 1
             out[i, 0] = passes if x.still else np.inf
             out[i, 1] = x.q - delivered(single_at(x.q, first, p[i, 0], pump).circuit.p_pump, pump)
         two = series_at(FLOW, first, second, p[i, 0], p[i, 1], pump)
         out[i, 2] = NO_LIMIT
         if limits(two.circuit.p_pump, pump):
-            x, passes = limit_begin(FLOW - two.q_first, pump), 0
+            x, passes = limit_begin_2(FLOW - two.q_first, first, second, pump), 0
             while passes < LIMIT_PASSES and not x.still:
-                x = limit_pass_2(x, first, second, p[i, 0], p[i, 1], pump, power)
+                x = limit_pass_2(x, p[i, 0], p[i, 1], pump, power)
                 passes += 1
             found = series_from(x.q, x.w, first, second, p[i, 0], p[i, 1], pump)
             out[i, 2] = passes if x.still else np.inf
@@ -72,9 +78,9 @@ def test_passes_settle_where_the_pump_delivers_its_flow(decades, most):
 def test_what_has_settled_stays():
     first, second = Orifices(2e-7, 3e-7, 0.0), Orifices(1e-7, 2e-7, 0.0)
     pump = Pump(FLOW, RELIEF, P_RETURN, 1e7, 1.0, -1.1)
-    x = limit_begin(0.9 * FLOW, pump)
+    x = limit_begin_2(0.9 * FLOW, first, second, pump)
     for _ in range(LIMIT_PASSES):
-        x = limit_pass_2(x, first, second, 5e6, 4e6, pump, True)
-    again = limit_pass_2(x, first, second, 5e6, 4e6, pump, True)
+        x = limit_pass_2(x, 5e6, 4e6, pump, True)
+    again = limit_pass_2(x, 5e6, 4e6, pump, True)
     assert x.still
     assert (again.q, again.w) == (x.q, x.w)

@@ -177,7 +177,6 @@ def lane_lists(
         {
             **named,
             "P": place[f"{c.name}.p_pump"] * LANES,
-            "Q": place[f"{c.functions[0]}.q_in"] * LANES,
             "STATUS": rows.status[c.name] * LANES,
         }
         for c, n, named in circuits
@@ -218,6 +217,7 @@ def lane_lists(
             continue
         read = [rows.groups[group][names.index(f)] for f in c.functions for group in ("inlet", "bypass", "seen_in")]
         packing = [row for of in packed.valve[:n] for row in of]
+        lists[f"PASSED_OF_{c.name}"] = [{"Q": row * LANES} for row in found[: n - 1]]  # into the first of two valves
         lists[f"TO_PACK_OF_{c.name}"] = _moved(read, packing)
         lists[f"PACKED_OF_{c.name}"] = [
             {letter: row * LANES for letter, row in zip("ABP", of, strict=True)} for of in packed.valve[:n]

@@ -53,7 +53,7 @@ _IMPORTS = (
     "from polydraulic.flow.lanes import GROUP, LANES, at",
     "from polydraulic.machine.pump import Circuit, Pump, limits",
     "from polydraulic.machine.circuits.series_short import series_1, series_1_at, series_1_limited, series_2, series_2_at, series_2_limited",
-    "from polydraulic.machine.circuits.torque_limit import LIMIT_PASSES, Limited, limit_begin, limit_pass_1, limit_pass_2",
+    "from polydraulic.machine.circuits.torque_limit import LIMIT_PASSES, Limited, limit_begin_1, limit_begin_2, limit_pass_1, limit_pass_2",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.flow.pressure import PressureNetwork",
     "from polydraulic.machine.valve import Orifices, orifice_flow",
