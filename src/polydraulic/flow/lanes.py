@@ -13,7 +13,6 @@ from numba.extending import overload
 from polydraulic._kernel import INLINED_OPTIONS
 
 LANES = 64
-GROUP = 16  # of machines that are packed together, since few of a block need more than the others
 
 
 def at(own: Any, shared: Any, lane: Any) -> Any:

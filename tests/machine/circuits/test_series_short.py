@@ -17,30 +17,28 @@ from polydraulic.machine.circuits.torque_limit import (
     limit_pass_1,
     limit_pass_2,
 )
-from polydraulic.machine.pump import Pump, limits
+from polydraulic.machine.pump import Pump
 from polydraulic.machine.valve import Orifices
 
-PUMP = Pump(2.8e-3, 3.1e7, 3e5, 2.2e7, 1.0, -0.35)
+LIMITED = Pump(2.8e-3, 3.1e7, 3e5, 2.2e7, 1.0, -0.35)
+FREE = LIMITED._replace(log_least=0.0)
 
 
 def test_parts_that_lanes_call_have_the_bits_of_whole_circuits():
     rng = np.random.default_rng(3)
-    limited = 0
+    less = 0
     for _ in range(500):
         k = [Orifices(*(10.0 ** rng.uniform(-8.5, -6.0, 2)), 0.0) for _ in range(2)]
         p = rng.uniform(0.0, 3e7, 2)
-        one, two = series_1(k[0], p[0], PUMP), series_2(k[0], k[1], p[0], p[1], PUMP)
-        for at, begin, step, end, whole, valves, ports in (
-            (series_1_at, limit_begin_1, limit_pass_1, series_1_limited, one, k[:1], p[:1]),
-            (series_2_at, limit_begin_2, limit_pass_2, series_2_limited, two, k, p),
+        for whole, at, begin, step, end, n in (
+            (series_1, series_1_at, limit_begin_1, limit_pass_1, series_1_limited, 1),
+            (series_2, series_2_at, limit_begin_2, limit_pass_2, series_2_limited, 2),
         ):
-            found = at(PUMP.flow, *valves, *ports, PUMP)
-            if limits(found.circuit.p_pump, PUMP):
-                limited += 1
-                passed = [PUMP.flow - found.q_in_1] if len(valves) == 2 else []
-                x = begin(*passed, *valves, PUMP)
-                for _ in range(LIMIT_PASSES):  # all of them, although single circuits end earlier
-                    x = step(x, *ports, PUMP, True)
-                found = end(x, *valves, *ports, PUMP)
-            assert found == whole
-    assert 100 < limited < 950
+            assert at(FREE.flow, *k[:n], *p[:n], FREE) == whole(*k[:n], *p[:n], FREE)
+            x = begin(*k[:n], LIMITED)
+            for _ in range(LIMIT_PASSES):  # all of them, although single circuits end earlier
+                x = step(x, *p[:n], LIMITED, True)
+            found = end(x, *k[:n], *p[:n], LIMITED)
+            assert found == whole(*k[:n], *p[:n], LIMITED)
+            less += found.circuit.q_pump < LIMITED.flow
+    assert 100 < less < 950

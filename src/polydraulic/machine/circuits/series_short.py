@@ -5,7 +5,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.machine.circuits.series_check import PROVED, UNPROVED
 from polydraulic.machine.circuits.torque_limit import Limited, limited_1, limited_2
-from polydraulic.machine.pump import Circuit, Pump, Series, limits, series_at, series_from, single_at
+from polydraulic.machine.pump import Circuit, Pump, Series, series_at, series_from, single_at
 from polydraulic.machine.valve import Orifices
 
 
@@ -47,31 +47,32 @@ def series_2_at(Q: float, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, 
 
 @kernel
 def series_1_limited(x: Limited, k_1: Orifices, p_1: float, pump: Pump) -> Series1:
-    """`series_1` at the torque limit, with the pump's flow as it was found."""
+    """`series_1` with a torque limit, and the pump's flow as it was found."""
     found = single_at(x.q, k_1, p_1, pump)
     return Series1(found.q_in, found.circuit, PROVED if x.still else UNPROVED)
 
 
 @kernel
 def series_2_limited(x: Limited, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
-    """`series_2` at the torque limit, with the flows of pump and first bypass as they were found."""
+    """`series_2` with a torque limit, and the flows of pump and first bypass as they were found."""
     return _both(series_from(x.q, x.w, k_1, k_2, p_1, p_2, pump), PROVED if x.still else UNPROVED)
 
 
 @kernel
 def series_1(k_1: Orifices, p_1: float, pump: Pump) -> Series1:
     """Flows with one valve: conductances in m3/s/Pa^0.5, the pressure at the pressurised port in Pa."""
-    found = series_1_at(pump.flow, k_1, p_1, pump)
-    if limits(found.circuit.p_pump, pump):
+    if pump.log_least < 0.0:
         found = series_1_limited(limited_1(k_1, p_1, pump), k_1, p_1, pump)
+    else:
+        found = series_1_at(pump.flow, k_1, p_1, pump)
     return found
 
 
 @kernel
 def series_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
     """Flows with two valves, the first of which has priority."""
-    found = series_2_at(pump.flow, k_1, k_2, p_1, p_2, pump)
-    if limits(found.circuit.p_pump, pump):
-        passed = pump.flow - found.q_in_1
-        found = series_2_limited(limited_2(passed, k_1, k_2, p_1, p_2, pump), k_1, k_2, p_1, p_2, pump)
+    if pump.log_least < 0.0:
+        found = series_2_limited(limited_2(k_1, k_2, p_1, p_2, pump), k_1, k_2, p_1, p_2, pump)
+    else:
+        found = series_2_at(pump.flow, k_1, k_2, p_1, p_2, pump)
     return found

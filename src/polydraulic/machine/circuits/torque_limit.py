@@ -1,4 +1,4 @@
-"""One valve, or two in series, on a pump at its torque limit: passes that move the pump's flow and what passes the first valve together.
+"""One valve, or two in series, on a pump with torque limit: passes that move the pump's flow and what passes the first valve together.
 
 Such a pass is that of circuits of three valves and more (`series_pass`): at a flow the circuit looks like one orifice of the same pressure
 and slope, and one step of Newton leads towards the flow that the pump delivers at that pressure; so both settle at once, mostly in 2 to 6
@@ -46,16 +46,18 @@ class Limited(NamedTuple):
 
 @kernel
 def limit_begin_1(k_1: Orifices, pump: Pump) -> Limited:
-    """Where passes with one valve start: with the flow that there would be without torque limit."""
+    """Where passes with one valve start: with the flow below the limit."""
     a_1, b_1 = resistance(k_1.inlet), resistance(k_1.bypass)
     return Limited(pump.flow, least_flow(pump), AT_FIRST, 0.0, 0.0, a_1, b_1, 0.0, 0.0, AT_FIRST, False)
 
 
 @kernel
-def limit_begin_2(passed: float, k_1: Orifices, k_2: Orifices, pump: Pump) -> Limited:
-    """The same with two valves, of which the first is passed by `passed` without torque limit."""
+def limit_begin_2(k_1: Orifices, k_2: Orifices, pump: Pump) -> Limited:
+    """The same with two valves; most of the flow passes the first."""
     a_1, b_1, a_2, b_2 = resistance(k_1.inlet), resistance(k_1.bypass), resistance(k_2.inlet), resistance(k_2.bypass)
-    return Limited(pump.flow, least_flow(pump), AT_FIRST, passed, AT_FIRST, a_1, b_1, a_2, b_2, AT_FIRST, False)
+    return Limited(
+        pump.flow, least_flow(pump), AT_FIRST, 0.9 * pump.flow, AT_FIRST, a_1, b_1, a_2, b_2, AT_FIRST, False
+    )
 
 
 @kernel
@@ -100,9 +102,9 @@ def limited_1(k_1: Orifices, p_1: float, pump: Pump) -> Limited:
 
 
 @kernel
-def limited_2(passed: float, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Limited:
-    """The pump's flow with two valves, and what passes the first, which is `passed` without torque limit."""
-    x, power = limit_begin_2(passed, k_1, k_2, pump), pump.limit_exponent == 1.0
+def limited_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Limited:
+    """The pump's flow with two valves, and what passes the first."""
+    x, power = limit_begin_2(k_1, k_2, pump), pump.limit_exponent == 1.0
     for _ in range(LIMIT_PASSES):
         x = limit_pass_2(x, p_1, p_2, pump, power)
         if x.still:

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
 from polydraulic.machine.circuits.torque_limit import Limited
-from polydraulic.machine.pump import Pump
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import (
     CIRCUIT,
@@ -29,31 +28,6 @@ _SCRATCH = (
 _LIMITED = [field for field in Limited._fields if field != "still"]
 
 
-class PackedRows(NamedTuple):
-    """Numbers of rows for machines at the torque limit, which are packed together: scratch of one circuit after the other.
-
-    Attributes
-    ----------
-    lane : int
-        From which lane a machine is.
-    pump, limited : list of int
-        Its pump, and how far its flows are known.
-    still : int
-        Whether they have settled.
-    valve : list of list of int
-        Inlet, bypass and pressure of each valve.
-    found : list of int
-        Flows and pressures.
-    """
-
-    lane: int
-    pump: list[int]
-    limited: list[int]
-    still: int
-    valve: list[list[int]]
-    found: list[int]
-
-
 class LaneRows(NamedTuple):
     """Numbers of rows.
 
@@ -65,7 +39,10 @@ class LaneRows(NamedTuple):
     passed : dict
         Rows for the passes of a circuit, by its name and theirs: fields of its passes and path; r_i and rest_i of what lies behind valve i, or
         of all for 0.
-    packed : PackedRows
+    limited : list of int
+        How far the flows of a circuit of one or two valves are known whose pump has a torque limit: scratch of one circuit after the other.
+    still : int
+        Whether they have settled.
     status : dict
         Row for the status of a circuit's flows, by its name.
     force : list of int
@@ -78,7 +55,8 @@ class LaneRows(NamedTuple):
     groups: dict[str, list[int]]
     mass: list[int]
     passed: dict[str, dict[str, int]]
-    packed: PackedRows
+    limited: list[int]
+    still: int
     status: dict[str, int]
     force: list[int]
     steps: int
@@ -120,19 +98,11 @@ def lane_rows(
         if n in passes:
             fields = [*passes[n], *(f"{word}_{i}" for i in range(n + 1) for word in ("r", "rest"))]
             passed[c.name] = dict(zip(fields, rows(len(fields)), strict=True))
-    most = max((len(c.functions) for c in machine.circuits if len(c.functions) not in passes), default=0)
-    packed = PackedRows(
-        rows(1)[0],
-        rows(len(Pump._fields)),
-        rows(len(_LIMITED)),
-        rows(1)[0],
-        [rows(3) for _ in range(most)],
-        rows(2 * most + len(CIRCUIT)),
-    )
+    limited, still = rows(len(_LIMITED)), rows(1)[0]
     status = {c.name: rows(1)[0] for c in machine.circuits}
     pushes = rows(3) if force else []
     steps, unsettled, met = rows(3)
-    return LaneRows(groups, mass, passed, packed, status, pushes, steps, unsettled, met, end)
+    return LaneRows(groups, mass, passed, limited, still, status, pushes, steps, unsettled, met, end)
 
 
 def lane_lists(
@@ -149,7 +119,7 @@ def lane_lists(
     passes : mapping
         As for `lane_rows`.
     """
-    place, names, packed = columns_of(machine).place, machine.names, rows.packed
+    place, names = columns_of(machine).place, machine.names
     lists: dict[str, Rows] = {
         "GROUPS": [{"G": group, "T": _kind(group)} for group in rows.groups],
         "FORCE_ROWS": [{"P": len(names) + k, "R": row * LANES} for k, row in enumerate(rows.force)],
@@ -167,21 +137,11 @@ def lane_lists(
             }
             for c in machine.circuits
         ],
-        "PUMP_ROWS": _numbered("X", Pump._fields, packed.pump),
-        "LIMITED_ROWS": _numbered("X", _LIMITED, packed.limited),
-        "PACKED_ROWS": [{"R": row * LANES} for of in packed.valve for row in of],
+        "LIMITED_ROWS": _numbered("X", _LIMITED, rows.limited),
         "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
     }
     circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
-    lists["SHORT_CIRCUITS"] = [
-        {
-            **named,
-            "P": place[f"{c.name}.p_pump"] * LANES,
-            "STATUS": rows.status[c.name] * LANES,
-        }
-        for c, n, named in circuits
-        if n not in passes
-    ]
+    lists["SHORT_CIRCUITS"] = [named for _, n, named in circuits if n not in passes]
     lists["LONG_CIRCUITS"] = [
         {
             **named,
@@ -214,18 +174,6 @@ def lane_lists(
         if n in passes:
             ports = [rows.groups["seen_in"][names.index(f)] for f in c.functions]
             lists |= _pass_lists(c.name, n, rows.passed[c.name], passes[n], ports)
-            continue
-        read = [rows.groups[group][names.index(f)] for f in c.functions for group in ("inlet", "bypass", "seen_in")]
-        packing = [row for of in packed.valve[:n] for row in of]
-        lists[f"PASSED_OF_{c.name}"] = [{"Q": row * LANES} for row in found[: n - 1]]  # into the first of two valves
-        lists[f"TO_PACK_OF_{c.name}"] = _moved(read, packing)
-        lists[f"PACKED_OF_{c.name}"] = [
-            {letter: row * LANES for letter, row in zip("ABP", of, strict=True)} for of in packed.valve[:n]
-        ]
-        lists[f"PACKED_INLETS_OF_{c.name}"] = _numbered("I", valves, packed.found[:n])
-        lists[f"PACKED_GAPS_OF_{c.name}"] = _numbered("I", gaps, packed.found[n : 2 * n - 1])
-        lists[f"PACKED_WORDS_OF_{c.name}"] = _numbered("W", words, packed.found[2 * n - 1 : 2 * n - 1 + len(words)])
-        lists[f"FROM_PACK_OF_{c.name}"] = _moved(packed.found[: len(found)], found)
     return lists
 
 
@@ -264,11 +212,6 @@ def _pass_lists(
 def _numbered(letter: str, values: Sequence[str], rows: Sequence[int]) -> Rows:
     """Values of a letter, each with its row R."""
     return [{letter: value, "R": row * LANES} for value, row in zip(values, rows, strict=True)]
-
-
-def _moved(sources: Sequence[int], targets: Sequence[int]) -> Rows:
-    """Rows S that become rows R."""
-    return [{"S": a * LANES, "R": b * LANES} for a, b in zip(sources, targets, strict=True)]
 
 
 def _kind(group: str) -> str:
