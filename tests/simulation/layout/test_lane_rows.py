@@ -17,11 +17,8 @@ def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
         *scratch,
         *rows.mass,
         *(row for of in rows.passed.values() for row in of.values()),
-        rows.packed.lane,
-        *rows.packed.pump,
-        *rows.packed.bracket,
-        *(row for of in rows.packed.valve for row in of),
-        *rows.packed.found,
+        *rows.limited,
+        rows.still,
         *rows.status.values(),
         rows.steps,
         rows.unsettled,
@@ -33,9 +30,3 @@ def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
     assert list(rows.passed["boom"]) == [
         "q_pump", "w_1", "b_1", "b_2", "r_0", "rest_0", "r_1", "rest_1", "r_2", "rest_2",
     ]  # fmt: skip
-    assert rows.packed.valve == []  # no circuit is left to be packed
-
-
-def test_circuits_without_passes_are_packed_by_as_many_valves_as_the_longest_has():
-    packed = lane_rows(load_machine("cat215b_bucket"), 10, {}).packed
-    assert [len(of) for of in (packed.pump, packed.bracket, packed.found, *packed.valve)] == [6, 5, 8, 3, 3]

@@ -141,7 +141,9 @@ def lane_lists(
         "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
     }
     circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
-    lists["SHORT_CIRCUITS"] = [named for _, n, named in circuits if n not in passes]
+    lists["SHORT_CIRCUITS"] = [
+        {**named, "STATUS": rows.status[c.name] * LANES} for c, n, named in circuits if n not in passes
+    ]
     lists["LONG_CIRCUITS"] = [
         {
             **named,
