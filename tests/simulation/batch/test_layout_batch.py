@@ -21,7 +21,7 @@ QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
 LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
 EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
 # stages that call others; those that take few machines, one by one
-WHOLE, FEW = ("flow_stage", "circuit_stage"), ("stop_stage", "repair_stage", "cross_stage")
+WHOLE, FEW = ("flow_stage", "circuit_stage"), ("stop_stage", "repair_stage", "cross_stage", "law_stage")
 
 
 @pytest.fixture(scope="module")
