@@ -67,20 +67,20 @@ def test_animate_writes_a_page(call, tmp_path):
 
 
 def test_a_machine_of_any_layout_is_simulated_plotted_and_animated(call, tmp_path):
-    chosen = ("random:3:0.5", "--machine", "cat215b_bucket", "--units", "field")
+    chosen = ("random:3:0.5", "--machine", "wheel_loader", "--units", "field")
     files = ("--plot", tmp_path / "run.svg", "--out", tmp_path / "run.csv")
     code, out, _ = call("simulate", *chosen, "--forces", *files)
     assert code == 0
-    assert re.search(r"bucket [AB] [\d.]+ psi at .* series pump [\d.]+ psi", out)
-    assert re.search(r"at the end: swing .* bucket -?[\d.]+ deg; tip at x [\d.]+ in", out)
+    assert re.search(r"tilt [AB] [\d.]+ psi at .* work pump [\d.]+ psi", out)
+    assert re.search(r"at the end: lift .* tilt -?[\d.]+ deg; tip at x [\d.]+ in", out)
     assert (tmp_path / "run.svg").stat().st_size > 10_000
     header = (tmp_path / "run.csv").read_text().partition("\n")[0]
-    assert "bucket.angle" in header
-    assert "bucket.cylinder_force [N]" in header
-    assert "swing.pin_moment_z [N m]" in header
+    assert "tilt.angle" in header
+    assert "tilt.cylinder_force [N]" in header
+    assert "lift.pin_moment_z [N m]" in header
     code, _, _ = call("animate", *chosen, "--out", tmp_path / "run.html")
     assert code == 0
-    assert '"group":"bucket","title":"inlet pressure","unit":"psi"' in (tmp_path / "run.html").read_text()
+    assert '"group":"tilt","title":"inlet pressure","unit":"psi"' in (tmp_path / "run.html").read_text()
     crossing = ("random:3:0.5", "--machine", "cat215b_crossover", "--flow", "stiff")
     code, _, error = call("simulate", *crossing, "--plot", tmp_path / "other.svg")
     assert code == 2
@@ -97,10 +97,11 @@ def test_a_machine_is_drawn(call, tmp_path, machine):
 
 
 def test_simulate_takes_a_method(call):
-    code, out, _ = call("simulate", "single_05", "--method", "rosenbrock", "--raster", "0.1")
+    chosen = ("random:1:1", "--machine", "wheel_loader", "--method")
+    code, out, _ = call("simulate", *chosen, "rosenbrock", "--raster", "0.1")
     assert code == 0
     assert "rosenbrock with flow 'exact' to a relative tolerance of 0.0001" in out
-    code, _, error = call("simulate", "single_05", "--method", "euler")
+    code, _, error = call("simulate", *chosen, "euler")
     assert code == 2
     assert "unknown method 'euler'" in error
 

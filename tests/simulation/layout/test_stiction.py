@@ -121,13 +121,13 @@ def test_friction_that_does_not_settle_counts_as_not_converged_in_runs_and_lanes
     text = layout_text(sticky)
     hasty = text.replace("STICK_PASSES = 8", "STICK_PASSES = 1")
     assert hasty != text
-    scenario = random_operator(4, 4.0, functions=sticky.names)
+    scenario = random_operator(4, 2.0, functions=sticky.names)
     patient = simulate(sticky, "exact", scenario)
     assert patient.info["steps_not_converged"] == 0
     monkeypatch.setitem(layout_written, (layout_of(sticky), "exact", False), hasty)
     alone = simulate(sticky, "exact", scenario)
     assert alone.info["steps_not_converged"] > 10
-    together = simulate_batch(sticky, "exact", [scenario, random_operator(5, 4.0, functions=sticky.names)])
+    together = simulate_batch(sticky, "exact", [scenario, random_operator(5, 2.0, functions=sticky.names)])
     assert together.not_converged[0] == alone.info["steps_not_converged"]
 
 
