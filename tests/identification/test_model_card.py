@@ -49,18 +49,20 @@ def test_the_card_says_what_an_engineer_asks(found, tmp_path):
     assert 'src="http' not in page
 
 
-@pytest.mark.parametrize("odd", ["p_{", "$x", r"$\frac$", "50 %", "a$b$c", "<b>&amp;", "\\", "#^~", "w" * 300])
+@pytest.mark.parametrize(
+    "odd",
+    [("p_{", "$x", r"$\frac$"), ("50 %", "a$b$c", "<b>&amp;"), ("\\", "#^~", "w" * 300)],
+    ids=["tex", "signs", "long"],
+)
 def test_names_that_are_no_formulas_are_drawn_and_written_letter_by_letter(odd, tmp_path):
-    table = log(400)
-    names = {"a": odd, "b": f"{odd} 2", "y": f"{odd} out"}
+    table, (a, b, y) = log(400), odd
+    names = {"a": a, "b": b, "y": y}
     renamed = Table({names.get(n, n): table[n] for n in table}, {names.get(n, n): table.unit(n) for n in table})
-    fitted = fit_table(
-        renamed, [names["a"], names["b"]], [names["y"]], estimator=AbductiveRegressor(max_layers=1), edges={odd: [0.0]}
-    )
+    fitted = fit_table(renamed, [a, b], [y], estimator=AbductiveRegressor(max_layers=1), edges={a: [0.0]})
     card = write_card(fitted, tmp_path / "card.html")
-    assert card["models"][0]["inputs"] == [f"{odd} [m]", f"{odd} 2"]
+    assert card["models"][0]["inputs"] == [f"{a} [m]", b]
     page = (tmp_path / "card.html").read_text()
-    assert escape(f"{odd} out [bar]") in page
+    assert all(escape(name) in page for name in (a, b, f"{y} [bar]"))
     assert page.count("data:image/svg+xml") == 3
 
 
