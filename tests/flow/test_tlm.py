@@ -96,6 +96,7 @@ def test_it_begins_at_rest(pumped):
     assert abs(flows.series.q_stored) < 1e-7 * flows.series.q_pump
 
 
+@pytest.mark.slow_to_compile
 def test_circuits_of_any_length_become_exact():
     machine = load_machine("excavator_22t")
     assert max(len(c.functions) for c in machine.circuits) == 3
