@@ -1,5 +1,6 @@
 """Machines of other layouts in time: balances, stops, and the excavator as a tree of links against its closed form."""
 
+import numba
 import numpy as np
 import pytest
 
@@ -175,7 +176,7 @@ def test_the_method_that_needs_slopes_refuses_a_crossover(joined_crane):
         simulate(joined_crane, "exact", "random:1:1", method="rosenbrock")
 
 
-@pytest.mark.parametrize("method", ["semi-implicit", pytest.param("reference", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("method", ["semi-implicit", pytest.param("reference", marks=pytest.mark.slow_to_compile)])
 def test_a_pump_whose_own_functions_are_locked_is_seen_while_it_feeds_another_through_a_crossover(joined_crane, method):
     scenario = Scenario("lift", 2.0, {"lift": Constant(0.8)}, locked=joined_crane.circuit("main_giving").functions)
     run = simulate(joined_crane, "exact", scenario, method=method)
@@ -183,8 +184,9 @@ def test_a_pump_whose_own_functions_are_locked_is_seen_while_it_feeds_another_th
     assert run["main_giving.q_pump"].min() > 0.0
     assert ["main", "crossover opens"] in [event[1:] for event in run.info["events"]]
     if method == "semi-implicit":
-        batch = simulate_batch(joined_crane, "exact", [scenario], keep=("rows",))
-        assert np.array_equal(batch.table(0)["main_giving.q_cross"], run["main_giving.q_cross"])
+        steps = 40 if numba.config.DISABLE_JIT else 400  # plain Python fills 64 lanes slowly
+        batch = simulate_batch(joined_crane, "exact", [scenario], t_end=5e-3 * steps, keep=("rows",))
+        assert np.array_equal(batch.table(0)["main_giving.q_cross"], run["main_giving.q_cross"][: steps + 1])
 
 
 def test_flow_models_of_valves_in_series_refuse_a_crossover(joined_crane):
