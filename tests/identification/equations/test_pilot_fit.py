@@ -6,6 +6,7 @@ from polydraulic.identification.equations.pilot_fit import (
     driven_spool,
     fit_pilot,
     pieces_of,
+    raster_within,
     smooth_spool,
 )
 from polydraulic.parameters.schema import Pilot
@@ -54,5 +55,6 @@ def test_a_spool_that_rests_tells_nothing(log):
     assert fit_pilot(time, segment, 0.0 * voltage, np.zeros(len(time)), TRAVEL, TRUE) is None
 
 
-def test_pieces_are_those_of_equal_segments():
+def test_rasters_and_pieces():
     assert pieces_of(np.array([0, 0, 1, 1, 1])).tolist() == [[0, 2], [2, 5]]
+    assert raster_within(np.array([0.0, 0.1, 0.2, 5.0, 5.1]), np.array([0, 0, 0, 1, 1])) == pytest.approx(0.1)
