@@ -17,11 +17,11 @@ docs: .venv/ready
 test coverage test-all: export PYTHONDONTWRITEBYTECODE =
 
 # Whatever holds a kernel or calls one by itself: the rest is the same in plain Python, and slower.
-PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation tests/networks/model \
+PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation tests/control tests/networks/model \
 	tests/networks/growth/test_least_squares.py tests/networks/growth/test_scoring.py \
 	tests/identification/equations/fit/test_circuit_slopes_at.py tests/identification/equations/test_pilot_fit.py \
 	tests/networks/dynamic/test_free_run.py tests/networks/dynamic/test_lagged_terms.py \
-	tests/export/translate tests/export/test_machine.py
+	tests/export/translate tests/export/test_machine.py tests/export/test_controller.py
 
 # Compiled first, then the tests of kernels once more in plain Python: they must not depend on the compiler.
 test: .venv/ready
@@ -62,6 +62,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
 	$(BIN)/python benchmarks/keep.py identify
+	$(BIN)/python benchmarks/keep.py control --figure docs/images/control.svg
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.
 bench-peers: .venv/ready .venv-peers/ready

@@ -87,7 +87,7 @@ def passed(name, controller, *, speed=0.3, length=4.0, seeds=range(3), truth=Non
     """Runs of a controller on the true machine, one for each seed of the noise."""
     machine = load_machine(name) if truth is None else truth
     reach, height, pitch, slope = PASSES[name]
-    start = {f"{f}.angle": at for f, at in joints_at(machine, reach, height, pitch).items()}
+    start = {f"{f}.angle": at for f, at in joints_at(machine, reach, height, pitch=pitch).items()}
 
     def line(tip):
         return straight_line(tip, length=length, speed=speed, slope=slope, ramp=max(1.0, speed / 0.6))

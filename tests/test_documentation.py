@@ -15,7 +15,7 @@ from helpers.pages import BLOCK, ROOT, blocks_of, name_of, run_page
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 MODULES = [m.name for m in pkgutil.walk_packages(polydraulic.__path__, "polydraulic.")]
-PACKAGES = ["networks", "flow", "export", "measure", "plotting", "gym"]
+PACKAGES = ["networks", "flow", "control", "export", "measure", "plotting", "gym"]
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -13,6 +13,8 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 
 # Modules, or whole folders, whose tests stand elsewhere: where, and why.
 TESTED_ELSEWHERE = {
+    "control/runs.py": ("control/test_coordinated.py", "closed runs of the controller there"),
+    "control/text.py": ("control/test_coordinated.py", "its kernels are what the controller does"),
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
     "cockpit/coordination.py": ("cockpit/test_cab.py", "the machine that is driven there is coordinated, too"),
     "cockpit/description.py": ("cockpit/test_cab.py", "the machine that is driven there is described"),

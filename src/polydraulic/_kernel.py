@@ -39,6 +39,7 @@ _KEEP_DAYS = 30
 # What kernels are made of: the layers up to `simulation` (parameters are types to them, constants may come from units), and `identification`,
 # whose fits have kernels of their own.
 _COMPILED = (
+    "control",
     "_kernel",
     "_kernel_cache",
     "elementary",

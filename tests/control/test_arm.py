@@ -81,11 +81,11 @@ def test_rates_stay_small_where_the_arm_is_stretched():
 
 def test_joints_bring_the_tip_to_a_place_or_say_that_they_cannot():
     machine = load_machine("excavator_22t")
-    found = joints_at(machine, 6.5, -0.5, -1.9)
+    found = joints_at(machine, 6.5, -0.5, pitch=-1.9)
     pose, _ = pose_of(machine, np.array([found[name] for name in machine.names]))
     np.testing.assert_allclose(pose, [6.5, -0.5, -1.9], atol=2e-6)
     with pytest.raises(InputError, match="cannot be brought to a reach of 12 m"):
-        joints_at(machine, 12.0, 0.0, -1.9)
+        joints_at(machine, 12.0, 0.0, pitch=-1.9)
 
 
 def test_machines_without_a_planar_arm_are_refused():

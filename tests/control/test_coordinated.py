@@ -174,3 +174,39 @@ def test_velocities_are_known_by_name(machine):
     sticks = np.array([1.0, 0.5, 0.0, -1.0, 0.0, 0.0])
     np.testing.assert_allclose(control.velocity(sticks), [0.3, 0.6, -0.4, 0.0])
     assert len(VELOCITIES) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "wanted", "near"),
+    [
+        ("excavator_22t", {"reach": -0.25}, 0.06),
+        ("cat215b_crossover", {"reach": -0.25}, 0.06),
+        ("wheel_loader", {"height": 0.25}, 0.03),
+        ("loader_crane", {"reach": -0.15, "height": 0.1}, 0.06),
+    ],
+)
+def test_every_layout_is_moved_as_wanted_and_holds_its_attachment(name, wanted, near):
+    other = load_machine(name)
+    control = CoordinatedControl(other)
+    waits = 100  # calls, in which the start is over
+    with Simulator(other) as simulator:
+        simulator.step(np.zeros(len(other.names)), n=400)
+        for k in range(400):
+            simulator.step(control.step(control.measured(simulator), wanted), n=2)
+            place = np.array([float(simulator["effector.x"]), float(simulator["effector.z"])])
+            if k == waits:
+                first, pitch = place, float(control.reference[3])
+    done = (place - first) / ((399 - waits) * control.dt)
+    asked = [wanted.get("reach", 0.0), wanted.get("height", 0.0)]
+    use = slice(1, 2) if name == "wheel_loader" else slice(0, 2)
+    np.testing.assert_allclose(done[use], float(control.share) * np.array(asked)[use], atol=near)
+    assert float(control.reference[3]) == pytest.approx(pitch, abs=0.03)
+
+
+@pytest.mark.slow
+def test_networks_are_inverted_as_circuits_are(machine):
+    control = CoordinatedControl(machine, "polynomial", settings=ControlSettings(delay=0.04))
+    run = run_controlled(machine, control, lambda tip: straight_line(tip, length=1.0, ramp=1.0), start=AT)
+    apart = np.hypot(run["tip.reach"] - run["target.reach"], run["tip.height"] - run["target.height"])
+    assert np.sqrt(np.mean(apart**2)) < 0.03

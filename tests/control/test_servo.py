@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.control.servo import beyond, slew_share, slewed, stop_share
+from polydraulic.control.servo import outside_band, slew_share, slewed, stop_share
 
 
 def test_a_joint_that_is_slowed_ahead_of_its_limits_never_passes_them():
@@ -43,5 +43,5 @@ def test_changes_in_a_plane_keep_their_direction(change, share):
 def test_values_follow_within_a_step_and_errors_lose_their_band():
     assert slewed(0.0, 1.0, 0.1) == 0.1
     assert slewed(0.95, 1.0, 0.1) == 1.0
-    assert [beyond(e, 0.1) for e in (0.05, -0.05)] == [0.0, 0.0]
-    assert beyond(0.3, 0.1) == pytest.approx(0.2)
+    assert [outside_band(e, 0.1) for e in (0.05, -0.05)] == [0.0, 0.0]
+    assert outside_band(0.3, 0.1) == pytest.approx(0.2)

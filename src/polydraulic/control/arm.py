@@ -242,7 +242,7 @@ def _towards(link: LinkParameters, axis: str) -> float:
     return -1.0 if link.axis.startswith("-") else 1.0
 
 
-def joints_at(machine: LayoutMachine, reach: float, height: float, pitch: float = 0.0) -> dict[str, float]:
+def joints_at(machine: LayoutMachine, reach: float, height: float, *, pitch: float = 0.0) -> dict[str, float]:
     """Positions of the arm's joints that bring the tip to a place, from where they are at the start.
 
     Parameters

@@ -128,13 +128,13 @@ class CoordinatedControl:
     Examples
     --------
     >>> from polydraulic import Simulator
-    >>> control = CoordinatedControl("excavator_22t")
-    >>> with Simulator("excavator_22t", dt=0.005) as machine:
+    >>> control = CoordinatedControl("cat215b")
+    >>> with Simulator("cat215b") as machine:
     ...     before = float(machine["effector.x"]), float(machine["effector.z"])
     ...     for _ in range(200):
-    ...         machine.step(control.step(control.measured(machine), {"reach": -0.3}), n=2)
+    ...         machine.step(control.step(control.measured(machine), {"reach": 0.3}), n=2)
     ...     x, z = float(machine["effector.x"]) - before[0], float(machine["effector.z"]) - before[1]
-    >>> x < -0.3 and abs(z) < 0.1
+    >>> x > 0.3 and abs(z) < 0.1
     True
     """
 

@@ -106,6 +106,6 @@ def stop_share(angle: float, rate: float, low: float, high: float, braking: floa
 
 
 @kernel
-def beyond(error: float, band: float) -> float:
+def outside_band(error: float, band: float) -> float:
     """An error, less a band around zero."""
     return error - min(max(error, -band), band)

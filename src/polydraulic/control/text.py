@@ -22,7 +22,7 @@ _IMPORTS = (
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.control.arm import Arm, arm_pose, arm_rates",
-    "from polydraulic.control.servo import Servo, beyond, slew_share, slewed, stop_share",
+    "from polydraulic.control.servo import Servo, outside_band, slew_share, slewed, stop_share",
     "from polydraulic.flow.layout.network_parts import leaving, root_drop",
     "from polydraulic.machine.drives import drive_cylinder, drive_four_bar, drive_motor, drive_ram",
 )
@@ -44,7 +44,7 @@ _SETTINGS = {
     "STILL": 2e-3,  # share of a joint's speed at full flow below which nobody moves it
     "RESERVED": 0.95,  # share of a short pump's flow that is shared out, before the servos
     "RECOVERY": 0.3,  # 1/s: how fast a share grows again
-    "HIGHEST": 1e8,  # Pa
+    "HIGHEST_ROOT": 1e4,  # Pa^0.5: of a pressure that no line has
 }
 # arrays of one number per function in `live`; then what is of another length
 _BY_FUNCTION = (

@@ -1,4 +1,5 @@
 from .c.source import export_c, to_c
+from .controller import controller_c, export_controller
 from .exported import Exported
 from .fmu.description import FmuDescription, FmuVariable
 from .fmu.machine import export_machine_fmu
@@ -22,7 +23,9 @@ __all__ = [
     "agreement_table",
     "bundle",
     "c_name",
+    "controller_c",
     "export_c",
+    "export_controller",
     "export_fmu",
     "export_machine",
     "export_machine_fmu",
