@@ -2,12 +2,15 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from polydraulic.cli.application import METRIC, UnitsOption, app
 from polydraulic.errors import InputError
+
+if TYPE_CHECKING:
+    from polydraulic.parameters.layout.schema import LayoutMachine
 
 machines = typer.Typer(
     help="Machines of any layout as data: list them, check and draw a file, begin a new one, show its kernels.\n\n"
@@ -65,7 +68,25 @@ def check(machine: MachineArgument) -> None:
         print(line)
     for line in unusual(found):
         print(f"warning: {line}")
+    if found.chassis is not None:
+        print(_stands(found))
     print(f"{machine}: good")
+
+
+def _stands(machine: "LayoutMachine") -> str:
+    """How far a machine is from tipping at its initial positions."""
+    import numpy as np
+
+    from polydraulic.display import amount
+    from polydraulic.machine.stability.whole_body import standing_margins
+    from polydraulic.parameters.layout.chassis import edge_names
+
+    assert machine.chassis is not None
+    at, still = np.array([[f.initial.angle for f in machine.functions]]), np.zeros((1, len(machine.functions)))
+    distances = standing_margins(machine, at, still, still, np.zeros((1, 3)))[0, :, 0]
+    least = int(distances.argmin())
+    shown = f"{amount(float(distances[least]), 'm')} from tipping {edge_names(machine.chassis)[least]} at its initial positions"
+    return f"stands, {shown}" if distances[least] > 0.0 else f"warning: tips by itself: {shown}"
 
 
 @machines.command()

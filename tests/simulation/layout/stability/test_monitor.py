@@ -40,6 +40,7 @@ def test_margins_of_states_are_the_columns_of_their_run(monitor):
         for measure in ("distance", "dynamic_distance", "force_angle", "energy"):
             np.testing.assert_array_equal(getattr(seen, measure)[:, k], run[f"stability.{edge}.{measure}"])
             assert getattr(one, measure)[k] == getattr(seen, measure)[120, k]
+    np.testing.assert_array_equal(monitor(run).energy, seen.energy)  # columns by their names
     np.testing.assert_array_equal(seen.edge, run["stability.edge"])
     np.testing.assert_array_equal(seen.time_to_tip, run["stability.time_to_tip"])
 

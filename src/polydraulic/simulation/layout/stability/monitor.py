@@ -70,9 +70,9 @@ class StabilityMonitor:
     >>> loader = Simulator("wheel_loader")
     >>> monitor = StabilityMonitor("wheel_loader", dt=loader.dt)
     >>> loader.step({"lift": 0.5}, n=200)
-    >>> seen = monitor(loader.values)
-    >>> monitor.edges[int(seen.edge)], bool(seen.warning)
-    ('forward', False)
+    >>> seen = monitor(loader.state)
+    >>> monitor.edges, bool(seen.warning)
+    (('forward', 'left', 'rear', 'right'), False)
     """
 
     def __init__(self, machine: LayoutMachine | str | Path, *, dt: float = 5e-3, locked: tuple[str, ...] = ()) -> None:
@@ -88,13 +88,18 @@ class StabilityMonitor:
             self._ready = prepare_layout(self._with, self._dt, self._locked, force=True)
             self._payload = payload
 
+    def _by_name(self, rows: Any) -> np.ndarray:
+        """A state from columns."""
+        return np.stack([np.asarray(rows[c.name]) for c in self._columns.columns[: self._columns.n_state]], axis=-1)
+
     def __call__(self, rows: Any, *, payload: float = 0.0, force: Any = (0.0, 0.0, 0.0)) -> Stability:
         """Margins of a row, or of many.
 
         Parameters
         ----------
-        rows : (..., n_column) array
-            States as `Simulator.state` or `Simulator.values` gives them, or rows of a `BatchSimulator`: what stands behind the state is not read.
+        rows : (..., n_column) array, or anything that gives columns by their names
+            States as `Simulator.state` or `Simulator.values` gives them: what stands behind the state is not read. Or a
+            `Simulator`, `BatchSimulator`, `Batch` or run itself, or a mapping: of these the columns of the state are read by name.
         payload : float, kg
             At the tip. Another one than before takes some milliseconds to prepare.
         force : (..., 3) array, N
@@ -105,8 +110,8 @@ class StabilityMonitor:
         InputError
             Rows of another length, or numbers that are not finite.
         """
-        given = np.asarray(rows, dtype=float)
         n = self._columns.n_state
+        given = np.asarray(rows if isinstance(rows, np.ndarray | list | tuple) else self._by_name(rows), dtype=float)
         if given.ndim == 0 or given.shape[-1] < n:
             raise InputError(f"rows of the shape {given.shape}: the last axis must hold the {n} numbers of a state")
         lead = given.shape[:-1]
