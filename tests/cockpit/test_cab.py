@@ -191,3 +191,25 @@ def test_a_sensor_that_errs_deceives_the_controller_and_not_the_view(cab):
     assert other.simulator.machine == other.machine
     assert cab.view.tip[2] - other.view.tip[2] > 0.02
     assert columns(other)["lift.angle"] == pytest.approx(float(other.simulator["lift.angle"]), rel=1e-6)
+
+
+def test_a_shadow_that_does_not_know_a_fault_is_lost_until_it_begins_anew(cab, monkeypatch):
+    from polydraulic.errors import InputError
+
+    shadowed = Cab("wheel_loader", shadow="exact")
+
+    def refuses(values):
+        raise InputError("was trained on others")
+
+    shadowed.move(sticks(ry=-0.8)._replace(faults=("lift leaks",)), 5)
+    with monkeypatch.context() as m:
+        m.setattr(shadowed.shadow._simulator, "change", refuses)
+        shadowed.move(sticks(ry=-0.8)._replace(faults=("work relief low",)), 50)
+        shadowed.move(sticks(ry=-0.8)._replace(faults=("work relief low",)), 100)
+    assert "circuits.work.pump.relief" in shadowed.shown.shadow
+    assert shadowed.simulator.steps == 155  # the machine goes on
+    assert columns(shadowed)["shadow.tip_error"] > 0.0
+    shadowed.move(FREE._replace(resets=1), 1)
+    assert shadowed.shown.shadow == ""
+    assert columns(shadowed)["shadow.tip_error"] == 0.0
+    assert shadowed.shadow._simulator.machine == cab.machine

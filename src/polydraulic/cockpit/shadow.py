@@ -35,6 +35,8 @@ class Shadow:
         self._simulator = Simulator(machine, flow, dt=dt, load={"payload": 0.0})
         self._n = len(machine.names)
         self._tip = np.array([self._simulator.place[f"effector.{c}"] for c in "xyz"])
+        self._machine = machine
+        self._changed: set[str] = set()  # numbers that have been others than the machine's
         self.lost, self._payload = "", 0.0
 
     @property
@@ -42,20 +44,22 @@ class Shadow:
         """Steps outside the flow model's domain."""
         return self._simulator.steps_out_of_domain
 
-    def begin(self, state: np.ndarray, values: Mapping[str, float]) -> None:
+    def begin(self, state: np.ndarray, values: dict[str, float]) -> None:
         """Begin where the other machine is, with the numbers that it has."""
         self.lost = ""
         self._simulator.reset(state)
         self._payload = 0.0
-        self.change(values)
+        healthy = {n.path: n.value for n in self._machine.numbers if n.path in self._changed} if self._changed else {}
+        self.change(healthy | values)
 
     def change(self, values: Mapping[str, float]) -> None:
         """Take other numbers, if the flow model knows them."""
         if values and not self.lost:
             try:
                 self._simulator.change(values)
-            except InputError as error:
-                self.lost = f"the shadow's flow model does not know these numbers: {error}"
+                self._changed.update(values)
+            except InputError:
+                self.lost = f"no shadow until the next reset: its flow model is not for another {', '.join(values)}"
 
     def step(self, volts: np.ndarray, n: int, payload: float) -> None:
         """Make `n` steps as the other machine does, with a payload in kg."""
