@@ -39,7 +39,9 @@ def browser(cockpit_url):
 @pytest.fixture(scope="session")
 def opened(browser, cockpit_url):
     page = DrivenPage(browser, cockpit_url)
-    page.open("#flat")  # a picture in space takes most of a computer without a graphics processor: tests of views ask for it
+    page.open(
+        "#flat"
+    )  # a picture in space takes most of a computer without a graphics processor: tests of views ask for it
     return page
 
 

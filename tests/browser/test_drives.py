@@ -35,7 +35,9 @@ def recorded(page, recordings):
         page.key(key, down=False)
     page.run_for(0.3)
     page.press("Stop recording")
-    page.until("return cockpit.status.recording === null && cockpit.status.recordings.length > arguments[0]", len(before))
+    page.until(
+        "return cockpit.status.recording === null && cockpit.status.recordings.length > arguments[0]", len(before)
+    )
     (name,) = set(page.status()["recordings"]) - before
     return name, page.js("const all = [...kept]; kept.clear(); return all")
 
@@ -86,9 +88,13 @@ def test_an_exercise_shows_its_target_and_leaves_a_result(page):
     page.js("document.querySelector('input[placeholder]').value = 'P07'")
     name = page.js("return cockpit.machine.exercises[0].name")
     page.js("document.querySelector('.exercise button').click()")
-    page.until("return cockpit.status.exercise !== null && cockpit.state.target !== null && cockpit.state.way.length > 1")
+    page.until(
+        "return cockpit.status.exercise !== null && cockpit.state.target !== null && cockpit.state.way.length > 1"
+    )
     page.key("ArrowDown")
-    page.until("return [...document.querySelectorAll('.score dd')].some((value) => value.textContent.startsWith('0.') === false && value.textContent.endsWith('s'))")
+    page.until(
+        "return [...document.querySelectorAll('.score dd')].some((value) => value.textContent.startsWith('0.') === false && value.textContent.endsWith('s'))"
+    )
     page.key("ArrowDown", down=False)
     page.js("document.querySelector('.exercise.running button').click()")
     page.until_status("exercise", None)

@@ -44,8 +44,8 @@ def test_a_key_moves_its_joint_its_way(page, pattern, key, function, direction):
     page.key(key)
     moves(page, function, direction)
     page.key(key, down=False)
-    page.until_applied()
     page.until("return cockpit.levers.axes.every((value) => value === 0)")
+    page.until_applied()
     assert set(page.voltages().values()) == {0.0}
 
 
@@ -118,6 +118,19 @@ def test_levers_are_neutral_when_the_hand_is_away(page, away):
     page.js(away)
     page.until("return cockpit.frame.seq === cockpit.connection.seq && cockpit.readings.si('swing.voltage') === 0")
     assert page.js("return cockpit.levers.axes") == [0] * 6
+
+
+def test_in_coordinated_mode_a_stick_moves_the_tip_outward_on_its_level(page):
+    page.click("[data-mode=coordinated]")
+    page.until_status("mode", "coordinated")
+    assert "reach out" in page.js("return document.querySelector('[data-stick=left] .north').textContent")
+    x, z = page.value("effector.x"), page.value("effector.z")
+    page.key("KeyW")
+    page.until("return cockpit.readings.si('effector.x') > arguments[0] + 0.3", x)
+    assert abs(page.value("effector.z") - z) < 0.1
+    volts = page.voltages()
+    assert volts["boom"] != 0.0
+    assert volts["stick"] != 0.0
 
 
 def test_the_space_bar_locks(page):

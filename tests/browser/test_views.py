@@ -1,6 +1,7 @@
 """What is seen: all views, in space and in the plane, instruments, and nothing that the page's rules forbid."""
 
 import io
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -47,7 +48,7 @@ def machine_is_shown(page, views, tmp_path):
         red, _, blue = np.moveaxis(pixels, -1, 0)
         amber = float(np.mean((red - blue > 90) & (red > 120)))
         assert 0.01 < amber < 0.6, f"{view}: share of the machine's colour {amber:.3f}"
-    for a, b in zip(views, views[1:], strict=False):
+    for a, b in pairwise(views):
         assert np.abs(shown[a] - shown[b]).mean() > 5.0
     page.click("[data-view=side]")
     before = drawn(page, "side")

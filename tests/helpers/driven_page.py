@@ -116,7 +116,9 @@ class DrivenPage:
 
     def press(self, text):
         """Click the button that says this."""
-        self.js("[...document.querySelectorAll('button')].find((one) => one.textContent === arguments[0]).click()", text)
+        self.js(
+            "[...document.querySelectorAll('button')].find((one) => one.textContent === arguments[0]).click()", text
+        )
 
     def key(self, code, down=True, repeat=False):
         self.js(_KEY, "keydown" if down else "keyup", code, repeat)
@@ -148,9 +150,7 @@ class DrivenPage:
             self.until_status("locked", False)
 
     def positions(self):
-        return dict(
-            self.js("return cockpit.machine.functions.map((f) => [f.name, cockpit.readings.si(f.position)])")
-        )
+        return dict(self.js("return cockpit.machine.functions.map((f) => [f.name, cockpit.readings.si(f.position)])"))
 
     def voltages(self):
         return dict(
@@ -168,4 +168,6 @@ class DrivenPage:
 
     def said(self):
         """What the browser's console has said, without news of graphics drivers."""
-        return [line["message"] for line in self.browser.get_log("browser") if "GL Driver Message" not in line["message"]]
+        return [
+            line["message"] for line in self.browser.get_log("browser") if "GL Driver Message" not in line["message"]
+        ]

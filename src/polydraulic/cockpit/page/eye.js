@@ -6,7 +6,7 @@ import { viewLimits } from "./kinematics.js";
 const ANGLE = 30; // deg, of the camera outside
 const WIDE = 62; // deg, of a driver
 const CAB = "#f4f6f8"; // what a drawing fills a cab with
-const MOST_ASIDE = 0.35, MOST_DOWN = -0.85, MOST_UP = 0.4; // rad
+const MOST_ASIDE = 0.35, MOST_DOWN = -0.7, MOST_UP = 0.4; // rad
 const LOW = 0.17; // share of the picture's height that levers cover
 
 export class Eye {
@@ -82,7 +82,7 @@ export class Eye {
     let ahead = -0.12 * r, left = 0.1 * r, height = az + 0.28 * r;
     if (cab) {
       const xs = cab.spots.map(([, at]) => at[0]), zs = cab.spots.map(([, at]) => at[2]);
-      ahead = 0.3 * Math.max(...xs) + 0.7 * Math.min(...xs);
+      ahead = 0.62 * Math.max(...xs) + 0.38 * Math.min(...xs);
       left = (cab.across[0][0] + cab.across[0][1]) / 2;
       height = frames.get(cab.spots[0][0])[3][2] + 0.85 * Math.max(...zs) + 0.15 * Math.min(...zs);
     } else if (!drawing.slews) {
