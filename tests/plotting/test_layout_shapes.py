@@ -3,6 +3,7 @@ import pytest
 
 from helpers.made_runs import point_at, small_crane, spread
 from polydraulic import load_machine
+from polydraulic.plotting.carrier import CAB, GLASS
 from polydraulic.plotting.drawing import OF_RUN, motion_of, places, seen
 from polydraulic.plotting.layout_shapes import layout_drawing
 
@@ -107,3 +108,20 @@ def test_a_bucket_has_its_shell_where_its_weight_is():
             key=lambda b: len(b.spots),
         )  # fmt: skip
         assert np.mean([spot.at[2] for spot in shell.spots]) * height > 0.0
+
+
+@pytest.mark.parametrize("name", ["cat215b", "cat215b_bucket", "loader_crane", "wheel_loader"])
+def test_what_the_side_view_shows_has_a_breadth_in_space(name):
+    drawing = layout_drawing(load_machine(name))
+    for body in drawing.bodies:
+        assert bool(body.across) == ("side" in body.views)
+        assert all(low < high for low, high in body.across)
+
+
+def test_the_cab_is_on_the_left():
+    """Where y is positive; its panes stand a little out of its walls."""
+    bodies = layout_drawing(load_machine("cat215b")).bodies
+    (cab,) = [body.across for body in bodies if body.fill == CAB]
+    (glass,) = [body.across for body in bodies if body.fill == GLASS and "side" in body.views]
+    assert cab[0][0] > 0.0
+    assert glass[0][0] < cab[0][0] < cab[0][1] < glass[0][1]
