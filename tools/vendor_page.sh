@@ -12,9 +12,10 @@ echo '{"private": true}' > package.json  # without it npm installs into a folder
 npm install --silent --no-audit --no-fund --ignore-scripts "three@$THREE" "uplot@$UPLOT" "esbuild@$ESBUILD"
 cat > three.js <<'EOF'
 export {
-  BufferGeometry, CanvasTexture, Color, CylinderGeometry, DirectionalLight, DoubleSide, EdgesGeometry, ExtrudeGeometry, Float32BufferAttribute,
-  Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
-  PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, Scene, Shape, SphereGeometry, Vector3, WebGLRenderer,
+  BufferGeometry, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, ExtrudeGeometry, Float32BufferAttribute,
+  Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, PCFShadowMap, PerspectiveCamera, PlaneGeometry, Scene, Shape, SphereGeometry, Vector3,
+  WebGLRenderer,
 } from "three";
 EOF
 echo 'export { default } from "uplot";' > uplot.js
