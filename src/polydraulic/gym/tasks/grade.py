@@ -12,11 +12,8 @@ from polydraulic.gym.tasks.reach import TO_GOAL, seen_from_arm
 from polydraulic.gym.tasks.task import GymTask, Judged, Number, State, chosen
 
 WAIT = 0.5  # s before the mark moves
-ACROSS, ALONG, LEAST = (
-    0.1,
-    1.0,
-    -2.0,
-)  # m off the line, and m behind the mark, that cost what a second brings; least reward of a second
+ACROSS, ALONG = 0.1, 0.25  # m off the line, and m before or behind the mark, that cost what a second brings
+LEAST = -2.0  # reward of a second
 STRAIGHT, AT_END = 0.1, 0.2  # m: rms error across the line, and distance from its end, of a pass that is well done
 SEEN = (
     *TO_GOAL,
