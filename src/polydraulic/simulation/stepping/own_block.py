@@ -1,12 +1,8 @@
-"""Parameters of a block of machines, and what its driver is given beside them."""
+"""What the driver of blocks of machines is given beside their parameters."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import types
-from numba.extending import overload
-
-from polydraulic._kernel import INLINED_OPTIONS
 
 
 class Levered(NamedTuple):
@@ -37,20 +33,3 @@ class Again(NamedTuple):
     scratch: np.ndarray
     mask: np.ndarray
     states: np.ndarray
-
-
-def of_block(own: Any, b: Any) -> Any:
-    """Parameters of a block where its machines have some of their own, else None."""
-    return None if own is None else own[b]
-
-
-@overload(of_block, jit_options=INLINED_OPTIONS)
-def _of_block_compiled(own: Any, b: Any) -> Any:
-    # numba wants the signature of `of_block`, annotations included
-    def none(own: Any, b: Any) -> Any:
-        return None
-
-    def mine(own: Any, b: Any) -> Any:
-        return own[b]
-
-    return none if isinstance(own, types.NoneType) else mine

@@ -36,7 +36,7 @@ _LANE_IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.lanes import LANES, at",
     "from polydraulic.simulation.lane_blocks import LaneBlock",
-    "from polydraulic.simulation.stepping.own_block import Again, Levered, of_block",
+    "from polydraulic.simulation.stepping.own_block import Again, Levered",
 )
 _LANES = (
     "N_FUNCTION", "STEPS_ROW", "UNSETTLED_ROW", "Functions", "flow_stage", "get_angle", "get_rate", "hose_stage", "input_stage",
