@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.display import amount
+from polydraulic.identification.equations.fit.beyond import beyond, shutting
 from polydraulic.identification.equations.fit.circuit_fit import (
     CircuitModel,
     CircuitRows,
@@ -208,7 +209,7 @@ def identify_circuit(
         drawn(awake[~held], LEARN_ROWS),
         drawn(awake[held], HOLD_ROWS),
         prior,
-        MOST_KNOTS,
+        MOST_KNOTS - _further_knots(valves, last),
         lambda n: tell(f"{n} knots"),
     )
     without, hold = grown.model, rows.some(awake[held])
@@ -235,6 +236,11 @@ def identify_circuit(
     if relief is not None:
         pump["relief"] = relief
     return CircuitFound(found, pump, grown.path, len(awake), traded(names, model, spread))
+
+
+def _further_knots(valves: list[ValveCurves], last: list[float]) -> int:
+    """Knots at most that a valve has beyond the travel of the log, and one at which its bypass shuts."""
+    return max(sum(k > x + 1e-6 for k in v.knots) + 1 for v, x in zip(valves, last, strict=True))
 
 
 def seen_relief(model: CircuitModel, rows: CircuitRows, opens: np.ndarray, spread: float) -> tuple[float, float] | None:
@@ -311,13 +317,6 @@ def cut_curves(valve: ValveCurves, last: float) -> Curves:
     return Curves(knots, np.maximum.accumulate(inlet), np.maximum.accumulate(bypass[::-1])[::-1])
 
 
-def beyond(knots: np.ndarray, values: np.ndarray, old_knots: tuple[float, ...], old: tuple[float, ...]) -> list[float]:
-    """Values at the old knots behind the last one: the old curve's shape, scaled to meet; where the old one is shut, no less than the last."""
-    last = float(np.interp(knots[-1], old_knots, old))
-    scale = values[-1] / last if last > 0.0 else 1.0
-    return [float(scale * v) for k, v in zip(old_knots, old, strict=True) if k > knots[-1] + 1e-6]
-
-
 def _valve(
     machine: LayoutMachine, name: str, curves: Curves, errors: dict[str, np.ndarray], s: Signals, b: Balance, rows: CircuitRows, k: int, last: float,
     q_in_left: float,
@@ -344,15 +343,21 @@ def _valve(
         )
         values[key], spread[key] = found.values, found.errors
         left.append(found.held_out)
-    more = [x for x in old.knots if x > knots[-1] + 1e-6]
-    whole = {key: [*v.tolist(), *beyond(knots, v, old.knots, getattr(old, key))] for key, v in values.items()}
+    more = np.array([x for x in old.knots if x > knots[-1] + 1e-6])
+    old_knots = np.array(old.knots)
+    shut = shutting(knots, values["bypass"], old_knots, np.array(old.bypass), opens)
+    more = more if shut is None else np.sort(np.append(more, shut[0]))
+    far_on = {key: beyond(knots, v, old_knots, np.array(getattr(old, key)), more) for key, v in values.items()}
+    if shut is not None:
+        far_on["bypass"] = shut[1]
+    whole = {key: [*v.tolist(), *far_on[key].tolist()] for key, v in values.items()}
     whole |= {key: np.maximum.accumulate(whole[key]).tolist() for key in whole if key != "bypass"}
     open_rows = rows.travel[:, :, k].max(axis=1) > opens
     pressures = rows.p_in[open_rows, :, k]
     far = {key: np.concatenate([v, np.full(len(more), np.nan)]) for key, v in spread.items()}
     return ValveFound(
         ValveCurves(
-            (*knots.tolist(), *more),
+            (*knots.tolist(), *more.tolist()),
             *(tuple(whole[key]) for key in ("inlet", "bypass", "outlet_positive", "outlet_negative")),
         ),
         far,
