@@ -8,6 +8,7 @@ from polydraulic.identification.equations.pilot_fit import (
     pieces_of,
     raster_within,
     smooth_spool,
+    told_dead_time,
 )
 from polydraulic.parameters.schema import Pilot
 
@@ -58,3 +59,9 @@ def test_a_spool_that_rests_tells_nothing(log):
 def test_rasters_and_pieces():
     assert pieces_of(np.array([0, 0, 1, 1, 1])).tolist() == [[0, 2], [2, 5]]
     assert raster_within(np.array([0.0, 0.1, 0.2, 5.0, 5.1]), np.array([0, 0, 0, 1, 1])) == pytest.approx(0.1)
+
+
+def test_a_dead_time_that_is_not_told_from_none_is_none():
+    assert told_dead_time(1e-4, 1e-5) == 0.0  # far less than a step
+    assert told_dead_time(2e-3, 1e-3) == 0.0
+    assert told_dead_time(2e-3, 1e-4) == 2e-3

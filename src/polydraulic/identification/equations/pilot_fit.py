@@ -16,6 +16,7 @@ from polydraulic.parameters.schema import Pilot
 
 _SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter
 _LONGEST_DEAD = 0.5  # s
+_SURE, _LEAST_DEAD = 3.0, 5e-4  # standard errors and s, below which a dead time counts as none
 _LEAST_ROWS = 200
 _BLOCK = 5.0  # s, after which errors are independent
 _ROUGHNESS = np.geomspace(
@@ -97,6 +98,14 @@ def fit_pilot(
         float(np.sqrt(np.mean(off(found.x) ** 2))),
         int(moving.sum()),
     )
+
+
+def told_dead_time(value: float, error: float) -> float:
+    """A dead time, s, or none where the log does not tell it from none.
+
+    `simulate` holds a voltage over a step: after any dead time, however short, it sees a jump at a step a whole step later.
+    """
+    return value if value > max(_SURE * error, _LEAST_DEAD) else 0.0
 
 
 def _first_gain(voltage: np.ndarray, spool: np.ndarray, travel: float) -> float:

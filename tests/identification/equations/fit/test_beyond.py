@@ -11,7 +11,7 @@ OLD = np.array([30.0, 12.0, 0.0, 0.0])
 
 def whole(knots, bypass):
     turn, values = shutting(knots, bypass, OLD_KNOTS, OLD, 4.0)
-    at = np.sort(np.append(OLD_KNOTS[OLD_KNOTS > knots[-1]], turn))
+    at = np.sort(np.append(OLD_KNOTS[knots[-1] < OLD_KNOTS], turn))
     return np.concatenate([knots, at]), np.concatenate([bypass, values])
 
 
@@ -28,7 +28,9 @@ def test_a_bypass_keeps_its_slope_and_shuts_where_it_was_known_to(last):
     assert (y >= 0.0).all()
     assert np.interp([10.0, 15.0], x, y).tolist() == [0.0, 0.0]
     slope = (bypass[-1] - 8.0) / 2.0
-    assert np.interp(8.3, x, y) == pytest.approx(max(bypass[-1] + 0.3 * slope, 0.0), abs=0.02 + 0.3 * abs(slope) * (last < 1.0))
+    assert np.interp(8.3, x, y) == pytest.approx(
+        max(bypass[-1] + 0.3 * slope, 0.0), abs=0.02 + 0.3 * abs(slope) * (last < 1.0)
+    )
 
 
 def test_a_bypass_that_stays_shuts_late():

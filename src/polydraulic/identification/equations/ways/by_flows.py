@@ -9,7 +9,7 @@ from polydraulic.identification.equations.circuits import PUMP_KEYS, CircuitFoun
 from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import CURVES, SPREADS, Freedom
 from polydraulic.identification.equations.identified_file import Identified
-from polydraulic.identification.equations.pilot_fit import PilotFit
+from polydraulic.identification.equations.pilot_fit import PilotFit, told_dead_time
 from polydraulic.identification.equations.sensors import Signals, missing_for_circuit
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.parameters.layout.parts import MachineFunction, Seen, SupplyCircuit
@@ -110,7 +110,10 @@ def _free_pump(circuit: SupplyCircuit, may: Freedom) -> dict[str, float]:
 
 def _pilot_changes(f: MachineFunction, found: PilotFit, may: Freedom, from_log: str) -> dict[str, Identified]:
     source = f"{from_log}: spool after voltage, {found.rows} rows, {amount(found.rms, 'm')} rms left"
-    values = found.pilot._replace(dead_time=max(found.pilot.dead_time - _STEP_LAG, 0.0))
+    late = max(found.pilot.dead_time - _STEP_LAG, 0.0)
+    dead = told_dead_time(late, found.errors.dead_time)
+    # what is not told from no dead time is a little more of the lag, which trades against it
+    values = found.pilot._replace(dead_time=dead, time_constant=found.pilot.time_constant + late - dead)
     return {
         f"functions.{f.name}.pilot.{key}": Identified(value, error, source)
         for key, value, error in zip(values._fields, values, found.errors, strict=True)

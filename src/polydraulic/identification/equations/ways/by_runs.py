@@ -11,6 +11,7 @@ from polydraulic.display import amount
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.free_numbers import CURVES
 from polydraulic.identification.equations.numbers.spreads import spreads_of
+from polydraulic.identification.equations.pilot_fit import told_dead_time
 from polydraulic.identification.equations.sensors import position_column
 from polydraulic.identification.equations.shooting.fit import ShootingFit, fit_by_shooting
 from polydraulic.identification.equations.ways.so_far import SoFar, is_mechanical
@@ -67,8 +68,12 @@ def find_left(
         so_far.lacks[WAY] = str(error).removeprefix("table: ")
         return None
     seen = ", ".join(f"{name} to {amount(travel, 'm')}" for name, travel in found.travel.items())
+    told = tuple(
+        e._replace(value=told_dead_time(e.value, e.sd)) if e.path.endswith(".dead_time") else e
+        for e in found.estimates.numbers
+    )
     so_far.take_estimates(
-        found.estimates,
+        found.estimates._replace(numbers=told),
         f"{so_far.from_log}: simulation of {found.windows} windows of {found.seconds:g} s, travel of {seen} seen",
     )
     for f in so_far.machine.functions:
