@@ -11,7 +11,7 @@ _RELIEF = 1e-12  # m3/s: below is rounding
 TARGET = ("target.x", "target.y", "target.z")
 
 
-class Seen(NamedTuple):
+class FrameColumn(NamedTuple):
     """A column of a frame, and its unit."""
 
     name: str
@@ -28,22 +28,24 @@ class View:
 
     Attributes
     ----------
-    columns : tuple of Seen
+    columns : tuple of FrameColumn
         Those of the simulator, ``pump.power`` where it is known, ``payload``, the target of an exercise; of a shadow its joints and how far its tip is away.
     """
 
     def __init__(self, simulator: Simulator, shadow: Shadow | None) -> None:
         self._simulator, self._shadow, machine = simulator, shadow, simulator.machine
-        own = [Seen(name, simulator.units[name]) for name in simulator.place]
+        own = [FrameColumn(name, simulator.units[name]) for name in simulator.place]
         pumps = [(f"{c.name}.q_pump", f"{c.name}.p_pump") for c in machine.circuits]
         self.knows_power = all(name in simulator.outputs for both in pumps for name in both)
         self._pumps = [(simulator[q], simulator[p]) for q, p in pumps] if self.knows_power else []
-        added = [Seen("pump.power", "W")] if self.knows_power else []
-        added += [Seen("payload", "kg"), *(Seen(name, "m") for name in TARGET)]
+        added = [FrameColumn("pump.power", "W")] if self.knows_power else []
+        added += [FrameColumn("payload", "kg"), *(FrameColumn(name, "m") for name in TARGET)]
         behind = (
-            [Seen(f"shadow.{name}", simulator.units[name]) for name in position_columns(simulator)] if shadow else []
+            [FrameColumn(f"shadow.{name}", simulator.units[name]) for name in position_columns(simulator)]
+            if shadow
+            else []
         )
-        behind += [Seen("shadow.tip_error", "m")] if shadow else []
+        behind += [FrameColumn("shadow.tip_error", "m")] if shadow else []
         self.columns = (*own, *added, *behind)
         self._take = np.array(list(simulator.place.values()))
         self._n, self._row = len(own), np.zeros(len(self.columns), dtype="<f4")

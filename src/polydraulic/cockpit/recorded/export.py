@@ -19,7 +19,7 @@ from polydraulic.tables import Table, table_ending, table_writer, write_table
 _PIECE = 2000  # steps between two words of progress
 
 
-class Levers(NamedTuple):
+class DriveLevers(NamedTuple):
     """What was done in a drive from some step on.
 
     Attributes
@@ -82,7 +82,7 @@ def simulator_of(drive: Drive) -> Simulator:
     return Simulator(as_machine(drive.head["machine"]), drive.head["flow"], dt=drive.head["dt"], load={"payload": 0.0})
 
 
-def levers_from_start(drive: Drive) -> Levers:
+def levers_from_start(drive: Drive) -> DriveLevers:
     """What was done since the machine last began anew.
 
     Raises
@@ -109,7 +109,7 @@ def levers_from_start(drive: Drive) -> Levers:
             payload = [pair for pair in payload if pair[0] < step] + [(step, float(stamp["payload"]))]
     if not len(volts):
         raise InputError(f"the drive {drive.name} ends where it begins anew; there is nothing to export")
-    return Levers(volts, payload)
+    return DriveLevers(volts, payload)
 
 
 def _write_scenario(drive: Drive, path: Path) -> None:
