@@ -124,7 +124,7 @@ def identify(
     spool: gain, time constant and dead time of its pilot. Masses and friction that are marked: by regression from pressures and positions. What is
     free and has not the sensors for these: through simulation, from voltages and positions of all functions and whatever else there is.
     Numbers that the sensors do not determine keep their value. Beyond the travel that the log has, curves go on in the shape they had,
-    scaled to meet.
+    scaled to meet, and a bypass with its slope until it shuts where it did.
 
     Parameters
     ----------

@@ -127,7 +127,7 @@ def _circuit_changes(
     changes = {}
     for name, v in found.valves.items():
         seen = f"travel {amount(v.seen[0], 'm')} to {amount(v.seen[1], 'm')} and pressure {amount(v.pressure[0], 'Pa')} to {amount(v.pressure[1], 'Pa')} seen"
-        source = f"{from_log}: {v.rows} rows with an open valve, {seen}; beyond, the old curve's shape"
+        source = f"{from_log}: {v.rows} rows with an open valve, {seen}; beyond, the old curve's shape, bypasses by their slope"
         for key in ("knots", *CURVES):
             values = getattr(v.curves, key)
             errors = v.errors.get(key)
