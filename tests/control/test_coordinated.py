@@ -5,7 +5,7 @@ import pytest
 
 from polydraulic import InputError, Simulator, build_flow, load_machine
 from polydraulic.control import ControlSettings, CoordinatedControl, SensorErrors, run_controlled, straight_line
-from polydraulic.control.coordinated import VELOCITIES
+from polydraulic.control.coordinated import VELOCITIES, measured_columns
 
 AT = {"boom.angle": 0.3, "stick.angle": -1.6}
 NO_FEEDBACK = {"gain": 1e-6, "integral_gain": 0.0}
@@ -163,6 +163,12 @@ def test_flow_models_that_cannot_be_inverted_are_refused(machine):
 def test_measurements_and_velocities_that_are_none_are_refused(machine, measured, wanted):
     with pytest.raises(InputError, match="measured must be 9 finite numbers"):
         CoordinatedControl(machine).step(measured, wanted)
+
+
+def test_sliding_joints_are_measured_by_their_position():
+    columns = measured_columns(load_machine("loader_crane"))
+    assert columns[:5] == ["slew.angle", "inner.angle", "outer.angle", "reach.position", "tilt.angle"]
+    assert [columns[5], columns[6], columns[-1]] == ["slew.p_a", "inner.p_a", "tilt.p_b"]
 
 
 def test_velocities_are_known_by_name(machine):

@@ -15,12 +15,12 @@ from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.lookup import table_bytes
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
+from polydraulic.simulation.layout.columns import function_column
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.stepping.packed import pack_tree
 from polydraulic.simulation.steps import check_time_step
 
 VELOCITIES = ("reach", "height", "swing", "pitch")
-MEASURED = ("position", "p_a", "p_b")
 
 
 class ControlSettings(NamedTuple):
@@ -192,9 +192,8 @@ class CoordinatedControl:
         (3 n_function,) array
             Positions of the joints in rad or m, pressures at A, then at B, in Pa.
         """
-        for j, name in enumerate(self.names):
-            for k, quantity in enumerate(("angle", "p_a", "p_b")):
-                self._measured[k * len(self.names) + j] = outputs[f"{name}.{quantity}"]
+        for place, column in enumerate(measured_columns(self.machine)):
+            self._measured[place] = outputs[column]
         return self._measured
 
     def step(self, measured: np.ndarray, wanted: np.ndarray | Mapping[str, float]) -> np.ndarray:
@@ -237,6 +236,12 @@ class CoordinatedControl:
         """
         s = self.settings
         return np.array([sticks[1] * s.reach, -sticks[3] * s.height, -sticks[0] * s.swing, sticks[2] * s.pitch])
+
+
+def measured_columns(machine: LayoutMachine) -> list[str]:
+    """Columns that a controller gets: positions, pressures at A, then at B, of all functions."""
+    positions = [function_column(machine, name, "angle", "rad").name for name in machine.names]
+    return [*positions, *(f"{name}.{side}" for side in ("p_a", "p_b") for name in machine.names)]
 
 
 def servo_of(machine: LayoutMachine, settings: ControlSettings) -> Servo:

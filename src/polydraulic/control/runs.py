@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from polydraulic.control.arm import arm_pose, planar_arm
+from polydraulic.control.coordinated import measured_columns
 from polydraulic.control.references import TipPath
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
@@ -109,7 +110,7 @@ def run_controlled(
     with Simulator(found, flow, dt=dt) as moved:
         moved.reset(start)
         moved.step(np.zeros(len(found.names)), n=max(round(settle / dt), 1))
-        seen = [moved.place[f"{name}.{what}"] for what in ("angle", "p_a", "p_b") for name in found.names]
+        seen = [moved.place[column] for column in measured_columns(found)]
         spread = np.repeat([errors.angle, errors.pressure, errors.pressure], len(found.names))
         tip_of = _tip(found)
         reference = path(tip_of(moved.values[seen]))
@@ -155,12 +156,11 @@ def _tip(machine: LayoutMachine) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def _table(machine: LayoutMachine, rows: np.ndarray) -> Table:
-    slides = {f.name: machine.link(f.moves).joint == "prismatic" for f in machine.functions}
     coordinates = {"reach": "m", "height": "m", "swing": "rad", "pitch": "rad"}
     units = {"time": "s"}
     units |= {f"{of}.{what}": unit for of in ("tip", "target") for what, unit in coordinates.items()}
     units |= {"share": "1"}
-    units |= {f"{name}.angle": "m" if slides[name] else "rad" for name in machine.names}
-    units |= {f"{name}.{side}": "Pa" for side in ("p_a", "p_b") for name in machine.names}
+    endings = {"angle": "rad", "position": "m", "p_a": "Pa", "p_b": "Pa"}
+    units |= {column: endings[column.rpartition(".")[2]] for column in measured_columns(machine)}
     units |= {f"{name}.voltage": "V" for name in machine.names}
     return Table(dict(zip(units, rows.T, strict=True)), units)
