@@ -4,6 +4,7 @@ import re
 from typing import get_type_hints
 
 from helpers.pages import ROOT
+from polydraulic.parameters.layout.chassis import WEIGHT, Slope, Tracks
 from polydraulic.parameters.layout.parts import (
     CONDUCTANCE,
     MASS,
@@ -18,6 +19,7 @@ from polydraulic.parameters.layout.parts import (
     LinkParameters,
     MachineFunction,
     PumpParameters,
+    Seen,
     SlideFriction,
     SlideInitial,
     SlideStops,
@@ -53,11 +55,15 @@ def described():
     rows |= {("friction", "sticks", "text"), ("functions", "backlash", "rad or m"), ("valve", "hysteresis", "m")}
     special = {"at": POINT.unit, "cg": POINT.unit, "mass": MASS.unit, "inertia": MOMENT.unit}
     rows |= {("links", key, special.get(key, "text")) for key in LinkParameters._fields if key != "name"}
-    rows |= {("functions", key, "text") for key in ("moves", "actuator")}
+    rows |= {("functions", key, "text") for key in ("moves", "actuator", "role")}
     rows |= {("functions", key, POINT.unit) for key in ("rod_pin", *FourBar._fields)}
     rows |= {
         ("crossover", key, CONDUCTANCE.unit if key == "conductance" else OPENING.unit) for key in CrossoverValve._fields
     }
+    rows |= {("chassis", "mass", WEIGHT.unit), *(("chassis", key, POINT.unit) for key in ("cg", "contacts"))}
+    rows |= {("tracks", "at", POINT.unit), *(("tracks", *row) for row in units(Tracks))}
+    rows |= {("slope", *row) for row in units(Slope)}
+    rows |= {("seen", key, TRAVEL.unit if key == "travel" else OPENING.unit) for key in Seen._fields}
     rows |= {("circuits", key, "text") for key in SupplyCircuit._fields if key not in ("name", "pump")}
     return rows | {
         ("top", "title", "text"),
@@ -88,6 +94,8 @@ def test_no_part_of_the_schema_is_left_out():
         "stops",
         "initial",
         "effects",
+        "role",
+        "seen",
     }
     assert set(LayoutMachine._fields) == {
         "title",
@@ -98,4 +106,5 @@ def test_no_part_of_the_schema_is_left_out():
         "circuits",
         "tip",
         "crossovers",
+        "chassis",
     }

@@ -42,7 +42,8 @@ def _both(found: Series, status: int) -> Series2:
 @kernel
 def series_2_at(Q: float, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
     """`series_2` on a pump that delivers Q."""
-    return _both(series_at(Q, k_1, k_2, p_1, p_2, pump), PROVED)
+    found = series_at(Q, k_1, k_2, p_1, p_2, pump)
+    return _both(found, PROVED)
 
 
 @kernel
@@ -55,14 +56,16 @@ def series_1_limited(x: Limited, k_1: Orifices, p_1: float, pump: Pump) -> Serie
 @kernel
 def series_2_limited(x: Limited, k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
     """`series_2` with a torque limit, and the flows of pump and first bypass as they were found."""
-    return _both(series_from(x.q, x.w, k_1, k_2, p_1, p_2, pump), PROVED if x.still else UNPROVED)
+    found = series_from(x.q, x.w, k_1, k_2, p_1, p_2, pump)
+    return _both(found, PROVED if x.still else UNPROVED)
 
 
 @kernel
 def series_1(k_1: Orifices, p_1: float, pump: Pump) -> Series1:
     """Flows with one valve: conductances in m3/s/Pa^0.5, the pressure at the pressurised port in Pa."""
     if pump.log_least < 0.0:
-        found = series_1_limited(limited_1(k_1, p_1, pump), k_1, p_1, pump)
+        x = limited_1(k_1, p_1, pump)
+        found = series_1_limited(x, k_1, p_1, pump)
     else:
         found = series_1_at(pump.flow, k_1, p_1, pump)
     return found
@@ -72,7 +75,8 @@ def series_1(k_1: Orifices, p_1: float, pump: Pump) -> Series1:
 def series_2(k_1: Orifices, k_2: Orifices, p_1: float, p_2: float, pump: Pump) -> Series2:
     """Flows with two valves, the first of which has priority."""
     if pump.log_least < 0.0:
-        found = series_2_limited(limited_2(k_1, k_2, p_1, p_2, pump), k_1, k_2, p_1, p_2, pump)
+        x = limited_2(k_1, k_2, p_1, p_2, pump)
+        found = series_2_limited(x, k_1, k_2, p_1, p_2, pump)
     else:
         found = series_2_at(pump.flow, k_1, k_2, p_1, p_2, pump)
     return found
