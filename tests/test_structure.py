@@ -18,7 +18,6 @@ TESTED_ELSEWHERE = {
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
     "cockpit/coordination.py": ("cockpit/test_cab.py", "the machine that is driven there is coordinated, too"),
     "cockpit/description.py": ("cockpit/test_cab.py", "the machine that is driven there is described"),
-    "cockpit/exercises/reachable.py": ("cockpit/exercises/test_catalogue.py", "paths there are held to it"),
     "cockpit/open_cockpit.py": ("cli/test_cockpit.py", "the command opens one"),
     "cockpit/recorded/drives.py": (
         "cockpit/recorded/test_player.py",
@@ -88,8 +87,6 @@ TESTED_ELSEWHERE = {
     "gym/episodes.py": ("gym/test_machine_vector_env.py", "episodes of environments"),
     "gym/motion.py": ("gym/test_machine_env.py", "columns that observations are made of"),
     "gym/picture.py": ("gym/test_machine_env.py", "pictures of environments"),
-    "gym/reachable/lines.py": ("gym/reachable/test_workspace.py", "lines that lead from starts"),
-    "gym/reachable/travels.py": ("gym/reachable/test_workspace.py", "travels of the machines there"),
     "gym/registered.py": ("gym/test_machine_env.py", "names by which environments are made"),
     "gym/tasks/task.py": ("gym/tasks/test_reach.py", "what all tasks share"),
     "identification/equations/finished.py": (
@@ -135,6 +132,8 @@ TESTED_ELSEWHERE = {
         "machine/circuits/test_series_slopes_text.py",
         "parts of the slopes held to differences there",
     ),
+    "machine/reach/lines.py": ("gym/test_workspace.py", "lines that lead from starts"),
+    "machine/reach/travels.py": ("gym/test_workspace.py", "travels of the machines there"),
     "machine/tree/constants_text.py": ("machine/tree/test_motion_text.py", "part of the text that is held to MuJoCo"),
     "machine/tree/equations.py": (
         "machine/tree/test_motion_text.py",

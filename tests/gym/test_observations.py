@@ -4,10 +4,10 @@ from pathlib import Path
 
 from polydraulic import load_machine
 from polydraulic.gym.observations import limits_seen, numbers_seen
-from polydraulic.gym.reachable.workspace import workspace_of
 from polydraulic.gym.tasks.grade import grade_task
 from polydraulic.gym.tasks.pick_place import pick_place_task
 from polydraulic.gym.tasks.reach import reach_task
+from polydraulic.gym.workspace import workspace_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "gym.md"
 TASKS = (reach_task(), grade_task(), pick_place_task(100.0))

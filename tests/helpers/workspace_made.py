@@ -4,8 +4,8 @@ import numpy as np
 
 from polydraulic import load_machine
 from polydraulic.gym.motion import motion_from
-from polydraulic.gym.reachable.travels import travels_of
-from polydraulic.gym.reachable.workspace import Lines, Workspace
+from polydraulic.gym.workspace import Lines, Workspace
+from polydraulic.machine.reach.travels import travels_of
 from polydraulic.simulation.layout.prepare import start_vector
 
 

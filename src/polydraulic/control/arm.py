@@ -3,6 +3,8 @@
 The joints between the ground and the tip that lie in one vertical plane are the arm: they turn about y or slide along x or z. What turns the
 whole plane about z is the swing. The last joint may be an attachment's, whose angle to the ground is held or commanded; then the arm before
 it moves the attachment's pin, and the tip with it. Angles of the plane are positive upward, about -y.
+
+Tip and rates are kernels here, and not those of `polydraulic.machine.reach`, since a controller calls them without allocating and is written out as C.
 """
 
 from math import cos, hypot, sin, sqrt
@@ -14,8 +16,9 @@ from polydraulic._kernel import kernel
 from polydraulic.elementary import sincos
 from polydraulic.errors import InputError
 from polydraulic.machine.drives import prepare_drive
+from polydraulic.machine.reach.tip import tip_links
 from polydraulic.parameters.layout.geometry import lever
-from polydraulic.parameters.layout.parts import GROUND, CylinderSize, LinkParameters, MachineFunction, Point
+from polydraulic.parameters.layout.parts import CylinderSize, LinkParameters, MachineFunction, Point
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 ATTACHMENTS = ("bucket", "front_bucket")  # roles
@@ -170,7 +173,7 @@ def planar_arm(machine: LayoutMachine) -> Arm:
     InputError
         A machine whose joints, from the ground to its tip, do not lie in a plane that turns about z.
     """
-    chain = _chain(machine)
+    chain = tip_links(machine)
     swing = chain[0] if chain[0].joint == "revolute" and chain[0].axis[-1] == "z" else None
     rest = chain[1:] if swing is not None else chain
     moved = {f.moves: number for number, f in enumerate(machine.functions)}
@@ -221,14 +224,6 @@ def pump_rate(machine: LayoutMachine, f: MachineFunction) -> float:
     else:
         volume = drive.displacement  # type: ignore[union-attr]
     return circuit.pump.flow / volume
-
-
-def _chain(machine: LayoutMachine) -> list[LinkParameters]:
-    """Links from the ground to the one that carries the tip."""
-    found = [machine.link(machine.tip[0])]
-    while found[0].parent != GROUND:
-        found.insert(0, machine.link(found[0].parent))
-    return found
 
 
 def _upward(link: LinkParameters) -> float:

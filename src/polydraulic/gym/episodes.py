@@ -8,9 +8,9 @@ import numpy as np
 from polydraulic.errors import InputError, briefly
 from polydraulic.gym.motion import Motion, motion_from
 from polydraulic.gym.observations import limits_seen, numbers_seen, observation
-from polydraulic.gym.reachable.workspace import Workspace
 from polydraulic.gym.tasks.task import GymTask, Judged, State
 from polydraulic.gym.varied import Ranges, draw_count, parameters_from
+from polydraulic.gym.workspace import Workspace
 
 
 class Begun(NamedTuple):

@@ -7,8 +7,8 @@ import numpy as np
 
 from polydraulic.gym.machine_env import MachineEnv
 from polydraulic.gym.machine_vector_env import MachineVectorEnv
-from polydraulic.gym.reachable.kinematics import joint_speeds, tip_jacobian
-from polydraulic.gym.reachable.workspace import Workspace
+from polydraulic.gym.workspace import Workspace
+from polydraulic.machine.reach.tip import joint_speeds, tip_jacobian
 
 _PULL, _FASTEST = 1.5, 1.5  # 1/s, speed of the tip for its distance; m/s
 _LEAD = 0.3  # s, by which levers lead the tip

@@ -16,9 +16,9 @@ from polydraulic.gym.episodes import Begun, Episodes
 from polydraulic.gym.machine_env import checked_levers
 from polydraulic.gym.motion import motion_columns
 from polydraulic.gym.observations import limits_seen, numbers_seen
-from polydraulic.gym.reachable.workspace import Workspace, workspace_of
 from polydraulic.gym.tasks.task import Number
 from polydraulic.gym.varied import varied_machine
+from polydraulic.gym.workspace import Workspace, workspace_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.stepping.batch_simulator import BatchSimulator

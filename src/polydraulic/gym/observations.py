@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.reachable.workspace import Workspace
 from polydraulic.gym.tasks.task import GymTask, Number, State
+from polydraulic.gym.workspace import Workspace
 
 
 def numbers_seen(workspace: Workspace, task: GymTask) -> list[Number]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from polydraulic.gym.reachable.workspace import Workspace
+from polydraulic.gym.workspace import Workspace
 from polydraulic.plotting.drawing import View, motion_of, seen, view_limits
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.plotting.scene import draw_view, fill_place, moving_artists

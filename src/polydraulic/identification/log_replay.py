@@ -16,7 +16,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
 from polydraulic.identification.arguments import models_of, parts_of, table_of
 from polydraulic.identification.log_rows import MACHINE_UNITS
-from polydraulic.machine.frames import link_frames, placed
+from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -264,7 +264,7 @@ def drifts(machine: LayoutMachine, windows: list[Window]) -> list[Drift]:
     """How far joints (rad, m) and tip (m) drift in windows."""
     apart = [np.abs(window.run - window.measured).max(axis=0) for window in windows]
     moved = [np.ptp(window.measured, axis=0) for window in windows]
-    tips = [[_tips(machine, positions) for positions in (w.measured, w.run)] for w in windows]
+    tips = [[tip_at_joints(machine, positions) for positions in (w.measured, w.run)] for w in windows]
     tip_apart = [np.linalg.norm(run - measured, axis=1).max() for measured, run in tips]
     tip_moved = [np.linalg.norm(measured - measured[0], axis=1).max() for measured, _ in tips]
     found = []
@@ -275,11 +275,6 @@ def drifts(machine: LayoutMachine, windows: list[Window]) -> list[Drift]:
         far = np.nan_to_num(far, nan=np.inf)
         found.append(Drift(name, unit, float(np.median(far)), float(far.max()), float(np.median(way))))
     return found
-
-
-def _tips(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
-    """Where the tip is, (n_row, 3) in m."""
-    return placed(link_frames(machine, positions), *machine.tip)
 
 
 def drift_rows(found: Sequence[Drift], units: str = DEFAULT) -> list[list[str]]:

@@ -97,9 +97,9 @@ def needed_wrenches(
 
 
 def axis_of(link: LinkParameters, frames: Frames) -> np.ndarray:
-    """Direction of a joint's positive motion along the ground's axes, (n_row, 3)."""
+    """Direction of a joint's positive motion along the ground's axes, (..., 3)."""
     sign = -1.0 if link.axis[0] == "-" else 1.0
-    return np.asarray(sign * frames[link.parent][0][:, :, COORDINATES.index(link.axis[-1])])
+    return np.asarray(sign * frames[link.parent][0][..., COORDINATES.index(link.axis[-1])])
 
 
 def _centripetal(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.machine.frames import vector
+from polydraulic.machine.reach.tip import slewing_function
 from polydraulic.parameters.layout.geometry import knee_at, rocker, triangle
 from polydraulic.parameters.layout.parts import GROUND, FourBar, LinkParameters, MachineFunction, Pins
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -64,7 +65,7 @@ def layout_drawing(machine: LayoutMachine) -> Drawing:
     ]
     bones = {link.name: _bones(machine, link) for link in moved}
     reach = _reach(machine, bones)
-    slews = moved[0].joint == "revolute" and moved[0].axis[-1] == "z" and moved[0].parent == GROUND
+    slews = slewing_function(machine) is not None
     sizes = _sizes(moved, reach, slews)
     arms = [body for link in reversed(moved) for body in _bodies(machine, link, bones[link.name], sizes[link.name])]
     bars = [bar for linkage in linkages for bar in _bars(linkage, 0.45 * sizes[linkage.link.parent])]

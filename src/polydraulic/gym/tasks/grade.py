@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.reachable.kinematics import to_arm
-from polydraulic.gym.reachable.workspace import Workspace
 from polydraulic.gym.tasks.reach import TO_GOAL, seen_from_arm
 from polydraulic.gym.tasks.task import GymTask, Judged, Number, State, chosen
+from polydraulic.gym.workspace import Workspace
+from polydraulic.machine.reach.tip import to_arm
 
 WAIT = 0.5  # s before the mark moves
 ACROSS, ALONG = 0.1, 0.25  # m off the line, and m before or behind the mark, that cost what a second brings

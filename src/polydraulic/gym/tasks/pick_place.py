@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.reachable.workspace import Workspace
 from polydraulic.gym.tasks.reach import DONE, NEARBY, TO_GOAL, seen_from_arm, spent
 from polydraulic.gym.tasks.task import SLOW, GymTask, Judged, Number, State, asked_places, chosen, distance, tip_speed
+from polydraulic.gym.workspace import Workspace
 
 SEEN = (
     *TO_GOAL,

@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.reachable.kinematics import to_arm
-from polydraulic.gym.reachable.workspace import Workspace
 from polydraulic.gym.tasks.task import (
     SLOW,
     GymTask,
@@ -20,6 +18,8 @@ from polydraulic.gym.tasks.task import (
     effort,
     tip_speed,
 )
+from polydraulic.gym.workspace import Workspace
+from polydraulic.machine.reach.tip import to_arm
 
 NEARBY = 0.15  # m, which counts as there
 TIME_COST, EFFORT_COST, DONE = 0.1, 0.05, 1.0  # 1/s; 1/s of the mean square of full levers; once

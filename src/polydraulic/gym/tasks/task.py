@@ -7,7 +7,7 @@ import numpy as np
 
 from polydraulic.errors import InputError, briefly
 from polydraulic.gym.motion import Motion
-from polydraulic.gym.reachable.workspace import Workspace
+from polydraulic.gym.workspace import Workspace
 
 State = dict[str, np.ndarray]  # what a task remembers of an episode, (..., n) by name
 NEAR = 0.03  # of the largest reach, between a place that is asked for and the nearest that is known to be reached

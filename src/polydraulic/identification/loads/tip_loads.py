@@ -13,9 +13,9 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, measured_pieces, oil_torques
-from polydraulic.machine.frames import Frames, link_frames, placed
+from polydraulic.machine.frames import link_frames
 from polydraulic.machine.newton_euler import axis_of, needed_wrenches
-from polydraulic.parameters.layout.parts import GROUND
+from polydraulic.machine.reach.tip import tip_jacobian
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -165,7 +165,8 @@ def _of_piece(machine: LayoutMachine, piece: Piece, window: float, payload: floa
     bare = _needed(with_payload(machine, payload), q, qd, qdd)
     more = (_needed(with_payload(machine, payload + _TRIAL), q, qd, qdd) - bare) / _TRIAL
     friction, unsure = _friction(machine, qd)
-    left, pushed = oil - friction - bare, _force_arms(machine, link_frames(machine, q))
+    left = oil - friction - bare
+    pushed = -np.swapaxes(tip_jacobian(machine, q), -1, -2)  # torques for each newton at the tip
     stops = np.array([f.stops for f in machine.functions])
     away = (piece.position > stops[:, 0] + _NEAR_STOP) & (piece.position < stops[:, 1] - _NEAR_STOP)
     used = np.lib.stride_tricks.sliding_window_view(away, len(smooth), axis=0).all(
@@ -225,22 +226,6 @@ def _friction(machine: LayoutMachine, rate: np.ndarray) -> tuple[np.ndarray, np.
         held = of.static / np.sqrt(3.0) * (1.0 - side**2)
         unsure[:, k] = np.hypot(_FRICTION_SPREAD * np.abs(friction[:, k]), held)
     return friction, unsure
-
-
-def _force_arms(machine: LayoutMachine, frames: Frames) -> np.ndarray:
-    """Torque that a force at the tip needs of each joint, per newton along x, y and z, (n_row, n_function, 3)."""
-    tip = placed(frames, *machine.tip)
-    found = np.zeros((len(tip), len(machine.functions), 3))
-    carrying, link = [], machine.tip[0]
-    while link != GROUND:
-        carrying.append(link)
-        link = machine.link(link).parent
-    for k, f in enumerate(machine.functions):
-        if f.moves in carrying:
-            axis = axis_of(machine.link(f.moves), frames)
-            turns = machine.link(f.moves).joint == "revolute"
-            found[:, k] = -np.cross(axis, tip - frames[f.moves][1]) if turns else -axis
-    return found
 
 
 def _solved(rows: _Rows, columns: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:

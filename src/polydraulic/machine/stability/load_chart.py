@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.machine.frames import link_frames, placed
+from polydraulic.machine.reach.tip import slewing_function, tip_at_joints
 from polydraulic.machine.stability.lifting import lift_limits
-from polydraulic.machine.stability.poses import arm_functions, arm_poses, held_positions, slewing_function
+from polydraulic.machine.stability.poses import arm_functions, arm_poses, held_positions
 from polydraulic.machine.stability.whole_body import chassis_of
 from polydraulic.parameters.layout.chassis import edge_names
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -198,7 +198,7 @@ def _grid(
         poses[:, 0] = 0.0
     places = [machine.names.index(f.name) for f in pair]
     poses[:, places] = np.array([(a, b) for a in low for b in high])
-    tips = placed(link_frames(machine, poses), *machine.tip)
+    tips = tip_at_joints(machine, poses)
     most = float(tips[:, 0].max()) - axis
     bottom, top = float(tips[:, 2].min()) - ground, float(tips[:, 2].max()) - ground
     if most <= 0.0:

@@ -12,7 +12,8 @@ import numpy as np
 from polydraulic.display import amount
 from polydraulic.errors import InputError
 from polydraulic.machine.frames import link_frames, placed
-from polydraulic.parameters.layout.parts import GROUND, MachineFunction
+from polydraulic.machine.reach.tip import slewing_function, tip_links
+from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 
@@ -31,13 +32,6 @@ class ArmPoses(NamedTuple):
     possible: np.ndarray
 
 
-def slewing_function(machine: LayoutMachine) -> MachineFunction | None:
-    """The function that turns the arm about an upright axis, None of a machine without one."""
-    first = machine.functions[0]
-    link = machine.link(first.moves)
-    return first if link.parent == GROUND and link.joint == "revolute" and link.axis[-1] == "z" else None
-
-
 def arm_functions(
     machine: LayoutMachine, asked: tuple[str, str] | None = None
 ) -> tuple[MachineFunction, MachineFunction]:
@@ -54,7 +48,8 @@ def arm_functions(
     InputError
         Functions that there are not, or that cannot.
     """
-    able = [f for f in machine.functions if _turns_in_plane(machine, f) and _carries(machine, f.moves, machine.tip[0])]
+    carriers = [link.name for link in tip_links(machine)]
+    able = [f for f in machine.functions if f.moves in carriers and _turns_in_plane(machine, f)]
     names = [f.name for f in able]
     wrong = [name for name in asked or () if name not in names]
     if wrong:
@@ -82,12 +77,6 @@ def _slewing_link(machine: LayoutMachine) -> object:
 def _turns_in_plane(machine: LayoutMachine, f: MachineFunction) -> bool:
     link = machine.link(f.moves)
     return link.joint == "revolute" and link.axis[-1] == "y"
-
-
-def _carries(machine: LayoutMachine, link: str, tip: str) -> bool:
-    while tip != GROUND and tip != link:
-        tip = machine.link(tip).parent
-    return tip == link
 
 
 def held_positions(machine: LayoutMachine, held: Mapping[str, float]) -> np.ndarray:

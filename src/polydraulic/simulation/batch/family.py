@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.flow.layout.model import LayoutFlow
-from polydraulic.machine.frames import link_frames, placed
+from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, fed_functions, kept_quantities
 from polydraulic.simulation.layout.module import layout_module
@@ -108,5 +108,5 @@ def _layout_tips(machines: Sequence[LayoutMachine], which: np.ndarray, positions
     found = np.empty((*positions.shape[:-1], 3))
     for number, machine in enumerate(machines):
         mine = np.flatnonzero(which == number)
-        found[mine] = placed(link_frames(machine, positions[mine]), *machine.tip)
+        found[mine] = tip_at_joints(machine, positions[mine])
     return found

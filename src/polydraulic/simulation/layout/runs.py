@@ -11,7 +11,7 @@ import numpy as np
 from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
-from polydraulic.machine.frames import link_frames, placed
+from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.machine.stability.whole_body import chassis_of
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.layout.payload import with_payload
@@ -350,7 +350,7 @@ def _table(
     for f in scenario.locked:
         recorded(f"{f}.angle")
     positions = np.column_stack([rows[:, columns.place[f"{f}.angle"]] for f in machine.names])
-    for name, values in zip(EFFECTOR, placed(link_frames(machine, positions), *machine.tip).T, strict=True):
+    for name, values in zip(EFFECTOR, tip_at_joints(machine, positions).T, strict=True):
         add(name, "m", values)
     for column in more:
         add(*column)

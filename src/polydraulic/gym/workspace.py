@@ -1,4 +1,4 @@
-"""What tasks know of a machine: its levers and joints, poses that it can stand in and reach, lines along which it can move its tip."""
+"""What tasks know of a machine: its levers and joints, places that its tip can reach, poses at rest, lines along which it can move its tip."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,17 +6,16 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.gym.reachable.kinematics import slew_sign, tip_at_joints
-from polydraulic.gym.reachable.lines import level_lines
-from polydraulic.gym.reachable.travels import JointTravels, inward, outward, travels_of
+from polydraulic.machine.reach.lines import SHORTEST, Followed, level_lines
+from polydraulic.machine.reach.poses import ReachedPoses, reached_poses
+from polydraulic.machine.reach.tip import slew_sign, tip_at_joints
+from polydraulic.machine.reach.travels import JointTravels, inward, travels_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import start_vector
 from polydraulic.simulation.stepping.levers import full_lever
 
-_POSES, _STARTS = 4096, 32
-_INNER = 0.1  # of the travel, at each end, where no pose lies
-_NEAR = 0.3  # of the largest reach, where the machine itself stands
+_STARTS = 32
 _SETTLING, _WATCHED, _STILL = 3.0, 1.0, 2e-3  # s, s, rad or m
 
 Settle = Callable[[np.ndarray, float], np.ndarray]  # (m, n_state) states, s -> states after so long, levers centred
@@ -52,7 +51,7 @@ class Workspace(NamedTuple):
     relief : (n_function,) array, Pa
         Of the lines.
     slews : float
-        See `kinematics.slew_sign`.
+        See `slew_sign`.
     tips : (n_pose, 3) array, m
         Places that the tip can reach.
     starts : (n_start, n_state) array
@@ -95,9 +94,9 @@ def workspace_of(
         No line, or none at that depth; a machine that comes to rest nowhere.
     """
     travels = travels_of(machine)
-    poses = _poses(travels)
-    found = level_lines(travels, poses, depth) if lines else None
-    ends = (poses if found is None else found.poses)[:_STARTS]
+    reached = reached_poses(travels)
+    found = _lines(travels, reached, depth) if lines else None
+    ends = (reached.positions if found is None else found.poses)[:_STARTS]
     states, still = _at_rest(machine, ends, settle)
     if not still.any():
         raise InputError(
@@ -112,7 +111,7 @@ def workspace_of(
         np.array([f.valve.knots[-1] for f in machine.functions]),
         np.array([f.line.relief for f in machine.functions]),
         slew_sign(machine),
-        tip_at_joints(machine, poses),
+        reached.tips,
         states[still],
         start_tips,
         None
@@ -125,12 +124,16 @@ def workspace_of(
     )
 
 
-def _poses(travels: JointTravels) -> np.ndarray:
-    """Joint positions away from stops in which the tip is not where the machine stands, (n, n_function)."""
-    share = np.random.default_rng(0).uniform(_INNER, 1.0 - _INNER, (2 * _POSES, len(travels.low)))
-    poses = travels.low + (travels.high - travels.low) * share
-    reach = np.linalg.norm(outward(travels.machine, tip_at_joints(travels.machine, poses)), axis=1)
-    return poses[reach > _NEAR * reach.max()][:_POSES]
+def _lines(travels: JointTravels, reached: ReachedPoses, depth: float | None) -> Followed:
+    found = level_lines(travels, reached.positions, depth)
+    if not len(found.poses):
+        at = "" if depth is None else f" at depth = {depth:g} m"
+        heights = reached.tips[:, 2]
+        raise InputError(
+            f"{travels.machine.title!r} can draw its tip along no level line of {SHORTEST} m{at}; "
+            f"its tip reaches heights from {heights.min():.2f} to {heights.max():.2f} m"
+        )
+    return found
 
 
 def _at_rest(machine: LayoutMachine, poses: np.ndarray, settle: Settle) -> tuple[np.ndarray, np.ndarray]:

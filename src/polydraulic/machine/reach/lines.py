@@ -4,14 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.errors import InputError
-from polydraulic.gym.reachable.kinematics import joint_speeds, slew_sign, tip_at_joints, tip_jacobian
-from polydraulic.gym.reachable.travels import JointTravels, inward
+from polydraulic.machine.reach.tip import joint_speeds, slew_sign, tip_at_joints, tip_jacobian
+from polydraulic.machine.reach.travels import JointTravels, inward
 
+SHORTEST = 0.5  # m
+_LONGEST = 4.0  # m
 _TRIED = 256  # poses
 _ROOM = 0.05  # of the travel, at each end, where no joint comes
 _STEP, _OFF = 0.02, 5e-3  # m along a line, and off it
-_SHORTEST, _LONGEST = 0.5, 4.0  # m
 _SLOWEST, _FASTEST = 0.1, 0.3  # m/s
 _SHARE = 0.5  # of a joint's full speed, which a line may ask for
 
@@ -34,7 +34,7 @@ class Followed(NamedTuple):
 
 
 def level_lines(travels: JointTravels, poses: np.ndarray, depth: float | None = None) -> Followed:
-    """Lines that begin in some of the poses and lead inward, the longest first; their poses are those at the beginning.
+    """Lines of `SHORTEST` and more that begin in some of the poses and lead inward, the longest first; their poses are those at the beginning.
 
     Parameters
     ----------
@@ -43,25 +43,18 @@ def level_lines(travels: JointTravels, poses: np.ndarray, depth: float | None = 
     depth : float, m, optional
         Height of all lines, as the ground's z; that of the tip in each pose if not given.
 
-    Raises
-    ------
-    InputError
-        No line is long enough.
+    Returns
+    -------
+    Followed
+        Of no lines, where none is long enough.
     """
     machine, poses = travels.machine, poses[:_TRIED]
-    heights = tip_at_joints(machine, poses)[:, 2]
     if depth is not None:
-        rise = depth - heights
+        rise = depth - tip_at_joints(machine, poses)[:, 2]
         lifted = _followed(travels, poses, np.sign(rise)[:, None] * (0.0, 0.0, 1.0), np.abs(rise), 0.0)
         poses = lifted.poses[lifted.length > np.abs(rise) - 1e-9]
     lines = _followed(travels, poses, inward(machine, poses), np.full(len(poses), _LONGEST), _SLOWEST)
-    long = np.flatnonzero(lines.length >= _SHORTEST)
-    if not len(long):
-        at = "" if depth is None else f" at depth = {depth:g} m"
-        raise InputError(
-            f"{machine.title!r} can draw its tip along no level line of {_SHORTEST} m{at}; "
-            f"its tip reaches heights from {heights.min():.2f} to {heights.max():.2f} m"
-        )
+    long = np.flatnonzero(lines.length >= SHORTEST)
     order = long[np.argsort(-lines.length[long], kind="stable")]
     return Followed(poses[order], lines.length[order], lines.speed[order])
 
@@ -82,7 +75,7 @@ def _followed(
         wanted, tried = first[going] + (length[going] + step)[:, None] * direction[going], poses[going]
         for _ in range(2):
             tried = tried + joint_speeds(tip_jacobian(machine, tried), wanted - tip_at_joints(machine, tried), free)
-        inside = ((tried > travels.low + room) & (tried < travels.high - room)).all(axis=1)
+        inside = ((tried > travels.low + room) & (tried < travels.high - room) | (free == 0.0)).all(axis=1)
         moved = np.abs(tried - poses[going]) / step[:, None]  # rad or m for each m
         fast = np.minimum(speed[going], (_SHARE * travels.full / np.maximum(moved, 1e-9)).min(axis=1))
         off = np.linalg.norm(wanted - tip_at_joints(machine, tried), axis=1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic import load_machine
-from polydraulic.gym.reachable.kinematics import joint_speeds, slew_sign, tip_at_joints, tip_jacobian, to_arm
+from polydraulic.machine.reach.tip import joint_speeds, slew_sign, tip_at_joints, tip_jacobian, to_arm
 from polydraulic.parameters.load import machine_names
 
 

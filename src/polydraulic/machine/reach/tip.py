@@ -6,29 +6,28 @@ The axes of the arm are outward, to the left and up. They turn with a first join
 import numpy as np
 
 from polydraulic.machine.frames import link_frames, placed
-from polydraulic.parameters.layout.parts import GROUND, LinkParameters
+from polydraulic.machine.newton_euler import axis_of
+from polydraulic.parameters.layout.parts import GROUND, LinkParameters, MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 
-_AXES = {"x": 0, "y": 1, "z": 2}
 _DAMPING = 0.02  # of the inverse, in shares of the largest reach of a joint
 
 
 def tip_at_joints(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
-    """Places of the tip, (n, 3) in m, at joint positions (n, n_function) in rad or m."""
+    """Places of the tip, (..., 3) in m, at joint positions (..., n_function) in rad or m."""
     return placed(link_frames(machine, positions), *machine.tip)
 
 
 def tip_jacobian(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
-    """Speed of the tip for each joint's, (n, 3, n_function) in m or 1 per second of m or rad; positions as for `tip_at_joints`."""
+    """Speed of the tip for each joint's, (..., 3, n_function) in m or 1 per second of m or rad; positions as for `tip_at_joints`."""
     frames = link_frames(machine, positions)
-    tip, carriers = placed(frames, *machine.tip), _carriers(machine)
-    found = np.zeros((*positions.shape[:-1], 3, len(machine.functions)))
+    tip, carriers = placed(frames, *machine.tip), tip_links(machine)
+    found = np.zeros((*tip.shape, len(machine.functions)))
     for place, f in enumerate(machine.functions):
         link = machine.link(f.moves)
-        if link.name in carriers:
-            turn, origin = frames[link.name]
-            axis = turn[..., :, _AXES[link.axis[-1]]] * _sign(link)
-            found[..., :, place] = axis if link.joint == "prismatic" else np.cross(axis, tip - origin)
+        if link in carriers:
+            axis, origin = axis_of(link, frames), frames[link.name][1]
+            found[..., place] = axis if link.joint == "prismatic" else np.cross(axis, tip - origin)
     return found
 
 
@@ -54,27 +53,30 @@ def joint_speeds(jacobian: np.ndarray, speed: np.ndarray, free: np.ndarray) -> n
     return np.asarray((np.swapaxes(weighed, -1, -2) @ forces)[..., 0] * free)
 
 
+def tip_links(machine: LayoutMachine) -> list[LinkParameters]:
+    """Links from the ground to the one that carries the tip."""
+    found = [machine.link(machine.tip[0])]
+    while found[0].parent != GROUND:
+        found.insert(0, machine.link(found[0].parent))
+    return found
+
+
+def slewing_function(machine: LayoutMachine) -> MachineFunction | None:
+    """The function that turns the arm about an upright axis, the first; None of a machine without one."""
+    first = machine.functions[0]
+    link = machine.link(first.moves)
+    return first if link.parent == GROUND and link.joint == "revolute" and link.axis[-1] == "z" else None
+
+
 def slew_sign(machine: LayoutMachine) -> float:
     """1 or -1 if the first joint turns the arm about an upright axis, to the left or to the right; 0 otherwise."""
-    first = machine.link(machine.functions[0].moves)
-    upright = first.parent == GROUND and first.joint == "revolute" and first.axis[-1] == "z"
-    return _sign(first) if upright else 0.0
+    slews = slewing_function(machine)
+    if slews is None:
+        return 0.0
+    return -1.0 if machine.link(slews.moves).axis[0] == "-" else 1.0
 
 
 def to_arm(heading: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """A vector (3, n) of the ground's axes in those of the arm, which has turned by `heading` (n,) rad."""
     c, s = np.cos(heading), np.sin(heading)
     return np.stack([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])
-
-
-def _sign(link: LinkParameters) -> float:
-    return -1.0 if link.axis[0] == "-" else 1.0
-
-
-def _carriers(machine: LayoutMachine) -> set[str]:
-    """Links between the ground and the tip."""
-    found, name = set(), machine.tip[0]
-    while name != GROUND:
-        found.add(name)
-        name = machine.link(name).parent
-    return found

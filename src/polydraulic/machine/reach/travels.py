@@ -1,17 +1,14 @@
-"""How far the joints of a machine are moved in tasks, and how fast they go, roughly."""
+"""How far the joints of a machine are moved, and how fast they go, roughly; outward and inward, as its arm stands."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.gym.reachable.kinematics import slew_sign, tip_at_joints
+from polydraulic.machine.reach.tip import slew_sign, tip_at_joints
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 _SLEW = np.pi / 3.0  # rad, to either side, of joints that turn all the way round
-_STROKE, _ROUND = (
-    5.0,
-    0.6,
-)  # s of a full stroke at full lever, in machines of this kind; rad/s of joints that turn all the way round
+_STROKE, _ROUND = 5.0, 0.6  # s of a stroke at full lever, in machines of this kind; rad/s of joints that turn round
 
 
 class JointTravels(NamedTuple):
@@ -54,7 +51,18 @@ def outward(machine: LayoutMachine, tips: np.ndarray) -> np.ndarray:
 
 def inward(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
     """Level direction from the tip to the machine in the plane of its arm, (n, 3); joint positions as for `tip_at_joints`."""
-    heading = slew_sign(machine) * positions[:, 0]
-    plane = np.column_stack([np.cos(heading), np.sin(heading)])
-    away = np.sign((outward(machine, tip_at_joints(machine, positions)) * plane).sum(axis=1, keepdims=True))
+    plane = _plane(machine, positions)
+    away = np.sign(out_of(machine, positions))[:, None]
     return np.column_stack([-away * plane, np.zeros(len(positions))])
+
+
+def out_of(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
+    """How far the tip is from the first joint in the plane of the arm, (n,) in m, negative behind it; joint positions as for `tip_at_joints`."""
+    tips = tip_at_joints(machine, positions)
+    return np.asarray((outward(machine, tips) * _plane(machine, positions)).sum(axis=1))
+
+
+def _plane(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
+    """Level direction in which the arm points, (n, 2)."""
+    heading = slew_sign(machine) * positions[:, 0]
+    return np.column_stack([np.cos(heading), np.sin(heading)])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, Simulator, load_machine
-from polydraulic.gym.reachable.kinematics import tip_at_joints
-from polydraulic.gym.reachable.workspace import Lines, workspace_of
+from polydraulic.gym.workspace import Lines, workspace_of
+from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.simulation.layout.columns import columns_of
 
 

@@ -1,1 +1,0 @@
-"""Where a machine can be: `kinematics`, `travels` of joints, `lines`, and all of it as a `workspace`."""
