@@ -90,6 +90,15 @@ def test_machines_without_a_planar_arm_are_refused():
         planar_arm(machine._replace(links=links))
 
 
+def test_a_loader_with_its_bucket_held_moves_its_tip_up_and_down_alone():
+    machine = load_machine("wheel_loader")
+    arm, n = planar_arm(machine), len(machine.names)
+    assert [machine.names[f] for f in (*arm.function, arm.attachment)] == ["lift", "tilt"]
+    _, live = pose_of(machine, np.array([f.initial.angle for f in machine.functions]))
+    arm_rates(arm, live, 2 * n, n, 0.3, 0.0, 0.0, 0.0, 0.0)
+    assert np.all(live[n : 2 * n] == 0.0)  # outward: nothing that it can do
+
+
 def test_the_whole_flow_gives_a_plausible_rate():
     machine = load_machine("excavator_22t")
     rates = {f.name: pump_rate(machine, f) for f in machine.functions}
