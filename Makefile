@@ -58,6 +58,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py layouts
 	$(BIN)/python benchmarks/keep.py stepping
 	$(BIN)/python benchmarks/keep.py gym
+	$(BIN)/python benchmarks/keep.py tip_loads
 	$(BIN)/python benchmarks/keep.py methods
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
