@@ -272,7 +272,7 @@ def test_levers_move_the_machine_of_the_driver_alone(serve):
     serve(test)
 
 
-def test_what_is_no_message_changes_nothing_and_too_much_ends_the_page(serve):
+def test_what_is_no_message_changes_nothing_and_too_much_ends_the_page(serve, caplog):
     async def test(cockpit):
         await cockpit.enter()
         async with cockpit.page() as page:
@@ -299,6 +299,7 @@ def test_what_is_no_message_changes_nothing_and_too_much_ends_the_page(serve):
             await page.until(lambda: page.socket.closed, "a message that is too long is taken")
         async with cockpit.page() as page:
             await page.told("status", driver="nobody")
+        assert not caplog.records  # nothing failed in the server
 
     serve(test)
 

@@ -72,17 +72,20 @@ def application(beat: Beat, keeper: Keeper, guard: Guard, description: dict[str,
         number = seat.enter()
         showing = asyncio.create_task(_show(request, socket, seat, number))
         try:
-            async for message in socket:
-                if message.type != WSMsgType.TEXT:
-                    await socket.send_json({"type": "error", "text": "messages are JSON as text"})
-                    continue
-                try:
-                    said = read_message(message.data)
-                    if (name := seat.drive_to_read(number, said)) is not None:
-                        seat.begin_replay(number, await asyncio.to_thread(seat.read, name))
-                    seat.hear(number, said)
-                except InputError as error:
-                    await socket.send_json({"type": "error", "text": str(error)})
+            with suppress(ConnectionError):  # a page that has gone cannot be answered
+                async for message in socket:
+                    if message.type == WSMsgType.ERROR:  # too long, or no websocket's: aiohttp has closed it
+                        break
+                    if message.type != WSMsgType.TEXT:
+                        await socket.send_json({"type": "error", "text": "messages are JSON as text"})
+                        continue
+                    try:
+                        said = read_message(message.data)
+                        if (name := seat.drive_to_read(number, said)) is not None:
+                            seat.begin_replay(number, await asyncio.to_thread(seat.read, name))
+                        seat.hear(number, said)
+                    except InputError as error:
+                        await socket.send_json({"type": "error", "text": str(error)})
         finally:
             seat.leave(number)
             showing.cancel()
