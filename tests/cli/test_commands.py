@@ -96,6 +96,7 @@ def test_a_machine_is_drawn(call, tmp_path, machine):
     assert (tmp_path / "machine.svg").read_text().count("<path") > 100
 
 
+@pytest.mark.slow
 def test_simulate_takes_a_method(call):
     chosen = ("random:1:1", "--machine", "wheel_loader", "--method")
     code, out, _ = call("simulate", *chosen, "rosenbrock", "--raster", "0.1")

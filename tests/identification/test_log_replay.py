@@ -341,6 +341,7 @@ def test_a_machine_with_another_pump_is_told_apart_by_the_functions_of_that_pump
         assert found[place].largest > 0.05 * found[place].moved
 
 
+@pytest.mark.slow
 def test_effects_begin_as_pressures_and_spools_suggest(crane):
     still = FlowForce(1e20, 870.0, 0.5 * np.pi)  # nothing, but a layout that other tests compile as well
     loose = with_effects(crane, sticks=True, backlash=0.005, hysteresis=3e-4, flow_force=still)

@@ -170,6 +170,7 @@ def test_pieces_and_locks_change_nothing_else(crane):
     assert not [name for name in both.names if name.startswith("slew.pin")]
 
 
+@pytest.mark.slow
 def test_a_method_that_chooses_its_own_steps_gives_the_same_forces(crane):
     scenario = replace(random_operator(4, 0.8, functions=crane.names), loads=Loads({"z": Constant(-500.0)}))
     fine = simulate(crane, "exact", scenario, dt=2.5e-4, every=40, forces=True)

@@ -27,6 +27,7 @@ def errors(machine, found, tight):
     return np.abs(joint_columns(machine, found)[0] - joint_columns(machine, tight)[0]).max(axis=0)
 
 
+@pytest.mark.slow
 def test_the_tolerance_is_kept_with_loads_that_come_and_go(crane):
     """A force with corners, a payload for half a second; the steps of fixed length come to the same by their order."""
     tight = reference(crane, "exact", LOADED)
