@@ -120,6 +120,7 @@ def test_a_line_at_a_given_depth():
         ({"depth": 1.0}, "height of the line of Grade"),
         ({"load": 5.0}, "what PickPlace carries"),
         ({"randomize": {"colour": (0, 1)}}, "randomize names 'colour'"),
+        ({"randomize": "payload"}, "randomize = 'payload': must name numbers and their ranges"),
         ({"render_mode": "human"}, "render_mode = 'human'"),
     ],
 )

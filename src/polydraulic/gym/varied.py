@@ -40,6 +40,10 @@ def checked_ranges(randomize: Mapping[str, tuple[float, float]] | None) -> Range
     InputError
         Other names, no two numbers in rising order, numbers out of their range.
     """
+    if randomize is not None and not isinstance(randomize, Mapping):
+        raise InputError(
+            f"randomize = {briefly(randomize)}: must name numbers and their ranges, such as {{'payload': (0, 500)}}"
+        )
     given = dict(randomize or {})
     unknown = [name for name in given if name not in VARIATIONS]
     if unknown:
