@@ -63,7 +63,9 @@ def test_held_functions_and_those_that_move_are_chosen():
     [
         ({"step": 0.0}, "step = 0 m"),
         ({"step": 1e-4}, "at most 250000 places"),
+        ({"step": 100.0}, "give a smaller step than 100 m"),
         ({"lifting": "arm"}, "'arm' is not a function"),
+        ({"lifting": "swing"}, "swing: turns the machine and lifts nothing"),
         ({"held": {"boom": 0.0}}, "boom: moves the tip"),
         ({"moved": ("boom", "swing")}, "swing: does not turn"),
     ],

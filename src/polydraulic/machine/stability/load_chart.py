@@ -136,6 +136,8 @@ def load_chart(
         )
     ground = float(np.mean([z for _, _, z in machine.chassis.corners]))  # type: ignore[union-attr]
     slews = slewing_function(machine)
+    if slews is not None and lifts == slews.name:
+        raise InputError(f"{lifts}: turns the machine and lifts nothing; choose another function to lift")
     axis = machine.link(slews.moves).at.get("x", 0.0) if slews is not None else 0.0
     reach, height = _grid(machine, pair, base, axis, ground, step)
     across, up = np.meshgrid(reach + axis, height + ground)
@@ -152,6 +154,11 @@ def load_chart(
         best = _best(machine, poses.positions, poses.possible, able, slews, lifts)
         capacity[k], limit[k], positions[k] = (a.reshape(*shape[1:], *a.shape[1:]) for a in best)
     progress("done", len(turns), len(turns))
+    if not np.isfinite(capacity).any():
+        raise InputError(
+            f"{machine.title}: the tip gets to no place of the chart where something limits the load; give a smaller step than {reach[0]:g} m, other "
+            "functions to move, or other positions to hold"
+        )
     names = (*(f"tipping {edge}" for edge in edges), *machine.names)
     moved_names = (pair[0].name, pair[1].name)
     return LoadChart(
