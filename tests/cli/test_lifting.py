@@ -12,7 +12,7 @@ def test_a_chart_is_printed_and_written(call, tmp_path):
     code, out, _ = call("loadchart --machine excavator_22t --step 2 --out chart.csv")
     assert code == 0
     assert out.startswith("Excavator of the 22 t class: moved by boom and stick, boom lifts")
-    assert "over the front, capacity and what limits it:" in out
+    assert "over the front, capacity in kg and what limits it, by height and reach of the tip:" in out
     assert "over the side" in out
     table = read_table(tmp_path / "chart.csv")
     assert f"{table['capacity'].max():.0f} " in out
@@ -33,6 +33,7 @@ def test_a_chart_is_printed_and_written(call, tmp_path):
         ("loadchart --step -1", "step = -1 m"),
         ("payload none.csv", "none.csv"),
         ("payload none.csv --force --plot a.png", "--plot draws the payload"),
+        ("payload none.csv --known 100", "give --force, too"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(call, tmp_path, line, words):
@@ -61,6 +62,11 @@ def test_a_payload_is_weighed_from_a_log(call, tmp_path):
     assert code == 0
     assert "force_z" in out
     assert "force_y" not in out
+    light = {name: np.full(200, 2e6) if name.endswith(("p_a", "p_b")) else values for name, values in columns.items()}
+    write_table(Table(light, units), tmp_path / "light.csv")
+    code, out, _ = call("payload light.csv --machine wheel_loader")
+    assert code == 0
+    assert "warning: less than nothing hangs there" in out
 
 
 def test_a_chassis_is_checked_where_the_machine_stands(call):

@@ -29,7 +29,7 @@ def identify(
     free: Annotated[
         list[str] | None,
         typer.Option(
-            help="Paths that may change, such as 'functions.*.valve.*', besides those marked free = true; repeat for more."
+            help="Paths that may change, such as `functions.*.valve.*`, besides those marked free = true; repeat for more."
         ),
     ] = None,
     plan: Annotated[

@@ -9,6 +9,8 @@ from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
+_SURE = 3.0  # standard errors
+
 
 @app.command()
 def loadchart(
@@ -53,6 +55,7 @@ def loadchart(
 
     What comes next: `polydraulic simulate random:1:20 --machine excavator_22t --stability` says how close a run comes to tipping.
     """
+    from polydraulic.display import shown_unit
     from polydraulic.files import write_text
     from polydraulic.machine.stability.load_chart import load_chart
     from polydraulic.parameters.load import load_machine
@@ -83,7 +86,9 @@ def loadchart(
     for k, over in enumerate(chart.over):
         rows = load_chart_rows(chart, k, units)
         widths = [max(len(row[c]) for row in rows) for c in range(len(rows[0]))]
-        print(f"over the {over}, capacity and what limits it:")
+        print(
+            f"over the {over}, capacity in {shown_unit('kg', units)} and what limits it, by height and reach of the tip:"
+        )
         for row in rows:
             print("  " + "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)).rstrip())
     if out is not None:
@@ -158,6 +163,8 @@ def payload(
         picture_ending(plot)
         if force:
             raise InputError("--plot draws the payload; with --force write a table, --out force.csv")
+    if known and not force:
+        raise InputError("--known is what hangs there while a force is estimated: give --force, too, or leave it out")
     plant, table = load_machine(machine), read_table(log)
     with progress_bar("payload") as progress:
         progress("least squares, compiled once after an installation", 0, 2)
@@ -182,6 +189,11 @@ def payload(
         )
     if not force:
         print(f"payload {amount(found.mean, 'kg', units)}, standard error {amount(found.mean_error, 'kg', units)}")  # type: ignore[union-attr]
+        if found.mean < -_SURE * found.mean_error:  # type: ignore[union-attr]
+            print(
+                "warning: less than nothing hangs there: masses or friction of the machine file are wrong, or sensors are off; polydraulic identify finds "
+                "masses from a log without a payload"
+            )
     for path in (out, plot):
         if path is not None:
             print(path)

@@ -162,7 +162,8 @@ def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
     ):
         identify(without(log, ".spool", ".p_a", ".voltage"), rough(true))
     names = [name for name in log.names if not name.endswith(".voltage")]
-    still = Table({name: np.arange(2000) * (0.02 if name == "time" else 0.0) for name in names}, log.units)
+    rest = {name: np.full(2000, log[name][0] if name.endswith(".angle") else 0.0) for name in names}
+    still = Table(rest | {"time": 0.02 * np.arange(2000)}, log.units)
     with pytest.raises(InputError, match="the spool of boom hardly ever leaves its centre"):
         identify(still, rough(true))
     short = Table({name: log[name][:100] for name in log.names}, log.units)
@@ -175,12 +176,28 @@ def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
         identify(backwards, rough(true))
 
 
+@pytest.mark.parametrize(
+    ("quantity", "factor", "match"),
+    [
+        ("spool", 1e3, "swing.spool.* must be in m;"),
+        ("q_in", 6e4, "swing.q_in.* must be in m3/s;"),
+        ("angle", 180.0 / np.pi, "boom.angle.* must be in rad"),
+        ("p_", 1e-5, "pressures must be in Pa"),
+    ],
+)
+def test_numbers_that_are_not_in_si_are_refused_where_no_unit_is_stated(true, log, quantity, factor, match):
+    other = {name: log[name] * (factor if f".{quantity}" in name else 1.0) for name in log.names}
+    with pytest.raises(InputError, match=match):
+        identify(Table(other, {}), true, free=BOOM)
+
+
 def test_a_crossover_is_refused_by_name(tmp_path):
     machine = load_machine(write_crossover_crane(tmp_path))
     rows = 1000
     columns = {"time": np.arange(rows) * 0.02}
     for name in machine.names:
-        columns |= {f"{name}.{what}": np.full(rows, 1e6) for what in ("spool", "p_a", "p_b", "q_in")}
+        columns |= {f"{name}.{what}": np.full(rows, 1e6) for what in ("p_a", "p_b")}
+        columns |= {f"{name}.{what}": np.full(rows, 1e-4) for what in ("spool", "q_in")}
     with pytest.raises(
         InputError, match="it is of the kind 'crossover'; only circuits of valves in series are identified"
     ):

@@ -108,3 +108,20 @@ def test_logs_that_do_not_serve_are_refused(loader):
     columns = {name: log[name] for name in log.names if name != "lift.p_a"}
     with pytest.raises(InputError, match=r"lift\.p_a"):
         estimate_payload(loader, Table(columns, {name: log.unit(name) for name in columns}))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "factor", "match"),
+    [("p_", 1e-5, "must be in Pa"), ("angle", 180.0 / np.pi, "lift.angle.*must be in rad")],
+)
+def test_bar_and_degrees_are_not_taken_for_si(loader, quantity, factor, match):
+    log = log_of(loader, Scenario("lift", 4.0, LIFTS), 0)
+    other = Table({name: log[name] * (factor if quantity in name else 1.0) for name in log.names}, {})
+    with pytest.raises(InputError, match=match):
+        estimate_payload(loader, other)
+
+
+@pytest.mark.parametrize("payload", [-5.0, np.nan, np.inf])
+def test_a_known_payload_is_a_mass(loader, payload):
+    with pytest.raises(InputError, match="payload = .* must be a mass"):
+        estimate_tip_force(loader, log_of(loader, Scenario("lift", 4.0, LIFTS), 0), payload=payload)

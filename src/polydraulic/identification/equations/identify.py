@@ -23,7 +23,7 @@ from polydraulic.identification.equations.identified_file import Identified, fil
 from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
-from polydraulic.identification.equations.sensors import Signals, check_units, read_function
+from polydraulic.identification.equations.sensors import Signals, check_plausible, check_units, read_function
 from polydraulic.identification.equations.shooting.fit import ShootingFit
 from polydraulic.identification.equations.shooting.windows import run_sensors
 from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots
@@ -160,6 +160,7 @@ def identify(
         log, ["time"], ["segment", *(f"{name}.voltage" for name in before.names), *run_sensors(before)]
     )
     check_units(table)
+    check_plausible(before, table)
     segment = _segments(table, source)
     raster = raster_within(table["time"], segment)
     simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS

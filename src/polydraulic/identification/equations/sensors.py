@@ -24,6 +24,10 @@ UNITS = {
     "position": "m",
 }
 _GRID = 721  # angles at which the volume in a cylinder is known, straight between
+_BEYOND = 0.1  # rad or m, that a sensor may be off
+_LEAST_PRESSURE = 1e5  # Pa
+_TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
+_MANY = 0.05  # share of rows that are no outliers
 _SMOOTHED = 5  # rows that a position is smoothed over
 
 
@@ -67,6 +71,48 @@ def check_units(table: Table) -> None:
             raise InputError(
                 f"column {name!r} is in {table.unit(name)!r}; a machine is identified in SI, this in {si!r}"
             )
+
+
+def check_plausible(machine: LayoutMachine, table: Table) -> None:
+    """Refuse columns that no sensor of this machine reads in SI, whatever the table says of units.
+
+    Raises
+    ------
+    InputError
+        Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, or no pressure
+        of the log comes to one bar.
+    """
+    most_flow = _FLOWS * max(circuit.pump.flow for circuit in machine.circuits)
+    for f in machine.functions:
+        name = position_column(machine, f)
+        if name in table.names:
+            far = np.maximum(table[name] - f.stops.high, f.stops.low - table[name]) > _BEYOND
+            if far.mean() > 0.5:
+                unit = "m" if name.endswith(".position") else "rad"
+                stops = f"its joint's stops at {f.stops.low:.4g} and {f.stops.high:.4g} {unit}"
+                raise _not_si(table, name, f"{stops}: it must be in {unit}, with the zero of the machine file")
+        for what, unit, most in (
+            ("spool", "m", _TRAVELS * f.valve.knots[-1]),
+            ("q_in", "m3/s", most_flow),
+            ("q_out", "m3/s", most_flow),
+        ):
+            name = f"{f.name}.{what}"
+            if name in table.names and (np.abs(table[name]) > most).mean() > _MANY:
+                raise _not_si(table, name, f"no more than {most:.4g} {unit} can be: it must be in {unit}")
+    pressures = [table[name] for name in table.names if name.split(".")[-1] in ("p_a", "p_b")]
+    most = max((float(values.max()) for values in pressures), default=0.0)
+    if 0.0 < most < _LEAST_PRESSURE:
+        raise InputError(
+            f"the largest pressure at a port of the log is {most:.4g} Pa, and oil that works has more than 1 bar, {_LEAST_PRESSURE:g} Pa: pressures "
+            "must be in Pa; import the log with the sensors' unit"
+        )
+
+
+def _not_si(table: Table, name: str, why: str) -> InputError:
+    values = table[name]
+    return InputError(
+        f"column {name!r} lies between {values.min():.4g} and {values.max():.4g}, {why}; import the log with the sensor's unit"
+    )
 
 
 def read_function(

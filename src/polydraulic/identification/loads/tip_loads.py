@@ -13,6 +13,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, measured_pieces, oil_torques
+from polydraulic.identification.equations.sensors import check_plausible, check_units
 from polydraulic.machine.frames import link_frames
 from polydraulic.machine.newton_euler import axis_of, needed_wrenches
 from polydraulic.machine.reach.tip import tip_jacobian
@@ -88,7 +89,7 @@ def estimate_payload(machine: LayoutMachine | str | Path, log: Table, *, window:
     Raises
     ------
     InputError
-        Columns that are missing, a log without a piece as long as a window, or one in which no joint feels a payload.
+        Columns that are missing or not in SI, a log without a piece as long as a window, or one in which no joint feels a payload.
     """
     machine = as_machine(machine)
     found = [_solved(rows, rows.of_mass[:, :, None]) for rows in _windows(machine, log, window, 0.0)]
@@ -123,9 +124,11 @@ def estimate_tip_force(
     Raises
     ------
     InputError
-        As `estimate_payload`.
+        As `estimate_payload`; a payload that is no mass.
     """
     machine = as_machine(machine)
+    if not (np.isfinite(payload) and payload >= 0.0):
+        raise InputError(f"payload = {payload} kg: must be a mass of 0 kg or more")
     found = [_solved(rows, rows.of_force) for rows in _windows(machine, log, window, payload)]
     time, value, error = (np.array([item[k] for item in found]) for k in (0, 1, 2))
     return TipForceEstimate(time, value, error)
@@ -143,7 +146,9 @@ class _Rows(NamedTuple):
 
 
 def _windows(machine: LayoutMachine, log: Table, window: float, payload: float) -> list[_Rows]:
+    check_units(log)
     pieces = measured_pieces(machine, log)
+    check_plausible(machine, log)
     if not (np.isfinite(window) and window > 0.0):
         raise InputError(f"window = {window} s: must be a positive time")
     found = [rows for piece in pieces for rows in _of_piece(machine, piece, window, payload)]
