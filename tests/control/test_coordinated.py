@@ -216,3 +216,8 @@ def test_networks_are_inverted_as_circuits_are(machine):
     run = run_controlled(machine, control, lambda tip: straight_line(tip, length=1.0, ramp=1.0), start=AT)
     apart = np.hypot(run["tip.reach"] - run["target.reach"], run["tip.height"] - run["target.height"])
     assert np.sqrt(np.mean(apart**2)) < 0.03
+
+
+def test_a_wanted_velocity_that_is_no_number_is_named():
+    with pytest.raises(InputError, match="wanted = {'height': 'up'}: must be numbers"):
+        CoordinatedControl("wheel_loader").step(np.zeros(6), {"height": "up"})

@@ -310,7 +310,10 @@ def _velocity(wanted: Mapping[str, float]) -> np.ndarray:
     unknown = [name for name in wanted if name not in VELOCITIES]
     if unknown:
         raise InputError(f"wanted names {briefly(unknown[0])}; a velocity has {list(VELOCITIES)}")
-    return np.array([float(wanted.get(name, 0.0)) for name in VELOCITIES])
+    try:
+        return np.array([float(wanted.get(name, 0.0)) for name in VELOCITIES])
+    except (TypeError, ValueError) as error:
+        raise InputError(f"wanted = {briefly(dict(wanted))}: must be numbers, in m/s and rad/s") from error
 
 
 def _fits(values: Any, shape: tuple[int, ...]) -> bool:
