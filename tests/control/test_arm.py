@@ -81,6 +81,8 @@ def test_joints_bring_the_tip_to_a_place_or_say_that_they_cannot():
     np.testing.assert_allclose(pose, [6.5, -0.5, -1.9], atol=2e-6)
     with pytest.raises(InputError, match="cannot be brought to a reach of 12 m"):
         joints_at(machine, 12.0, 0.0, pitch=-1.9)
+    with pytest.raises(InputError, match="reach = nan: must be a finite number"):
+        joints_at(load_machine("cat215b"), reach=np.nan, height=0.0)
 
 
 def test_machines_without_a_planar_arm_are_refused():

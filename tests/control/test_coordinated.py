@@ -137,12 +137,20 @@ def test_a_closed_run_follows_a_line_through_noise_and_delay(machine):
         ({"gain": 0.0}, "gain = 0.0"),
         ({"reach": np.nan}, "reach = nan"),
         ({"margin": 0.5}, "margin = 0.5"),
-        ({"delay": 2.0}, "delay = 2"),
+        ({"delay": 2.0}, "delay = 2 s: at most 1 s"),
+        ({"delay": -0.1}, "delay = -0.1: must be a number, 0 or more"),
     ],
 )
 def test_settings_that_cannot_be_used_are_refused(machine, settings, words):
     with pytest.raises(InputError, match=words):
         CoordinatedControl(machine, settings=ControlSettings(**settings))
+
+
+def test_a_path_that_is_not_finished_is_warned_of(machine):
+    control = CoordinatedControl(machine, settings=ControlSettings(delay=0.04))
+    with pytest.warns(UserWarning, match=r"not through when the limit of 1 s came, .* % of its path behind it"):
+        run = run_controlled(machine, control, lambda tip: straight_line(tip, length=1.0, speed=0.2), limit=1.0)
+    assert len(run) == 100
 
 
 def test_flow_models_that_cannot_be_inverted_are_refused(machine):

@@ -7,7 +7,7 @@ it moves the attachment's pin, and the tip with it. Angles of the plane are posi
 Tip and rates are kernels here, and not those of `polydraulic.machine.reach`, since a controller calls them without allocating and is written out as C.
 """
 
-from math import cos, hypot, sin, sqrt
+from math import cos, hypot, isfinite, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -257,6 +257,9 @@ def joints_at(machine: LayoutMachine, reach: float, height: float, *, pitch: flo
     InputError
         A place that cannot be reached within the stops.
     """
+    for name, value in (("reach", reach), ("height", height), ("pitch", pitch)):
+        if not isfinite(value):
+            raise InputError(f"{name} = {value}: must be a finite number")
     arm, n = planar_arm(machine), len(machine.names)
     live = np.zeros(4 * n)
     live[:n] = [f.initial.angle for f in machine.functions]

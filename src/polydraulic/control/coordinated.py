@@ -67,6 +67,7 @@ class ControlSettings(NamedTuple):
 
 
 USUAL = ControlSettings()
+_MAY_BE_ZERO = ("delay", "integral_gain", "margin", "load_time", "shares_flow")
 
 
 class ControlParts(NamedTuple):
@@ -294,15 +295,14 @@ def servo_of(machine: LayoutMachine, settings: ControlSettings) -> Servo:
 def _checked(settings: ControlSettings) -> ControlSettings:
     check_time_step(settings.dt)
     for name, value in settings._asdict().items():
-        least = 0.0 if name in ("delay", "integral_gain", "margin", "load_time") else 1e-6
-        if not (
-            isinstance(value, int | float) and isfinite(value) and value >= (0.0 if name == "shares_flow" else least)
-        ):
-            raise InputError(f"settings: {name} = {briefly(value)}: must be a number above zero")
-    if settings.margin >= 0.5 or settings.delay > 1.0:
-        raise InputError(
-            f"settings: margin = {settings.margin:g} must be below 0.5, delay = {settings.delay:g} s at most 1 s"
-        )
+        zero = name in _MAY_BE_ZERO
+        if not (isinstance(value, int | float) and isfinite(value) and (value >= 0.0 if zero else value >= 1e-6)):
+            allowed = "a number, 0 or more" if zero else "a number above 0"
+            raise InputError(f"settings: {name} = {briefly(value)}: must be {allowed}")
+    if settings.margin >= 0.5:
+        raise InputError(f"settings: margin = {settings.margin:g}: must be below 0.5, a half of each joint's range")
+    if settings.delay > 1.0:
+        raise InputError(f"settings: delay = {settings.delay:g} s: at most 1 s")
     return settings
 
 

@@ -1,5 +1,6 @@
 """Closed loops: a machine that is moved by a controller along a path, with sensors that are late and noisy."""
 
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
@@ -96,6 +97,11 @@ def run_controlled(
         A row for each call of the controller: ``time``, ``tip.*`` and ``target.*`` (reach, height, swing, pitch), ``share``, and positions,
         pressures and voltages of all functions; the target is that of the controller's lag ago, where the tip should be now.
 
+    Warns
+    -----
+    UserWarning
+        Where the path was not finished.
+
     Raises
     ------
     InputError
@@ -139,6 +145,12 @@ def run_controlled(
             stuck = 0.0 if float(controller.share) > _STUCK else stuck + controller.dt
             if clock > reference.duration + 1.0 or stuck > _PATIENCE:
                 break
+    if clock < reference.duration:
+        why = "stood still" if stuck > _PATIENCE else f"was not through when the limit of {limit:g} s came"
+        warnings.warn(
+            f"{found.title}: the tip {why}, {100.0 * clock / reference.duration:.0f} % of its path behind it; the rest is not in the table",
+            stacklevel=2,
+        )
     return _table(found, np.array(rows))
 
 
