@@ -26,18 +26,18 @@ PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation test
 # Compiled first, then the tests of kernels once more in plain Python: they must not depend on the compiler.
 test: .venv/ready
 	$(PYTEST) -m "not slow and not browser" $(MEASURED)
-	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(MEASURED) $(PLAIN)
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "not slow" $(PLAIN)
 
 # The cockpit's page in a real browser without a screen, one process: Debian's chromium and chromium-driver, without which this fails.
 # `make test` leaves these tests out, plain `pytest` runs them where there is a browser and else says what is missing.
 test-browser: .venv/ready
 	POLYDRAULIC_BROWSER=needed $(BIN)/pytest tests/browser
 
-# The same tests, and what share of the lines of the package they run; of kernels in plain Python, since compiled code is not seen.
+# The same tests, and what share of the lines of the package they run compiled; kernels are left out, since compiled code is not seen.
 # pyproject.toml says what share there must be; the modules with the least stand first.
 coverage: .venv/ready
 	rm -f .coverage
-	$(MAKE) test MEASURED="--cov --cov-append --cov-report= --cov-fail-under=0"
+	$(MAKE) test MEASURED="--cov --cov-report= --cov-fail-under=0"
 	$(BIN)/coverage report --sort=cover --fail-under=0 | head -n 25
 	$(BIN)/coverage report --format=total
 
