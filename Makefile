@@ -38,7 +38,7 @@ test-browser: .venv/ready
 coverage: .venv/ready
 	rm -f .coverage
 	$(MAKE) test MEASURED="--cov --cov-report= --cov-fail-under=0"
-	$(BIN)/coverage report --sort=cover --fail-under=0 | head -n 25
+	$(BIN)/coverage report --sort=cover --fail-under=0 | sed -n 1,25p
 	$(BIN)/coverage report --format=total
 
 test-all: .venv/ready
