@@ -1,8 +1,8 @@
 """One valve, or two in series, on a pump with torque limit: passes that move the pump's flow and what passes the first valve together.
 
 Such a pass is that of circuits of three valves and more (`series_pass`): at a flow the circuit looks like one orifice of the same pressure
-and slope, and one step of Newton leads towards the flow that the pump delivers at that pressure; so both settle at once, mostly in 2 to 6
-passes, in 17 where conductances over six decades meet. A circuit that has not settled in all `LIMIT_PASSES` says so.
+and slope, and one step of Newton leads towards the flow that the pump delivers at that pressure; so both settle at once, mostly in 1 to 6
+passes, in 17 at worst where conductances over six decades meet. A circuit that has not settled in all `LIMIT_PASSES` says so.
 """
 
 from typing import NamedTuple
