@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 DRIVER = shutil.which("chromedriver")
 _SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")  # WebGL where there is no graphics processor
-_LONGEST = 20.0  # s that anything may take on a computer that is busy
+_LONGEST = 60.0  # s that anything may take on a computer that is busy
 # a gamepad as tests move it: browsers have no way to plug one in
 _PAD = """
 window.pad = {id: "a pad", index: 0, connected: true, mapping: "standard", axes: [0, 0, 0, 0], buttons: Array(17).fill({value: 0})};
