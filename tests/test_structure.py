@@ -16,6 +16,7 @@ TESTED_ELSEWHERE = {
     "control/runs.py": ("control/test_coordinated.py", "closed runs of the controller there"),
     "control/text.py": ("control/test_coordinated.py", "its kernels are what the controller does"),
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
+    "simulation/changed_flow.py": ("simulation/test_faults.py", "machines break there with several flow models"),
     "cockpit/coordination.py": ("cockpit/test_cab.py", "the machine that is driven there is coordinated, too"),
     "cockpit/description.py": ("cockpit/test_cab.py", "the machine that is driven there is described"),
     "cockpit/open_cockpit.py": ("cli/test_cockpit.py", "the command opens one"),

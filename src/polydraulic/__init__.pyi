@@ -4,6 +4,8 @@ from .machine.stability.load_chart import LoadChart, load_chart
 from .networks.growth.regressor import AbductiveRegressor
 from .networks.model.model_file import load_models, save_models
 from .networks.regions.region_regressor import RegionRegressor
+from .parameters.deviations import Deviation, Fault, ScheduledFault
+from .parameters.fault_catalogue import FaultKind, fault_catalogue
 from .parameters.layout.schema import LayoutMachine
 from .parameters.load import load_machine
 from .parameters.scenario import Scenario, load_scenario, random_operator
@@ -24,7 +26,10 @@ __all__ = [
     "AbductiveRegressor",
     "Batch",
     "BatchSimulator",
+    "Deviation",
     "Difference",
+    "Fault",
+    "FaultKind",
     "InputError",
     "LayoutMachine",
     "LoadChart",
@@ -33,6 +38,7 @@ __all__ = [
     "SavedBatch",
     "SavedState",
     "Scenario",
+    "ScheduledFault",
     "SimulationError",
     "Simulator",
     "Stability",
@@ -40,6 +46,7 @@ __all__ = [
     "Table",
     "build_flow",
     "compare",
+    "fault_catalogue",
     "load_chart",
     "load_machine",
     "load_models",

@@ -71,12 +71,12 @@ def test_a_reset_is_made_once(cab):
 
 def test_a_fault_changes_the_machine_and_leaves_it_as_it_was(cab):
     pump = cab.machine.circuit("work").pump
-    cab.move(FREE._replace(faults=("work pump flow low", "work relief low")), 10)
+    cab.move(FREE._replace(faults=("work.pump_worn", "work.pump_relief_low")), 10)
     ill = cab.simulator.machine.circuit("work").pump
-    assert (ill.flow, ill.relief) == (0.9 * pump.flow, 0.7 * pump.relief)
-    assert cab.shown.faults == ("work pump flow low", "work relief low")
-    cab.move(FREE._replace(faults=("work relief low",)), 10)
-    assert cab.simulator.machine.circuit("work").pump == pump._replace(relief=0.7 * pump.relief)
+    assert (ill.flow, ill.relief) == (0.95 * pump.flow, 0.9 * pump.relief)
+    assert cab.shown.faults == ("work.pump_worn", "work.pump_relief_low")
+    cab.move(FREE._replace(faults=("work.pump_relief_low",)), 10)
+    assert cab.simulator.machine.circuit("work").pump == pump._replace(relief=0.9 * pump.relief)
     cab.move(FREE, 10)
     assert cab.simulator.machine == cab.machine
 
@@ -114,7 +114,7 @@ def test_a_machine_that_diverges_stands_still_until_it_is_reset(cab, monkeypatch
 def followed(shadow):
     """How far a shadow is away after a while of all that can happen."""
     cab = Cab("wheel_loader", shadow=shadow)
-    cab.move(sticks(ry=-0.8)._replace(payload=500.0, faults=("lift friction high",)), 200)
+    cab.move(sticks(ry=-0.8)._replace(payload=500.0, faults=("lift.friction_high",)), 200)
     cab.move(sticks(ry=-0.8)._replace(payload=200.0, resets=1), 100)
     cab.move(sticks(rx=-0.8), 100)
     assert cab.shown.shadow == ""
@@ -184,10 +184,10 @@ def test_a_sensor_that_errs_deceives_the_controller_and_not_the_view(cab):
     up = sticks(ry=-0.3)._replace(mode="coordinated")
     other = Cab("wheel_loader")
     other.warm_up()
-    for c, wanted in ((cab, up), (other, up._replace(faults=("lift sensor off",)))):
+    for c, wanted in ((cab, up), (other, up._replace(faults=("lift.angle.bias",)))):
         c.move(up, 100)
         c.move(wanted, 200)  # the sensor goes off while the arm moves: the servo corrects what is no error
-    assert other.shown.faults == ("lift sensor off",)
+    assert other.shown.faults == ("lift.angle.bias",)
     assert other.simulator.machine == other.machine
     assert cab.view.tip[2] - other.view.tip[2] > 0.02
     assert columns(other)["lift.angle"] == pytest.approx(float(other.simulator["lift.angle"]), rel=1e-6)
@@ -201,11 +201,11 @@ def test_a_shadow_that_does_not_know_a_fault_is_lost_until_it_begins_anew(cab, m
     def refuses(values):
         raise InputError("was trained on others")
 
-    shadowed.move(sticks(ry=-0.8)._replace(faults=("lift leaks",)), 5)
+    shadowed.move(sticks(ry=-0.8)._replace(faults=("lift.leak_across",)), 5)
     with monkeypatch.context() as m:
         m.setattr(shadowed.shadow._simulator, "change", refuses)
-        shadowed.move(sticks(ry=-0.8)._replace(faults=("work relief low",)), 50)
-        shadowed.move(sticks(ry=-0.8)._replace(faults=("work relief low",)), 100)
+        shadowed.move(sticks(ry=-0.8)._replace(faults=("work.pump_relief_low",)), 50)
+        shadowed.move(sticks(ry=-0.8)._replace(faults=("work.pump_relief_low",)), 100)
     assert "circuits.work.pump.relief" in shadowed.shown.shadow
     assert shadowed.simulator.steps == 155  # the machine goes on
     assert columns(shadowed)["shadow.tip_error"] > 0.0

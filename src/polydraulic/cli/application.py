@@ -44,6 +44,13 @@ def _checked(units: str) -> str:
 
 METRIC = "metric"  # what people read if they ask for nothing else
 MachineOption = Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")]
+FaultOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fault",
+        help="What breaks, and when: NAME [SIZE] [from TIME] [to TIME] [over TIME], as 'boom.pump_worn 10 % from 60 s'; repeat for more. `polydraulic faults` lists names.",
+    ),
+]
 UnitsOption = Annotated[
     str,
     typer.Option(

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
+from polydraulic.cli.application import METRIC, FaultOption, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -112,6 +112,7 @@ def record(
         typer.Option("--full-stroke", help="Random operators give as much voltage as drives every spool to its end."),
     ] = False,
     dt: Annotated[float, typer.Option(help="Time step of the simulation in s.")] = 0.005,
+    fault: FaultOption = None,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Simulate, and write what sensors would have recorded: noise, resolution, delay, dropouts, drift, rasters.
@@ -123,6 +124,8 @@ def record(
     - A log to identify valves from: `polydraulic record random:1:600 --full-stroke --sensors sensors.toml --out log.mf4`
 
     - Another day: the same sensors err in the same way with the same seed, so give it one of its own with `--seed 2`
+
+    - A machine that wears: `polydraulic record random:1:600 --fault "boom.pump_worn 10 % from 60 s over 300 s" --sensors sensors.toml --out log.mf4`
 
     What comes next: `polydraulic import --suggest log.mf4 --out map.toml`, as with a log of a real machine.
     """
@@ -158,7 +161,7 @@ def record(
     what = [load_scenario(name, functions=plant.names) for name in given]
     with progress_bar("record") as progress:
         progress("compile (once after an installation)", 0, len(what))
-        n = write_log(plant, what, bench, out, dt=dt, progress=progress)
+        n = write_log(plant, what, bench, out, dt=dt, faults=fault or (), progress=progress)
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
 
 

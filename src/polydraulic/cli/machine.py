@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from polydraulic.cli.application import METRIC, MachineOption, UnitsOption, app
+from polydraulic.cli.application import METRIC, FaultOption, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import print_differences, progress_bar
 
@@ -77,6 +77,7 @@ def simulate(
         bool,
         typer.Option("--stability", help="Add margins against tipping as columns, and say how close the run comes."),
     ] = False,
+    fault: FaultOption = None,
     units: UnitsOption = METRIC,
     machine: OwnMachineOption = None,
 ) -> None:
@@ -92,6 +93,8 @@ def simulate(
 
     - What a real operator did, from a CSV file with the columns time [s], swing [V], boom [V], stick [V]:
     `polydraulic simulate recording.csv --raster 0.05 --out run.csv`
+
+    - A pump that wears while it works: `polydraulic simulate task --fault "boom.pump_worn 20 % from 10 s" --plot worn.svg`
 
     - Ten minutes of a random operator: `polydraulic simulate random:42:600 --raster 0.1 --out run.parquet`
 
@@ -129,6 +132,7 @@ def simulate(
         "energy": energy,
         "forces": forces,
         "stability": stability,
+        "faults": fault or (),
     }
     runs, seconds, pieces = {}, 0.0, 2 * len(names) + 3
     with progress_bar("simulate") as progress:

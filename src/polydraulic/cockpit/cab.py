@@ -20,7 +20,9 @@ from polydraulic.cockpit.view import View
 from polydraulic.cockpit.wanted import CabShown, ReplayShown, Taped, TrialShown, Wanted
 from polydraulic.control.lever_patterns import PATTERNS, LeverPattern, lever_pattern
 from polydraulic.errors import InputError, SimulationError
-from polydraulic.parameters.faults import Fault, faulty_numbers, stages, usual_faults
+from polydraulic.parameters.deviations import Fault
+from polydraulic.parameters.fault_catalogue import cockpit_faults
+from polydraulic.parameters.faults import Since, faulty_numbers, stages, unknown_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.plotting.layout_shapes import layout_drawing
 from polydraulic.simulation.stepping.levers import full_lever
@@ -72,7 +74,7 @@ class Cab:
         self.coordination: Coordination | None = None
         self.uncoordinated = "coordinated control is not ready"
         self.exercises: Mapping[str, Exercise] = exercises_of(self.machine, DT, layout_drawing(self.machine).ground)
-        self.faults: Mapping[str, Fault] = {fault.name: fault for fault in usual_faults(self.machine)}
+        self.faults: Mapping[str, Fault] = {kind.name: kind.fault() for kind in cockpit_faults(self.machine)}
         self.shadow = None if shadow is None else Shadow(self.machine, shadow, DT)
         self.view = View(self.simulator, self.shadow)
         self.most_payload = 2.0 * sum(link.mass for link in self.machine.links)  # kg
@@ -97,7 +99,7 @@ class Cab:
         zero = np.zeros(len(self.simulator.names))
         self.coordination, self.uncoordinated = coordination_of(self.simulator, self.machine, self.flow)
         if self.coordination is not None:
-            self.coordination.voltages(Wanted().axes, 1, {})
+            self.coordination.voltages(Wanted().axes, 1, ())
         self.simulator.step(zero, 1, {"payload": 1.0})
         self.simulator.reset()
         if self.shadow is not None:
@@ -133,7 +135,7 @@ class Cab:
             if coordination is not None:
                 volts, piece = coordination.voltages(wanted.axes, piece, self._since())
             self._steps += piece
-            payload = wanted.payload if trial is None else trial.payload
+            payload = (wanted.payload if trial is None else trial.payload) + unknown_payload(self._since())
             load = None
             self._trouble()
             if payload != self._payload:
@@ -278,9 +280,9 @@ class Cab:
         """The tape that runs."""
         return None if self._tape is None or self._tape.ended else self._tape
 
-    def _since(self) -> dict[Fault, float]:
+    def _since(self) -> Since:
         """How long faults have been there, s."""
-        return {fault: (self.simulator.steps - begun) * DT for fault, begun in self._begun.items()}
+        return [(fault, (self.simulator.steps - begun) * DT) for fault, begun in self._begun.items()]
 
     def _stamp(self, **what: Any) -> None:
         if (tape := self._recording) is not None:

@@ -1,13 +1,13 @@
 """Coordinated control at the cockpit: sticks say how the tip is to move, and the controller moves all levers for it."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from polydraulic.control.coordinated import ControlSettings, CoordinatedControl
 from polydraulic.errors import InputError
-from polydraulic.parameters.faults import Fault, faulty_readings
+from polydraulic.parameters.fault_catalogue import position_columns
+from polydraulic.parameters.faults import Since, faulty_readings
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.stepping.simulator import Simulator
 
@@ -40,7 +40,9 @@ class Coordination:
         self._simulator, n = simulator, len(machine.names)
         self._control = CoordinatedControl(machine, flow, settings=ControlSettings())
         self.period = round(self._control.settings.dt / simulator.dt)  # steps between two calls
-        self._quantities = [f"{name}.{quantity}" for quantity in ("angle", "p_a", "p_b") for name in machine.names]
+        pressures = [f"{name}.{quantity}" for quantity in ("p_a", "p_b") for name in machine.names]
+        self._columns = [*position_columns(machine), *pressures]
+        self._held: dict[tuple[str, str], float] = {}
         self._places = np.concatenate(
             [np.arange(3 * n, 4 * n), np.arange(n, 2 * n), np.arange(2 * n, 3 * n)]
         )  # of a state
@@ -51,7 +53,7 @@ class Coordination:
         self._control.reset()
         self._left = 0
 
-    def voltages(self, axes: tuple[float, ...], most: int, faults: Mapping[Fault, float]) -> tuple[np.ndarray, int]:
+    def voltages(self, axes: tuple[float, ...], most: int, faults: Since) -> tuple[np.ndarray, int]:
         """Voltages of the levers, V, and for how many of the next `most` steps they hold.
 
         Parameters
@@ -59,14 +61,16 @@ class Coordination:
         axes : tuple of float
             Sticks, -1 to 1.
         most : int
-        faults : mapping from Fault to s
-            Whose readings the controller is deceived by, and since when they are there.
+        faults : sequence of (Fault, s)
+            Whose readings the controller is deceived by, and how long they have been there.
         """
         if self._left == 0:
             seen = self._simulator.state[self._places]
-            if any(fault.readings for fault in faults):
-                read = faulty_readings(dict(zip(self._quantities, seen.tolist(), strict=True)), faults)
+            if any(fault.readings for fault, _ in faults):
+                read = faulty_readings(dict(zip(self._columns, seen.tolist(), strict=True)), faults, self._held)
                 seen = np.array(list(read.values()))
+            else:
+                self._held.clear()
             self._volts = self._control.step(seen, self._control.velocity(np.array(axes))).copy()
             self._left = self.period
         n = min(most, self._left)

@@ -1,99 +1,44 @@
-"""Faults: numbers of a machine, or what its sensors read, that change with time and have a name in common."""
+"""What faults make of a machine's numbers, of its payload, and of what its sensors read."""
 
-from bisect import bisect_right
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from math import isfinite, radians
-from typing import Literal
+from collections.abc import Iterable, Mapping, MutableMapping, Sequence
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.layout.parts import CylinderSize
+from polydraulic.parameters.deviations import PAYLOAD, Deviation, Fault, TimedFault
 from polydraulic.parameters.layout.schema import LayoutMachine
 
-How = Literal["times", "plus", "is"]
-_HOWS = ("times", "plus", "is")
+Since = Sequence[tuple[Fault, float]]  # how long each of them has been there, s; negative where it is not
+_SAME = 1e-9  # s
 
 
-@dataclass(frozen=True)
-class Deviation:
-    """How one number, or one reading, differs from what it should be.
-
-    Attributes
-    ----------
-    of : str
-        Path of a number (``circuits.main.pump.flow``), or column that a sensor reads (``boom.angle``).
-    how : {"times", "plus", "is"}
-        What is done with the healthy value.
-    amount : tuple of float
-        SI. Each holds from its time on until the next; before the first the value is healthy.
-    time : tuple of float, s
-        Since the fault began.
-
-    Raises
-    ------
-    InputError
-        Amounts and times that do not go together, or are no finite numbers.
-    """
-
-    of: str
-    how: How
-    amount: tuple[float, ...]
-    time: tuple[float, ...] = (0.0,)
-
-    def __post_init__(self) -> None:
-        where = f"fault of {self.of}"
-        if self.how not in _HOWS:
-            raise InputError(f"{where}: how = {self.how!r}: must be one of {list(_HOWS)}")
-        if len(self.time) != len(self.amount) or not self.time:
-            raise InputError(f"{where}: needs one amount per time; got {len(self.time)} and {len(self.amount)}")
-        if not all(map(isfinite, (*self.time, *self.amount))):
-            raise InputError(f"{where}: times and amounts must be finite numbers")
-        if self.time[0] < 0.0 or any(a >= b for a, b in zip(self.time, self.time[1:], strict=False)):
-            raise InputError(f"{where}: times must rise from 0 on; got {list(self.time)} s")
-
-    def stage(self, since: float) -> int:
-        """How many of the times have come, so many seconds after the beginning."""
-        return bisect_right(self.time, since)
-
-    def applied(self, healthy: float, since: float) -> float:
-        """What becomes of a healthy value."""
-        stage = self.stage(since)
-        if stage == 0:
-            return healthy
-        amount = self.amount[stage - 1]
-        return amount if self.how == "is" else healthy * amount if self.how == "times" else healthy + amount
-
-
-@dataclass(frozen=True)
-class Fault:
-    """Deviations that begin together.
+class FaultyPart(NamedTuple):
+    """A machine as it is from a time on.
 
     Attributes
     ----------
-    name : str
-    title : str
-        What people read.
-    numbers : tuple of Deviation
-        Of the machine.
-    readings : tuple of Deviation
-        Of sensors.
+    begin : float, s
+    machine : LayoutMachine
+    payload : float, kg
+        At its tip, of which nobody knows.
     """
 
-    name: str
-    title: str
-    numbers: tuple[Deviation, ...] = ()
-    readings: tuple[Deviation, ...] = ()
+    begin: float
+    machine: LayoutMachine
+    payload: float
 
 
-def faulty_numbers(machine: LayoutMachine, since: Mapping[Fault, float]) -> dict[str, float]:
+def faulty_numbers(machine: LayoutMachine, since: Since) -> dict[str, float]:
     """Values of a machine with faults, for `LayoutMachine.with_values`; later faults act on what earlier ones leave.
 
     Parameters
     ----------
     machine : LayoutMachine
         Healthy.
-    since : mapping from Fault to s
-        How long each of them has been there; one that is over, by a negative time, gives healthy values.
+    since : sequence of (Fault, s)
+        How long each of them has been there; one that is not there, by a negative time, gives healthy values.
 
     Raises
     ------
@@ -102,16 +47,76 @@ def faulty_numbers(machine: LayoutMachine, since: Mapping[Fault, float]) -> dict
     """
     healthy = {number.path: number.value for number in machine.numbers}
     found: dict[str, float] = {}
-    for fault, seconds in since.items():
+    for fault, seconds in since:
         for deviation in fault.numbers:
+            if deviation.of == PAYLOAD:
+                continue
             if deviation.of not in healthy:
                 raise InputError(f"fault {fault.name!r}: the machine has no number {deviation.of!r}")
+            if deviation.how == "holds":
+                raise InputError(
+                    f"fault {fault.name!r}: {deviation.of} holds: readings do, numbers of a machine are constant"
+                )
             found[deviation.of] = deviation.applied(found.get(deviation.of, healthy[deviation.of]), seconds)
     return found
 
 
-def faulty_readings(readings: Mapping[str, float], since: Mapping[Fault, float]) -> dict[str, float]:
+def unknown_payload(since: Since) -> float:
+    """What hangs at the tip besides what is known, kg."""
+    found = 0.0
+    for fault, seconds in since:
+        for deviation in fault.numbers:
+            if deviation.of == PAYLOAD:
+                found = deviation.applied(found, seconds)
+    return found
+
+
+def faulty_machine(machine: LayoutMachine, since: Since) -> LayoutMachine:
+    """The machine with the numbers that faults leave it.
+
+    Raises
+    ------
+    InputError
+        A number that the machine does not have, or that a fault drives beyond its range.
+    """
+    values = faulty_numbers(machine, since)
+    if not values:
+        return machine
+    try:
+        return machine.with_values(values)
+    except InputError as error:
+        names = ", ".join(dict.fromkeys(fault.name for fault, _ in since if fault.numbers))
+        raise InputError(f"with the faults {names}: {error}") from error
+
+
+def faulty_parts(machine: LayoutMachine, faults: Sequence[TimedFault], t_end: float) -> list[FaultyPart]:
+    """A machine between the times at which its numbers, or its unknown payload, change; one part where they do not."""
+    times = {t for timed in faults for t in timed.changes(timed.fault.numbers) if 0.0 < t < t_end}
+    parts: list[FaultyPart] = []
+    for t in sorted({0.0, *times}):
+        since = [(timed.fault, timed.since(t + _SAME)) for timed in faults]
+        part = FaultyPart(t, faulty_machine(machine, since), unknown_payload(since))
+        if not parts or part[1:] != parts[-1][1:]:
+            parts.append(part)
+    return parts
+
+
+def first_step(t: float, dt: float, n_step: int) -> int:
+    """The first of so many steps that what happens at a time acts in."""
+    return min(ceil(t / dt - _SAME), n_step)
+
+
+def faulty_readings(
+    readings: Mapping[str, float], since: Since, held: MutableMapping[tuple[str, str], float]
+) -> dict[str, float]:
     """What sensors read, of columns as they are.
+
+    Parameters
+    ----------
+    readings : mapping from column to value
+    since : sequence of (Fault, s)
+    held : mapping from names of a fault and a column to value
+        What frozen sensors hold; kept here from call to call.
 
     Raises
     ------
@@ -119,61 +124,70 @@ def faulty_readings(readings: Mapping[str, float], since: Mapping[Fault, float])
         A fault of a column that is not among them.
     """
     found = dict(readings)
-    for fault, seconds in since.items():
+    for fault, seconds in since:
         for deviation in fault.readings:
             if deviation.of not in found:
                 raise InputError(f"fault {fault.name!r}: there is no reading {deviation.of!r}")
-            found[deviation.of] = deviation.applied(found[deviation.of], seconds)
+            value = deviation.applied(found[deviation.of], seconds)
+            if deviation.how == "holds" and deviation.stage(seconds) > 0:
+                value = held.setdefault((fault.name, deviation.of), value)
+            elif deviation.how == "holds":
+                held.pop((fault.name, deviation.of), None)
+            found[deviation.of] = value
     return found
 
 
-def stages(since: Mapping[Fault, float]) -> tuple[int, ...]:
+def faulty_column(
+    column: str,
+    time: np.ndarray,
+    values: np.ndarray,
+    faults: Sequence[TimedFault],
+    held: MutableMapping[tuple[str, str], float],
+) -> np.ndarray:
+    """What a sensor reads over time, of a column as it is.
+
+    Parameters
+    ----------
+    column : str
+    time, values : (n_time,) arrays
+    faults : sequence of TimedFault
+    held : mapping from names of a fault and a column to value
+        What frozen sensors hold, their last reading before; kept here from call to call.
+    """
+    found = values
+    for timed in faults:
+        for deviation in timed.fault.readings:
+            if deviation.of == column:
+                found = _deviating(deviation, timed, time, found, held)
+    return found
+
+
+def _deviating(
+    deviation: Deviation,
+    timed: TimedFault,
+    time: np.ndarray,
+    values: np.ndarray,
+    held: MutableMapping[tuple[str, str], float],
+) -> np.ndarray:
+    column = deviation.of
+    stage = np.array([deviation.stage(timed.since(t + _SAME)) for t in time.tolist()])
+    there = stage > 0
+    if not there.any():
+        return values
+    if deviation.how == "holds":
+        last = float(values[max(int(np.argmax(there)) - 1, 0)])
+        return np.where(there, held.setdefault((timed.fault.name, column), last), values)
+    amount = np.array(deviation.amount)[np.maximum(stage, 1) - 1]
+    changed = amount if deviation.how == "is" else values * amount if deviation.how == "times" else values + amount
+    return np.where(there, changed, values)
+
+
+def stages(since: Since) -> tuple[int, ...]:
     """Which amounts hold: as long as this is the same, so are the numbers."""
-    return tuple(d.stage(seconds) for fault, seconds in since.items() for d in fault.numbers)
+    return tuple(d.stage(seconds) for fault, seconds in since for d in fault.numbers)
 
 
-def usual_faults(machine: LayoutMachine) -> tuple[Fault, ...]:
-    """A few faults that any machine may have: worn pumps, low relief valves, friction, weak valves, lines that leak, sensors that err."""
-    return (*_of_pumps(machine), *_of_functions(machine), *_of_sensors(machine))
-
-
-def _of_pumps(machine: LayoutMachine) -> Iterable[Fault]:
-    for c in machine.circuits:
-        of = f"circuits of {c.name}" if len(machine.circuits) > 1 else "the pump"
-        yield Fault(
-            f"{c.name} pump flow low", f"flow of {of} 10 % low", (Deviation(f"{c.pump_path}.flow", "times", (0.9,)),)
-        )
-        yield Fault(
-            f"{c.name} relief low", f"relief of {of} 30 % low", (Deviation(f"{c.pump_path}.relief", "times", (0.7,)),)
-        )
-
-
-def _of_functions(machine: LayoutMachine) -> Iterable[Fault]:
-    for f in machine.functions:
-        where, kind = f"functions.{f.name}", "cylinder" if isinstance(f.drive, CylinderSize) else "motor"
-        rubbing = tuple(
-            Deviation(f"{where}.friction.{part}", "times", (3.0,)) for part in ("coulomb", "static", "viscous")
-        )
-        yield Fault(f"{f.name} friction high", f"friction of {f.name} three times as high", rubbing)
-        yield Fault(
-            f"{f.name} valve weak",
-            f"spool of {f.name}'s {kind} moves a fifth less",
-            (Deviation(f"{where}.pilot.gain", "times", (0.8,)),),
-        )
-        yield Fault(
-            f"{f.name} leaks",
-            f"lines of {f.name} lose 4 l/min at 200 bar",
-            (Deviation(f"{where}.line.leakage", "plus", (4.0 / 60e3 / 200e5,)),),
-        )
-
-
-def _of_sensors(machine: LayoutMachine) -> Iterable[Fault]:
-    """Of joints, which coordinated control reads, by the columns of a state: ``NAME.angle`` whatever the joint."""
-    for f in machine.functions:
-        slides = machine.link(f.moves).joint == "prismatic"
-        error, said = (0.05, "50 mm") if slides else (radians(3.0), "3 deg")
-        yield Fault(
-            f"{f.name} sensor off",
-            f"position sensor of {f.name} reads {said} too much (for coordinated control)",
-            readings=(Deviation(f"{f.name}.angle", "plus", (error,)),),
-        )
+def unread_faults(faults: Iterable[TimedFault], columns: Iterable[str]) -> list[str]:
+    """Columns that faults let sensors misread and that nobody reads."""
+    known = set(columns)
+    return [d.of for timed in faults for d in timed.fault.readings if d.of not in known]

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError, briefly
+from polydraulic.parameters.deviations import ScheduledFault, size_unit
 from polydraulic.parameters.entries import find, read_quantity, read_toml
 from polydraulic.parameters.keys import check_keys, is_layout
 from polydraulic.parameters.loads import Loads, read_loads
@@ -25,13 +26,14 @@ from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
 _SETS = Path(__file__).parent / "sets"
-_SECTIONS = {"title", "machine", "source", "duration", "locked", "voltage", "change", "force", "payload"}
+_SECTIONS = {"title", "machine", "source", "duration", "locked", "voltage", "change", "force", "payload", "faults"}
 _USUAL_MACHINE = "cat215b"
 _CHANGEABLE = {"pilot", "initial"}
 _RANDOM = "random:"
 _RANDOM_USUAL = ("60", "0.8")  # s and V
 _TIME_NAMES = ("time", "zeit", "timestamp", "zeitstempel")  # of the column of the time in a recording
 _TIME, _VOLT = Quantity("s"), Quantity("V")
+_FAULT = ("size", "begin", "end", "growth")
 _KINDS = {
     "sine": {"amplitude", "omega"},
     "constant": {"voltage"},
@@ -56,6 +58,8 @@ class Scenario:
         Pilots and initial states by function, as in a file.
     loads : Loads
         What acts at the tip.
+    faults : tuple of ScheduledFault
+        What breaks, and when.
     """
 
     name: str
@@ -66,6 +70,7 @@ class Scenario:
     changes: dict[str, Any] = field(default_factory=dict, repr=False)
     path: Path = field(default=Path("scenario"), repr=False)
     loads: Loads = field(default_factory=Loads, repr=False)
+    faults: tuple[ScheduledFault, ...] = field(default=(), repr=False)
 
     def voltages(self, t: np.ndarray, functions: Sequence[str] | None = None) -> np.ndarray:
         """Joystick voltages at the times `t`; shape (n_time, n_function), functions in their order, those of cat215b if not given."""
@@ -133,7 +138,8 @@ def load_scenario(source: str | Path, *, functions: Sequence[str] | None = None)
     check_keys(changes, functions, (), "change", str(path))
     for link, part in changes.items():
         check_keys(part, _CHANGEABLE, (), f"change.{link}", str(path))
-    return Scenario(path.stem, duration, signals, tuple(locked), data["title"], changes, path, read_loads(data, path))
+    loads, faults = read_loads(data, path), _faults(data.get("faults", []), path)
+    return Scenario(path.stem, duration, signals, tuple(locked), data["title"], changes, path, loads, faults)
 
 
 def as_scenario(scenario: Scenario | str | Path, functions: Sequence[str]) -> Scenario:
@@ -251,6 +257,27 @@ def _functions_of(machine: str) -> tuple[str, ...]:
     """What a machine is moved by, as its file names it; one of the older form as cat215b."""
     named = read_toml(find(machine, _SETS, "parameter set")).get("functions")
     return tuple(named) if isinstance(named, dict) else usual_functions()
+
+
+def _faults(items: Any, path: Path) -> tuple[ScheduledFault, ...]:
+    """Faults of a file: ``[[faults]]`` with a name, and size, begin, end and growth as quantities."""
+    if not isinstance(items, list):
+        raise InputError(f"{path}: faults = {briefly(items)}: must be a list of tables; begin each with [[faults]]")
+    found = []
+    for number, item in enumerate(items, 1):
+        where = f"faults {number}"
+        check_keys(item, ("name", *_FAULT), ("name",), where, str(path))
+        if not isinstance(item["name"], str):
+            raise InputError(f"{path}: {where}.name = {briefly(item['name'])}: must be a string")
+        given: dict[str, Any] = {}
+        for key in (key for key in _FAULT if key in item):
+            kind = Quantity(size_unit(item["name"])) if key == "size" else _TIME
+            given[key] = read_quantity(item[key], kind, f"{where}.{key}", path)
+        try:
+            found.append(ScheduledFault(item["name"], **given))
+        except InputError as error:
+            raise InputError(f"{path}: {where}: {error}") from error
+    return tuple(found)
 
 
 def _signal(item: Any, where: str, path: Path) -> Signal:

@@ -1,9 +1,11 @@
 """`simulate`: a machine, a flow model and a scenario in, a table of named columns out."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
+from polydraulic.parameters.deviations import Fault, ScheduledFault, TimedFault
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario
@@ -29,6 +31,7 @@ def simulate(
     energy: bool = False,
     forces: bool = False,
     stability: bool = False,
+    faults: Sequence[str | Fault | ScheduledFault | TimedFault] = (),
 ) -> Table:
     """Simulate a scenario.
 
@@ -61,6 +64,10 @@ def simulate(
         Whether to add forces of actuators, friction and joint pins, see `simulation.layout.forces`.
     stability : bool
         Whether to add margins against tipping, see `simulation.layout.stability.columns`; the machine needs a chassis.
+    faults : sequence of str, Fault, ScheduledFault or TimedFault
+        Besides those of the scenario: ``"boom.pump_worn 10 % from 60 s"``; `fault_catalogue` has their names. Numbers change between two
+        steps (``"rosenbrock"`` and ``"reference"``: at the very time), everything else goes on. Faults of sensors do not act here: a run is what
+        the machine does, `record` what sensors read of it.
 
     Returns
     -------
@@ -75,7 +82,7 @@ def simulate(
     ------
     InputError
         dt not positive, duration shorter than a step, a raster that is not a whole number of steps, an unknown flow model, a
-        scenario that moves functions which the flow model does not serve.
+        scenario that moves functions which the flow model does not serve, a fault that the machine cannot have.
     SimulationError
         If the run diverges, or a solver fails; says when and where.
     """
@@ -88,7 +95,7 @@ def simulate(
     every = recorded_steps(dt, every, raster)
     return simulate_layout(
         machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least, energy=energy, forces=forces,
-        stability=stability,
+        stability=stability, faults=faults,
     )  # fmt: skip
 
 
@@ -100,12 +107,13 @@ def reference(
     dt: float = 5e-3,
     rtol: float = 1e-9,
     t_end: float | None = None,
+    faults: Sequence[str | Fault | ScheduledFault | TimedFault] = (),
 ) -> Table:
     """`simulate` with ``method="reference"``: the solution to a tight tolerance.
 
     Parameters
     ----------
-    machine, flow, scenario
+    machine, flow, scenario, faults
         As for `simulate`.
     dt : float, s
         Raster of the result.
@@ -114,4 +122,4 @@ def reference(
     t_end : float, s, optional
         Instead of the scenario's duration.
     """
-    return simulate(machine, flow, scenario, dt=dt, t_end=t_end, method="reference", rtol=rtol)
+    return simulate(machine, flow, scenario, dt=dt, t_end=t_end, method="reference", rtol=rtol, faults=faults)

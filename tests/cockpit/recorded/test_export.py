@@ -59,7 +59,7 @@ def test_a_drive_that_is_no_scenario_says_why(tmp_path):
     elsewhere = random_drive(cab, tmp_path / f"a{ENDING}", 3, 5, resets=False)
     with pytest.raises(InputError, match="begin to record, then reset"):
         export_drive(elsewhere, scenario=tmp_path / "x.toml")
-    ill = random_drive(Cab("wheel_loader"), tmp_path / f"b{ENDING}", 3, 40, faults=("lift leaks",))
+    ill = random_drive(Cab("wheel_loader"), tmp_path / f"b{ENDING}", 3, 40, faults=("lift.leak_across",))
     with pytest.raises(InputError, match="has faults"):
         export_drive(ill, scenario=tmp_path / "x.toml")
     assert not (tmp_path / "x.toml").exists()

@@ -19,7 +19,7 @@ def driven(tmp_path_factory):
     """A drive with all that there is, and the bits of its end."""
     cab = Cab("wheel_loader")
     path = tmp_path_factory.mktemp("drive") / f"random{ENDING}"
-    drive = random_drive(cab, path, 7, 240, faults=("work pump flow low", "lift friction high", "tilt leaks"))
+    drive = random_drive(cab, path, 7, 240, faults=("work.pump_worn", "lift.friction_high", "tilt.leak_across"))
     return drive, path
 
 

@@ -10,6 +10,9 @@ from polydraulic.errors import InputError
 from polydraulic.files import replacing
 from polydraulic.measure.bench.sensors import Bench, Reading
 from polydraulic.measure.log_units import need
+from polydraulic.parameters.deviations import Fault, ScheduledFault
+from polydraulic.parameters.fault_catalogue import as_list, timed_faults
+from polydraulic.parameters.faults import unread_faults
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.scenario import Scenario, as_scenario
@@ -28,6 +31,7 @@ def record(
     out: str | Path,
     *,
     dt: float = 5e-3,
+    faults: Sequence[str | Fault | ScheduledFault] = (),
     progress: Progress = quiet,
 ) -> int:
     """Simulate scenarios with the exact flow and write what sensors read of them.
@@ -44,6 +48,9 @@ def record(
         each raster.
     dt : float, s
         Time step of the simulation.
+    faults : sequence of str, Fault or ScheduledFault
+        As for `simulate`, besides those of the scenarios, with times of the log: the machine's act in the simulation, those of sensors on what
+        these measure, before noise.
     progress : Progress, optional
         Told the name of each scenario as it begins.
 
@@ -55,7 +62,7 @@ def record(
     Raises
     ------
     InputError
-        Another ending, no scenario, a sensor of a column that the runs do not have.
+        Another ending, no scenario, a sensor of a column that the runs do not have, a fault of a sensor that there is not.
     """
     ending = log_ending(out)
     if not scenarios:
@@ -69,12 +76,21 @@ def record(
         beginning = simulate(machine, "exact", scenario, dt=dt, t_end=min(dt, scenario.duration))
         for reading in readings:
             reading.check(beginning)
+    timed = timed_faults(machine, as_list(faults))
+    own = [timed_faults(machine, scenario.faults) for scenario in runs]
+    columns = [sensor.column for sensor in bench.sensors]
+    unread = unread_faults((one for many in (timed, *own) for one in many), columns)
+    if unread:
+        raise InputError(
+            f"a fault is of {unread[0]!r}, which no sensor reads; there are sensors of {', '.join(columns)}"
+        )
     begin = 0.0
     for number, scenario in enumerate(runs):
         progress(scenario.name, number, len(runs))
-        run = simulate(machine, "exact", scenario, dt=dt)
+        of_log = [one.after(begin) for one in timed]
+        run = simulate(machine, "exact", scenario, dt=dt, faults=of_log)
         for reading in readings:
-            time, value = reading.of(run)
+            time, value = reading.of(run, [*own[number], *of_log])
             parts[reading.sensor.name].append((begin + time, value))
         begin += float(run["time"][-1]) + bench.pause
     samples = {

@@ -12,7 +12,9 @@ import numpy as np
 from polydraulic.errors import InputError, briefly
 from polydraulic.measure.channels import FARTHEST, duration, low_and_high, text
 from polydraulic.measure.log_units import conversion, says_pressure
+from polydraulic.parameters.deviations import TimedFault
 from polydraulic.parameters.entries import read_toml
+from polydraulic.parameters.faults import faulty_column
 from polydraulic.parameters.keys import check_keys
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -207,6 +209,7 @@ class Reading:
         self.sensor, self.rng = sensor, rng
         self.conversion = conversion(sensor.unit, kind=_kind(sensor.column))
         self._drift = 0.0
+        self._held: dict[tuple[str, str], float] = {}
 
     def check(self, run: Table) -> None:
         """Raise an InputError if the run has no such column, or it is not in this kind of unit."""
@@ -216,11 +219,19 @@ class Reading:
         if run.unit(s.column) != self.conversion.si:
             raise InputError(f"sensor {s.name!r} = {s.column} in {s.unit!r}: it is in {run.unit(s.column)}")
 
-    def of(self, run: Table) -> tuple[np.ndarray, np.ndarray]:
-        """Times since the start of the run and values in the sensor's unit, NaN where there is none."""
+    def of(self, run: Table, faults: Sequence[TimedFault] = ()) -> tuple[np.ndarray, np.ndarray]:
+        """Times since the start of the run and values in the sensor's unit, NaN where there is none.
+
+        Parameters
+        ----------
+        run : Table
+        faults : sequence of TimedFault
+            Those of this column act on what the sensor would measure; its own errors come on top.
+        """
         s, rng = self.sensor, self.rng
         time = np.arange(int(run["time"][-1] / s.raster * (1.0 + 1e-12)) + 1) * s.raster
-        truth = self._lagged(run["time"], self.conversion.from_si(run[s.column]))
+        measured = faulty_column(s.column, run["time"], run[s.column], faults, self._held)
+        truth = self._lagged(run["time"], self.conversion.from_si(measured))
         value = np.interp(time - s.delay, run["time"], truth)
         walk = self._drift + np.cumsum(rng.normal(0.0, s.drift * np.sqrt(s.raster / 3600.0), len(time)))
         self._drift = float(walk[-1])

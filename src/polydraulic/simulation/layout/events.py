@@ -1,6 +1,7 @@
 """Events in the recorded rows of a machine of any layout: the same conditions as `simulation.events`, function by function."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -15,18 +16,43 @@ Column = Callable[[str], np.ndarray]
 
 
 def layout_events(
-    machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, column: Column
+    machines: LayoutMachine | Sequence[tuple[LayoutMachine, slice]],
+    locked: tuple[str, ...],
+    time: np.ndarray,
+    column: Column,
 ) -> dict[str, object]:
     """Entries for a trajectory's `info`: ``events`` and ``events_dropped``; what begins and ends between two rows is not seen.
 
     Parameters
     ----------
-    machine : LayoutMachine
+    machines : LayoutMachine, or sequence of (LayoutMachine, slice)
+        With the rows in which it was what it was, the last row of each the first of the next.
     locked : tuple of str
         Functions that have no events.
     time : (n_time,) array, s
     column : function from a name in `columns.Columns.place` to (n_time,) array
     """
+    parts = [(machines, slice(None))] if isinstance(machines, LayoutMachine) else machines
+    found: list[list[Any]] = []
+    for machine, rows in _alike(parts):
+
+        def seen(name: str, rows: slice = rows) -> np.ndarray:
+            return column(name)[rows]
+
+        found += _found(machine, locked, time[rows], seen)
+    found.sort(key=lambda event: event[0])
+    return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
+
+
+def _alike(parts: Sequence[tuple[LayoutMachine, slice]]) -> Iterator[tuple[LayoutMachine, slice]]:
+    """Parts one after the other, those of an equal machine as one."""
+    for machine, of in groupby(parts, key=lambda part: part[0]):
+        rows = [rows for _, rows in of]
+        yield machine, slice(rows[0].start, rows[-1].stop)
+
+
+def _found(machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, column: Column) -> list[list[Any]]:
+    """Events in the rows of one machine."""
     found: list[list[Any]] = []
     moving = [f for f in machine.functions if f.name not in locked]
     for alike in zip(*(_conditions(f, machine, column) for f in moving), strict=True):  # ties stand in this order
@@ -40,8 +66,7 @@ def layout_events(
         if not fed_functions(machine, x.giving) <= set(locked):
             open_ = column(cross_name(x.giving)) > 1e-12
             found += _changes(x.name, "crossover opens", "crossover closes", open_, None, time)
-    found.sort(key=lambda event: event[0])
-    return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
+    return found
 
 
 def _conditions(

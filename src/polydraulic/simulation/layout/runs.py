@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,11 +12,15 @@ from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.machine.stability.whole_body import chassis_of
+from polydraulic.parameters.deviations import Fault, ScheduledFault, TimedFault
+from polydraulic.parameters.fault_catalogue import as_list, timed_faults
+from polydraulic.parameters.faults import faulty_parts, first_step
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
+from polydraulic.simulation.changed_flow import changed_flow
 from polydraulic.simulation.input_check import input_warnings
 from polydraulic.simulation.layout.columns import (
     EFFECTOR,
@@ -45,8 +48,9 @@ from polydraulic.tables import Table
 
 
 class Segment(NamedTuple):
-    """Part of a run with one payload."""
+    """Part of a run in which the machine's numbers do not change."""
 
+    plain: LayoutMachine  # with its faults, without what hangs at the tip
     machine: LayoutMachine
     first: int  # step
     end: int  # one past its last step
@@ -65,6 +69,7 @@ def simulate_layout(
     energy: bool = False,
     forces: bool = False,
     stability: bool = False,
+    faults: Sequence[str | Fault | ScheduledFault | TimedFault] = (),
     piece: int = 20_000,
 ) -> Table:
     """Simulate a scenario; arguments and result are those of `simulate`, with the machine's own functions and circuits.
@@ -94,6 +99,7 @@ def simulate_layout(
         )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
+    timed = timed_faults(machine, (*scenario.faults, *as_list(faults)))
     if set(scenario.locked) >= set(machine.names):
         raise InputError(f"scenario {scenario.name!r} locks {', '.join(machine.names)}; nothing is left to move")
     check_served(scenario, model, machine)
@@ -107,14 +113,23 @@ def simulate_layout(
     doubts = input_warnings(scenario, full_lever, t_end)
     if method == "semi-implicit":
         doubts += step_warnings(machine, prepare_layout(machine, dt, scenario.locked, flow=model), dt)
+    doubts += [
+        f"fault {one.fault.name}: sensors are no part of a run; `record` lets them err"
+        for one in timed
+        if one.fault.readings
+    ]
     if doubts:
         info["doubtful_inputs"] = doubts
+    if timed:
+        info["faults"] = [str(one) for one in timed]
     info["functions"] = list(machine.names)
     info["circuits"] = {c.name: list(c.functions) for c in machine.circuits}
     if rtol is None:
-        made = _stepped(machine, model, scenario, time, method, dt, every, n_step, added, piece)
+        parts = segments(machine, scenario.loads.payload, timed, dt, n_step)
+        changed = [changed_flow(flow, model, machine, part.plain) for part in parts]  # before anything runs
+        made = _stepped(list(zip(parts, changed, strict=True)), scenario, time, method, dt, every, added, piece)
     else:
-        made = _integrated(machine, scenario, time, method, rtol, added)
+        made = _integrated(machine, scenario, timed, time, method, rtol, added)
     more = [
         AddedColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*made.account, strict=True)
@@ -156,25 +171,26 @@ def _added(
 
 
 def _stepped(
-    machine: LayoutMachine, model: LayoutFlow, scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int,
-    n_step: int, added: Added | None, piece: int,
+    parts: Sequence[tuple[Segment, LayoutFlow]], scenario: Scenario, time: np.ndarray, method: str, dt: float, every: int,
+    added: Added | None, piece: int,
 ) -> _Made:  # fmt: skip
     """Run a method with fixed steps."""
-    columns = columns_of(machine, stores_oil=model.stores_oil)
+    machine, model = parts[0][0].plain, parts[0][1]
+    columns, n_step = columns_of(machine, stores_oil=model.stores_oil), parts[-1][0].end
     rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
     account: list[list[AddedColumn]] = []
     state: np.ndarray | None = None
     beyond_log: int | None = None  # steps, of an identified machine
     memory = np.zeros(model.n_memory)
-    for part in segments(machine, scenario.loads.payload, dt, n_step):
-        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force), flow=model)
+    for part, flow in parts:
+        ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force), flow=flow)
         advance = _STEPPERS[method](part.machine, scenario, ready, dt, memory)
         for first in range(part.first, part.end, piece):
             end = min(first + piece, part.end)
             own = np.empty((end - first + 1, len(columns.columns)))
             done = advance(ready.start if state is None else state, first, end, own, counts)
             if done < end - first:
-                raise _diverged(scenario, model.name, machine, own[0], columns, (first + done) * dt)
+                raise _diverged(scenario, flow.name, machine, own[0], columns, (first + done) * dt)
             state = own[-1, : columns.n_state].copy()
             beyond = beyond_seen(part.machine, columns, own[1:])
             if beyond is not None:
@@ -188,15 +204,17 @@ def _stepped(
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
     if beyond_log is not None:
         info |= {"steps_beyond_log": beyond_log, "steps_out_of_domain": max(int(counts[1]), beyond_log)}
-    info |= layout_events(machine, scenario.locked, time, lambda name: rows[:, columns.place[name]])
+    seen = [(part.plain, slice(part.first // every, part.end // every + 1)) for part, _ in parts]
+    info |= layout_events(seen, scenario.locked, time, lambda name: rows[:, columns.place[name]])
     return _Made(rows, info, account)
 
 
 def _integrated(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, method: str, rtol: float, added: Added | None
-) -> _Made:
+    machine: LayoutMachine, scenario: Scenario, faults: Sequence[TimedFault], time: np.ndarray, method: str, rtol: float,
+    added: Added | None,
+) -> _Made:  # fmt: skip
     """Run a method that chooses its own steps."""
-    run = run_known(machine, scenario, time, rtol, method, _solver(method))
+    run = run_known(machine, scenario, faults, time, rtol, method, _solver(method))
     account: list[list[AddedColumn]] = []
     for part, first, end in run.parts if added is not None else ():
         module = layout_module(part.machine, force=bool(scenario.loads.force))
@@ -263,14 +281,24 @@ def prepared_run(
     return partial(ready.module.run, ready.valves, memory, ready.plant, ready.start, inputs, 1, rows, counts)
 
 
-def segments(machine: LayoutMachine, payload: Payload | None, dt: float, n_step: int) -> list[Segment]:
-    """Parts of a run between changes of the payload, which happen at the next whole step."""
-    if payload is None:
-        return [Segment(machine, 0, n_step)]
-    begins = [0, *(min(ceil(t / dt - 1e-9), n_step) for t in payload.time)]
-    masses = [0.0, *payload.mass]
-    ends = [*begins[1:], n_step]
-    return [Segment(with_payload(machine, m), a, b) for m, a, b in zip(masses, begins, ends, strict=True) if b > a]
+def segments(
+    machine: LayoutMachine, payload: Payload | None, faults: Sequence[TimedFault], dt: float, n_step: int
+) -> list[Segment]:
+    """Parts of a run between changes of the payload and of what faults leave of the machine, which happen at the next whole step."""
+    parts = faulty_parts(machine, faults, n_step * dt)
+    if payload is None and len(parts) == 1 and not parts[0].payload:
+        return [Segment(parts[0].machine, parts[0].machine, 0, n_step)]
+    known = [(0.0, 0.0), *zip(payload.time, payload.mass, strict=True)] if payload else [(0.0, 0.0)]
+    masses = {first_step(t, dt, n_step): mass for t, mass in known}
+    machines = {first_step(part.begin, dt, n_step): part for part in parts}
+    loaded = payload is not None or any(part.payload for part in parts)
+    found: list[Segment] = []
+    mass, part, begins = 0.0, parts[0], sorted({*masses, *machines} - {n_step})
+    for first, end in zip(begins, [*begins[1:], n_step], strict=True):
+        mass, part = masses.get(first, mass), machines.get(first, part)
+        whole = with_payload(part.machine, mass + part.payload) if loaded else part.machine
+        found.append(Segment(part.machine, whole, first, end))
+    return found
 
 
 def _diverged(

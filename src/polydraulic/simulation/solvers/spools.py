@@ -112,12 +112,15 @@ class KnownInput(NamedTuple):
         Limit of gain times signal, to either side.
     knots : sequence of float
         Magnitudes that the input may pass, its zero among them.
+    later : sequence of (s, Pilot)
+        Other pilots that take over at these times, which are corners.
     """
 
     signal: Signal
     pilot: Pilot
     travel: float
     knots: Sequence[float] = ()
+    later: Sequence[tuple[float, Pilot]] = ()
 
 
 def known_force(signal: Signal) -> KnownInput:
@@ -137,12 +140,16 @@ def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[f
     """
     times = [0.0, t_end, *corners]
     for one in inputs:
-        times += _corners(one.signal, one.pilot, one.travel, t_end)
+        for pilot in dict.fromkeys([one.pilot, *(pilot for _, pilot in one.later)]):
+            times += _corners(one.signal, pilot, one.travel, t_end)
     starts = np.unique(np.array([t for t in times if 0.0 <= t <= t_end]))
     starts = np.concatenate([starts[:-1][np.diff(starts) > _SAME], starts[-1:]])
     c = np.zeros((len(starts) - 1, len(inputs), N_COEFFICIENT))
     for place, one in enumerate(inputs):
-        _command(c[:, place], starts, one.signal, one.pilot, one.travel)
+        pieces = [0, *(int(np.abs(starts - t).argmin()) for t, _ in one.later), len(c)]
+        pilots = [one.pilot, *(pilot for _, pilot in one.later)]
+        for pilot, first, end in zip(pilots, pieces, pieces[1:], strict=True):
+            _command(c[first:end, place], starts[first : end + 1], one.signal, pilot, one.travel)
     _chain(starts, c)
     levels = _levels(inputs)
     found = np.empty(1024)

@@ -14,6 +14,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.loads import Loads
 from polydraulic.simulation.batch.family import family_of
+from polydraulic.simulation.changed_flow import changed_flow
 from polydraulic.simulation.layout.columns import EFFECTOR, columns_of
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.stepping.per_machine import as_many
@@ -89,24 +90,7 @@ def changed_setup(
     machine = values if isinstance(values, LayoutMachine) else setup.machine.with_values(values)
     if machine == setup.machine:
         return setup
-    if isinstance(flow, str):
-        return setup._replace(machine=machine, flow=layout_flow(flow, machine))
-    if setup.flow.parts and valves_and_pumps(machine) != valves_and_pumps(setup.machine):
-        raise InputError(
-            f"the flow model {setup.flow.name!r} was made for the valves and pumps as they were; build the simulator with one for these, or "
-            "with its name"
-        )
-    return setup._replace(machine=machine)
-
-
-def valves_and_pumps(machine: LayoutMachine) -> tuple[Any, ...]:
-    """All that flows follow from."""
-    return (
-        machine.tank,
-        tuple(c.pump for c in machine.circuits),
-        tuple(f.valve for f in machine.functions),
-        machine.crossovers,
-    )
+    return setup._replace(machine=machine, flow=changed_flow(flow, setup.flow, setup.machine, machine))
 
 
 def loaded_machine(setup: Setup, mass: float) -> LayoutMachine:

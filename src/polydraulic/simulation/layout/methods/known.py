@@ -1,12 +1,14 @@
 """What methods that know the inputs in advance share: spools and forces as curves, the parts of a run, and its rows."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import SimulationError
+from polydraulic.parameters.deviations import TimedFault
+from polydraulic.parameters.faults import FaultyPart, faulty_parts
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import DIRECTIONS
@@ -76,8 +78,9 @@ class KnownRun(NamedTuple):
 
 
 def run_known(
-    machine: LayoutMachine, scenario: Scenario, time: np.ndarray, rtol: float, method: str, integrate: Integrate
-) -> KnownRun:
+    machine: LayoutMachine, scenario: Scenario, faults: Sequence[TimedFault], time: np.ndarray, rtol: float, method: str,
+    integrate: Integrate,
+) -> KnownRun:  # fmt: skip
     """Integrate a scenario to a tolerance.
 
     Parameters
@@ -85,6 +88,7 @@ def run_known(
     machine : LayoutMachine
         With the scenario's changes.
     scenario : Scenario
+    faults : sequence of TimedFault
     time : (n_time,) array, s
         Where the solution is wanted, from 0 on.
     rtol : float
@@ -104,8 +108,8 @@ def run_known(
     watch, parts = Watch(new_log(), event_limits(machine), *flags), []
     rows[0, : columns.n_state] = x0
     row, y = 1, x0[n:]
-    for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST)):
-        first = row if part.start > 0.0 else 0
+    for part in known_parts(machine, scenario, faults, max(float(time[-1]), SHORTEST)):
+        first, watch = row if part.start > 0.0 else 0, watch._replace(limits=event_limits(part.machine))
         row, y, failure = integrate(part, y, rtol, time, rows, row, watch, counts)
         if failure:
             reached = float(time[min(row, len(time) - 1)])
@@ -117,28 +121,35 @@ def run_known(
     return KnownRun(rows, {**counts, **listed_events(watch.log, machine, scenario.locked)}, parts)
 
 
-def known_parts(machine: LayoutMachine, scenario: Scenario, t_end: float) -> Iterator[KnownPart]:
-    """Parts of a run between changes of the payload."""
-    payload, force = scenario.loads.payload, bool(scenario.loads.force)
-    times = [0.0, *(payload.time if payload else ())]
-    masses = [0.0, *(payload.mass if payload else ())]
-    motion = known_motion(_inputs(machine, scenario), t_end, times)
-    # of two corners at the same time one stays: it is where the payload changes
+def known_parts(
+    machine: LayoutMachine, scenario: Scenario, faults: Sequence[TimedFault], t_end: float
+) -> Iterator[KnownPart]:
+    """Parts of a run between changes of the payload and of what faults leave of the machine."""
+    payload, force, parts = scenario.loads.payload, bool(scenario.loads.force), faulty_parts(machine, faults, t_end)
+    loaded = payload is not None or any(part.payload for part in parts)
+    masses = {0.0: 0.0} | (dict(zip(payload.time, payload.mass, strict=True)) if payload else {})
+    machines = {part.begin: part for part in parts}
+    times = sorted({*masses, *machines})
+    motion = known_motion(_inputs(parts, scenario), t_end, times)
+    # of two corners at the same time one stays: it is where the machine changes
     begins = [float(motion.starts[np.abs(motion.starts - t).argmin()]) for t in times]
-    for mass, start, end in zip(masses, begins, [*begins[1:], t_end], strict=True):
+    mass, now = 0.0, parts[0]
+    for t, start, end in zip(times, begins, [*begins[1:], t_end], strict=True):
+        mass, now = masses.get(t, mass), machines.get(t, now)
         if end > start:
-            loaded = with_payload(machine, mass) if payload else machine
-            ready = prepare_layout(loaded, 1.0, scenario.locked, force=force)
-            module = methods_module(loaded, force=force)
-            yield KnownPart(loaded, module, ready.valves, ready.plant, motion, start, end)
+            whole = with_payload(now.machine, mass + now.payload) if loaded else now.machine
+            ready = prepare_layout(whole, 1.0, scenario.locked, force=force)
+            module = methods_module(whole, force=force)
+            yield KnownPart(whole, module, ready.valves, ready.plant, motion, start, end)
 
 
-def _inputs(machine: LayoutMachine, scenario: Scenario) -> list[KnownInput]:
+def _inputs(parts: Sequence[FaultyPart], scenario: Scenario) -> list[KnownInput]:
     """Spools of all functions, then the force at the tip if the scenario has one."""
     found = []
-    for f in machine.functions:
+    for place, f in enumerate(parts[0].machine.functions):
         signal = Constant() if f.name in scenario.locked else scenario.voltage.get(f.name, Constant())
-        found.append(KnownInput(signal, f.pilot, f.valve.knots[-1], f.valve.knots[:-1]))
+        later = [(part.begin, part.machine.functions[place].pilot) for part in parts[1:]]
+        found.append(KnownInput(signal, f.pilot, f.valve.knots[-1], f.valve.knots[:-1], later))
     if scenario.loads.force:
         found += [known_force(scenario.loads.force.get(direction, Constant())) for direction in DIRECTIONS]
     return found
