@@ -1,11 +1,12 @@
 """Polynomials of lagged signals that run on their own, and how their answers move with every coefficient.
 
 A term is a coefficient times up to three lagged values. While a run goes on, the derivatives of its answers by the coefficients
-go on with it: what a coefficient changes now changes what the polynomial reads later.
+go on with it: what a coefficient changes now changes what the polynomial reads later. Windows run side by side, so that all arithmetic is
+along lanes, one for each window.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from polydraulic.networks.dynamic.refine_free_run import spread
 from polydraulic.networks.dynamic.spans import Span, lagged, rows_of
 
 _BATCH = 4_000_000  # derivatives in memory at a time
+_LANES, _FEW_LANES, _MANY_SLOPES = 64, 16, 64  # windows side by side at most; with more slopes than this, which then stay in the cache
 
 
 class Frame(NamedTuple):
@@ -96,57 +98,174 @@ def averaged(members: Sequence[Terms], weights: np.ndarray) -> Terms:
     return Terms(keys[:, 1:].copy(), keys[:, 0].copy(), np.array([total[key] for key in sorted(total)]))
 
 
+class Links(NamedTuple):
+    """How outputs follow from earlier ones: what polynomials with coefficients read of outputs, once each."""
+
+    output: np.ndarray  # (n_link,) int64: whose polynomial reads
+    lag: np.ndarray  # (n_link,) int64: which lagged value
+    of_factor: np.ndarray  # (n_term, 3) int64: link of each factor, -1 where it is none
+    reached: np.ndarray  # (n_output, n_output) bool: whether a term of the first output moves the second one
+
+
+def _links(frame: Frame, terms: Terms) -> Links:
+    n_output = len(frame.y_low)
+    first = frame.signals.shape[1] - n_output
+    found: dict[tuple[int, int], int] = {}
+    of_factor = np.full(terms.factors.shape, -1, dtype=np.int64)
+    reached = np.eye(n_output, dtype=np.bool_)
+    for p in np.flatnonzero(terms.coef).tolist():
+        k = int(terms.output[p])
+        for place, factor in enumerate(terms.factors[p].tolist()):
+            if factor and (j := int(frame.column[factor - 1]) - first) >= 0:
+                of_factor[p, place] = found.setdefault((k, factor - 1), len(found))
+                reached[j, k] = True
+    for _ in range(n_output):  # what moves an output that moves another moves that one, too
+        reached = (reached.astype(np.int64) @ reached) > 0
+    pairs = np.array(list(found), dtype=np.int64).reshape(-1, 2)
+    return Links(pairs[:, 0].copy(), pairs[:, 1].copy(), of_factor, reached)
+
+
+def _read_only(frame: Frame, terms: Terms) -> tuple[Frame, Terms]:
+    """The frame without lagged values that no term reads."""
+    used = np.unique(terms.factors[terms.factors > 0]) - 1
+    if len(used) == len(frame.column):
+        return frame, terms
+    place = np.zeros(len(frame.column) + 1, dtype=np.int64)
+    place[used + 1] = 1 + np.arange(len(used))
+    lags = {name: getattr(frame, name)[used] for name in ("column", "steps", "low", "high")}
+    return frame._replace(**lags), terms._replace(factors=place[terms.factors])
+
+
 @driver
 def _run(
-    frame: Frame, terms: Terms, start: np.ndarray, stop: np.ndarray, answers: np.ndarray, slopes: np.ndarray,
-    value: np.ndarray, inside: np.ndarray, gain: np.ndarray,
+    frame: Frame, terms: Terms, links: Links, start: np.ndarray, stop: np.ndarray, block: np.ndarray, errors: np.ndarray,
+    slopes: np.ndarray, value: np.ndarray, inside: np.ndarray, gain: np.ndarray, kept: np.ndarray,
 ) -> None:  # fmt: skip
-    """Answers (n_row, n_output) in windows, and their slopes (n_answered, n_output, n_term) if there is room for them."""
-    n_output, n_lag, n_slope = answers.shape[1], frame.column.shape[0], slopes.shape[2]
-    first = frame.signals.shape[1] - n_output
-    at = 0
+    """Errors (n_step, n_output, n_lane) in windows side by side, and their slopes (n_term, n_step, n_output, n_lane) if there is room.
+
+    `block` (n_before + n_step, n_signal, n_lane) holds the signals of each window, in which answers take the place of measured outputs.
+    After the end of a window its errors and slopes are zero.
+    """
+    n_step, n_output, n_lane = errors.shape
+    n_lag, n_slope, n_link, n_signal = frame.column.shape[0], slopes.shape[0], links.lag.shape[0], block.shape[1]
+    first, before = n_signal - n_output, block.shape[0] - n_step
+    for lane in range(n_lane):
+        last = max(stop[lane] - 1, start[lane])
+        for r in range(block.shape[0]):
+            row = min(start[lane] - before + r, last)
+            for c in range(n_signal):
+                block[r, c, lane] = frame.signals[row, c]
     value[0] = 1.0
-    for w in range(start.shape[0]):
-        for t in range(start[w], stop[w]):
-            for i in range(n_lag):
-                row, c = t - frame.steps[i], frame.column[i]
-                x = answers[row, c - first] if c >= first and row >= start[w] else frame.signals[row, c]
-                value[i + 1] = min(max(x, frame.low[i]), frame.high[i])
-                inside[i + 1] = value[i + 1] == x
-            for k in range(n_output):
-                answers[t, k] = 0.0
-                for i in range(n_lag + 1):
-                    gain[k, i] = 0.0
-                for p in range(n_slope):
-                    slopes[at, k, p] = 0.0
-            for p in range(terms.coef.shape[0]):
-                a, b, d, k = terms.factors[p, 0], terms.factors[p, 1], terms.factors[p, 2], terms.output[p]
-                product = value[a] * value[b] * value[d]
-                if n_slope > 0:
-                    slopes[at, k, p] = product
-                if terms.coef[p] != 0.0:
-                    answers[t, k] += terms.coef[p] * product
-                    gain[k, a] += terms.coef[p] * value[b] * value[d]
-                    gain[k, b] += terms.coef[p] * value[a] * value[d]
-                    gain[k, d] += terms.coef[p] * value[a] * value[b]
-            for k in range(n_output):
-                for i in range(n_lag):
-                    j, back = frame.column[i] - first, frame.steps[i]
-                    if n_slope > 0 and j >= 0 and t - back >= start[w] and inside[i + 1] and gain[k, i + 1] != 0.0:
-                        for p in range(n_slope):
-                            slopes[at, k, p] += gain[k, i + 1] * slopes[at - back, j, p]
-                bounded = min(max(answers[t, k], frame.y_low[k]), frame.y_high[k])
-                if bounded != answers[t, k]:
-                    answers[t, k] = bounded
+    for s in range(n_step):
+        for i in range(n_lag):
+            read, v, free = block[before + s - frame.steps[i], frame.column[i]], value[i + 1], inside[i]
+            low, high = frame.low[i], frame.high[i]
+            for lane in range(n_lane):
+                x = read[lane]
+                v[lane] = min(max(x, low), high)
+                free[lane] = 1.0 if v[lane] == x else 0.0
+        for n in range(n_link):
+            own = gain[n]
+            for lane in range(n_lane):
+                own[lane] = 0.0
+        for k in range(n_output):
+            answer = errors[s, k]
+            for lane in range(n_lane):
+                answer[lane] = 0.0
+        for p in range(terms.coef.shape[0]):
+            k, coef = terms.output[p], terms.coef[p]
+            a, b, d = value[terms.factors[p, 0]], value[terms.factors[p, 1]], value[terms.factors[p, 2]]
+            if n_slope > 0:
+                for other in range(n_output):
+                    if other != k:
+                        slope = slopes[p, s, other]
+                        for lane in range(n_lane):
+                            slope[lane] = 0.0
+                slope = slopes[p, s, k]
+                for lane in range(n_lane):
+                    slope[lane] = a[lane] * b[lane] * d[lane]
+            if coef != 0.0:
+                answer = errors[s, k]
+                for lane in range(n_lane):
+                    answer[lane] += coef * (a[lane] * b[lane] * d[lane])
+                if links.of_factor[p, 0] >= 0:
+                    own = gain[links.of_factor[p, 0]]
+                    for lane in range(n_lane):
+                        own[lane] += coef * b[lane] * d[lane]
+                if links.of_factor[p, 1] >= 0:
+                    own = gain[links.of_factor[p, 1]]
+                    for lane in range(n_lane):
+                        own[lane] += coef * a[lane] * d[lane]
+                if links.of_factor[p, 2] >= 0:
+                    own = gain[links.of_factor[p, 2]]
+                    for lane in range(n_lane):
+                        own[lane] += coef * a[lane] * b[lane]
+        if n_slope > 0:
+            for n in range(n_link):
+                i, k = links.lag[n], links.output[n]
+                j, back = frame.column[i] - first, frame.steps[i]
+                if s >= back:
+                    own, free = gain[n], inside[i]
+                    for lane in range(n_lane):
+                        own[lane] *= free[lane]
                     for p in range(n_slope):
-                        slopes[at, k, p] = 0.0
-            at += 1
+                        if links.reached[terms.output[p], j]:
+                            slope, earlier = slopes[p, s, k], slopes[p, s - back, j]
+                            for lane in range(n_lane):
+                                slope[lane] += own[lane] * earlier[lane]
+        for k in range(n_output):
+            answer, measured = errors[s, k], block[before + s, first + k]
+            low, high = frame.y_low[k], frame.y_high[k]
+            n_kept = 0
+            for lane in range(n_lane):
+                bounded, running = min(max(answer[lane], low), high), s < stop[lane] - start[lane]
+                kept[lane] = 1 if running and bounded == answer[lane] else 0
+                n_kept += kept[lane]
+                answer[lane] = bounded - measured[lane] if running else 0.0
+                measured[lane] = bounded
+            if n_kept < n_lane:
+                for p in range(n_slope):
+                    slope = slopes[p, s, k]
+                    for lane in range(n_lane):
+                        slope[lane] = slope[lane] if kept[lane] else 0.0
+
+
+def run_side_by_side(
+    frame: Frame, terms: Terms, windows: Any, *, slopes: bool = True, batch: int = _BATCH
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Errors of runs through windows of rows, and their slopes, some windows at a time; parameters as `run_terms`.
+
+    Yields
+    ------
+    errors : (n_step, n_output, n_lane) array
+        Answers less what was measured; zero after the end of a window, and in lanes without one.
+    slopes : (n_term, n_step, n_output, n_lane) array
+        Derivatives of the errors by the coefficients; none if not needed.
+    """
+    frame, terms = _read_only(frame, terms)
+    links = _links(frame, terms)
+    n_output, n_lag, n_signal = len(frame.y_low), len(frame.column), frame.signals.shape[1]
+    n_slope, before = len(terms.coef) if slopes else 0, int(frame.steps.max(initial=0))
+    ends = np.asarray(windows, dtype=np.int64).reshape(-1, 2)
+    longest = int((ends[:, 1] - ends[:, 0]).max(initial=1))
+    most = _LANES if n_slope <= _MANY_SLOPES else _FEW_LANES
+    n_lane = min(most, max(1, batch // (max(1, n_slope) * n_output * longest)), len(ends))
+    work = tuple(np.zeros((n, n_lane)) for n in (n_lag + 1, n_lag, len(links.lag)))
+    for at in range(0, len(ends), n_lane):
+        part = np.repeat(ends[at : at + 1, :1], n_lane, axis=0).repeat(2, axis=1)  # lanes without a window have no rows
+        part[: len(ends) - at] = ends[at : at + n_lane]
+        start, stop = np.ascontiguousarray(part.T)
+        n_step = int((stop - start).max())
+        block = np.empty((before + n_step, n_signal, n_lane))
+        errors, found = np.empty((n_step, n_output, n_lane)), np.empty((n_slope, n_step, n_output, n_lane))
+        _run(frame, terms, links, start, stop, block, errors, found, *work, np.zeros(n_lane, dtype=np.int64))
+        yield errors, found
 
 
 def run_terms(
     frame: Frame, terms: Terms, windows: Sequence[Span], *, slopes: bool = True, batch: int = _BATCH
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Errors of runs through windows of rows, and their slopes, some windows at a time.
+    """Errors of runs through windows of rows, and their slopes, window after window, some at a time.
 
     Parameters
     ----------
@@ -166,27 +285,12 @@ def run_terms(
     slopes : (n, n_term) array
         Derivatives of the errors by the coefficients; (n, 0) if not needed.
     """
-    n_output, n_lag = len(frame.y_low), len(frame.column)
-    n_slope = len(terms.coef) if slopes else 0
-    measured = frame.signals[:, -n_output:]
-    work = np.zeros(n_lag + 1), np.zeros(n_lag + 1, dtype=bool), np.zeros((n_output, n_lag + 1))
-    for part in _batches(windows, max(1, batch // max(1, n_slope * n_output))):
-        ends = np.array(part, dtype=np.int64)
-        rows = np.concatenate([np.arange(a, b) for a, b in part])
-        answers, found = measured.copy(), np.zeros((len(rows), n_output, n_slope))
-        _run(frame, terms, ends[:, 0].copy(), ends[:, 1].copy(), answers, found, *work)
-        yield (answers[rows] - measured[rows]).ravel(), found.reshape(len(rows) * n_output, n_slope)
-
-
-def _batches(windows: Sequence[Span], n_row: int) -> Iterator[list[Span]]:
-    """Windows in groups of at most this many rows, or of one window."""
-    group: list[Span] = []
-    count = 0
-    for a, b in windows:
-        if group and count + b - a > n_row:
-            yield group
-            group, count = [], 0
-        group.append((a, b))
-        count += b - a
-    if group:
-        yield group
+    left, n_output = list(windows), len(frame.y_low)
+    for errors, found in run_side_by_side(frame, terms, windows, slopes=slopes, batch=batch):
+        lanes, left = left[: errors.shape[2]], left[errors.shape[2] :]
+        rows = [(slice(b - a), slice(None), lane) for lane, (a, b) in enumerate(lanes)]
+        by_window = [
+            np.moveaxis(found[:, *own], 0, 2).reshape((b - a) * n_output, len(found))
+            for own, (a, b) in zip(rows, lanes, strict=True)
+        ]
+        yield np.concatenate([errors[own].ravel() for own in rows]), np.concatenate(by_window)

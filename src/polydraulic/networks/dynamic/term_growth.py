@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, solve_triangular
 
 from polydraulic.networks.dynamic.free_run import pieces
-from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, averaged, run_terms
+from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, averaged, run_side_by_side
 from polydraulic.networks.dynamic.spans import Span, blocks_of, without
 from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
 
@@ -45,7 +45,7 @@ def grow_terms(
         Places of lagged values that drive the outputs: each term holds one of them, and the last value counts as it is, so that outputs
         rest where all of these are zero. Anything may stand alone if not given.
     """
-    windows = pieces(spans, horizon)
+    windows = np.array(pieces(spans, horizon), dtype=np.int64)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
     start, drives = _held(frame, bool(driven_by)), {1 + place for place in driven_by}
     fixed = len(start.coef) if drives else 0
@@ -86,7 +86,7 @@ def grow_average(
             if len(member.coef) >= n_term:
                 break
         members.append(member)
-        weights.append(1.0 / (1e-12 + _loss(frame, member, spans, 0.0)))
+        weights.append(1.0 / (1e-12 + _loss(frame, member, np.array(spans), 0.0)))
     return averaged(members, np.array(weights))
 
 
@@ -129,20 +129,20 @@ def _candidates(terms: Terms, n_lag: int, all_pairs: int, drives: set[int]) -> t
 
 
 def _best_term(
-    frame: Frame, terms: Terms, windows: Sequence[Span], all_pairs: int, drives: set[int], fixed: int
+    frame: Frame, terms: Terms, windows: np.ndarray, all_pairs: int, drives: set[int], fixed: int
 ) -> Terms | None:
     """Terms with the candidate that lowers the squared error most; None if none does."""
     candidates = _candidates(terms, len(frame.column), all_pairs, drives)
     n, wider = len(terms.coef) - fixed, terms.and_also(*candidates)
     gram, cross, size = np.zeros((n, n)), np.zeros((n, len(candidates[1]))), np.zeros(len(candidates[1]))
     downhill = np.zeros(len(wider.coef) - fixed)
-    for errors, every in run_terms(frame, wider, windows):
-        slopes = every[:, fixed:]
-        own, new = slopes[:, :n], slopes[:, n:]
-        gram += own.T @ own
-        cross += own.T @ new
-        size += np.einsum("ij,ij->j", new, new)
-        downhill += errors @ slopes
+    for errors, every in run_side_by_side(frame, wider, windows):
+        slopes = every[fixed:].reshape(n + len(size), -1)
+        own, new = slopes[:n], slopes[n:]
+        gram += own @ own.T
+        cross += own @ new.T
+        size += np.einsum("ij,ij->i", new, new)
+        downhill += slopes @ errors.ravel()
     try:
         root = np.linalg.cholesky(gram + 1e-9 * np.diag(np.diagonal(gram) + 1e-300))
     except LinAlgError:
@@ -157,7 +157,7 @@ def _best_term(
     return terms.and_also(candidates[0][best], candidates[1][best])
 
 
-def _refined(frame: Frame, terms: Terms, windows: Sequence[Span], before: float, fixed: int) -> tuple[Terms, float]:
+def _refined(frame: Frame, terms: Terms, windows: np.ndarray, before: float, fixed: int) -> tuple[Terms, float]:
     """Terms with better coefficients (a few steps of Levenberg-Marquardt) but the first `fixed`, and the mean squared error of runs."""
     ridge = _RIDGE * before
     if len(terms.coef) == fixed:
@@ -175,26 +175,32 @@ def _refined(frame: Frame, terms: Terms, windows: Sequence[Span], before: float,
     return moved(coef), there.error
 
 
-def _normal_equations(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float, fixed: int) -> Equations:
+def _normal_equations(frame: Frame, terms: Terms, windows: np.ndarray, ridge: float, fixed: int) -> Equations:
     n = len(terms.coef) - fixed
-    gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, 0
-    for errors, every in run_terms(frame, terms, windows):
-        slopes = every[:, fixed:]
-        gram += slopes.T @ slopes
-        gradient += errors @ slopes
-        squares, count = squares + float(errors @ errors), count + len(errors)
+    gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, _n_answer(frame, windows)
+    for errors, every in run_side_by_side(frame, terms, windows):
+        slopes, flat = every[fixed:].reshape(n, -1), errors.ravel()
+        gram += slopes @ slopes.T
+        gradient += slopes @ flat
+        squares += float(flat @ flat)
     coef, error = terms.coef, squares / count
     return Equations(
         gram / count + ridge * np.eye(n), gradient / count + ridge * coef[fixed:], error + ridge * coef @ coef, error
     )
 
 
-def _loss(frame: Frame, terms: Terms, windows: Sequence[Span], ridge: float) -> float:
-    errors = np.concatenate([part for part, _ in run_terms(frame, terms, windows, slopes=False)])
-    return float(errors @ errors) / len(errors) + ridge * float(terms.coef @ terms.coef)
+def _loss(frame: Frame, terms: Terms, windows: np.ndarray, ridge: float) -> float:
+    errors = (part.ravel() for part, _ in run_side_by_side(frame, terms, windows, slopes=False))
+    squares = sum(float(part @ part) for part in errors)
+    return squares / _n_answer(frame, windows) + ridge * float(terms.coef @ terms.coef)
 
 
-def _spread_evenly(windows: list[Span], n_row: int) -> list[Span]:
+def _n_answer(frame: Frame, windows: np.ndarray) -> int:
+    """Answers in all windows: one for each output of a row."""
+    return int((windows[:, 1] - windows[:, 0]).sum()) * len(frame.y_low)
+
+
+def _spread_evenly(windows: np.ndarray, n_row: int) -> np.ndarray:
     """As many windows as hold this many rows, at least one."""
-    kept = max(1, int(n_row / np.mean([b - a for a, b in windows])))
-    return windows if kept >= len(windows) else [windows[k] for k in np.linspace(0, len(windows) - 1, kept).astype(int)]
+    kept = max(1, int(n_row / np.mean(windows[:, 1] - windows[:, 0])))
+    return windows if kept >= len(windows) else windows[np.linspace(0, len(windows) - 1, kept).astype(int)]
