@@ -22,6 +22,7 @@ from polydraulic.identification.equations.fit.outlet_fit import fit_outlet, outl
 from polydraulic.identification.equations.fit.uncertainty import CircuitErrors, circuit_errors
 from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
 from polydraulic.identification.equations.observations import WINDOW, Balance, balance, blocks_of_time, windows
+from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.sensors import Signals
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import spool_edges
@@ -34,7 +35,6 @@ _FEWEST, _LEAST_HELD = 500, 20
 _SPREAD = 1.0  # of a curve, as a share
 _PUMP_ROWS, _BLOCKS = 200, 3
 _STEPS = 6
-_AROUND = 5  # rows
 _LEAD = 0.02  # s, by which clocks of sensors may be apart
 _FLOWS, _HIGHEST = 0.05, 10  # of the pump's flow, and how many such pressures are left to noise
 _RELIEF_KNOWN = 0.01  # relative standard error beyond which a relief setting counts as not shown
@@ -104,17 +104,6 @@ def balances(
     return {n: balance(machine.function(n), machine.tank.floor, signals[n], rows, raster, measured) for n in names}
 
 
-def rates(values: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:
-    """Rates by local parabolas over five rows, zero where a piece is shorter."""
-    from scipy.signal import savgol_filter
-
-    found = np.zeros(len(values))
-    for rows in np.split(np.arange(len(values)), np.flatnonzero(np.diff(segment)) + 1):
-        if len(rows) > _AROUND:
-            found[rows] = savgol_filter(values[rows], _AROUND, 2, deriv=1, delta=raster)
-    return found
-
-
 def circuit_rows(
     names: tuple[str, ...],
     signals: dict[str, Signals],
@@ -134,7 +123,7 @@ def circuit_rows(
         travel[:, :, k] = np.abs(s.spool)[rows]
         forward = s.spool > 0.0
         p_in[:, :, k] = np.where(forward, s.p_a, s.p_b)[rows]
-        p_rate[:, :, k] = np.where(forward, *(rates(p, segment, raster) for p in (s.p_a, s.p_b)))[rows]
+        p_rate[:, :, k] = np.where(forward, *(local_parabolas(p, segment)[1] / raster for p in (s.p_a, s.p_b)))[rows]
     one_side = np.column_stack([of[name].known_in for name in names])
     noise = {what: np.array([signals[name].noise[what] for name in names]) for what in ("spool", "p_a")}
     return CircuitRows(

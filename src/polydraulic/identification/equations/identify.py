@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
@@ -165,30 +166,33 @@ def identify(
     raster = raster_within(table["time"], segment)
     simulated = 0 if lacking_for_runs(before, table) else _RUN_STEPS
     steps = len(before.functions) + 2 * len(before.circuits) + 1 + simulated
-    signals: dict[str, Signals] = {}
-    for number, f in enumerate(before.functions):
-        progress(f"{f.name}: sensors and pilot", number, steps)
-        signals[f.name] = read_function(before, f, table, segment, may.has(f"functions.{f.name}.pilot.time_constant"))
-    so_far = SoFar(before, may, f"identified from {source}")
-    finished = Finished(parts, _digest(table, data, may))
-    at = len(before.functions)
-    pilots = find_pilots(so_far, signals)
-    circuits = find_circuits(
-        so_far,
-        signals,
-        table["time"],
-        segment,
-        raster,
-        finished,
-        lambda place, what: progress(what, at + 2 * place, steps),
-    )
-    at += 2 * len(before.circuits)
-    progress("masses and friction", at, steps)
-    mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not simulated)
-    taken = _taken(before, pilots, circuits, mechanics)
-    runs = find_left(
-        so_far, table, taken, lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps)
-    )
+    with threadpool_limits(limits=1, user_api="blas"):  # matrices are narrow: threads would cost more than they do
+        signals: dict[str, Signals] = {}
+        for number, f in enumerate(before.functions):
+            progress(f"{f.name}: sensors and pilot", number, steps)
+            signals[f.name] = read_function(
+                before, f, table, segment, may.has(f"functions.{f.name}.pilot.time_constant")
+            )
+        so_far = SoFar(before, may, f"identified from {source}")
+        finished = Finished(parts, _digest(table, data, may))
+        at = len(before.functions)
+        pilots = find_pilots(so_far, signals)
+        circuits = find_circuits(
+            so_far,
+            signals,
+            table["time"],
+            segment,
+            raster,
+            finished,
+            lambda place, what: progress(what, at + 2 * place, steps),
+        )
+        at += 2 * len(before.circuits)
+        progress("masses and friction", at, steps)
+        mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not simulated)
+        taken = _taken(before, pilots, circuits, mechanics)
+        runs = find_left(
+            so_far, table, taken, lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps)
+        )
     lacks = [f"{what}: {'not by regression' if runs else 'kept'}; {why}" for what, why in so_far.lacks.items()]
     if not so_far.changes:
         raise InputError("; ".join([f"{source} determines nothing of this machine", *lacks, *so_far.kept]))

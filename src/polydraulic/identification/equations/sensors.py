@@ -6,6 +6,8 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.noise import noise_level
+from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
+from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, smooth_spool
 from polydraulic.machine.drives import Motor, Ram, prepare_drive
 from polydraulic.parameters.layout.geometry import lever
@@ -28,7 +30,6 @@ _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
 _MANY = 0.05  # share of rows that are no outliers
-_SMOOTHED = 5  # rows that a position is smoothed over
 
 
 class Signals(NamedTuple):
@@ -147,12 +148,12 @@ def read_function(
     place = position_column(machine, f)
     volume_a = volume_b = None
     if place in table.names:
-        position = _smooth(table[place], segment)
+        position = local_parabolas(table[place], segment)[0]
         noise["position"] = noise_level(position, segment)
         volume_a, volume_b = side_volumes(machine, f, position)
         middle = levers(machine, f, position)
         noise["volume_a"], noise["volume_b"] = (
-            noise_level(table[place], segment) / np.sqrt(0.5 * _SMOOTHED) * float(np.mean(side)) for side in middle
+            noise_level(table[place], segment) / np.sqrt(0.5 * SMOOTHED) * float(np.mean(side)) for side in middle
         )
     p_a, p_b = found["p_a"], found["p_b"]
     return Signals(
@@ -190,18 +191,6 @@ def side_volumes(machine: LayoutMachine, f: MachineFunction, position: np.ndarra
     step = np.diff(grid)
     grown = [np.concatenate([[0.0], np.cumsum(0.5 * (side[1:] + side[:-1]) * step)]) for side in (a, b)]
     return np.interp(position, grid, grown[0]), -np.interp(position, grid, grown[1])
-
-
-def _smooth(position: np.ndarray, segment: np.ndarray) -> np.ndarray:
-    """Positions by local parabolas over a few rows of one segment."""
-    from scipy.signal import savgol_filter
-
-    found = position.copy()
-    cuts = np.flatnonzero(np.diff(segment)) + 1
-    for rows in np.split(np.arange(len(position)), cuts):
-        if len(rows) > _SMOOTHED:
-            found[rows] = savgol_filter(position[rows], _SMOOTHED, 2)
-    return found
 
 
 def missing_for_circuit(machine: LayoutMachine, functions: tuple[str, ...], signals: dict[str, Signals]) -> str:
