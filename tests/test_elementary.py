@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from polydraulic.elementary import exp, log, sincos, sincos_of, tanh
+from polydraulic.elementary import direction, exp, log, sincos, sincos_of, tanh
 
 
 @given(st.floats(-1e6, 1e6))
@@ -13,6 +13,22 @@ def test_sincos_is_accurate_to_the_last_bits(x):
     both = sincos(x)
     assert both.sin == pytest.approx(math.sin(x), rel=3e-16, abs=2.3e-16)
     assert both.cos == pytest.approx(math.cos(x), rel=3e-16, abs=2.3e-16)
+
+
+@given(st.floats(-1e9, 1e9), st.floats(-1e9, 1e9))
+def test_direction_is_accurate_to_the_last_bits(y, x):
+    if abs(x) + abs(y) > 1e-290:
+        assert direction(y, x) == pytest.approx(math.atan2(y, x), rel=5e-16, abs=5e-16)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4375, 0.6875, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize(("along", "up"), [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)])
+def test_direction_at_its_seams(share, along, up):
+    for near in (share, math.nextafter(share, -1.0), math.nextafter(share, 9.0)):
+        if near > 0.0 or (near == 0.0 and up > 0.0):  # it knows no negative zero
+            assert direction(up * near, along) == pytest.approx(math.atan2(up * near, along), rel=5e-16, abs=0.0)
+    assert direction(up, 0.0) == math.copysign(math.pi / 2.0, up)
+    assert direction(0.0, 0.0) == 0.0
 
 
 @given(st.floats(-700.0, 700.0))

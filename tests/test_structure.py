@@ -15,6 +15,9 @@ MODULES = sorted(path.relative_to(SRC).as_posix() for path in SRC.rglob("*.py"))
 TESTED_ELSEWHERE = {
     "control/runs.py": ("control/test_coordinated.py", "closed runs of the controller there"),
     "control/text.py": ("control/test_coordinated.py", "its kernels are what the controller does"),
+    "machine/stability/body.py": ("machine/stability/test_whole_body.py", "its kernels are called there"),
+    "machine/stability/vectors.py": ("machine/stability/test_margins.py", "what margins are made of"),
+    "machine/stability/watched.py": ("simulation/layout/stability/test_columns.py", "the columns are its rows"),
     "cli/": ("cli/test_commands.py", "commands are tested as a user calls them, whatever module they are in"),
     "simulation/changed_flow.py": ("simulation/test_faults.py", "machines break there with several flow models"),
     "cockpit/coordination.py": ("cockpit/test_cab.py", "the machine that is driven there is coordinated, too"),

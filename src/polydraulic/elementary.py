@@ -1,4 +1,4 @@
-"""Elementary functions for kernels: sine and cosine, exponential, logarithm, hyperbolic tangent.
+"""Elementary functions for kernels: sine and cosine, angle of a direction, exponential, logarithm, hyperbolic tangent.
 
 The C library's versions differ between platforms in the last bit and do not vectorise; these are plain arithmetic, so
 they give the same bits in numba, plain Python and C, one value at a time or many. The polynomials are the classic
@@ -64,6 +64,43 @@ def sincos(x: float) -> SinCos:
     sin = -sin if (quadrant == -1.0 or abs(quadrant) == 2.0) else sin
     cos = -cos if (quadrant == 1.0 or abs(quadrant) == 2.0) else cos
     return SinCos(sin, cos)
+
+
+@kernel
+def direction(y: float, x: float) -> float:
+    """Angle of the direction (x, y) from x towards y in rad, as `math.atan2` gives it; 0 of no direction."""
+    a, b = abs(y), abs(x)
+    r = min(a, b) / (max(a, b) + 1e-300)  # 0 to 1: the rest of the circle follows from it
+    near, middle = r < 0.4375, r < 0.6875
+    high = 0.0 if near else (4.63647609000806093515e-01 if middle else 7.85398163397448278999e-01)
+    low = 0.0 if near else (2.26987774529616870924e-17 if middle else 3.06161699786838301793e-17)
+    u = r if near else ((2.0 * r - 1.0) / (2.0 + r) if middle else (r - 1.0) / (r + 1.0))
+    z = u * u
+    w = z * z
+    odd = z * (
+        3.33333333333329318027e-01
+        + w
+        * (
+            1.42857142725034663711e-01
+            + w
+            * (
+                9.09088713343650656196e-02
+                + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02))
+            )
+        )
+    )
+    even = w * (
+        -1.99999999998764832476e-01
+        + w
+        * (
+            -1.11111104054623557880e-01
+            + w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))
+        )
+    )
+    t = high - ((u * (odd + even) - low) - u)
+    t = (1.57079632679489655800e00 - t) if a > b else t
+    t = (3.14159265358979311600e00 - t) if x < 0.0 else t
+    return -t if y < 0.0 else t
 
 
 @driver

@@ -47,7 +47,7 @@ class CMachine:
             _fields_ = (
                 ("out", ctypes.c_double * n_out),
                 ("memory", ctypes.c_double * n_memory),
-                ("waiting", ctypes.c_double * (3 * n_waiting)),
+                ("waiting", ctypes.c_double * (len(parts.functions) * n_waiting)),
                 ("rest", ctypes.c_double),
                 ("steps", ctypes.c_int64),
             )
@@ -76,6 +76,6 @@ class CMachine:
         address = voltage.ctypes.data
         status[0], rows[0] = self.init(), self.out
         for k in range(len(voltage)):
-            status[k + 1] = self._step(self.at, address + 24 * k)
+            status[k + 1] = self._step(self.at, address + voltage.strides[0] * k)
             rows[k + 1] = self.out
         return rows, status

@@ -357,6 +357,10 @@ def export_machine(
         bool,
         typer.Option("--force", help="Three more inputs, a force at the tip."),
     ] = False,
+    stability: Annotated[
+        bool,
+        typer.Option("--stability", help="Margins against tipping as outputs, the ground's slope as two more inputs."),
+    ] = False,
     machine: MachineOption = "cat215b",
 ) -> None:
     """Write the whole machine, joysticks to end-effector, as C99 or as an FMU for co-simulation; no Python in it.
@@ -369,6 +373,8 @@ def export_machine(
 
     - With networks that `train` has learnt: `polydraulic export-machine --machine wheel_loader --flow polynomial --model loader.json --out
     loader.fmu`
+
+    - With margins against tipping: `polydraulic export-machine --machine wheel_loader --stability --out loader.fmu`
 
     What comes next: import the FMU into Simulink, Modelica tools or FMPy; `docs/export_machine.md` shows how to call the C code.
     """
@@ -390,9 +396,9 @@ def export_machine(
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)
         if to == "c":
-            written = write_c(plant, chosen, out, name=name, dt=dt, force=force)
+            written = write_c(plant, chosen, out, name=name, dt=dt, force=force, stability=stability)
         else:
             written = export_machine_fmu(
-                plant, chosen, out, version=int(to[-1]), name=name, dt=dt, force=force, cross=cross
+                plant, chosen, out, version=int(to[-1]), name=name, dt=dt, force=force, stability=stability, cross=cross
             )
     print(written)

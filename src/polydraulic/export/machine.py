@@ -12,7 +12,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.exported import Exported
-from polydraulic.export.layout import layout_parts
+from polydraulic.export.layout import FORCE, layout_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
@@ -20,6 +20,7 @@ from polydraulic.files import write_texts
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
+from polydraulic.simulation.layout.stability.text import SLOPE
 
 MOST_NUMBERS = 200_000  # in tables of a flow model: 4 MB of text
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -32,10 +33,13 @@ def machine_parts(
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,
+    stability: bool = False,
     most_numbers: int = MOST_NUMBERS,
 ) -> MachineParts:
     """Kernels and numbers of a machine, from the same preparation as `simulate`; arguments as for `machine_c`."""
-    return layout_parts(as_machine(machine), flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers)
+    return layout_parts(
+        as_machine(machine), flow, dt=dt, locked=locked, force=force, stability=stability, most_numbers=most_numbers
+    )
 
 
 def machine_c(
@@ -46,6 +50,7 @@ def machine_c(
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,
+    stability: bool = False,
     most_numbers: int = MOST_NUMBERS,
 ) -> dict[str, str]:
     """Texts of the C files by file name.
@@ -64,6 +69,9 @@ def machine_c(
         Functions whose joints are held, and whose voltages are ignored.
     force : bool
         Whether three more inputs are a force in N at the tip, along the ground's axes.
+    stability : bool
+        Whether the columns of ``simulate(..., stability=True)`` are outputs too, and two more inputs how the ground rises along the machine's x
+        and y, in rad: weight turns with it in the margins, and not in the motion. They are those of the state after a step, with the inputs of the step.
     most_numbers : int
         That tables of the flow model may hold: 4 MB of text.
 
@@ -79,7 +87,10 @@ def machine_c(
             f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken"
         )
     return c_files(
-        machine_parts(machine, flow, dt=dt, locked=locked, force=force, most_numbers=most_numbers), name, dt, locked
+        machine_parts(machine, flow, dt=dt, locked=locked, force=force, stability=stability, most_numbers=most_numbers),
+        name,
+        dt,
+        locked,
     )
 
 
@@ -101,9 +112,7 @@ def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) 
         "flow": parts.flow,
         "dt": repr(float(dt)),
         "functions": ", ".join(parts.functions),
-        "forces": ""
-        if len(parts.inputs) == len(parts.functions)
-        else "; then a force in N at the tip, x, y and z of the ground",
+        "forces": _more_inputs(parts),
         "n_functions": str(len(parts.functions)),
         "n_inputs": str(len(parts.inputs)),
         "outputs": _enumerators(name, parts),
@@ -133,12 +142,13 @@ def export_machine(
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,
+    stability: bool = False,
 ) -> Exported:
     """Write the files of `machine_c` into a folder.
 
     Parameters
     ----------
-    machine, flow, name, dt, locked, force
+    machine, flow, name, dt, locked, force, stability
         As for `machine_c`.
     folder : str or Path
 
@@ -152,7 +162,7 @@ def export_machine(
     InputError
         As `machine_c`, or if the folder cannot be written.
     """
-    texts = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force)
+    texts = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force, stability=stability)
     files = {Path(folder) / file: text for file, text in texts.items()}
     write_texts(files)
     return Exported(tuple(files))
@@ -163,6 +173,17 @@ def _enumerators(name: str, parts: MachineParts) -> str:
     for number, (output, unit) in enumerate(parts.outputs):
         lines.append(f"    {name}_{output.replace('.', '_')}".upper() + f" = {number}, /* {unit} */")
     return "\n".join([*lines, f"    {name.upper()}_N_OUTPUTS = {len(lines)}"])
+
+
+def _more_inputs(parts: MachineParts) -> str:
+    """What comes behind the voltages."""
+    force = "; then a force in N at the tip, x, y and z of the ground" if FORCE[0] in parts.inputs else ""
+    slope = (
+        "; then how the ground rises along the machine's x and y, in rad, for its margins"
+        if SLOPE[0] in parts.inputs
+        else ""
+    )
+    return force + slope
 
 
 def _joint(parts: MachineParts) -> str:

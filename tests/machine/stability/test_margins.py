@@ -5,18 +5,19 @@ from math import atan, cos, hypot, pi, radians, sin
 import numpy as np
 import pytest
 
-from polydraulic.machine.stability.margins import MEASURES, N_STANDING, all_margins
+from polydraulic.machine.stability.margins import MEASURES, Standing, edge_margins
+from polydraulic.machine.stability.vectors import Vector
 
 SQUARE = ((1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0))  # edges: forward, left, rear, right
 
 
 def margins(corners, cg, *, weight=1000.0, velocity=(0, 0, 0), force=None, moment=(0, 0, 0), upward=(0, 0, 1)):
     force = -weight * np.array(upward, dtype=float) if force is None else force
-    row = np.array([[weight, *cg, *velocity, *force, *moment, *upward]], dtype=float)
-    assert row.shape == (1, N_STANDING)
-    found = np.empty((1, len(corners), len(MEASURES)))
-    all_margins(np.array(corners), row, found)
-    return dict(zip(MEASURES, found[0].T, strict=True))
+    parts = (cg, velocity, force, moment, upward)
+    standing = Standing(float(weight), *(Vector(*map(float, part)) for part in parts))
+    ends = zip(corners, (*corners[1:], corners[0]), strict=True)
+    found = [edge_margins(Vector(*begin), Vector(*end), standing) for begin, end in ends]
+    return dict(zip(MEASURES, np.array(found).T, strict=True))
 
 
 @pytest.mark.parametrize(

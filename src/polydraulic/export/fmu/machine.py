@@ -13,6 +13,7 @@ from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.machine_parameters import MachineParameter, direct_parameters
 from polydraulic.export.fmu.package import write_fmu
+from polydraulic.export.layout import FORCE
 from polydraulic.export.machine import export_name, machine_c, machine_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.translate.names import field_name
@@ -20,8 +21,10 @@ from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.pages.html import document, table
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
+from polydraulic.simulation.layout.stability.text import SLOPE
 
 _NOMINAL = {"m": 0.01, "m/s": 0.1, "Pa": 1e7, "rad": 1.0, "rad/s": 1.0, "m3/s": 1e-3, "V": 1.0}
+_MARGIN = {"m": 1.0, "N m": 1e5, "J": 1e5, "1": 1.0, "s": 1.0}  # of what is said of tipping
 _STOP = 13.0
 
 
@@ -35,6 +38,7 @@ def export_machine_fmu(
     dt: float = 5e-3,
     locked: Collection[str] = (),
     force: bool = False,
+    stability: bool = False,
     compiler: str | None = None,
     cross: bool = False,
 ) -> Exported:
@@ -59,6 +63,8 @@ def export_machine_fmu(
         Functions whose joints are held.
     force : bool
         Whether three more inputs are a force at the tip; see `machine_c`.
+    stability : bool
+        Whether margins against tipping are outputs, and the slope of the ground, which starts as that of the machine's file, two more inputs.
     compiler : str, optional
         Command; one that is installed if not given, and none if it is empty.
     cross : bool
@@ -76,8 +82,8 @@ def export_machine_fmu(
     """
     name = export_name(machine) if name is None else name
     machine = as_machine(machine)
-    parts = machine_parts(machine, flow, dt=dt, locked=locked, force=force)
-    sources = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force)
+    parts = machine_parts(machine, flow, dt=dt, locked=locked, force=force, stability=stability)
+    sources = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force, stability=stability)
     parameters = direct_parameters(machine, flow, dt=dt, locked=locked)
     what = describe_machine(name, parts, parameters, dt=dt)
     sources |= {"equations.h": _equations(name, parameters, parts)}
@@ -103,9 +109,28 @@ def describe_machine(
     found += [
         FmuVariable(force, "input", "N", nominal=1e3, description="Force at the tip, along an axis of the ground")
         for force in parts.inputs[len(parts.functions) :]
+        if force in FORCE
     ]
+    found += (
+        [
+            FmuVariable(
+                slope, "input", "rad", start, nominal=0.1, description=f"How the ground rises {way}, for margins"
+            )
+            for slope, way, start in zip(
+                SLOPE, ("forward", "to the left"), (parts.numbers.body.pitch, parts.numbers.body.roll), strict=True
+            )
+        ]
+        if SLOPE[0] in parts.inputs
+        else []
+    )
     for output, unit in parts.outputs:
-        nominal = 1.0 if output.startswith("effector") else _NOMINAL[unit]
+        nominal = (
+            1.0
+            if output.startswith("effector")
+            else _MARGIN[unit]
+            if output.startswith("stability")
+            else _NOMINAL[unit]
+        )
         found.append(FmuVariable(output, "output", unit, nominal=nominal, description="Output", dependencies=()))
     about = (
         "0, or of the steps since the last communication: 1 a step did not converge, 2 one left the flow model's domain"

@@ -1,11 +1,13 @@
-"""A machine as one body: weight, centre of gravity and its velocity, and the force and moment that the ground must bear."""
+"""The numbers of a machine as one body, and its margins at many states at once."""
 
 import numpy as np
 
+from polydraulic._kernel import driver
 from polydraulic.errors import InputError
-from polydraulic.machine.frames import Frames, link_frames, vector
-from polydraulic.machine.newton_euler import axis_of, needed_wrenches
-from polydraulic.machine.stability.margins import MEASURES, N_STANDING, all_margins
+from polydraulic.machine.frames import vector
+from polydraulic.machine.newton_euler import tensor_of
+from polydraulic.machine.stability.body import N_LINK, Body, edge_of, point_of, put, stand
+from polydraulic.machine.stability.margins import MEASURES
 from polydraulic.parameters.layout.chassis import Chassis
 from polydraulic.parameters.layout.parts import GROUND
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -24,6 +26,40 @@ def chassis_of(machine: LayoutMachine) -> Chassis:
             f"{machine.title}: its file has no [chassis], so that nobody knows what it stands on; add its contacts, mass and centre of gravity"
         )
     return machine.chassis
+
+
+def body_of(machine: LayoutMachine) -> Body:
+    """Numbers of a machine as its kernels read them.
+
+    Raises
+    ------
+    InputError
+        A machine without a chassis.
+    """
+    chassis = chassis_of(machine)
+    links = [machine.link(f.moves) for f in machine.functions]
+    number = {GROUND: -1} | {link.name: k for k, link in enumerate(links)}
+    tensors = [tensor_of(link) for link in links]
+    slope = chassis.slope or (0.0, 0.0)
+    return Body(
+        np.array([number[link.parent] for link in links], dtype=np.int64),
+        np.array([link.joint == "prismatic" for link in links], dtype=np.int64),
+        np.array(["xyz".index(link.axis[-1]) for link in links], dtype=np.int64),
+        np.array([-1.0 if link.axis[0] == "-" else 1.0 for link in links]),
+        np.concatenate([vector(link.at) for link in links]),
+        np.concatenate([vector(link.cg) for link in links]),
+        np.array([float(link.mass) for link in links]),
+        np.array([t[i, j] for t in tensors for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]),
+        number[machine.tip[0]],
+        vector(machine.tip[1]),
+        vector(chassis.cg),
+        float(chassis.mass),
+        float(machine.gravity),
+        float(slope[0]),
+        float(slope[1]),
+        len(chassis.corners),
+        np.array(chassis.corners, dtype=float).ravel(),
+    )
 
 
 def standing_margins(
@@ -45,9 +81,9 @@ def standing_margins(
     InputError
         A machine without a chassis.
     """
-    corners = np.array(chassis_of(machine).corners)
-    found = np.empty((len(positions), len(corners), len(MEASURES)))
-    all_margins(corners, standing(machine, positions, rates, accelerations, forces), found)
+    body = body_of(machine)
+    found = np.empty((len(positions), body.n_edge, len(MEASURES)))
+    all_margins(body, _motions(positions, rates, accelerations), np.ascontiguousarray(forces), found)
     return found
 
 
@@ -55,45 +91,43 @@ def standing(
     machine: LayoutMachine, positions: np.ndarray, rates: np.ndarray, accelerations: np.ndarray, forces: np.ndarray
 ) -> np.ndarray:
     """Numbers of `margins.Standing`, (n_row, 16); arguments as of `standing_margins`."""
-    chassis, frames = chassis_of(machine), link_frames(machine, positions)
-    still = vector(chassis.cg)
-    masses, moments, momentum = _first_moments(machine, frames, rates)
-    whole = masses + chassis.mass
-    cg = (moments + chassis.mass * still) / whole
-    upright, upward = np.array([0.0, 0.0, 1.0]), np.array(chassis.upward)
-    force = np.zeros((len(positions), 3)) - chassis.mass * machine.gravity * upright
-    moment = np.cross(still, force)  # about the origin
-    for name, needed in needed_wrenches(machine, frames, rates, accelerations, forces).items():
-        moved = machine.function(name).moves
-        if machine.link(moved).parent == GROUND:
-            force = force - needed.force
-            moment = moment - needed.moment - np.cross(frames[moved][1], needed.force)
-    moment = moment - np.cross(cg, force)
-    force = force + whole * machine.gravity * (upright - upward)  # weight acts at the centre of gravity
-    found = np.empty((len(positions), N_STANDING))
-    found[:, 0] = whole * machine.gravity
-    found[:, 1:4], found[:, 4:7] = cg, momentum / whole
-    found[:, 7:10], found[:, 10:13], found[:, 13:] = force, moment, upward
+    found = np.empty((len(positions), 16))
+    all_standing(body_of(machine), _motions(positions, rates, accelerations), np.ascontiguousarray(forces), found)
     return found
 
 
-def _first_moments(machine: LayoutMachine, frames: Frames, rates: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass of all links, mass times place, and momentum, (n_row, 3)."""
-    zero = np.zeros((len(rates), 3))
-    spins, speeds = {GROUND: zero}, {GROUND: zero}
-    mass, moments, momentum = 0.0, zero, zero
-    for place, f in enumerate(machine.functions):
-        link, (turn, origin) = machine.link(f.moves), frames[f.moves]
-        along = axis_of(link, frames) * rates[:, place, None]
-        spin, speed = spins[link.parent], speeds[link.parent]
-        speed = speed + np.cross(spin, origin - frames[link.parent][1])
-        if link.joint == "revolute":
-            spin = spin + along
-        else:
-            speed = speed + along
-        spins[link.name], speeds[link.name] = spin, speed
-        centre = turn @ vector(link.cg)
-        mass += link.mass
-        moments = moments + link.mass * (origin + centre)
-        momentum = momentum + link.mass * (speed + np.cross(spin, centre))
-    return mass, moments, momentum
+def _motions(*parts: np.ndarray) -> np.ndarray:
+    """Rows of `all_margins`: positions, rates, accelerations, and room for links."""
+    n = parts[0].shape[1]
+    return np.ascontiguousarray(np.hstack([*parts, np.zeros((len(parts[0]), N_LINK * (n + 1)))]))
+
+
+@driver
+def all_margins(body: Body, motions: np.ndarray, forces: np.ndarray, found: np.ndarray) -> None:
+    """Margins of all rows over all edges, (n_row, n_edge, 5), written into `found`."""
+    n = body.parent.shape[0]
+    for row in range(motions.shape[0]):
+        push = point_of(forces[row], 0)
+        s = stand(body, motions[row], 0, 3 * n, push, body.pitch, body.roll)
+        for k in range(found.shape[1]):
+            m = edge_of(body, k, s)
+            found[row, k, 0] = m.distance
+            found[row, k, 1] = m.dynamic_distance
+            found[row, k, 2] = m.force_angle
+            found[row, k, 3] = m.energy
+            found[row, k, 4] = m.closing
+
+
+@driver
+def all_standing(body: Body, motions: np.ndarray, forces: np.ndarray, found: np.ndarray) -> None:
+    """Numbers of `Standing` of all rows, (n_row, 16), written into `found`."""
+    n = body.parent.shape[0]
+    for row in range(motions.shape[0]):
+        push = point_of(forces[row], 0)
+        s = stand(body, motions[row], 0, 3 * n, push, body.pitch, body.roll)
+        found[row, 0] = s.weight
+        put(found[row], 1, s.cg.x, s.cg.y, s.cg.z)
+        put(found[row], 4, s.velocity.x, s.velocity.y, s.velocity.z)
+        put(found[row], 7, s.force.x, s.force.y, s.force.z)
+        put(found[row], 10, s.moment.x, s.moment.y, s.moment.z)
+        put(found[row], 13, s.upward.x, s.upward.y, s.upward.z)

@@ -5,16 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.machine.stability.margins import MEASURES
-from polydraulic.machine.stability.whole_body import standing_margins
+from polydraulic.machine.stability.watched import SHOWN, n_watched, watch_all, watched_room
+from polydraulic.machine.stability.whole_body import body_of
 from polydraulic.parameters.layout.chassis import Chassis, edge_names
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import AddedColumn, Columns
 
-FORESEEN = 60.0  # s: no tip is foreseen further ahead
 WARNED = 2.0  # s ahead of a foreseen tip, a warning begins
-_UNITS = {"distance": "m", "dynamic_distance": "m", "force_angle": "N m", "energy": "J"}
 _NAME = "stability"
 
 
@@ -41,7 +39,7 @@ def stability_columns(
     AddedColumn
         ``stability.EDGE.distance``, ``.dynamic_distance`` (m), ``.force_angle`` (N m) and ``.energy`` (J) of each edge, by the direction in which
         the machine tips over it (``forward_left``); the least of each as ``stability.distance`` and so on; ``stability.edge``, the number of the edge
-        with the least dynamic distance; ``stability.time_to_tip`` (s), by `time_to_tip`.
+        with the least dynamic distance; ``stability.time_to_tip`` (s).
 
     Raises
     ------
@@ -50,56 +48,34 @@ def stability_columns(
     """
     found = row_margins(machine, module, plant, rows, columns, forces)
     assert machine.chassis is not None
-    names = [name.replace(" ", "_") for name in edge_names(machine.chassis)]
-    for measure, unit in _UNITS.items():
-        values = found[:, :, MEASURES.index(measure)]
-        for k, name in enumerate(names):
-            yield AddedColumn(f"{_NAME}.{name}.{measure}", unit, values[:, k])
-        yield AddedColumn(f"{_NAME}.{measure}", unit, values.min(axis=1))
-    yield AddedColumn(f"{_NAME}.edge", "1", critical_edges(found).astype(float))
-    yield AddedColumn(f"{_NAME}.time_to_tip", "s", time_to_tip(found))
+    for (name, unit), values in zip(watched_columns(machine.chassis), found.T, strict=True):
+        yield AddedColumn(name, unit, values)
 
 
 def row_margins(
     machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, columns: Columns, forces: np.ndarray
 ) -> np.ndarray:
-    """Margins at recorded rows, (n_row, n_edge, 5): the fields of `EdgeMargins`; arguments as of `stability_columns`.
+    """Margins at recorded rows, (n_row, n_watched), in the order of `machine.stability.watched`; arguments as of `stability_columns`.
 
     The blow of an end stop that is met lasts a step, and a machine does not tip in one: such a row has the margins of steady rates.
     """
-    positions, rates = (rows[:, [columns.place[f"{f}.{q}"] for f in machine.names]] for q in ("angle", "rate"))
-    acted = np.empty((len(rows), 3 * len(machine.names)))
+    n, body = len(machine.names), body_of(machine)
+    motions = np.empty((len(rows), 3 * n))
+    for k, quantity in enumerate(("angle", "rate")):
+        motions[:, k * n : (k + 1) * n] = rows[:, [columns.place[f"{f}.{quantity}"] for f in machine.names]]
+    acted = np.empty((len(rows), 3 * n))
     module.torques(plant, np.ascontiguousarray(rows), forces, acted)
-    gained = acted[:, 2::3]
-    low, high = (np.array([getattr(f.stops, end) for f in machine.functions]) for end in ("low", "high"))
-    after = positions + plant.dt * rates
-    stops = (np.abs(rates + plant.dt * gained) <= 1e-9 * np.abs(rates)) & (rates != 0.0)
-    blow = (stops & ((after >= high) | (after <= low))).any(axis=1)
-    return standing_margins(machine, positions, rates, np.where(blow[:, None], 0.0, gained), forces)
+    motions[:, 2 * n :] = acted[:, 2::3]
+    found = np.empty((len(rows), n_watched(body.n_edge)))
+    watch_all(body, plant.dt, watched_room(machine), motions, np.ascontiguousarray(forces, dtype=float), found)
+    return found
 
 
-def critical_edges(margins: np.ndarray) -> np.ndarray:
-    """Number of the edge with the least dynamic distance, of margins (..., n_edge, 5)."""
-    return np.asarray(margins[..., MEASURES.index("dynamic_distance")].argmin(axis=-1))
-
-
-def time_to_tip(margins: np.ndarray) -> np.ndarray:
-    """How soon a machine tips if its centre of gravity goes on as it moves now, s, at most `FORESEEN`.
-
-    Parameters
-    ----------
-    margins : (..., n_edge, 5) array
-        Fields of `EdgeMargins`.
-
-    Returns
-    -------
-    (...) array
-        The lesser of static and dynamic distance over the speed at which the static one closes, least over the edges; 0 where it tips.
-    """
-    left = np.minimum(margins[..., MEASURES.index("distance")], margins[..., MEASURES.index("dynamic_distance")])
-    closing = margins[..., MEASURES.index("closing")]
-    soon = np.divide(left, closing, out=np.full_like(left, FORESEEN), where=closing > 1e-9)
-    return np.asarray(np.clip(np.where(left <= 0.0, 0.0, soon), 0.0, FORESEEN).min(axis=-1))
+def watched_columns(chassis: Chassis) -> list[tuple[str, str]]:
+    """Names and units of the numbers of a row of `row_margins`."""
+    edges = [*(f".{name.replace(' ', '_')}" for name in edge_names(chassis)), ""]
+    found = [(f"{_NAME}{edge}.{measure}", unit) for measure, unit in SHOWN for edge in edges]
+    return [*found, (f"{_NAME}.edge", "1"), (f"{_NAME}.time_to_tip", "s")]
 
 
 def tips(chassis: Chassis, time: np.ndarray, added: list[AddedColumn], events: list[Any]) -> dict[str, object]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.machine.stability.margins import MEASURES
+from polydraulic.machine.stability.watched import SHOWN
 from polydraulic.machine.stability.whole_body import chassis_of
 from polydraulic.parameters.layout.chassis import edge_names
 from polydraulic.parameters.layout.payload import with_payload
@@ -14,7 +14,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.stability.columns import WARNED, critical_edges, row_margins, time_to_tip
+from polydraulic.simulation.layout.stability.columns import WARNED, row_margins
 
 
 class Stability(NamedTuple):
@@ -125,7 +125,8 @@ class StabilityMonitor:
         whole = np.zeros((len(state), len(self._columns.columns)))
         whole[:, :n] = state
         found = row_margins(self._with, self._ready.module, self._ready.plant, whole, self._columns, push)
-        found = found.reshape(*lead, len(self.edges), len(MEASURES))
-        soon = time_to_tip(found)
-        distance, dynamic, force_angle, energy, _ = np.moveaxis(found, -1, 0)
-        return Stability(distance, dynamic, force_angle, energy, critical_edges(found), soon, soon <= WARNED)
+        found = found.reshape(*lead, -1)
+        measures = found[..., :-2].reshape(*lead, len(SHOWN), -1)[..., :-1]  # without the least of each
+        distance, dynamic, force_angle, energy = np.moveaxis(measures, -2, 0)
+        edge, soon = found[..., -2].astype(int), found[..., -1]
+        return Stability(distance, dynamic, force_angle, energy, edge, soon, np.asarray(soon <= WARNED))
