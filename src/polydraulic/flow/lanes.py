@@ -11,6 +11,7 @@ from numba import types
 from numba.extending import overload
 
 from polydraulic._kernel import INLINED_OPTIONS
+from polydraulic.flow.layout.text_module import written_name
 
 LANES = 64
 
@@ -61,9 +62,9 @@ def _expression(form: Any, row: int, names: dict[str, Any]) -> tuple[str, int]:
     if not isinstance(form, types.BaseNamedTuple):
         value = f"own[{row * LANES} + lane]"
         return (f"{value} != 0.0" if isinstance(form, types.Boolean) else value), row + 1
-    names[form.instance_class.__name__] = form.instance_class
+    names[written_name(form.instance_class)] = form.instance_class
     parts = []
     for part in form.types:
         text, row = _expression(part, row, names)
         parts.append(text)
-    return f"{form.instance_class.__name__}({', '.join(parts)})", row
+    return f"{written_name(form.instance_class)}({', '.join(parts)})", row

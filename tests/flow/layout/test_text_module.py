@@ -5,8 +5,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
+import pytest
+
+from polydraulic import build_flow
 from polydraulic.flow.layout import text_module
-from polydraulic.flow.layout.text_module import loaded
+from polydraulic.flow.layout.text_module import loaded, written_name
+from polydraulic.simulation.layout.prepare import prepare_layout
 
 TEXT = '"""A text."""\n\n\ndef answer():\n    return {number}\n'
 
@@ -46,3 +51,15 @@ def test_two_processes_may_write_at_once(tmp_path):
     code = f"from polydraulic.flow.layout.text_module import loaded\nprint(loaded({TEXT.format(number=48)!r}).answer())"
     running = [subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) for _ in range(2)]
     assert [process.communicate(timeout=120)[0].strip() for process in running] == ["48", "48"]
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
+def test_the_compiler_tells_named_tuples_of_two_texts_apart_at_once(machine):
+    """It looks at names of classes and fields alone, and at every number in Python where those do not settle the type."""
+    from numba._dispatcher import compute_fingerprint
+
+    plants = [prepare_layout(machine, 5e-3, flow=build_flow(name, machine)).plant for name in ("exact", "polynomial")]
+    assert type(plants[0]) is not type(plants[1])
+    assert plants[0] == plants[1]
+    assert compute_fingerprint(plants[0]) != compute_fingerprint(plants[1])
+    assert {written_name(type(plant)) for plant in plants} == {"Plant"}

@@ -35,6 +35,7 @@ from polydraulic.export.translate.values import (
     plain,
     shown,
 )
+from polydraulic.flow.layout.text_module import written_name
 
 _ROOT = Path(polydraulic.__file__).parent.parent
 # Finds the translation of a kernel for types of arguments; None while it is being translated.
@@ -173,7 +174,7 @@ class Expressions:
             self.refuse(node, f"{ast.unparse(node)}: {owner.type} has no fields")
         fields = self.scope.layouts.fields[owner.type.cls]
         if node.attr not in fields:
-            self.refuse(node, f"{owner.type.cls.__name__} has no field {node.attr!r}; methods do not translate")
+            self.refuse(node, f"{written_name(owner.type.cls)} has no field {node.attr!r}; methods do not translate")
         text = f"{owner.inside(POSTFIX)}{'->' if owner.pointer else '.'}{field_name(node.attr)}"
         return Value(text, fields[node.attr], POSTFIX, place=owner.pointer or owner.place)
 
@@ -318,12 +319,12 @@ class Expressions:
 
     def _construct(self, node: ast.Call, cls: type, whole: bool) -> Value:
         layouts = self.scope.layouts
-        layouts.of_annotation(cls, cls.__name__)
+        layouts.of_annotation(cls, written_name(cls))
         fields = layouts.fields[cls]
         if len(node.args) != len(fields):
-            self.refuse(node, f"{cls.__name__} has {len(fields)} fields, {len(node.args)} are given")
+            self.refuse(node, f"{written_name(cls)} has {len(fields)} fields, {len(node.args)} are given")
         texts = [
-            self.converted(arg, self.value(arg, whole=may), kind, f"{cls.__name__}.{name}").text
+            self.converted(arg, self.value(arg, whole=may), kind, f"{written_name(cls)}.{name}").text
             for arg, may, (name, kind) in zip(node.args, self._whole(node.args, whole), fields.items(), strict=True)
         ]
         return Value(f"({self.scope.struct_name(cls)}){{{', '.join(texts)}}}", Struct(cls), POSTFIX, place=True)

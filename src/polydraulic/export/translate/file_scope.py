@@ -20,6 +20,7 @@ from polydraulic.export.translate.types import (
     field_comments,
 )
 from polydraulic.export.translate.values import Value, kind_of, number
+from polydraulic.flow.layout.text_module import written_name
 
 _WIDTH = 110  # of tables
 _HELPERS = {
@@ -84,7 +85,7 @@ class FileScope:
 
     def struct_name(self, cls: type) -> str:
         """C name of a named tuple."""
-        return self.names.of(cls, cls.__name__, cls.__module__)
+        return self.names.of(cls, written_name(cls), cls.__module__)
 
     def helper(self, name: str) -> str:
         """Name of a small function that stands for an operation of Python."""
@@ -114,7 +115,7 @@ class FileScope:
             for name, kind in fields.items():
                 text = f"    {declare(kind, field_name(name), self.struct_name, constant=isinstance(kind, Array))};"
                 lines.append(f"{text} {comment(notes[name])}" if name in notes else text)
-            doc = comment((inspect.getdoc(cls) or cls.__name__).splitlines()[0])
+            doc = comment((inspect.getdoc(cls) or written_name(cls)).splitlines()[0])
             done[cls] = "\n".join([doc, "typedef struct {", *lines, f"}} {self.struct_name(cls)};", ""])
 
         for cls in list(self.layouts.fields):

@@ -8,6 +8,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.translate.types import BOOL, FLOAT, INT, Scalar, Struct, Type
+from polydraulic.flow.layout.text_module import written_name
 
 # How strongly C binds what stands at the top of an expression.
 CHOICE, OR, AND, BITS, EQUAL, ORDER, SHIFT, SUM, PRODUCT, UNARY, POSTFIX, WORD = range(12)
@@ -57,7 +58,7 @@ def plain(value: Value) -> Value:
 def shown(kind: Type) -> str:
     """A type in words."""
     if isinstance(kind, Struct):
-        return kind.cls.__name__
+        return written_name(kind.cls)
     return kind.name if isinstance(kind, Scalar) else f"an array of {kind.element.name}, {kind.shape}"
 
 

@@ -2,6 +2,9 @@
 
 A file is what numba's cache, `inspect` and the translator to C want. Where nothing can be written the text lives in memory, and what
 is compiled of it is not kept. Two processes may write the same file at once: each moves a whole one into its place.
+
+numba knows the type of a named tuple again by the names of class and fields, not by the class: of two texts that both have a
+``Plant``, the second would have every number of it looked at in Python at each call. So its classes have names of their own.
 """
 
 import hashlib
@@ -36,7 +39,15 @@ def loaded(text: str) -> ModuleType:
     linecache.cache[str(path)] = (len(text), None, text.splitlines(keepends=True), str(path))
     sys.modules[name] = module  # where numba looks for the types of what it has kept
     exec(compile(text, str(path), "exec"), module.__dict__)
+    for cls in vars(module).values():
+        if isinstance(cls, type) and issubclass(cls, tuple) and cls.__module__ == name:
+            cls.__name__ = f"{cls.__name__}_{name[-8:]}"
     return module
+
+
+def written_name(cls: type) -> str:
+    """Name under which a text defines a class."""
+    return cls.__qualname__.rpartition(".")[2]
 
 
 def _file(text: str, name: str) -> Path:

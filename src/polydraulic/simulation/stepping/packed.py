@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic.flow.layout.text_module import written_name
 from polydraulic.simulation.layout.expand import expanded
 
 
@@ -66,7 +67,7 @@ def unpack_text(trees: Mapping[str, Any]) -> str:
     kernels, place = [], _Place(0, 0)
     for name, tree in trees.items():
         text, place = _expression(tree, place, imports)
-        head = f"@kernel\ndef unpack_{name}(numbers: np.ndarray, whole: np.ndarray) -> {type(tree).__name__}:"
+        head = f"@kernel\ndef unpack_{name}(numbers: np.ndarray, whole: np.ndarray) -> {written_name(type(tree))}:"
         kernels.append(f"{head}\n    'Numbers of {name}.'\n    return {text}\n")
     lines = [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(imports.items())]
     return "\n".join(lines) + "\n\n\n" + expanded("\n\n".join(kernels), {})
@@ -103,9 +104,9 @@ def _expression(tree: Any, place: _Place, imports: dict[str, set[str]]) -> tuple
     if not isinstance(tree, tuple):
         return f"numbers[{i}]", _Place(i + 1, j)
     kind = type(tree)
-    imports.setdefault(kind.__module__, set()).add(kind.__name__)
+    imports.setdefault(kind.__module__, set()).add(written_name(kind))
     parts = []
     for part in tree:
         text, place = _expression(part, place, imports)
         parts.append(text)
-    return f"{kind.__name__}({', '.join(parts)})", place
+    return f"{written_name(kind)}({', '.join(parts)})", place
