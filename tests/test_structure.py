@@ -83,7 +83,6 @@ TESTED_ELSEWHERE = {
     "simulation/stepping/until.py": ("simulation/stepping/test_simulator.py", "runs end there as they should"),
     "simulation/stepping/tip_load.py": ("simulation/stepping/test_simulator.py", "loads are those of scenarios there"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
-    "flow/layout/network_parts.py": ("flow/layout/test_networks.py", "the kernels around which a step is written"),
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),
     "flow/training/circuit_models.py": ("flow/training/test_mode_models.py", "both learn in one run"),

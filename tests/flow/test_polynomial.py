@@ -183,3 +183,15 @@ def test_nothing_enters_a_line_at_relief_pressure(machine):
             0,
             0,
         )
+
+
+def test_a_name_gives_one_model_for_all_machines_with_the_same_circuits(machine):
+    flow = build_flow("polynomial", machine)
+    heavier = machine.with_values({"links.boom.mass": 1.1 * machine.link("boom").mass})
+    assert build_flow("polynomial", heavier) is flow
+    assert build_flow("polynomial", "cat215b") is flow
+    assert build_flow("polynomial", with_limit(machine)) is not flow
+    assert build_flow("polynomial", machine, arrangement="direct") is not flow
+    assert build_flow("neural", machine) is not flow
+    with pytest.raises(ValueError, match="read-only"):
+        flow.parts["table"].coef[0, 0] = 1.0

@@ -165,11 +165,14 @@ class CoordinatedControl:
         parts = {"valves": ready.valves, "plant": ready.plant, "servo": self.servo, "arm": self.arm}
         self._module = controller_module(self.machine, ready.module, parts, model.kernels)
         self._numbers, self._whole = pack_tree(tuple(parts.values()))
+        self._valves = ready.valves  # which keep the machine code of networks
+        tables = prepare_layout(self.machine, settings.dt, flow=model, in_tables=True)
+        exported = parts | {"valves": tables.valves}
         n, places = len(self.names), live_places(self.machine)
         self._live = np.zeros(places["RING"] + n * (self.servo.ring + 1))
         self._scratch = np.zeros(max(ready.n_memory, 1))
         self.parts = ControlParts(
-            self._module.Controller(*parts.values()), self._module.control_step, len(self._live), len(self._scratch), places["SHARE"],
+            self._module.Controller(*exported.values()), self._module.control_step, len(self._live), len(self._scratch), places["SHARE"],
             table_bytes(model.parts) // 8,
         )  # fmt: skip
         self._measured, self._wanted, self._volts = np.zeros(3 * n), np.zeros(4), np.zeros(n)

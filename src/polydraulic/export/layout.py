@@ -58,7 +58,7 @@ def layout_parts(
         raise InputError(f"flow {model.name!r} does not serve {', '.join(missing)}; give locked={missing}")
     numbers_held = table_bytes(model.parts) // 8
     check_size(model.name, numbers_held, most_numbers)
-    ready = prepare_layout(machine, dt, locked, force=force, flow=model)
+    ready = prepare_layout(machine, dt, locked, force=force, flow=model, in_tables=True)
     module = ready.module
     start = getattr(module.from_vector, "py_func", module.from_vector)(ready.start.tolist())
     if stability:

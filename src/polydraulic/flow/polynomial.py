@@ -7,9 +7,12 @@ Neither orifice areas nor the pump pressure appear; flow and relief setting of t
 pressure. A flow is the least of the pump's modes (`network_slots`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
+
+import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
@@ -51,12 +54,7 @@ def polynomial_flow(
     if arrangement not in ARRANGEMENTS:
         raise InputError(f"arrangement = {arrangement!r}: choose one of {ARRANGEMENTS}")
     check_circuits(machine, "polynomial")
-    if models is None:
-        _check_trained(machine, "polynomial")
-        models = shipped_models(arrangement, limited=_limited(machine))
-        without = [f for c in machine.circuits if not c.pump.torque_limit_enabled for f in c.functions]
-        models = [m for m in models if m.output.name not in {f"{f}.q_in{LIMITED}" for f in without}]
-    return layout_networks(machine, models, "polynomial")
+    return _shipped_flow(machine, arrangement) if models is None else layout_networks(machine, models, "polynomial")
 
 
 def neural_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model] | None = None) -> LayoutFlow:
@@ -69,10 +67,36 @@ def neural_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model] 
     """
     machine = as_machine(machine)
     check_circuits(machine, "neural")
-    if models is None:
-        _check_trained(machine, "neural")
-        models = shipped_models("neural")
-    return layout_networks(machine, models, "neural")
+    return _shipped_flow(machine, "neural") if models is None else layout_networks(machine, models, "neural")
+
+
+_MOST_BUILT = 32
+_built: dict[Hashable, LayoutFlow] = {}
+
+
+def _shipped_flow(machine: LayoutMachine, name: str) -> LayoutFlow:
+    """Flow model of the package's networks: one for all machines whose circuits have the same numbers, and its arrays take no others."""
+    key = name, machine.circuits, machine.tank, tuple((f.name, f.valve) for f in machine.functions)
+    found = _built.get(key)
+    if found is None:
+        kind = "neural" if name == "neural" else "polynomial"
+        _check_trained(machine, kind)
+        models = shipped_models(name, limited=kind == "polynomial" and _limited(machine))
+        without = [f for c in machine.circuits if not c.pump.torque_limit_enabled for f in c.functions]
+        models = [m for m in models if m.output.name not in {f"{f}.q_in{LIMITED}" for f in without}]
+        found = layout_networks(machine, models, kind)
+        _write_protect(found.parts)
+        for oldest in list(_built)[: max(0, len(_built) - _MOST_BUILT + 1)]:
+            _built.pop(oldest, None)
+        _built[key] = found
+    return found
+
+
+def _write_protect(parts: object) -> None:
+    for part in parts.values() if isinstance(parts, dict) else parts if isinstance(parts, tuple) else ():
+        if isinstance(part, np.ndarray):
+            part.flags.writeable = False
+        _write_protect(part)
 
 
 def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Model]:
@@ -85,11 +109,13 @@ def shipped_models(name: str = "cascade", *, limited: bool = False) -> list[Mode
         Also those of the torque limit; they go with the cascade and with direct networks.
     """
     parts = ["outlets", *(["inlets"] if name in ARRANGEMENTS else []), name, *(["limited"] if limited else [])]
-    found = []
-    for file in (f"{part}.json" for part in parts):
-        source = files("polydraulic.flow") / "trained" / file
-        found += parse_models(source.read_text(encoding="utf-8"), f"trained/{file}")
-    return found
+    return [model for part in parts for model in _read(f"{part}.json")]
+
+
+@cache
+def _read(file: str) -> tuple[Model, ...]:
+    source = files("polydraulic.flow") / "trained" / file
+    return tuple(parse_models(source.read_text(encoding="utf-8"), f"trained/{file}"))
 
 
 def _limited(machine: LayoutMachine) -> bool:

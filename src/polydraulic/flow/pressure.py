@@ -12,11 +12,11 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
+from polydraulic.flow.layout.network_parts import NumberedNetworks, Which
 from polydraulic.flow.layout.networks import NOTHING
 from polydraulic.flow.layout.slots import pressure_before
 from polydraulic.flow.network_slots import choose_model
-from polydraulic.networks.model.model import Model, pack_models
-from polydraulic.networks.model.partition import Regions
+from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.table import work_size
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -27,7 +27,7 @@ _NO_MODELS = "flow 'pressure' needs models=[...]: fit one of '{}' on a sampled t
 class PressureNetwork(NamedTuple):
     """Networks of the pressure before a valve, and the largest pressure at its pressurised port that they know."""
 
-    p: Regions
+    p: Which
     p_in_high: float
 
 
@@ -72,9 +72,10 @@ def pressure_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model
         for place, f in enumerate(c.functions):
             domains = [chosen[number[g]].domain() for g in c.functions]
             highest[f] = min(float(domain[len(c.functions) + place, 1]) for domain in domains)
-    regions, table = pack_models(chosen)
-    parts: dict[str, object] = {"table": table}
-    parts |= {f"pressure_{f}": PressureNetwork(regions[number[f]], highest[f]) for f in machine.names}
-    scratch = max(*(2 * len(c.functions) for c in machine.circuits), work_size(table))
+    networks = NumberedNetworks(
+        chosen, {f"pressure_{f}": PressureNetwork(number[f], highest[f]) for f in machine.names}
+    )
+    parts = networks.in_table()
+    scratch = max(*(2 * len(c.functions) for c in machine.circuits), work_size(parts["table"]))
     moved = tuple(f for f in machine.names if number[f])
-    return LayoutFlow("pressure", "pressure", circuits_of(machine), moved, parts, scratch, True)
+    return LayoutFlow("pressure", "pressure", circuits_of(machine), moved, parts, scratch, True, networks)

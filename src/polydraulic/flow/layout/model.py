@@ -3,7 +3,10 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numba
+
 from polydraulic.errors import InputError
+from polydraulic.flow.layout.network_parts import NumberedNetworks
 from polydraulic.parameters.layout.parts import MOST_IN_SERIES, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -44,11 +47,13 @@ class LayoutFlow(NamedTuple):
     served : tuple of str
         Functions that get flow.
     parts : dict
-        Arrays and numbers by the name of their field in the text's ``Valves``.
+        Arrays and numbers by the name of their field in the text's ``Valves``; networks in a table.
     n_memory : int
         Floats that a step keeps or uses as scratch.
     gives_pump_pressure : bool
         Whether pressures of pumps, and between valves, are found.
+    networks : NumberedNetworks or None
+        Networks, where there are any.
     """
 
     name: str
@@ -58,6 +63,12 @@ class LayoutFlow(NamedTuple):
     parts: dict[str, Any]
     n_memory: int
     gives_pump_pressure: bool
+    networks: NumberedNetworks | None = None
+
+    @property
+    def running_parts(self) -> dict[str, Any]:
+        """Parts as kernels of this process read them: networks as machine code where there is a compiler."""
+        return self.parts if self.networks is None or numba.config.DISABLE_JIT else self.networks.as_code()
 
     @property
     def stores_oil(self) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
-from polydraulic.flow.layout.network_parts import PassedNetworks, ValveNetworks
+from polydraulic.flow.layout.network_parts import NumberedNetworks, PassedNetworks, ValveNetworks
 from polydraulic.flow.layout.slots import (
     everything,
     inlet,
@@ -18,7 +18,7 @@ from polydraulic.flow.layout.slots import (
 )
 from polydraulic.flow.network_slots import Place, choose_model, k_in
 from polydraulic.machine.valve import spool_edges
-from polydraulic.networks.model.model import Model, Variable, pack_models
+from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.table import Network, work_size
 from polydraulic.parameters.layout.parts import SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -71,7 +71,6 @@ def layout_networks(machine: LayoutMachine, models: Sequence[Model], kind: str) 
         if len(c.functions) > 1:
             place((c.name, "passed relief"), [passed_at_relief(c)], needed=False)
             place((c.name, "passed limited"), [passed_limited(c)], needed=False)
-    regions, table = pack_models(chosen)
     functions = tuple(f for c in served for f in c.functions)
 
     def valve(f: str) -> ValveNetworks:
@@ -79,10 +78,10 @@ def layout_networks(machine: LayoutMachine, models: Sequence[Model], kind: str) 
         of = {role: places.get((f, role), nothing) for role in ("q_in", "relief", "limited", "k_out")}
         q_in, k_out = chosen[of["q_in"]], chosen[of["k_out"]]
         return ValveNetworks(
-            q_in=regions[of["q_in"]],
-            relief=regions[of["relief"]],
-            limited=regions[of["limited"]],
-            k_out=regions[of["k_out"]],
+            q_in=of["q_in"],
+            relief=of["relief"],
+            limited=of["limited"],
+            k_out=of["k_out"],
             cascade="q_passed" in q_in.inputs[0].name,
             by_root=len(k_out.inputs) == 2,
             closes=spool_edges(machine.function(f).valve)[1],
@@ -91,17 +90,19 @@ def layout_networks(machine: LayoutMachine, models: Sequence[Model], kind: str) 
             root_high=_highest(k_out, f"{f}.root_p_out"),
         )
 
-    parts: dict[str, object] = {"table": table} | {f"networks_{f}": valve(f) for f in machine.names}
-    parts |= {
+    numbered: dict[str, object] = {f"networks_{f}": valve(f) for f in machine.names}
+    numbered |= {
         f"passed_{c.name}": PassedNetworks(
-            *(regions[places.get((c.name, role), 1)] for role in ("passed relief", "passed limited"))
+            *(places.get((c.name, role), 1) for role in ("passed relief", "passed limited"))
         )
         for c in shared_circuits(machine)
     }
+    networks = NumberedNetworks(chosen, numbered)
+    parts = networks.in_table()
     longest = max(len(everything(c.functions)) for c in machine.circuits)
-    scratch = max(1 + longest, work_size(table))
+    scratch = max(1 + longest, work_size(parts["table"]))
     moved = tuple(f for f in machine.names if f in functions)
-    return LayoutFlow(kind, "networks", circuits_of(machine), moved, parts, scratch, False)
+    return LayoutFlow(kind, "networks", circuits_of(machine), moved, parts, scratch, False, networks)
 
 
 def shared_circuits(machine: LayoutMachine) -> list[SupplyCircuit]:

@@ -39,6 +39,7 @@ def prepare_layout(
     *,
     force: bool = False,
     flow: LayoutFlow | None = None,
+    in_tables: bool = False,
 ) -> ReadyMachine:
     """Precompute all of a machine that does not change during a run.
 
@@ -52,6 +53,8 @@ def prepare_layout(
         Whether a force at the tip is among the inputs.
     flow : LayoutFlow, optional
         Flow model of this machine; the exact one if not given.
+    in_tables : bool
+        Whether networks are wanted in tables, which leave as C, and not as compiled kernels read them.
 
     Raises
     ------
@@ -77,13 +80,15 @@ def prepare_layout(
         locked=module.Held(*(name in locked for name in machine.names)),
         tip=module.Point(*(machine.tip[1].get(c, 0.0) for c in COORDINATES)),
     )
-    return ReadyMachine(module, valves_of(machine, module, flow), plant, start_vector(machine), flow.n_memory)
+    valves = valves_of(machine, module, flow, in_tables=in_tables)
+    return ReadyMachine(module, valves, plant, start_vector(machine), flow.n_memory)
 
 
-def valves_of(machine: LayoutMachine, module: ModuleType, flow: LayoutFlow) -> Any:
+def valves_of(machine: LayoutMachine, module: ModuleType, flow: LayoutFlow, *, in_tables: bool = False) -> Any:
     """Orifice tables, or what a flow model has in their place, and pumps."""
     tables = flow.kernels != "networks"
-    parts = flow.parts | {f"valve_{f.name}": _tables(module, f) for f in machine.functions if tables}
+    parts = dict(flow.parts if in_tables else flow.running_parts)
+    parts |= {f"valve_{f.name}": _tables(module, f) for f in machine.functions if tables}
     pumps = {
         f"pump_{c.name}": limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
         for c in machine.circuits

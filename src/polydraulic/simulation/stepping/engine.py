@@ -8,6 +8,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,8 @@ class Engine:
         See ``pages/single.py.txt``.
     numbers, whole : arrays
         Packed parameters.
+    valves : named tuple
+        The parameters of which those are a copy: they keep the machine code of networks.
     live : array of float
         Recorded row, levers, and all else that changes, by `places`.
     counts : array of int
@@ -53,6 +56,7 @@ class Engine:
     hand: Hand
     numbers: np.ndarray = field(repr=False)
     whole: np.ndarray = field(repr=False)
+    valves: Any = field(repr=False)
     live: np.ndarray = field(repr=False)
     counts: np.ndarray = field(repr=False)
     delay: np.ndarray = field(repr=False)
@@ -100,7 +104,9 @@ class Engine:
 
     def _read(self, ready: ReadyMachine) -> None:
         """Take other numbers; the flow model meets the state with them."""
-        self.numbers, self.whole = pack_tree((ready.valves, ready.plant, self.hand))
+        valves = ready.valves
+        self.numbers, self.whole = pack_tree((valves, ready.plant, self.hand))
+        self.valves = valves
         if self.counts[STEPS] > 0:
             met, memory = self.live.copy(), self.places.memory
             self.begin(self.numbers, self.whole, met, self.counts.copy())
@@ -127,6 +133,7 @@ def engine_of(setup: Setup, mass: float) -> Engine:
         places,
         hand,
         *packed,
+        ready.valves,
         live=np.zeros(places.memory + ready.n_memory),
         counts=np.zeros(FLAGS + 2 * places.n_flag, dtype=np.int64),
         delay=np.zeros((len(machine.names), longest + 1 if longest else 0)),
