@@ -130,7 +130,27 @@ def _columns_of(machine):
     return cases.family.columns(cases.free)
 
 
-@pytest.mark.parametrize("name", ["iterative", "polynomial", "lookup"])
+@pytest.mark.parametrize("name", ["polynomial", "neural"])
+def test_networks_have_the_bits_of_simulate(machine, name):
+    """By name, with a torque limit here and there, so that networks differ; then the same networks for machines whose numbers differ."""
+    rng = np.random.default_rng(7)
+    n, seconds = (3, 0.01) if PLAIN else (LANES + 9, 0.5)
+    others = [machine, limited(machine) if name == "polynomial" else machine]
+    others.append(machine.with_values({"links.boom.mass": 2000.0}))
+    mixed = [others[i] for i in rng.integers(0, 3, n)]
+    scenarios = [load_scenario(s) for s in rng.choice(["sine", "task", "step", "pulse"], n)]
+    networks = build_flow(name, machine)
+    models = shipped_models("cascade" if name == "polynomial" else name, limited=name == "polynomial")
+    given = build_flow(name, machine, models=models)
+    for machines, flow in ((mixed, name), ([varied(machine, rng) for _ in range(n)], given), ([machine] * n, networks)):
+        batch = simulate_batch(machines, flow, scenarios, t_end=seconds, keep=["rows"])
+        for place, (one, scenario) in enumerate(zip(machines, scenarios, strict=True)):
+            table = simulate(one, flow, scenario, t_end=seconds)
+            assert_same(batch, place, table)
+            assert batch.out_of_domain[place] == table.info["steps_out_of_domain"]
+
+
+@pytest.mark.parametrize("name", ["iterative", "lookup"])
 def test_models_without_lanes_run_one_by_one(machine, build, name):
     flow = build(name, machine)
     scenarios = [load_scenario("single_08"), load_scenario("single_05")]
@@ -141,12 +161,15 @@ def test_models_without_lanes_run_one_by_one(machine, build, name):
         assert batch.not_converged[place] == table.info["steps_not_converged"]
 
 
-def test_both_ways_give_the_same(machine):
-    """Lanes and machine by machine, with the same flow model."""
+@pytest.mark.parametrize("flow", ["exact", "polynomial"])
+def test_both_ways_give_the_same(machine, flow):
+    """Lanes and machine by machine, with the same flow model; one begins outside of what networks know."""
     machines = [machine, limited(machine), machine]
+    x0 = np.tile(prepare_layout(machine, 0.005).start, (3, 1))
+    x0[2, 3:9] = 4e7
     found = []
     for work in (_blocks, _singles):
-        cases = arrange_cases(machines, "exact", load_scenario("step"), dt=0.005, t_end=0.02, x0=None, every=1)
+        cases = arrange_cases(machines, flow, load_scenario("step"), dt=0.005, t_end=0.02, x0=x0, every=1)
         columns = np.array([row for row, _ in cases.family.columns(cases.free).values()])
         shape = (3, len(columns))
         ends = np.full(shape, np.inf)
@@ -155,6 +178,7 @@ def test_both_ways_give_the_same(machine):
         assert sum(task() for task in work(cases, kept, counts)) == 3
         found.append([kept.rows, kept.final, kept.lowest, kept.highest, counts])
     assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+    assert (found[0][-1][2, 2] > 0) == (flow != "exact")
 
 
 def test_what_is_kept(machine):
@@ -218,7 +242,7 @@ def test_initial_states_and_shared_voltages(machine):
     assert np.array_equal(many.rows, np.repeat(one.rows, 3, axis=0))
 
 
-@pytest.mark.parametrize("flow", ["exact", "iterative"])
+@pytest.mark.parametrize("flow", ["exact", "polynomial", "iterative"])
 def test_a_machine_that_leaves_all_reason_does_not_spoil_the_others(machine, flow):
     wild = changed(machine, "boom", friction={"viscous": 1e30}, stops=Stops(-np.inf, np.inf))
     batch = simulate_batch([machine, wild], flow, UP, t_end=0.05, keep=["rows", "range"], columns=["boom.rate"])

@@ -18,7 +18,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
-from polydraulic.flow.lanes import LANES, leaves
+from polydraulic.flow.lanes import LANES, arrays_in, leaves
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.progress import Progress, quiet
@@ -106,8 +106,9 @@ def simulate_batch(
 ) -> Batch:
     """Simulate many machines with the loop of `simulate`; the results have the same bits.
 
-    Flow models with a lane form (``exact``) run 64 machines side by side as vector instructions; the others (``iterative``,
-    ``polynomial``: they keep memory, or loop as long as their data ask) run machine by machine. Both use all `threads`.
+    Flow models with a lane form (``exact`` and networks) run 64 machines side by side as vector instructions, of which networks are
+    asked one after the other; the others (``iterative``: they keep memory, or loop as long as their data ask) run machine by machine.
+    Both use all `threads`.
 
     Parameters
     ----------
@@ -219,17 +220,22 @@ def _add_effector(cases: Cases, names: tuple[str, ...], kept: Kept) -> None:
 
 
 def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
-    """Work in blocks of lanes; machines with equal parameters come together, and blocks of them share one set."""
+    """Work in blocks of lanes, each of one flow model's arrays; machines with equal parameters come together, and blocks of them share one set."""
     of_kinds = np.array([leaves((kind.model, kind.plant)) for kind in cases.kinds], dtype=np.float64)
     numbers, number = np.unique(of_kinds, axis=0, return_inverse=True)
     parameters = number.reshape(-1)[cases.kind]
-    order = np.argsort(parameters, kind="stable")
+    groups: dict[tuple[bytes, ...], int] = {}
+    arrays = [tuple(array.tobytes() for array in arrays_in(kind.model)) for kind in cases.kinds]
+    group = np.array([groups.setdefault(held, len(groups)) for held in arrays])[cases.kind]
+    order = np.lexsort((parameters, group))
     n_model, family = len(leaves(cases.kinds[0].model)), cases.family
+    n_block = family.n_row * LANES
 
     def block(machine: np.ndarray) -> int:
         lanes = np.concatenate([machine, np.full(LANES - len(machine), machine[0])])
-        rows = np.zeros(family.n_row * LANES)
-        rows.reshape(family.n_row, LANES)[: family.n_state] = cases.x0[lanes].T
+        rows = np.zeros(n_block + cases.n_memory)
+        found = rows[:n_block].reshape(family.n_row, LANES)
+        found[: family.n_state] = cases.x0[lanes].T
         own = np.ascontiguousarray(numbers[parameters[lanes]].T)
         differs = np.any(own != own[:, :1], axis=1)
         kind = cases.kinds[cases.kind[machine[0]]]
@@ -243,13 +249,13 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
             LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest),
             kept,
         )
-        found = rows.reshape(family.n_row, LANES)[:, : len(machine)]
-        counts[machine, 0] = found[family.steps]
-        if family.unsettled is not None:
-            counts[machine, 1] = found[family.unsettled]
+        for place, row in enumerate((family.steps, family.unsettled, family.outside)):
+            if row is not None:
+                counts[machine, place] = found[row, : len(machine)]
         return len(machine)
 
-    return [partial(block, order[i : i + LANES]) for i in range(0, len(order), LANES)]
+    alike = np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
+    return [partial(block, one[i : i + LANES]) for one in alike for i in range(0, len(one), LANES)]
 
 
 def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:

@@ -28,6 +28,8 @@ class Family(NamedTuple):
         Row of the steps made.
     unsettled : int or None
         Row of the steps that did not converge, where there can be any.
+    outside : int or None
+        Row of the steps outside the flow model's domain, where there can be any.
     run : driver
         Of the generated text: fills the rows of one machine.
     run_block : driver
@@ -48,6 +50,7 @@ class Family(NamedTuple):
     p_out: int
     steps: int
     unsettled: int | None
+    outside: int | None
     run: Callable[..., int]
     run_block: Callable[..., None] | None
     columns: Callable[[Sequence[str]], Able]
@@ -95,6 +98,7 @@ def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) 
         p_in + n,
         module.STEPS_ROW // module.LANES if lanes else 0,
         module.UNSETTLED_ROW // module.LANES if lanes else None,
+        module.BEYOND_ROW // module.LANES if lanes and flow.networks is not None else None,
         module.run,
         lanes,
         columns,

@@ -49,6 +49,8 @@ class LaneRows(NamedTuple):
         Rows of the force at the tip, if there is one.
     steps, unsettled, met : int
         Steps made; steps whose flows are not to be trusted; whether a stop was met.
+    outside, beyond : int
+        Whether inputs are outside the domain of the flow model; steps in which they were.
     n_row : int
     """
 
@@ -62,6 +64,8 @@ class LaneRows(NamedTuple):
     steps: int
     unsettled: int
     met: int
+    outside: int
+    beyond: int
     n_row: int
 
 
@@ -101,8 +105,8 @@ def lane_rows(
     limited, still = rows(len(_LIMITED)), rows(1)[0]
     status = {c.name: rows(1)[0] for c in machine.circuits}
     pushes = rows(3) if force else []
-    steps, unsettled, met = rows(3)
-    return LaneRows(groups, mass, passed, limited, still, status, pushes, steps, unsettled, met, end)
+    steps, unsettled, met, outside, beyond = rows(5)
+    return LaneRows(groups, mass, passed, limited, still, status, pushes, steps, unsettled, met, outside, beyond, end)
 
 
 def lane_lists(
@@ -140,6 +144,16 @@ def lane_lists(
         "LIMITED_ROWS": _numbered("X", _LIMITED, rows.limited),
         "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
     }
+    lists["CIRCUIT_WORD_ROWS"] = [
+        {"C": c.name, "W": word, "R": place[f"{c.name}.{word}"] * LANES}
+        for c in machine.circuits
+        for word, _ in CIRCUIT
+    ]
+    lists["BETWEEN_ROWS"] = [
+        {"C": c.name, "I": str(k), "R": place[gap_name(c.name, k, len(c.functions))] * LANES}
+        for c in machine.circuits
+        for k in range(1, len(c.functions))
+    ]
     circuits = [(c, len(c.functions), {"C": c.name, "N": str(len(c.functions))}) for c in machine.circuits]
     lists["SHORT_CIRCUITS"] = [
         {**named, "STATUS": rows.status[c.name] * LANES} for c, n, named in circuits if n not in passes

@@ -30,7 +30,11 @@ _FLOWS = {
     "tlm": ("flow_tlm",),
 }  # pages of flows, by what circuits get
 _EXACT = ("exact", "tlm")  # that solve circuits of any length exactly, at each step or at the first
-_LANES = ("lanes", "crossover")  # for exact circuits alone
+_LANES = {
+    "exact": ("lanes", "lanes_circuits", "crossover"),
+    "networks": ("lanes", "lanes_networks"),
+    "pressure": ("lanes", "lanes_networks"),
+}  # of flows that keep nothing from step to step
 _EFFECT_PAGES = {"stops": "NONE_STICKING", "stiction": "ANY_STICKING", "spools": "ANY_VALVE_EFFECT"}  # before "step"
 _IMPORTS = (
     "from typing import NamedTuple",
@@ -100,8 +104,7 @@ _written: dict[Hashable, str] = {}
 
 
 def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
-    exact = flow == "exact"
-    stages = (*_FLOWS[flow], *_PAGES, *(_LANES if exact else ()))
+    stages = (*_FLOWS[flow], *_PAGES, *_LANES.get(flow, ()))
     pages = {
         name: (files(__package__) / "pages" / f"{name}.py.txt").read_text(encoding="utf-8")
         for name in ("values", "valve", *_EFFECT_PAGES, *stages)
@@ -125,7 +128,7 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
         "\n".join(imports),
         f"N_FUNCTION, N_RECORD = {len(machine.names)}, {n_record}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
-        f"STILL_ROW = {rows.still * LANES}",
+        f"STILL_ROW, OUTSIDE_ROW, BEYOND_ROW = {rows.still * LANES}, {rows.outside * LANES}, {rows.beyond * LANES}",
         expanded(first, lists),
         "Joints = Functions",
         motion,
