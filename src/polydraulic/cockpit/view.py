@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.cockpit.shadow import Shadow
+from polydraulic.parameters.fault_catalogue import position_columns
 from polydraulic.simulation.stepping.simulator import Simulator
 
 _RELIEF = 1e-12  # m3/s: below is rounding
@@ -41,7 +42,7 @@ class View:
         added = [FrameColumn("pump.power", "W")] if self.knows_power else []
         added += [FrameColumn("payload", "kg"), *(FrameColumn(name, "m") for name in TARGET)]
         behind = (
-            [FrameColumn(f"shadow.{name}", simulator.units[name]) for name in position_columns(simulator)]
+            [FrameColumn(f"shadow.{name}", simulator.units[name]) for name in position_columns(simulator.machine)]
             if shadow
             else []
         )
@@ -51,7 +52,7 @@ class View:
         self._n, self._row = len(own), np.zeros(len(self.columns), dtype="<f4")
         reliefs = [f"{c.name}.q_relief" for c in machine.circuits]
         self._reliefs = [simulator[name] for name in reliefs if name in simulator.outputs]
-        self._joints = np.array([simulator.place[name] for name in position_columns(simulator)])
+        self._joints = np.array([simulator.place[name] for name in position_columns(simulator.machine)])
         self._tip = np.array([simulator.place[f"effector.{c}"] for c in "xyz"])
         self._low, self._high = np.array([f.stops[:2] for f in machine.functions]).T
 
@@ -87,10 +88,3 @@ class View:
         if self._shadow is not None:
             row[n + 4 :] = self._shadow.seen(self.tip)
         return row.tobytes()
-
-
-def position_columns(simulator: Simulator) -> list[str]:
-    """Names of the columns of positions, in the order of the functions."""
-    machine = simulator.machine
-    slides = [machine.link(f.moves).joint == "prismatic" for f in machine.functions]
-    return [f"{name}.{'position' if s else 'angle'}" for name, s in zip(simulator.names, slides, strict=True)]

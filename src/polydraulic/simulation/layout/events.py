@@ -1,22 +1,21 @@
 """Events in the recorded rows of a machine of any layout: the same conditions as `simulation.events`, function by function."""
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.machine.valve import spool_edges
-from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import cross_name, fed_functions
 
 Column = Callable[[str], np.ndarray]
+Limit = float | np.ndarray
 
 
 def layout_events(
-    machines: LayoutMachine | Sequence[tuple[LayoutMachine, slice]],
+    machines: LayoutMachine | Sequence[tuple[LayoutMachine, int]],
     locked: tuple[str, ...],
     time: np.ndarray,
     column: Column,
@@ -25,39 +24,23 @@ def layout_events(
 
     Parameters
     ----------
-    machines : LayoutMachine, or sequence of (LayoutMachine, slice)
-        With the rows in which it was what it was, the last row of each the first of the next.
+    machines : LayoutMachine, or sequence of (LayoutMachine, int)
+        Or what it was, with the first row after each change of it; the first of these is 0.
     locked : tuple of str
         Functions that have no events.
     time : (n_time,) array, s
     column : function from a name in `columns.Columns.place` to (n_time,) array
     """
-    parts = [(machines, slice(None))] if isinstance(machines, LayoutMachine) else machines
+    parts = [(machines, 0)] if isinstance(machines, LayoutMachine) else machines
+    machine = parts[0][0]
     found: list[list[Any]] = []
-    for machine, rows in _alike(parts):
-
-        def seen(name: str, rows: slice = rows) -> np.ndarray:
-            return column(name)[rows]
-
-        found += _found(machine, locked, time[rows], seen)
-    found.sort(key=lambda event: event[0])
-    return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
-
-
-def _alike(parts: Sequence[tuple[LayoutMachine, slice]]) -> Iterator[tuple[LayoutMachine, slice]]:
-    """Parts one after the other, those of an equal machine as one."""
-    for machine, of in groupby(parts, key=lambda part: part[0]):
-        rows = [rows for _, rows in of]
-        yield machine, slice(rows[0].start, rows[-1].stop)
-
-
-def _found(machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, column: Column) -> list[list[Any]]:
-    """Events in the rows of one machine."""
-    found: list[list[Any]] = []
-    moving = [f for f in machine.functions if f.name not in locked]
-    for alike in zip(*(_conditions(f, machine, column) for f in moving), strict=True):  # ties stand in this order
-        for f, ((begins, ends), holds, share) in zip(moving, alike, strict=True):
-            found += _changes(f.name, begins, ends, holds, share, time)
+    moving = [place for place, f in enumerate(machine.functions) if f.name not in locked]
+    limits = [_limits(place, parts, len(time)) for place in moving]
+    names = [machine.names[place] for place in moving]
+    conditions = [_conditions(name, limit, column) for name, limit in zip(names, limits, strict=True)]
+    for alike in zip(*conditions, strict=True):  # ties stand in this order
+        for name, ((begins, ends), holds, share) in zip(names, alike, strict=True):
+            found += _changes(name, begins, ends, holds, share, time)
     for c in machine.circuits:
         if not fed_functions(machine, c.name) <= set(locked):
             open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
@@ -66,29 +49,52 @@ def _found(machine: LayoutMachine, locked: tuple[str, ...], time: np.ndarray, co
         if not fed_functions(machine, x.giving) <= set(locked):
             open_ = column(cross_name(x.giving)) > 1e-12
             found += _changes(x.name, "crossover opens", "crossover closes", open_, None, time)
-    return found
+    found.sort(key=lambda event: event[0])
+    return {"events": found[:MAX_EVENTS], "events_dropped": max(len(found) - MAX_EVENTS, 0)}
+
+
+class _Limits(NamedTuple):
+    """What conditions compare a function's rows with: numbers, or where the machine changes (n_time,) arrays."""
+
+    valve: Limit
+    bypass: Limit
+    low: Limit
+    high: Limit
+    relief: Limit
+    floor: Limit
+
+
+def _limits(place: int, parts: Sequence[tuple[LayoutMachine, int]], n_time: int) -> _Limits:
+    """Limits of a function in all rows."""
+    of = []
+    for machine, _ in parts:
+        f = machine.functions[place]
+        of.append((*spool_edges(f.valve), f.stops.low, f.stops.high, f.line.relief, machine.tank.floor))
+    if len(set(of)) == 1:
+        return _Limits(*of[0])
+    which = np.searchsorted([row for _, row in parts], np.arange(n_time), side="right") - 1
+    return _Limits(*(np.array(each)[which] for each in zip(*of, strict=True)))
 
 
 def _conditions(
-    f: MachineFunction, machine: LayoutMachine, column: Column
+    name: str, limit: _Limits, column: Column
 ) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray | None]]:
     """Words, where the condition holds, and the part of the way to the next row at which it changes."""
-    travel, angle = np.abs(column(f"{f.name}.spool")), column(f"{f.name}.angle")
-    valve, bypass = spool_edges(f.valve)
-    yield ("valve opens", "valve closes"), travel > valve, _share(travel, valve)
-    yield ("bypass closes", "bypass opens"), travel >= bypass, _share(travel, bypass)
-    yield ("low stop met", "low stop left"), angle <= f.stops.low, None
-    yield ("high stop met", "high stop left"), angle >= f.stops.high, None
-    sides = [("A", column(f"{f.name}.p_a")), ("B", column(f"{f.name}.p_b"))]
+    travel, angle = np.abs(column(f"{name}.spool")), column(f"{name}.angle")
+    yield ("valve opens", "valve closes"), travel > limit.valve, _share(travel, limit.valve)
+    yield ("bypass closes", "bypass opens"), travel >= limit.bypass, _share(travel, limit.bypass)
+    yield ("low stop met", "low stop left"), angle <= limit.low, None
+    yield ("high stop met", "high stop left"), angle >= limit.high, None
+    sides = [("A", column(f"{name}.p_a")), ("B", column(f"{name}.p_b"))]
     for side, p in sides:
-        yield (f"line {side} relief opens", f"line {side} relief closes"), p >= f.line.relief, None
+        yield (f"line {side} relief opens", f"line {side} relief closes"), p >= limit.relief, None
     for side, p in sides:
-        yield (f"line {side} runs empty", f"line {side} fills"), p <= machine.tank.floor, None
+        yield (f"line {side} runs empty", f"line {side} fills"), p <= limit.floor, None
 
 
-def _share(travel: np.ndarray, edge: float) -> np.ndarray:
-    step, edge = np.diff(travel), min(edge, 1e9)
-    return np.clip(np.divide(edge - travel[:-1], step, out=np.ones_like(step), where=step != 0.0), 0.0, 1.0)
+def _share(travel: np.ndarray, edge: Limit) -> np.ndarray:
+    step, edges = np.diff(travel), np.broadcast_to(np.minimum(edge, 1e9), travel.shape)[1:]
+    return np.clip(np.divide(edges - travel[:-1], step, out=np.ones_like(step), where=step != 0.0), 0.0, 1.0)
 
 
 def _changes(

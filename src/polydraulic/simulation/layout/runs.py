@@ -204,7 +204,7 @@ def _stepped(
     info |= {"steps_not_converged": int(counts[0]), "steps_out_of_domain": int(counts[1])}
     if beyond_log is not None:
         info |= {"steps_beyond_log": beyond_log, "steps_out_of_domain": max(int(counts[1]), beyond_log)}
-    seen = [(part.plain, slice(part.first // every, part.end // every + 1)) for part, _ in parts]
+    seen = [(part.plain, part.first // every + 1 if part.first else 0) for part, _ in parts]
     info |= layout_events(seen, scenario.locked, time, lambda name: rows[:, columns.place[name]])
     return _Made(rows, info, account)
 

@@ -148,7 +148,7 @@ def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[f
     for place, one in enumerate(inputs):
         pieces = [0, *(int(np.abs(starts - t).argmin()) for t, _ in one.later), len(c)]
         pilots = [one.pilot, *(pilot for _, pilot in one.later)]
-        for pilot, first, end in zip(pilots, pieces, pieces[1:], strict=True):
+        for pilot, first, end in zip(pilots, pieces[:-1], pieces[1:], strict=True):
             _command(c[first:end, place], starts[first : end + 1], one.signal, pilot, one.travel)
     _chain(starts, c)
     levels = _levels(inputs)

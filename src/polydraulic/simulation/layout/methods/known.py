@@ -108,7 +108,7 @@ def run_known(
     watch, parts = Watch(new_log(), event_limits(machine), *flags), []
     rows[0, : columns.n_state] = x0
     row, y = 1, x0[n:]
-    for part in known_parts(machine, scenario, faults, max(float(time[-1]), SHORTEST)):
+    for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST), faults):
         first, watch = row if part.start > 0.0 else 0, watch._replace(limits=event_limits(part.machine))
         row, y, failure = integrate(part, y, rtol, time, rows, row, watch, counts)
         if failure:
@@ -122,7 +122,7 @@ def run_known(
 
 
 def known_parts(
-    machine: LayoutMachine, scenario: Scenario, faults: Sequence[TimedFault], t_end: float
+    machine: LayoutMachine, scenario: Scenario, t_end: float, faults: Sequence[TimedFault] = ()
 ) -> Iterator[KnownPart]:
     """Parts of a run between changes of the payload and of what faults leave of the machine."""
     payload, force, parts = scenario.loads.payload, bool(scenario.loads.force), faulty_parts(machine, faults, t_end)
