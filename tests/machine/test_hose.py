@@ -51,3 +51,14 @@ def test_implicit_outlet_follows_the_differential_equation(machine):
         errors.append(abs(p_b - tight))
     assert errors[1] < 0.6 * errors[0]
     assert errors[1] < 1e-2 * tight
+
+
+def test_external_leakage_goes_to_the_tank_from_either_line(machine):
+    """Shut lines of a standing actuator empty like C dP/dt = -G P."""
+    line, g = machine.function("boom").line._replace(leakage=0.0, external_leakage=2e-12), 2e-12
+    prepared, p_a, p_b = prepare_line(line, machine.tank, 1e-3), 2e7, 1e7
+    for _ in range(1000):
+        after = line_step(0.01, p_a, p_b, 0.0, 0.0, 0.0, 0.0, prepared)
+        p_a, p_b = after.p_a, after.p_b
+    assert p_a == pytest.approx(2e7 * np.exp(-g / line.compliance_a), rel=1e-3)
+    assert p_b == pytest.approx(1e7 * np.exp(-g / line.compliance_b), rel=1e-3)

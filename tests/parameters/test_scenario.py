@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from polydraulic import load_machine, load_scenario, parameters
+from polydraulic import ScheduledFault, load_machine, load_scenario, parameters
 from polydraulic.errors import InputError
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.load import machine_text
@@ -275,3 +275,46 @@ def test_strange_values_anywhere_in_a_scenario_are_one_error(scenario, value, tm
         path.write_text("\n".join([*lines[:k], f"{lines[k].split(' = ')[0]} = {value}", *lines[k + 1 :]]))
         with pytest.raises(InputError, match="mine.toml"):
             load_scenario(path)
+
+
+FAULT = """
+[[faults]]
+name = "boom.pump_worn"
+size = { value = 10, unit = "%", source = "test" }
+begin = { value = 1, unit = "min", source = "test" }
+growth = { value = 5, unit = "min", source = "test" }
+
+[[faults]]
+name = "tip.payload_unknown"
+size = { value = 0.3, unit = "t", source = "test" }
+end = { value = 9, unit = "s", source = "test" }
+
+[[faults]]
+name = "boom.angle.freeze"
+"""
+
+
+def test_a_file_says_what_breaks_and_when(written):
+    assert written(BASIC).faults == ()
+    assert written(BASIC + FAULT).faults == (
+        ScheduledFault("boom.pump_worn", 0.1, begin=60.0, growth=300.0),
+        ScheduledFault("tip.payload_unknown", 300.0, end=9.0),
+        ScheduledFault("boom.angle.freeze"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "says"),
+    [
+        ("[[faults]]", "[faults]", "[Cc]annot|must be a list of tables"),
+        ('name = "boom.angle.freeze"', "name = 3", r"faults 3.name = 3: must be a string"),
+        ('name = "boom.angle.freeze"', "", r"faults 3.*name"),
+        ("growth", "growing", "unknown key 'growing' in faults 1"),
+        ('10, unit = "%"', '10, unit = "bar"', r"faults 1.size has unit 'bar'"),
+        ('0.3, unit = "t"', '30, unit = "%"', r"faults 2.size has unit '%'"),
+        ("value = 9", "value = 0", r"faults 2: fault 'tip.payload_unknown': end = 0"),
+    ],
+)
+def test_what_is_no_fault_is_refused_with_its_place(written, before, after, says):
+    with pytest.raises(InputError, match=says):
+        written(BASIC + FAULT.replace(before, after))

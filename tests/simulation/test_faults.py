@@ -1,12 +1,27 @@
 """Runs of machines that break: what they do is what a healthy machine does until then, and `Simulator.change` afterwards, bit for bit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from polydraulic import ScheduledFault, Simulator, load_machine, simulate
+from polydraulic import (
+    Deviation,
+    Fault,
+    InputError,
+    Scenario,
+    ScheduledFault,
+    Simulator,
+    load_machine,
+    simulate,
+    simulate_batch,
+)
+from polydraulic.flow import stiff_flow
 from polydraulic.parameters.fault_catalogue import timed_faults
 from polydraulic.parameters.faults import faulty_machine
+from polydraulic.parameters.loads import Loads, Payload
 from polydraulic.parameters.scenario import random_operator
+from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.layout.runs import step_inputs
 
 DT = 5e-3
@@ -85,3 +100,88 @@ def test_other_flow_models_break_as_by_hand(flow):
     changes = {100: faulty_machine(machine, [(timed.fault, 0.0)])}
     run = simulate(machine, flow, scenario, dt=DT, faults=[fault])
     np.testing.assert_array_equal(state_of(run, machine), broken_by_hand(machine, scenario, changes, 200, flow))
+
+
+@pytest.mark.parametrize("flow", ["exact", "iterative"])
+def test_machines_of_a_batch_break_each_in_its_own_way(flow):
+    """Side by side, with the bits of single runs; also where a payload comes and goes."""
+    machine = load_machine("wheel_loader")
+    scenario = random_operator(7, 1.0, functions=machine.names)
+    loaded = replace(scenario, loads=Loads(payload=Payload((0.4, 0.8), (500.0, 0.0))))
+    whole = replace(scenario, loads=Loads(payload=Payload((0.0,), (0.0,))))
+    faults = [
+        [],
+        ["work.pump_worn 20 % from 0.303 s", "lift.leak_out 10 % from 0.5 s to 0.7 s"],
+        ["tilt.spool_slow from 0.5 s", "tip.payload_unknown 300 kg from 0.2 s"],
+        ["lift.friction_high from 0.1 s over 0.5 s"],
+    ]
+    inputs = [whole, whole, loaded, whole]
+    batch = simulate_batch(machine, flow, inputs, dt=DT, keep=["rows", "range"], every=3, t_end=0.9, faults=faults)
+    for i, (what, wrong) in enumerate(zip(inputs, faults, strict=True)):
+        run = simulate(machine, flow, what, dt=DT, t_end=0.9, faults=wrong)
+        for name in batch.names:
+            np.testing.assert_array_equal(batch[name][i], run[name][::3], err_msg=f"{i} {name}")
+            assert batch.final[i, batch.place(name)] == run[name][-1]
+            assert batch.lowest[i, batch.place(name)] == run[name].min()
+            assert batch.highest[i, batch.place(name)] == run[name].max()
+    assert len(np.unique(batch.final[:, batch.place("lift.p_a")])) == 4
+    same = simulate_batch(machine, flow, [whole, whole], dt=DT, t_end=0.9, faults=faults[1])
+    assert same.final[0].tolist() == same.final[1].tolist()
+    assert same.final[0, same.place("lift.p_a")] == batch.final[1, batch.place("lift.p_a")]
+
+
+def test_faults_of_a_batch_are_one_list_or_one_each():
+    machine = load_machine("wheel_loader")
+    scenario = random_operator(7, 1.0, functions=machine.names)
+    with pytest.raises(InputError, match="one list for all machines, or a list of lists"):
+        simulate_batch(machine, "exact", scenario, faults=["work.pump_worn", []])
+    with pytest.raises(InputError, match="2 machines, 1 inputs, 3 lists of faults"):
+        simulate_batch([machine, machine], "exact", scenario, faults=[[], [], []])
+    with pytest.raises(InputError, match="must be a list"):
+        simulate_batch(machine, "exact", scenario, faults="work.pump_worn")
+    late = Fault("late", "late", (Deviation("functions.lift.pilot.dead_time", "is", (0.1,)),))
+    with pytest.raises(InputError, match=r"functions.lift.pilot.dead_time: in a batch dead times stay"):
+        simulate_batch(machine, "exact", scenario, faults=[ScheduledFault(late, begin=0.5)])
+
+
+@pytest.mark.slow_to_compile
+def test_methods_with_their_own_steps_meet_the_same_faults():
+    """Pilots, lines and the load at the tip change at the very time; the step of the fixed method converges to it."""
+    machine = load_machine("wheel_loader")
+    scenario = random_operator(11, 2.0, functions=machine.names)
+    faults = ["lift.spool_slow from 0.5 s", "tilt.spool_weak from 0.8 s to 1.2 s", "lift.leak_out 10 % from 1 s"]
+    faults += ["tip.payload_unknown 300 kg from 1.5 s"]
+    run = simulate(machine, "exact", scenario, dt=DT, method="rosenbrock", rtol=1e-7, faults=faults)
+    errors = []
+    for dt in (1e-3, 5e-4):
+        steps = simulate(machine, "exact", scenario, dt=dt, faults=faults)
+        errors.append(
+            [abs(steps[c][-1] - run[c][-1]) for c in ("lift.angle", "tilt.angle", "lift.spool", "tilt.spool")]
+        )
+    healthy = simulate(machine, "exact", scenario, dt=5e-4)
+    assert abs(healthy["lift.angle"][-1] - run["lift.angle"][-1]) > 5e-3
+    np.testing.assert_allclose(errors[1], 0.5 * np.array(errors[0]), rtol=0.1)  # of first order, whatever breaks
+
+
+def test_a_low_relief_valve_is_seen_to_open_at_its_own_pressure():
+    machine = load_machine("wheel_loader")
+    scenario = Scenario("stall", 3.0, {"tilt": Constant(0.8)})
+    run = simulate(machine, "exact", scenario, dt=DT, faults=["tilt.line_relief_low 60 % from 1 s"])
+    low = 0.4 * machine.function("tilt").line.relief
+    assert run["tilt.p_a"][run["time"] > 1.0].max() <= low
+    opened = [t for t, who, what in run.info["events"] if (who, what) == ("tilt", "line A relief opens")]
+    assert opened
+    assert min(opened) == pytest.approx(1.0 + DT)
+
+
+def test_what_a_run_does_not_know_is_said():
+    machine = load_machine("wheel_loader")
+    scenario = random_operator(7, 0.1, functions=machine.names)
+    run = simulate(machine, "exact", scenario, faults=["lift.angle.bias"])
+    assert run.info["doubtful_inputs"] == [
+        "fault lift.angle.bias: sensors are no part of a run; `record` lets them err"
+    ]
+    with pytest.raises(InputError, match="made for the valves and pumps as they were"):
+        simulate(machine, stiff_flow(machine), scenario, faults=["work.pump_worn from 0.05 s"])
+    with pytest.raises(InputError, match="must be a list"):
+        simulate(machine, "exact", scenario, faults="work.pump_worn")

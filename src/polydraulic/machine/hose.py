@@ -1,4 +1,4 @@
-"""Subsystem 3, the hoses: net flow -> line pressure (Eqs 4 and 6).
+"""Subsystem 3, the hoses: net flow -> line pressure (Eqs 4 and 6), with leakage from line to line and to the tank.
 
 Step: the pressurised side is explicit, since its flow hardly depends on the pressure while the bypass is open. The
 outlet is the stiff side and is solved implicitly in closed form: with s = sqrt(P_o - P_e) and Q_o = k s,
@@ -18,6 +18,7 @@ class LineStep(NamedTuple):
     gain_a: float  # dt / C_A
     gain_b: float
     leakage: float
+    external: float  # leakage
     relief: float
     floor: float
     p_return: float
@@ -44,6 +45,7 @@ def prepare_line(line: Line, tank: Tank, dt: float) -> LineStep:
         dt / line.compliance_a,
         dt / line.compliance_b,
         line.leakage,
+        line.external_leakage,
         line.relief,
         tank.floor,
         tank.return_pressure,
@@ -88,7 +90,7 @@ def line_step(
     """
     forward = spool >= 0.0
     leak = line.leakage * (p_a - p_b)
-    drawn_a, drawn_b = swept_a + leak, swept_b - leak
+    drawn_a, drawn_b = swept_a + leak + line.external * p_a, swept_b - leak + line.external * p_b
 
     p_in = p_a if forward else p_b
     gain_in = line.gain_a if forward else line.gain_b

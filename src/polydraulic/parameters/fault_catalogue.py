@@ -242,6 +242,10 @@ def _of_function(f: MachineFunction, machine: LayoutMachine) -> Iterator[FaultKi
         (Change(f"{where}.line.leakage", "plus", 0.0, flow / _AT),),
     )  # fmt: skip
     yield FaultKind(
+        f"{name}.leak_out", f"lines of {name} leak to the tank: {{}} of the pump's flow at 200 bar", (0.02, 0.05, 0.1), _LESS,
+        (Change(f"{where}.line.external_leakage", "plus", 0.0, flow / _AT),),
+    )  # fmt: skip
+    yield FaultKind(
         f"{name}.line_relief_low", f"relief valves of {name}'s lines {{}} low", (0.1, 0.2, 0.3), _LESS,
         (Change(f"{where}.line.relief", "times", 1.0, -1.0),),
     )  # fmt: skip

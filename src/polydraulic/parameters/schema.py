@@ -35,12 +35,13 @@ class Pilot(NamedTuple):
 
 
 class Line(NamedTuple):
-    """The two hoses of an actuator; A is pressurised for a positive spool."""
+    """The two hoses of an actuator; A is pressurised for a positive spool. Leakage is from A to B, external leakage from each to the tank."""
 
     compliance_a: Compliance
     compliance_b: Compliance
     leakage: Annotated[float, Quantity("m3/s/Pa", low=0.0)]
     relief: PositivePressure
+    external_leakage: Annotated[float, Quantity("m3/s/Pa", low=0.0)] = 0.0
 
 
 class SwingMotor(NamedTuple):

@@ -121,3 +121,48 @@ def test_missing_things_are_one_error(tmp_path, machine, bench):
         record(machine, [load_scenario("random:1:1")], bench, tmp_path / "log.xls")
     with pytest.raises(InputError, match="no scenario to record"):
         record(machine, [], bench, tmp_path / "log.csv")
+
+
+EXACT = """
+[[sensor]]
+column = "boom.angle"
+unit = "rad"
+raster = "10 ms"
+
+[[sensor]]
+column = "boom.p_a"
+unit = "Pa"
+raster = "10 ms"
+noise = 1e4
+"""
+
+
+def test_faults_act_in_the_machine_and_in_what_sensors_read_before_noise(tmp_path, machine):
+    (tmp_path / "sensors.toml").write_text(EXACT)
+    bench, what = load_sensors(tmp_path / "sensors.toml"), [load_scenario("random:1:3"), load_scenario("random:2:3")]
+    sensors = ["boom.p_a.bias 5 % from 2 s to 2.5 s", "boom.angle.freeze from 2.5 s to 10 s"]
+
+    def log(name, faults):
+        record(machine, what, bench, tmp_path / name, faults=faults)
+        return read_table(tmp_path / name)
+
+    healthy, deceived = log("healthy.parquet", ()), log("deceived.parquet", sensors)
+    leaking = log("leaking.parquet", ["boom.leak_out 20 % from 9 s"])
+    time, span = healthy["time"], machine.function("boom").line.relief
+    off = (time > 2.0 - 1e-6) & (time < 2.5 - 1e-6)
+    np.testing.assert_allclose(deceived["boom.p_a"] - healthy["boom.p_a"], np.where(off, 0.05 * span, 0.0), atol=1e-6)
+    frozen = (time > 2.5 - 1e-6) & (time < 10.0 - 1e-6)  # from the first run into the second, which begins at 8 s
+    np.testing.assert_array_equal(deceived["boom.angle"][~frozen], healthy["boom.angle"][~frozen])
+    assert len(np.unique(deceived["boom.angle"][frozen])) == 1
+    assert deceived["boom.angle"][frozen][0] == pytest.approx(healthy["boom.angle"][time < 2.5][-1], abs=1e-3)
+    begun = time > 9.0 + 1e-6
+    np.testing.assert_array_equal(leaking["boom.p_a"][~begun], healthy["boom.p_a"][~begun])
+    assert np.max(np.abs(leaking["boom.p_a"] - healthy["boom.p_a"])[begun]) > 1e4
+
+
+def test_a_fault_of_a_sensor_that_is_not_there_is_refused(tmp_path, machine, bench):
+    with pytest.raises(
+        InputError, match=r"a fault is of 'boom.p_b', which no sensor reads; there are sensors of boom.spool"
+    ):
+        record(machine, ["random:1:2"], bench, tmp_path / "log.csv", faults=["boom.p_b.bias"])
+    assert not (tmp_path / "log.csv").exists()

@@ -102,9 +102,14 @@ def balance(f: MachineFunction, floor: float, s: Signals, rows: np.ndarray, rast
     time, line = raster * (rows.shape[1] - 1), f.line
     weights = mean_weights(rows.shape[1])
     leak = line.leakage * ((s.p_a - s.p_b)[rows] @ weights)
+    lost_a, lost_b = (line.external_leakage * (p[rows] @ weights) for p in (s.p_a, s.p_b))
     last, first = rows[:, -1], rows[:, 0]
-    into_a = (s.volume_a[last] - s.volume_a[first] + line.compliance_a * (s.p_a[last] - s.p_a[first])) / time + leak
-    into_b = (s.volume_b[last] - s.volume_b[first] + line.compliance_b * (s.p_b[last] - s.p_b[first])) / time - leak
+    into_a = (
+        (s.volume_a[last] - s.volume_a[first] + line.compliance_a * (s.p_a[last] - s.p_a[first])) / time + leak + lost_a
+    )
+    into_b = (
+        (s.volume_b[last] - s.volume_b[first] + line.compliance_b * (s.p_b[last] - s.p_b[first])) / time - leak + lost_b
+    )
     one_side = forward.all(axis=1) | (~forward).all(axis=1)
     ahead = forward[:, 0]
     shut = [((p[rows] > floor + _MARGIN) & (p[rows] < line.relief - _MARGIN)).all(axis=1) for p in (s.p_a, s.p_b)]

@@ -84,13 +84,21 @@ class Reader:
     def part(
         self, cls: type[Tree], data: Mapping[str, Any], key: str, where: str, also: Collection[str] = ()
     ) -> Tree | None:
-        """Return a named tuple of quantities and switches, None where one of them is wrong; `also` are keys that are read elsewhere."""
+        """Return a named tuple of quantities and switches, None where one of them is wrong.
+
+        What has a default may be left out; `also` are keys that are read elsewhere.
+        """
         here = f"{where}.{key}".lstrip(".")
         if key not in data:
             return None
         hints = get_type_hints(cls, include_extras=True)
         before = len(self.wrong)
-        found = self.table(data[key], (*hints, *also), hints, here)
+        found = self.table(
+            data[key],
+            (*hints, *also),
+            [name for name in hints if name not in getattr(cls, "_field_defaults", {})],
+            here,
+        )
         values: dict[str, Any] = {}
         for name, hint in hints.items():
             leaf = leaf_of(hint)

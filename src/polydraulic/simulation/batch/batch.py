@@ -6,13 +6,13 @@ or machines, are shared out among threads. Nothing is kept but what was asked fo
 
 import os
 from collections import deque
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Event, Thread
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -102,6 +102,7 @@ def simulate_batch(
     columns: Sequence[str] | None = None,
     every: int = 1,
     threads: int | None = None,
+    faults: Sequence[Any] = (),
     progress: Progress = quiet,
 ) -> Batch:
     """Simulate many machines with the loop of `simulate`; the results have the same bits.
@@ -135,6 +136,8 @@ def simulate_batch(
         Record every so many steps.
     threads : int, optional
         By default as many as there are processors. Results do not depend on it.
+    faults : sequence of str, Fault or ScheduledFault, or sequence of such sequences
+        As for `simulate`, besides those of scenarios: one list for all machines, or a list of lists, one for each.
     progress : Progress, optional
         Told how many machines are done.
 
@@ -145,10 +148,10 @@ def simulate_batch(
     Raises
     ------
     InputError
-        Lengths or shapes that do not fit, an unknown column, a scenario that moves functions which the flow model does not serve, or
+        Lengths or shapes that do not fit, an unknown column, a fault that a machine cannot have, a scenario that moves functions which the flow model does not serve, or
         what `simulate` would refuse.
     """
-    cases = arrange_cases(machines, flow, inputs, dt=dt, t_end=t_end, x0=x0, every=every)
+    cases = arrange_cases(machines, flow, inputs, dt=dt, t_end=t_end, x0=x0, every=every, faults=faults)
     unknown = [name for name in ([keep] if isinstance(keep, str) else keep) if name not in KEEP]
     if unknown or isinstance(keep, str):
         raise InputError(f"keep = {keep!r}: must be a list of {list(KEEP)}")
@@ -223,32 +226,31 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
     """Work in blocks of lanes, each of one flow model's arrays; machines with equal parameters come together, and blocks of them share one set."""
     of_kinds = np.array([leaves((kind.model, kind.plant)) for kind in cases.kinds], dtype=np.float64)
     numbers, number = np.unique(of_kinds, axis=0, return_inverse=True)
-    parameters = number.reshape(-1)[cases.kind]
-    groups: dict[tuple[bytes, ...], int] = {}
-    arrays = [tuple(array.tobytes() for array in arrays_in(kind.model)) for kind in cases.kinds]
-    group = np.array([groups.setdefault(held, len(groups)) for held in arrays])[cases.kind]
-    order = np.lexsort((parameters, group))
+    parameters, group = number.reshape(-1), _groups(cases)
+    order = np.lexsort((cases.kind * np.isin(cases.kind, list(cases.later)), parameters[cases.kind], group))
     n_model, family = len(leaves(cases.kinds[0].model)), cases.family
     n_block = family.n_row * LANES
+
+    def numbers_at(kinds: np.ndarray) -> list[Any]:
+        """Parameters of lanes: those of the first, and rows of their own where they differ."""
+        own = np.ascontiguousarray(numbers[parameters[kinds]].T)
+        differs, first = np.any(own != own[:, :1], axis=1), cases.kinds[kinds[0]]
+        return [
+            first.model,
+            own[:n_model].ravel() if differs[:n_model].any() else None,
+            first.plant,
+            own[n_model:].ravel() if differs.any() else None,
+        ]
 
     def block(machine: np.ndarray) -> int:
         lanes = np.concatenate([machine, np.full(LANES - len(machine), machine[0])])
         rows = np.zeros(n_block + cases.n_memory)
         found = rows[:n_block].reshape(family.n_row, LANES)
         found[: family.n_state] = cases.x0[lanes].T
-        own = np.ascontiguousarray(numbers[parameters[lanes]].T)
-        differs = np.any(own != own[:, :1], axis=1)
-        kind = cases.kinds[cases.kind[machine[0]]]
         lowest = np.full((kept.lowest.shape[1], LANES), np.inf)
-        family.run_block(  # type: ignore[misc]  # there are lanes where there are blocks
-            kind.model,
-            own[:n_model].ravel() if differs[:n_model].any() else None,
-            kind.plant,
-            own[n_model:].ravel() if differs.any() else None,
-            cases.voltage,
-            LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest),
-            kept,
-        )
+        lane_block = LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest)
+        for first, end, kinds in _parts(cases, lanes):
+            family.run_block(*numbers_at(kinds), cases.voltage, first, end, lane_block, kept)  # type: ignore[misc]  # there are lanes where there are blocks
         for place, row in enumerate((family.steps, family.unsettled, family.outside)):
             if row is not None:
                 counts[machine, place] = found[row, : len(machine)]
@@ -258,18 +260,51 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
     return [partial(block, one[i : i + LANES]) for one in alike for i in range(0, len(one), LANES)]
 
 
+def _groups(cases: Cases) -> np.ndarray:
+    """Number of a group for each machine: in one, all have the same arrays of a flow model at all times."""
+    arrays = [tuple(array.tobytes() for array in arrays_in(kind.model)) for kind in cases.kinds]
+    numbers: dict[Any, int] = {}
+
+    def group(kind: int) -> int:
+        held: list[Any] = [(0, arrays[kind])]
+        for step, later in sorted(cases.later.get(kind, {}).items()):
+            if arrays[later] != held[-1][1]:
+                held.append((step, arrays[later]))
+        return numbers.setdefault(tuple(held), len(numbers))
+
+    return np.array([group(kind) for kind in range(len(cases.kinds))])[cases.kind]
+
+
+def _parts(cases: Cases, machines: np.ndarray) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Steps, from one to before another, in which the kinds of some machines are what they are."""
+    kinds, n_step = cases.kind[machines], cases.voltage.shape[1]
+    changes = [cases.later.get(kind, {}) for kind in kinds.tolist()]
+    begins = sorted({0, *(step for change in changes for step in change if step < n_step)})
+    for first, end in zip(begins, [*begins[1:], n_step], strict=True):
+        kinds = np.array([change.get(first, kind) for change, kind in zip(changes, kinds.tolist(), strict=True)])
+        yield first, end, kinds
+
+
 def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
     """Work machine by machine, with the loop of `simulate`."""
     n_step, family = cases.voltage.shape[1], cases.family
     n, run = len(family.functions), family.run
 
     def single(i: int) -> int:
-        kind, rows = cases.kinds[cases.kind[i]], np.empty((n_step + 1, family.p_out + n))
-        memory = np.zeros(cases.n_memory)
+        rows, memory = np.empty((n_step + 1, family.p_out + n)), np.zeros(cases.n_memory)
         voltage, states = cases.voltage[cases.signal[i]], np.empty((n_step + 1, family.n_record))
-        counts[i, 0] = run(kind.model, memory, kind.plant, cases.x0[i], voltage, 1, states, counts[i, 1:])
-        if counts[i, 0] < n_step:  # the first row holds the step that failed; what it held before is the start
-            run(kind.model, np.zeros_like(memory), kind.plant, cases.x0[i], voltage[:0], 1, states[:1], counts[i, 1:])
+        for first, end, kinds in _parts(cases, np.array([i])):
+            kind, x0, before = cases.kinds[kinds[0]], states[first, : family.n_state].copy(), states[first].copy()
+            x0 = x0 if first else cases.x0[i]
+            own = states[first : end + 1]
+            made = run(kind.model, memory, kind.plant, x0, voltage[first:end], 1, own, counts[i, 1:])
+            counts[i, 0] += made
+            if first:  # the row before stays that of the machine as it was
+                states[first] = before
+            elif made < end:  # the first row holds the step that failed; what it held before is the start
+                run(kind.model, np.zeros_like(memory), kind.plant, x0, voltage[:0], 1, states[:1], counts[i, 1:])
+            if made < end - first:
+                break
         rows[:, : family.n_record] = states
         spool, p_a, p_b = (states[:, k * n : (k + 1) * n] for k in range(3))  # as states begin, whatever the layout
         rows[:, family.p_in : family.p_in + n] = np.where(spool >= 0.0, p_a, p_b)

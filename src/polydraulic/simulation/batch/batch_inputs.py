@@ -10,18 +10,20 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.layout.model import LayoutFlow
+from polydraulic.parameters.deviations import TimedFault
+from polydraulic.parameters.fault_catalogue import as_list, timed_faults
 from polydraulic.parameters.layout.adapt import adapted
-from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_machine
 from polydraulic.parameters.loads import Loads
 from polydraulic.parameters.scenario import Scenario, as_scenario, load_scenario
 from polydraulic.simulation.batch.family import Family, family_of
+from polydraulic.simulation.changed_flow import changed_flow
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.runs import check_served, step_inputs
+from polydraulic.simulation.layout.runs import check_served, segments, step_inputs
 from polydraulic.simulation.layout.text import layout_of
-from polydraulic.simulation.steps import n_steps
+from polydraulic.simulation.steps import MOST_STEPS, n_steps
 
 
 class Kind(NamedTuple):
@@ -46,7 +48,9 @@ class Cases(NamedTuple):
     kinds : list of Kind
         The machines that differ.
     kind : (n,) array of int
-        Kind of each case.
+        Kind of each case at its start.
+    later : dict from kind to dict from step to kind
+        What the cases that begin as a kind become, for kinds that do not stay.
     x0 : (n, n_state) array
     voltage : (n_signal, n_step, n_input) array, V
     signal : (n,) array of int
@@ -61,6 +65,7 @@ class Cases(NamedTuple):
     flow: str
     kinds: list[Kind]
     kind: np.ndarray
+    later: dict[int, dict[int, int]]
     x0: np.ndarray
     voltage: np.ndarray
     signal: np.ndarray
@@ -77,6 +82,7 @@ def arrange_cases(
     t_end: float | None,
     x0: np.ndarray | None,
     every: int,
+    faults: Sequence[Any] = (),
 ) -> Cases:
     """Check and prepare the arguments of `simulate_batch`."""
     named = cache(load_machine)  # machines of one name are one kind
@@ -90,7 +96,9 @@ def arrange_cases(
     scenarios = _scenarios(inputs, functions)
     voltage = None if scenarios else _voltages(inputs, functions)
     starts = None if x0 is None else _starts(x0, columns_of(given[0]).n_state)
+    broken = _faults(faults)
     lengths = {"machines": len(given), "inputs": len(voltage) if voltage is not None else len(scenarios)}
+    lengths |= {"lists of faults": len(broken)}
     if starts is not None:
         lengths["initial states"] = len(starts)
     n = max(lengths.values())
@@ -98,11 +106,21 @@ def arrange_cases(
         found = ", ".join(f"{length} {name}" for name, length in lengths.items())
         raise InputError(f"{found}: each must be one for all machines, or as many as there are machines")
 
-    pairs = [(given[i % len(given)], scenarios[i % len(scenarios)] if scenarios else None) for i in range(n)]
-    numbers: dict[tuple[int, int], int] = {}
-    kind = np.array([numbers.setdefault((id(m), id(s)), len(numbers)) for m, s in pairs])
+    pairs = [
+        (given[i % len(given)], scenarios[i % len(scenarios)] if scenarios else None, broken[i % len(broken)])
+        for i in range(n)
+    ]
+    numbers: dict[tuple[int, int, int], int] = {}
+    kind = np.array([numbers.setdefault((id(m), id(s), id(f)), len(numbers)) for m, s, f in pairs])
     first = np.unique(kind, return_index=True)[1]
-    kinds = [_kind(machine, scenario, flow, dt) for machine, scenario in (pairs[i] for i in first)]
+    all_of = [_kinds(machine, scenario, flow, dt, wrong) for machine, scenario, wrong in (pairs[i] for i in first)]
+    kinds = [found[0] for found in all_of]
+    later: dict[int, dict[int, int]] = {}
+    every_kind = list(kinds)
+    for number, of in enumerate(all_of):
+        for step, changed in list(of.items())[1:]:
+            later.setdefault(number, {})[step] = len(every_kind)
+            every_kind.append(changed)
 
     if voltage is None:
         voltage, signal_of_kind = _scenario_voltages(kinds, [pairs[i][1] for i in first], dt, t_end, every)
@@ -113,7 +131,7 @@ def arrange_cases(
     if starts is None:
         starts = np.array([k.start for k in kinds])[kind]
     free = tuple(name for place, name in enumerate(functions) if not all(k.plant.locked[place] for k in kinds))
-    forced = {bool(scenario.loads.force) for _, scenario in pairs if scenario}
+    forced = {bool(scenario.loads.force) for _, scenario, _ in pairs if scenario}
     if len(forced) > 1:
         raise InputError(
             "some of the scenarios have a force at the tip and some have none; give all of them one, of 0 N if need be"
@@ -121,7 +139,16 @@ def arrange_cases(
     family = family_of(kinds[0].machine, kinds[0].flow, force=forced == {True})
     model = kinds[0].flow
     return Cases(
-        family, model.name, kinds, kind, starts[np.arange(n) % len(starts)], voltage, signal, free, model.n_memory
+        family,
+        model.name,
+        every_kind,
+        kind,
+        later,
+        starts[np.arange(n) % len(starts)],
+        voltage,
+        signal,
+        free,
+        model.n_memory,
     )
 
 
@@ -135,14 +162,20 @@ def _functions(machines: Sequence[LayoutMachine]) -> tuple[str, ...]:
     return machines[0].names
 
 
-def _kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float) -> Kind:
+def _faults(faults: Any) -> list[list[Any]]:
+    """Lists of faults: one for all, or one for each machine."""
+    each = [isinstance(one, Sequence) and not isinstance(one, str | TimedFault) for one in as_list(faults)]
+    if any(each) and not all(each):
+        raise InputError("faults must be one list for all machines, or a list of lists, one for each")
+    return [as_list(one) for one in faults] if any(each) else [as_list(faults)]
+
+
+def _kinds(
+    machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float, faults: list[Any]
+) -> dict[int, Kind]:
+    """What a machine is from which step on, the first being 0."""
     model = layout_flow(flow, machine)
     loads = scenario.loads if scenario else Loads()
-    if loads.payload is not None and loads.payload.time != (0.0,):
-        raise InputError(
-            f"scenario {scenario.name if scenario else ''!r}: a payload that changes is for `simulate`; in a batch each machine keeps one from "
-            "time 0 on"
-        )
     if scenario:
         check_served(scenario, model, machine)
     elif model.served != machine.names:
@@ -151,9 +184,22 @@ def _kind(machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowMod
             "others"
         )
     machine = adapted(machine, scenario) if scenario else machine
-    machine = machine if loads.payload is None else with_payload(machine, loads.payload.mass[0])
-    ready = prepare_layout(machine, dt, scenario.locked if scenario else (), force=bool(loads.force), flow=model)
-    return Kind(machine, ready.plant, ready.valves, ready.start, model)
+    timed = timed_faults(machine, (*(scenario.faults if scenario else ()), *faults))
+    locked, found = scenario.locked if scenario else (), dict[int, Kind]()
+    for part in segments(machine, loads.payload, timed, dt, MOST_STEPS):
+        late = [
+            f.name
+            for f, g in zip(part.plain.functions, machine.functions, strict=True)
+            if f.pilot.dead_time != g.pilot.dead_time
+        ]
+        if late:
+            raise InputError(
+                f"functions.{late[0]}.pilot.dead_time: in a batch dead times stay; `simulate` lets them change"
+            )
+        now = changed_flow(flow, model, machine, part.plain)
+        ready = prepare_layout(part.machine, dt, locked, force=bool(loads.force), flow=now)
+        found[part.first] = Kind(part.machine, ready.plant, ready.valves, ready.start, now)
+    return found
 
 
 def _scenarios(inputs: Any, functions: Sequence[str]) -> list[Scenario]:

@@ -27,8 +27,8 @@ def line_rates(
     q_out = k_out * sqrt(max((p_b if forward else p_a) - line.p_return, 0.0))
     leak = line.leakage * (p_a - p_b)
     return LineRates(
-        line.gain_a * ((q_in if forward else -q_out) - a - leak),
-        line.gain_b * ((-q_out if forward else q_in) + b + leak),
+        line.gain_a * ((q_in if forward else -q_out) - a - leak - line.external * p_a),
+        line.gain_b * ((-q_out if forward else q_in) + b + leak - line.external * p_b),
         q_out,
     )
 

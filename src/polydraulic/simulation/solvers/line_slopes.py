@@ -8,7 +8,7 @@ from polydraulic.machine.hose import LineStep
 
 
 class Hoses(NamedTuple):
-    """The lines of one link: d(p_in)/dt = gain_in (q_in - push_in w - leakage (p_in - p_out)), and the outlet alike.
+    """The lines of one link: d(p_in)/dt = gain_in (q_in - push_in w - leakage (p_in - p_out) - external p_in), and the outlet alike.
 
     `push` is the torque that a pressure exerts on the joint, over the pressure, and also the volume that a radian draws.
     """
@@ -20,6 +20,7 @@ class Hoses(NamedTuple):
     turn_in: float  # slope of push over the angle
     turn_out: float
     leakage: float
+    external: float  # leakage
     outlet: float  # slope of q_out over p_out, m3/s/Pa
     draw: float  # joint rate
 
@@ -41,6 +42,7 @@ def hoses_at(
         turn_a if forward else -turn_b,
         -turn_b if forward else turn_a,
         line.leakage,
+        line.external,
         0.5 * k_out / root if root > 0.0 else 0.0,
         draw,
     )
@@ -65,11 +67,11 @@ class EliminatedOutlet(NamedTuple):
 @kernel
 def eliminate_outlet(e: float, own: float, h: Hoses) -> EliminatedOutlet:
     """Lines without the outlet; `e` in 1/s, `own` is the slope of q_in over p_in."""
-    over_out = 1.0 / (e + h.gain_out * (h.outlet + h.leakage))
+    over_out = 1.0 / (e + h.gain_out * (h.outlet + h.leakage + h.external))
     feel_in = -h.gain_in * (h.push_in + h.turn_in * h.draw / e)
     feel_out = -h.gain_out * (h.push_out + h.turn_out * h.draw / e)
     back = h.gain_in * h.leakage * over_out
-    pivot = e + h.gain_in * (h.leakage - own) - back * h.gain_out * h.leakage
+    pivot = e + h.gain_in * (h.leakage + h.external - own) - back * h.gain_out * h.leakage
     return EliminatedOutlet(over_out, pivot, feel_in, feel_out, feel_in + back * feel_out)
 
 
