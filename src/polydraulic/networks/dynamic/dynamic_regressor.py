@@ -18,6 +18,7 @@ from polydraulic.networks.dynamic.refine_free_run import refine_over_steps, spre
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, lagged, rows_of, spans_of, without
 from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
 from polydraulic.networks.dynamic.term_network import places_read, term_networks
+from polydraulic.networks.growth.workers import in_threads, one_blas_thread
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR
@@ -139,8 +140,9 @@ class DynamicRegressor(FreeRunner):
         self.n_outputs_ = signals.shape[1] - self.n_features_in_
         spans = spans_of(segments, np.isfinite(signals).all(axis=1))
         _check_sizes(signals[rows_of(spans)], self._names())
-        *self.tried_, self.choice_ = self._choose(signals, spans)
-        self.models_ = self._learn(self.choice_, signals, spans)
+        with one_blas_thread():
+            *self.tried_, self.choice_ = self._choose(signals, spans)
+            self.models_ = self._learn(self.choice_, signals, spans)
         self.warm_up_ = self._dynamics.warm_up
         return self
 
@@ -198,11 +200,12 @@ class DynamicRegressor(FreeRunner):
     ) -> float:
         """Free-run error on each block of models that have not seen it."""
         scale = spread(signals[rows_of(spans), self.n_features_in_ :])
-        errors = [
-            self._run_error(self._learn(choice, signals, _but(spans, block, choice.longest)), signals, block, scale)
-            for block in blocks
-        ]
-        return float(np.mean(errors))
+
+        def error(block: list[Span]) -> float:
+            models = self._learn(choice, signals, _but(spans, block, choice.longest))
+            return self._run_error(models, signals, block, scale)
+
+        return float(np.mean(in_threads(error, blocks)))
 
     def _held_out_path(
         self, choice: Choice, signals: np.ndarray, spans: list[Span], blocks: list[list[Span]]
@@ -211,13 +214,16 @@ class DynamicRegressor(FreeRunner):
         scale, found = spread(signals[rows_of(spans), self.n_features_in_ :]), list[Choice]()
         most = self._whole("max_terms") * self.n_outputs_
         paths = [self._polynomials(choice, signals, _but(spans, block, choice.longest)) for block in blocks]
-        for steps in zip(*paths, strict=False):
-            errors = [
-                self._run_error(models, signals, block, scale) for (_, models), block in zip(steps, blocks, strict=True)
-            ]
-            found.append(choice._replace(terms=steps[0][0], error=float(np.mean(errors))))
+
+        def one_more(place: int) -> tuple[int, float] | None:
+            step = next(paths[place], None)
+            return None if step is None else (step[0], self._run_error(step[1], signals, blocks[place], scale))
+
+        while all(steps := in_threads(one_more, range(len(blocks)))):
+            (terms, _), *_ = known = [step for step in steps if step is not None]
+            found.append(choice._replace(terms=terms, error=float(np.mean([error for _, error in known]))))
             best = int(np.argmin([one.error for one in found]))
-            if steps[0][0] >= most or len(found) - 1 - best >= _PATIENCE * self.n_outputs_:
+            if terms >= most or len(found) - 1 - best >= _PATIENCE * self.n_outputs_:
                 break
         return found
 

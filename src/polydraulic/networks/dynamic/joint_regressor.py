@@ -14,6 +14,7 @@ from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of, run_terms
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of, without
 from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
+from polydraulic.networks.growth.workers import in_threads, one_blas_thread
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.progress import Progress, quiet
@@ -132,7 +133,8 @@ class JointRegressor(FreeRunner):
         found = []
         for k in range(n):
             self.progress(f"rate of {said[self.n_features_in_ + k]}", n + k, 2 * n)
-            found.append(self._learn(k, signals, targets))
+            with one_blas_thread():
+                found.append(self._learn(k, signals, targets))
         self.models_ = [model for model, _, _ in found]
         self.warm_up_ = max(model.dynamics.warm_up for model in self.models_ if model.dynamics)
         read = {
@@ -193,12 +195,17 @@ class JointRegressor(FreeRunner):
             )
         paths = [grow_terms(frame, without(targets, block), self.horizon, driven_by=drives) for block in blocks]
         errors: list[float] = []
-        for steps in zip(*paths, strict=False):
-            squares = [
-                np.concatenate([e for e, _ in run_terms(frame, terms, pieces(block, self.horizon), slopes=False)]) ** 2
-                for terms, block in zip(steps, blocks, strict=True)
-            ]
-            errors.append(float(np.mean([np.sqrt(one.mean()) for one in squares])))
+
+        def one_more(place: int) -> float | None:
+            terms, windows = next(paths[place], None), pieces(blocks[place], self.horizon)
+            if terms is None:
+                return None
+            return float(
+                np.sqrt(np.mean(np.concatenate([e for e, _ in run_terms(frame, terms, windows, slopes=False)]) ** 2))
+            )
+
+        while None not in (steps := in_threads(one_more, range(len(blocks)))):
+            errors.append(float(np.mean(steps)))
             if len(errors) > self.max_terms or len(errors) - 1 - int(np.argmin(errors)) >= _PATIENCE:
                 break
         enough = (1.0 + _ENOUGH) * min(errors)

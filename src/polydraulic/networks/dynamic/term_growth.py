@@ -14,6 +14,7 @@ from polydraulic.networks.dynamic.free_run import pieces
 from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, averaged, run_side_by_side
 from polydraulic.networks.dynamic.spans import Span, blocks_of, without
 from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
+from polydraulic.networks.growth.workers import in_threads
 
 _RIDGE = 0.01  # weight of the sum of squared coefficients, as a part of the error before, all in normalized units
 _STEPS = 3  # of refinement after each term
@@ -79,14 +80,15 @@ def grow_average(
     driven_by : sequence of int
         As for `grow_terms`.
     """
-    members, weights = [], []
-    for left_out in blocks_of(spans, _MEMBERS):
+
+    def without_block(left_out: list[Span]) -> tuple[Terms, float]:
         rest = without(spans, left_out) or spans
         for member in grow_terms(frame, rest, horizon, driven_by=driven_by):
             if len(member.coef) >= n_term:
                 break
-        members.append(member)
-        weights.append(1.0 / (1e-12 + _loss(frame, member, np.array(spans), 0.0)))
+        return member, 1.0 / (1e-12 + _loss(frame, member, np.array(spans), 0.0))
+
+    members, weights = zip(*in_threads(without_block, blocks_of(spans, _MEMBERS)), strict=True)
     return averaged(members, np.array(weights))
 
 

@@ -1,0 +1,70 @@
+"""Work side by side: pieces that know nothing of each other, in threads or in processes, and BLAS on one thread.
+
+Results do not depend on the number of workers: each piece is computed as if it were alone.
+"""
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
+from functools import cache
+from typing import Any, TypeVar
+
+import joblib
+from threadpoolctl import ThreadpoolController
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+def one_blas_thread() -> AbstractContextManager[Any]:
+    """Context in which BLAS keeps to one thread: with matrices as small as here, several wait for each other more than they compute."""
+    limited: AbstractContextManager[Any] = _libraries().limit(limits=1, user_api="blas")
+    return limited
+
+
+def in_threads(call: Callable[[A], B], items: Iterable[A]) -> list[B]:
+    """Results of a call for each item, in their order: for work in compiled code and BLAS, which let other threads run.
+
+    Parameters
+    ----------
+    call : function of an item
+    items : iterable
+    """
+    work = list(items)
+    n_worker = min(joblib.cpu_count(), len(work))
+    if n_worker < 2:
+        return [call(item) for item in work]
+    with ThreadPoolExecutor(n_worker) as pool:
+        return list(pool.map(call, work))
+
+
+def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int], object]) -> list[B]:
+    """Results of a call for each item, in their order: for long work in Python, which pays for processes that start.
+
+    Parameters
+    ----------
+    call : function of an item
+        Of a module, as other processes find it.
+    items : iterable
+        Sent to them.
+    told : function of int
+        Told how many are done, from none on, in the caller's thread.
+    """
+    work, found = list(items), list[B]()
+    n_worker = min(joblib.cpu_count(), len(work))
+    told(0)
+    if n_worker < 2:
+        results: Iterable[B] = (call(item) for item in work)
+    else:
+        with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
+            parallel = joblib.Parallel(n_jobs=n_worker, return_as="generator")
+            results = parallel(joblib.delayed(call)(item) for item in work)
+    for result in results:
+        found.append(result)
+        told(len(found))
+    return found
