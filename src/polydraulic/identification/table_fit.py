@@ -14,6 +14,7 @@ from polydraulic.identification.arguments import check_columns, parts_of, table_
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.growth.workers import in_processes, one_after_the_other
 from polydraulic.networks.hold_out import BLOCKS, FOLD, held_rows
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
@@ -22,6 +23,9 @@ from polydraulic.tables import Table
 
 if TYPE_CHECKING:
     from polydraulic.measure.checks.deadband import Deadband
+
+
+_LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,15 +129,26 @@ def fit_table(
     blocks = BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None
     X, held = rows.matrix(inputs), held_rows(len(rows), blocks, parts_of(rows))
     names = [Variable(name, rows.unit(name)) for name in inputs]
+    kept = {"hold out": ~held, "all rows": np.ones(len(rows), dtype=bool)}
+    wanted = [(output, what) for output in outputs for what in kept]
+
+    def tell(done: int) -> None:
+        if done < len(wanted):
+            progress(": ".join(wanted[done]), done, len(wanted))
+
+    work = [(clone(regressor), X[kept[what]], rows[output][kept[what]]) for output, what in wanted]
+    long = len(rows) * len(by_index or range(max_regions)) >= _LONG
+    learnt = iter((in_processes if long else one_after_the_other)(_fitted, work, tell))
     fits: list[OutputFit] = []
-    for output in outputs:
-        y = rows[output]
-        progress(f"{output}: hold out", 2 * len(fits), 2 * len(outputs))
-        predicted = clone(regressor).fit(X[~held], y[~held]).predict(X[held])
-        progress(f"{output}: all rows", 2 * len(fits) + 1, 2 * len(outputs))
-        model = clone(regressor).fit(X, y).to_model(names, Variable(output, rows.unit(output)))
-        fits.append(judged(model, HeldOut(X[held], y[held], predicted, by_time), len(y)))
+    for output, without, final in zip(outputs, learnt, learnt, strict=True):
+        y, model = rows[output], final.to_model(names, Variable(output, rows.unit(output)))
+        fits.append(judged(model, HeldOut(X[held], y[held], without.predict(X[held]), by_time), len(y)))
     return TableFit(fits, found, rows, source)
+
+
+def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray]) -> RegionRegressor:
+    regressor, X, y = work
+    return regressor.fit(X, y)
 
 
 def _with_deadbands(

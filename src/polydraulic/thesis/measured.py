@@ -14,7 +14,7 @@ from joblib import Parallel, cpu_count, delayed
 from polydraulic import units
 from polydraulic.elementary import sincos
 from polydraulic.flow.dispatch import build_flow
-from polydraulic.identification.machine.machine_learning import learn
+from polydraulic.identification.machine.machine_learning import learn, tasks_of
 from polydraulic.identification.machine.machine_log import Known, by_port
 from polydraulic.machine.actuator import lever_arm
 from polydraulic.machine.drives import Motor, prepare_drive
@@ -132,7 +132,7 @@ def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
 def _made(machine: LayoutMachine, conditions: Conditions) -> list[Any]:
     machine = _machine(machine, conditions)
     log = measured(machine, conditions)
-    return [len(log), *_judged(machine, learn(machine, log))]
+    return [len(log), *_judged(machine, learn(tasks_of(machine, log)))]
 
 
 def conditions_in_words(conditions: Conditions) -> str:

@@ -77,15 +77,15 @@ def test_errors_are_those_of_networks_that_have_not_seen_the_blocks(learnt, log,
 
 
 def test_a_search_that_ended_worse_with_all_rows_is_not_released(machine, log, monkeypatch):
-    def learn(machine, rows, **options):
+    def tasks_of(machine, rows, **options):
         scale = 1.6 if len(rows) == len(log) else 1.0  # all rows: too much flow
         other = Table(
             {name: v * (scale if name.endswith("q_in") else 1.0) for name, v in rows.columns.items()}, rows.units
         )
         return original(machine, other, **options)
 
-    original = machine_fit.learn
-    monkeypatch.setattr(machine_fit, "learn", learn)
+    original = machine_fit.tasks_of
+    monkeypatch.setattr(machine_fit, "tasks_of", tasks_of)
     found = fit_machine(silent(), machine, max_regions=1, max_rows=500)
     sources = [fit.model.training["learnt_from"] for fit in found.outputs]
     assert sources[:3] == ["rows not held out"] * 3

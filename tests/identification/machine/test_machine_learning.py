@@ -3,7 +3,7 @@
 import numpy as np
 
 from helpers.machine_log import machine_log
-from polydraulic.identification.machine.machine_learning import learn, visited
+from polydraulic.identification.machine.machine_learning import learn, tasks_of, visited
 from polydraulic.identification.machine.machine_log import Known, by_port, judging_rows
 from polydraulic.tables import Table
 
@@ -15,7 +15,7 @@ def test_rows_at_the_relief_setting_are_not_learnt_from(machine):
     stopped = (log["boom.travel"] > known.deadband["boom"]) & ~rows
     assert stopped.sum() > 0
     other = Table(log.columns | {"boom.q_in": np.where(stopped, 0.5, 1.0) * log["boom.q_in"]}, log.units)
-    here, there = (learn(machine, table, max_regions=1, max_rows=500)[0] for table in (log, other))
+    here, there = (learn(tasks_of(machine, table, max_regions=1, max_rows=500))[0] for table in (log, other))
     assert here == there
 
 

@@ -19,7 +19,7 @@ from polydraulic.identification.machine.machine_judging import (
     judged_network,
     one_sided,
 )
-from polydraulic.identification.machine.machine_learning import REGIONS, ROWS, learn
+from polydraulic.identification.machine.machine_learning import REGIONS, ROWS, learn, tasks_of
 from polydraulic.identification.machine.machine_log import Known, by_port, some_rows
 from polydraulic.networks.hold_out import BLOCKS
 from polydraulic.networks.model.model import Model
@@ -144,13 +144,20 @@ def fit_machine(
     check_rows(log, held, known)
     total = 2 * n_output + 1
 
-    def learnt(rows: Table, what: str, before: int) -> list[Model]:
-        def tell(output: str, done: int, of: int) -> None:
-            progress(f"{output}: {what}", before + done, total)
+    tables = {"hold out": some_rows(log, ~held), "all rows": log}
+    tasks = [
+        (what, task)
+        for what, rows in tables.items()
+        for task in tasks_of(plant, rows, max_regions=max_regions, max_rows=max_rows)
+    ]
 
-        return learn(plant, rows, max_regions=max_regions, max_rows=max_rows, progress=tell)
+    def tell(done: int) -> None:
+        if done < len(tasks):
+            what, task = tasks[done]
+            progress(f"{task.output.name}: {what}", done, total)
 
-    without, models = learnt(some_rows(log, ~held), "hold out", 0), learnt(log, "all rows", n_output)
+    learnt = learn([task for _, task in tasks], tell)
+    without, models = learnt[:n_output], learnt[n_output:]
     outputs = [judged_network(plant, log, held, *pair) for pair in zip(models, without, strict=True)]
     progress("run against the log", 2 * n_output, total)
     windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)

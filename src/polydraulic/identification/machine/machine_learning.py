@@ -1,6 +1,7 @@
 """Networks of a whole machine from a log of its work: of each function an inlet by region, and an outlet."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,28 +9,35 @@ from polydraulic.flow.layout.slots import inlet, outlet
 from polydraulic.identification.machine.machine_log import BELOW_RELIEF, ROOT_LEAST
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.growth.workers import in_processes, one_after_the_other
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table
 
 ROWS, REGIONS = 30_000, 16  # that a network learns from, and regions it may find
 _SEED = 1000  # of the choice of rows
 _SMALL = 0.03  # opening, as a share of the active travel, below which errors count alike
 CELL = 60  # rows that a part of an outlet's curve needs
+_LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
 
-def learn(
-    machine: LayoutMachine,
-    log: Table,
-    *,
-    max_regions: int = REGIONS,
-    max_rows: int = ROWS,
-    progress: Progress = quiet,
-) -> list[Model]:
-    """Networks of all circuits from measurements; what must be known is each pump's flow and relief setting, and where valves open.
+class NetworkTask(NamedTuple):
+    """A network that is to be learnt, and all that it is learnt from."""
+
+    learner: RegionRegressor
+    inputs: Sequence[Variable]
+    output: Variable
+    X: np.ndarray
+    y: np.ndarray
+    weight: np.ndarray | None
+
+
+def tasks_of(
+    machine: LayoutMachine, log: Table, *, max_regions: int = REGIONS, max_rows: int = ROWS
+) -> list[NetworkTask]:
+    """Networks of all circuits, to be learnt from measurements; what must be known is each pump's flow and relief setting, and where valves open.
 
     Parameters
     ----------
@@ -40,29 +48,41 @@ def learn(
         That the network of an inlet may find.
     max_rows : int
         That a network learns from.
-    progress : Progress, optional
-        Told each output as it begins.
     """
     rng = np.random.default_rng(_SEED)
-    models: list[Model] = []
-    total = 2 * len(machine.names)
+    tasks: list[NetworkTask] = []
     for circuit, f in ((c, machine.function(name)) for c in machine.circuits for name in c.functions):
         output, inputs = inlet(circuit, f.name)[0]
-        progress(output.name, len(models), total)
         # a flow model lets nothing in at relief, whatever a network says
         below = np.flatnonzero(log[f"{f.name}.p_in"] < BELOW_RELIEF * circuit.pump.relief)
         rows = below[_chosen(log[f"{f.name}.travel"][below] > spool_edges(f.valve)[0], max_rows, rng)]
         settings = AbductiveRegressor(
             max_layers=3, output_bounds=(0.0, circuit.pump.flow)
         )  # holds where it has seen rows
-        models.append(_fit(settings, log, inputs, output, rows, max_regions))
-    for f in machine.functions:
-        progress(f"{f.name}.k_out", len(models), total)
-        models.append(_learn_outlet(f, log, max_rows, rng))
-    return models
+        learner = RegionRegressor(settings, max_regions=max_regions, min_rows=min(150, max(20, len(rows) // 40)))
+        X = log.matrix([variable.name for variable in inputs])[rows]
+        tasks.append(NetworkTask(learner, inputs, output, X, log[output.name][rows], None))
+    return tasks + [_outlet_task(f, log, max_rows, rng) for f in machine.functions]
 
 
-def _learn_outlet(f: MachineFunction, log: Table, max_rows: int, rng: np.random.Generator) -> Model:
+def learn(tasks: Sequence[NetworkTask], told: Callable[[int], object] = lambda done: None) -> list[Model]:
+    """Networks of tasks, side by side where they are long.
+
+    Parameters
+    ----------
+    tasks : sequence of NetworkTask
+    told : function of int
+        Told how many are done.
+    """
+    work = sum(len(task.y) * task.learner.max_regions for task in tasks)
+    return (in_processes if work >= _LONG else one_after_the_other)(_learn, tasks, told)
+
+
+def _learn(task: NetworkTask) -> Model:
+    return task.learner.fit(task.X, task.y, task.weight).to_model(task.inputs, task.output)
+
+
+def _outlet_task(f: MachineFunction, log: Table, max_rows: int, rng: np.random.Generator) -> NetworkTask:
     """Conductance of an outlet over the spool: a cubic in each part of its travel that was visited."""
     rows = rng.permutation(np.flatnonzero(log[f"{f.name}.root_p_out"] > ROOT_LEAST))[:max_rows]
     spool, y = log[f"{f.name}.spool"][rows], log[f"{f.name}.k_out"][rows]
@@ -76,9 +96,8 @@ def _learn_outlet(f: MachineFunction, log: Table, max_rows: int, rng: np.random.
     # a conductance spans three decades, and near the deadband a small one decides as much as a large one does elsewhere
     opening = np.maximum(np.abs(spool) - opens, 0.0) / (end - opens)
     learner = RegionRegressor(settings, edges={0: edges} if edges else None, max_regions=1)
-    fitted = learner.fit(spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
     output, inputs = outlet(f.name)[0]
-    return fitted.to_model(inputs, output)
+    return NetworkTask(learner, inputs, output, spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
 
 
 def visited(borders: Sequence[float], values: np.ndarray) -> list[float]:
@@ -98,16 +117,3 @@ def _chosen(active: np.ndarray, max_rows: int, rng: np.random.Generator) -> np.n
     """Rows to learn from: those with an open valve say most."""
     on, off = np.flatnonzero(active), np.flatnonzero(~active)
     return np.concatenate([rng.permutation(on)[:max_rows], rng.permutation(off)[: max_rows // 5]])
-
-
-def _fit(
-    settings: AbductiveRegressor,
-    log: Table,
-    inputs: Sequence[Variable],
-    output: Variable,
-    rows: np.ndarray,
-    max_regions: int,
-) -> Model:
-    learner = RegionRegressor(settings, max_regions=max_regions, min_rows=min(150, max(20, len(rows) // 40)))
-    X, y = log.matrix([variable.name for variable in inputs])[rows], log[output.name][rows]
-    return learner.fit(X, y).to_model(inputs, output)

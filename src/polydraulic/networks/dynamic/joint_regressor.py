@@ -205,7 +205,7 @@ class JointRegressor(FreeRunner):
             )
 
         while None not in (steps := in_threads(one_more, range(len(blocks)))):
-            errors.append(float(np.mean(steps)))
+            errors.append(float(np.mean([error for error in steps if error is not None])))
             if len(errors) > self.max_terms or len(errors) - 1 - int(np.argmin(errors)) >= _PATIENCE:
                 break
         enough = (1.0 + _ENOUGH) * min(errors)

@@ -15,7 +15,11 @@ from polydraulic.networks.dynamic.refine_free_run import spread
 from polydraulic.networks.dynamic.spans import Span, lagged, rows_of
 
 _BATCH = 4_000_000  # derivatives in memory at a time
-_LANES, _FEW_LANES, _MANY_SLOPES = 64, 16, 64  # windows side by side at most; with more slopes than this, which then stay in the cache
+_LANES, _FEW_LANES, _MANY_SLOPES = (
+    64,
+    16,
+    64,
+)  # windows side by side at most; with more slopes than this, which then stay in the cache
 
 
 class Frame(NamedTuple):
@@ -250,7 +254,8 @@ def run_side_by_side(
     longest = int((ends[:, 1] - ends[:, 0]).max(initial=1))
     most = _LANES if n_slope <= _MANY_SLOPES else _FEW_LANES
     n_lane = min(most, max(1, batch // (max(1, n_slope) * n_output * longest)), len(ends))
-    work = tuple(np.zeros((n, n_lane)) for n in (n_lag + 1, n_lag, len(links.lag)))
+    value, inside, gain = (np.zeros((n, n_lane)) for n in (n_lag + 1, n_lag, len(links.lag)))
+    kept = np.zeros(n_lane, dtype=np.int64)
     for at in range(0, len(ends), n_lane):
         part = np.repeat(ends[at : at + 1, :1], n_lane, axis=0).repeat(2, axis=1)  # lanes without a window have no rows
         part[: len(ends) - at] = ends[at : at + n_lane]
@@ -258,7 +263,7 @@ def run_side_by_side(
         n_step = int((stop - start).max())
         block = np.empty((before + n_step, n_signal, n_lane))
         errors, found = np.empty((n_step, n_output, n_lane)), np.empty((n_slope, n_step, n_output, n_lane))
-        _run(frame, terms, links, start, stop, block, errors, found, *work, np.zeros(n_lane, dtype=np.int64))
+        _run(frame, terms, links, start, stop, block, errors, found, value, inside, gain, kept)
         yield errors, found
 
 

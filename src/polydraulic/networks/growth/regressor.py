@@ -24,6 +24,7 @@ from polydraulic.networks.growth.training_rows import (
     rows_from_blocks,
     rows_in_memory,
 )
+from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import checked_box, predictions, settings_of, variables
@@ -185,14 +186,15 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         learn, hold = calibration_rows(len(y), self.calibration, self.random_state)
         part = None if weight is None else weight[learn]
         X_learn = X[learn]
-        grown = [
-            self._grow(
-                rows_in_memory(X_learn, target, part),
-                settings,
-                None if blocks is None else rows_apart(X_learn, target, part, blocks[learn]),
-            )
-            for target in targets[learn].T
-        ]
+        with one_blas_thread():
+            grown = [
+                self._grow(
+                    rows_in_memory(X_learn, target, part),
+                    settings,
+                    None if blocks is None else rows_apart(X_learn, target, part, blocks[learn]),
+                )
+                for target in targets[learn].T
+            ]
         self._finish(grown)
         predicted = np.column_stack([model.predict(X[hold]) for model in self.to_models()])
         self.residuals_ = [np.sort(np.abs(column)) for column in (predicted - targets[hold]).T]
@@ -218,7 +220,8 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         rows = rows_from_blocks(blocks)
         self.n_features_in_ = len(rows.scaling.x_mean)
         self._single_output = True
-        self._finish([self._grow(rows, settings)])
+        with one_blas_thread():
+            self._finish([self._grow(rows, settings)])
         self.residuals_ = [np.zeros(0)]
         return self
 

@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 import joblib
+from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
 
 A = TypeVar("A")
@@ -55,16 +56,20 @@ def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int
     told : function of int
         Told how many are done, from none on, in the caller's thread.
     """
-    work, found = list(items), list[B]()
+    work = list(items)
     n_worker = min(joblib.cpu_count(), len(work))
+    if n_worker < 2 or get_active_backend()[0].nesting_level:  # in a process that is a worker itself
+        return one_after_the_other(call, work, told)
+    with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
+        results = joblib.Parallel(n_jobs=n_worker, return_as="generator")(joblib.delayed(call)(item) for item in work)
+    return one_after_the_other(lambda found: found, results, told)
+
+
+def one_after_the_other(call: Callable[[A], B], items: Iterable[A], told: Callable[[int], object]) -> list[B]:
+    """The same in the caller's process."""
+    found = list[B]()
     told(0)
-    if n_worker < 2:
-        results: Iterable[B] = (call(item) for item in work)
-    else:
-        with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
-            parallel = joblib.Parallel(n_jobs=n_worker, return_as="generator")
-            results = parallel(joblib.delayed(call)(item) for item in work)
-    for result in results:
-        found.append(result)
+    for item in items:
+        found.append(call(item))
         told(len(found))
     return found

@@ -9,6 +9,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from polydraulic.errors import InputError
 from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
 from polydraulic.networks.model.fitted import predictions, variables
@@ -116,7 +117,8 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         learn, hold = calibration_rows(len(y), getattr(base, "calibration", 0.0), base.random_state)
         rows = _Rows(X[learn], y[learn], weight[learn])
         if self.edges is None:
-            self.partition_, self.estimators_ = self._find(rows, base)
+            with one_blas_thread():
+                self.partition_, self.estimators_ = self._find(rows, base)
         else:
             self.partition_ = grid(checked_edges(self.edges, [variable.name for variable in variables(self, None)]))
             self.estimators_ = [self._fit_box(rows, base, box) for box in self._boxes()]
