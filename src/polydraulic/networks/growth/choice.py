@@ -50,13 +50,14 @@ def best_on_rows(
     refine: Refine | None,
     rows: TrainingRows,
     bounds: tuple[float, float],
+    learnt: float | None = None,
 ) -> KeptLayer:
-    """The layer with the smallest leave-one-out error; refined, if that lowers it. Arguments as `last_layer`."""
-    errors = [leave_one_out(nodes, rows, bounds) for nodes in grown]
+    """The layer with the smallest leave-one-out error; refined, if that lowers it. Arguments as `last_layer` and `leave_one_out`."""
+    errors = [leave_one_out(nodes, rows, bounds, learnt=learnt) for nodes in grown]
     depth = int(np.argmin(errors))
     if refine is not None and grown[depth]:
         refined, its_fse = refine(grown[depth])
-        if leave_one_out(refined, rows, bounds) <= errors[depth]:
+        if leave_one_out(refined, rows, bounds, learnt=learnt) <= errors[depth]:
             return KeptLayer(refined, its_fse, errors)
     return KeptLayer(grown[depth], fse[depth], errors)
 

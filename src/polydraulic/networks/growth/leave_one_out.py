@@ -10,7 +10,7 @@ Of a log the neighbours of a row in time say the same as the row itself, so that
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import cholesky, eigh, solve_triangular
 from scipy.linalg.blas import dsyrk
 
 from polydraulic.networks.growth.derivatives import forward, jacobian
@@ -22,7 +22,9 @@ _MOST = 1.0 - 1e-9  # leverage
 _LEFT = 1e-7  # of the curvature that it has with the block: with less, learning from the other rows would not get far along it
 
 
-def leave_one_out(nodes: Sequence[Node], rows: TrainingRows, bounds: tuple[float, float]) -> float:
+def leave_one_out(
+    nodes: Sequence[Node], rows: TrainingRows, bounds: tuple[float, float], *, learnt: float | None = None
+) -> float:
     """Mean squared error of predictions clamped to the bounds, each without its own row, in two passes.
 
     Parameters
@@ -32,6 +34,8 @@ def leave_one_out(nodes: Sequence[Node], rows: TrainingRows, bounds: tuple[float
     rows : TrainingRows
     bounds : (low, high)
         Of the normalized output.
+    learnt : float, optional
+        Weight of the rows that the network was learnt from, if `rows` are a sample of these.
     """
     free = [np.flatnonzero(node.coef) for node in nodes]
     n = sum(keep.size for keep in free)
@@ -41,15 +45,17 @@ def leave_one_out(nodes: Sequence[Node], rows: TrainingRows, bounds: tuple[float
             values, designs = forward(nodes, x)
             root = np.ones(len(x)) if w is None else np.sqrt(w)
             dsyrk(1.0, jacobian(nodes, free, values, designs, root), 1.0, gram, trans=1, overwrite_c=True)
+        gram *= (learnt or rows.scaling.weight) / rows.scaling.weight
         diagonal = np.diagonal(gram)
-        factor = cho_factor(gram + np.diag(_RIDGE * diagonal + 1e-12 * diagonal.max()))
+        factor = cholesky(gram + np.diag(_RIDGE * diagonal + 1e-12 * diagonal.max()))
     total = 0.0
     for x, y, w in rows:
         output, leverage = np.zeros(len(y)), np.zeros(len(y))
         if nodes:
             values, designs = forward(nodes, x)
             slope = jacobian(nodes, free, values, designs, np.ones(len(x)))
-            output, leverage = values[-1], np.einsum("ij,ji->i", slope, cho_solve(factor, slope.T))
+            seen = solve_triangular(factor, slope.T, trans=1, check_finite=False)
+            output, leverage = values[-1], np.einsum("ij,ij->j", seen, seen)
         without = y - (y - output) / (1.0 - np.minimum(leverage, _MOST))
         error = np.clip(without, *bounds) - y
         total += float(error @ error if w is None else w @ (error * error))

@@ -6,9 +6,9 @@ input is worth what the best node that reads it explains.
 
 import numpy as np
 
-from polydraulic.networks.growth.moments import moments
+from polydraulic.networks.growth.moments import moments_of_blocks
 from polydraulic.networks.growth.scoring import squared_errors
-from polydraulic.networks.growth.training_rows import BLOCK, Block, TrainingRows
+from polydraulic.networks.growth.training_rows import BLOCK, TrainingRows, sample_of
 from polydraulic.networks.model.nodes import DOUBLE, SINGLE
 
 _PAIRS = 200_000  # scored at a time
@@ -16,9 +16,8 @@ _PAIRS = 200_000  # scored at a time
 
 def promising_inputs(rows: TrainingRows, n_chosen: int) -> np.ndarray:
     """Indices of the `n_chosen` inputs that explain most in a Single or a Double, in rising order."""
-    x, y, w = _sample(rows)
-    n = x.shape[1]
-    m = moments(x, y, w, triples=False)
+    n = len(rows.scaling.x_mean)
+    m = moments_of_blocks(sample_of(rows, BLOCK), n, triples=False)
     single = squared_errors(m, SINGLE, np.arange(n)[:, None])
     # a pair counts for both its inputs by what it explains beyond its better half
     best = single.copy()
@@ -30,16 +29,3 @@ def promising_inputs(rows: TrainingRows, n_chosen: int) -> np.ndarray:
         np.minimum.at(best, a, single.max() - gained)
         np.minimum.at(best, b, single.max() - gained)
     return np.sort(np.argsort(best, kind="stable")[:n_chosen])
-
-
-def _sample(rows: TrainingRows) -> Block:
-    """About `BLOCK` rows, spread evenly over all."""
-    total = sum(len(y) for _, y, _ in rows.blocks())
-    stride = max(1, -(-total // BLOCK))
-    parts, offset = [], 0
-    for x, y, w in rows:
-        take = slice((-offset) % stride, None, stride)
-        parts.append((x[take], y[take], np.ones(len(y[take])) if w is None else w[take]))
-        offset += len(y)
-    x, y, w = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    return x, y, w

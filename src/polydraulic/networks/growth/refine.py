@@ -5,6 +5,7 @@ output's bounds: a row whose target lies on a bound is satisfied by any output b
 """
 
 from collections.abc import Callable, Sequence
+from math import inf
 
 import numpy as np
 from scipy.linalg.blas import dsyrk
@@ -53,12 +54,14 @@ def refine(
     -------
     nodes : list of Node
     fse : float
-        Mean squared error of the normalized output, clamped to its bounds.
+        Mean squared error of the normalized output, clamped to its bounds; infinite for nodes that are not finite on the rows, as may be
+        where they were refined on others.
     """
     free = [np.flatnonzero(node.coef) for node in nodes]
     coef = np.concatenate([np.array(node.coef)[keep] for node, keep in zip(nodes, free, strict=True)])
     here = _normal(nodes, free, coef, rows, bounds, np.inf)
-    assert here is not None, "a grown network is finite on its own rows"
+    if here is None:
+        return list(nodes), inf
     found, there = lower_loss(
         coef,
         here,

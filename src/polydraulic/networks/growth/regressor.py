@@ -11,6 +11,7 @@ from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
+from polydraulic.networks.growth.checked_settings import checked_settings
 from polydraulic.networks.growth.choice import best_on_blocks, best_on_rows, last_layer
 from polydraulic.networks.growth.prescreen import promising_inputs
 from polydraulic.networks.growth.refine import refine
@@ -23,6 +24,7 @@ from polydraulic.networks.growth.training_rows import (
     rows_apart,
     rows_from_blocks,
     rows_in_memory,
+    sample_of,
 )
 from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
@@ -35,8 +37,12 @@ from polydraulic.networks.model.table import UNBOUNDED, Network, Node
 
 _log = logging.getLogger(__name__)
 _MAX_REFINEMENTS = 100  # passes over the rows
+_MANY, _SAMPLE = (
+    150_000,
+    65_536,
+)  # rows above which a sample of so many does what no row decides: scores, steps of refinement but the last
+_LAST_REFINEMENTS = 2  # with all rows, after those with a sample
 _MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
-_MISSING = ("refuse", "drop", "impute")
 
 
 class Grown(NamedTuple):
@@ -303,17 +309,26 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         n_input = len(s.x_mean)
         inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)
         inputs = inputs[s.varies[inputs]]
-        grown, history = synthesize(rows, inputs, settings)
+        few = rows  # of weighted rows a few may decide
+        if s.n_row > _MANY and s.weight == s.n_row:
+            few = sample_of(rows, _SAMPLE)
+        grown, history = synthesize(rows, inputs, settings, few)
         for h in history:
             _log.info("layer %d: K %d, PSE %.6g, %d tried", h.layer, h.n_coefficients, h.pse, h.n_candidates)
         y_low, y_high = self._output_bounds(s)
         bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
 
         def refined(nodes: list[Node]) -> tuple[list[Node], float]:
-            return refine(
-                nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS,
-                watch=lambda i, loss: _log.debug("refinement %d: FSE %.6g", i, loss * s.y_scale**2),
-            )  # fmt: skip
+            def watch(i: int, loss: float) -> None:
+                _log.debug("refinement %d: FSE %.6g", i, loss * s.y_scale**2)
+
+            found, fse = refine(nodes, few, bounds, max_iterations=_MAX_REFINEMENTS, watch=watch)
+            if few is rows:
+                return found, fse
+            found, fse = refine(found, rows, bounds, max_iterations=_LAST_REFINEMENTS, watch=watch)
+            if fse <= errors[grown.index(nodes)]:
+                return found, fse
+            return refine(nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS, watch=watch)
 
         polish = refined if self.refine else None
         variance = max(s.y_scale**2, SMALLEST_VARIANCE)
@@ -321,7 +336,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if not self.leave_one_out:
             chosen = last_layer(grown, errors, polish)
         elif apart is None:
-            chosen = best_on_rows(grown, errors, polish, rows, bounds)
+            chosen = best_on_rows(grown, errors, polish, few, bounds, s.weight)
         else:
             chosen = best_on_blocks(grown, errors, polish, apart, bounds)
         nodes, fse = chosen.nodes, chosen.fse
@@ -378,24 +393,4 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return float(self.output_bounds[0]), float(self.output_bounds[1])
 
     def _settings(self) -> Settings:
-        kinds = tuple(self.kinds)
-        if not kinds or any(kind not in POLYNOMIALS for kind in kinds):
-            raise InputError(f"kinds = {kinds}: must be one or more of {POLYNOMIALS}")
-        for name in ("max_layers", "n_survivors", "max_inputs"):
-            value = getattr(self, name)
-            if not isinstance(value, int | np.integer) or value < 1:
-                raise InputError(f"{name} = {value!r}: must be a whole number, at least 1")
-        if not self.cpm >= 0.0:
-            raise InputError(f"cpm = {self.cpm!r}: must be at least 0")
-        if self.missing not in _MISSING:
-            raise InputError(f"missing = {self.missing!r}: must be one of {_MISSING}")
-        prior = self.prior_variance
-        if isinstance(prior, str) and prior not in ("adaptive", "half-variance"):
-            raise InputError(f"prior_variance = {prior!r}: 'adaptive', 'half-variance' or a number")
-        if not isinstance(prior, str) and not float(prior) >= 0.0:
-            raise InputError(f"prior_variance = {prior!r}: must be at least 0")
-        bounds = self.output_bounds
-        good = bounds is None or bounds == "data" or (not isinstance(bounds, str) and bounds[0] <= bounds[1])
-        if not good:
-            raise InputError(f"output_bounds = {bounds!r}: must be 'data', None, or (low, high) with low <= high")
-        return Settings(kinds, int(self.max_layers), int(self.n_survivors), float(self.cpm), prior, bool(self.carve))
+        return checked_settings(self)

@@ -125,7 +125,9 @@ def residual_variance(fse: Any, k: Any, weight: float) -> Any:
     return fse * weight / np.maximum(weight - k, 1.0)
 
 
-def synthesize(rows: TrainingRows, inputs: np.ndarray, settings: Settings) -> tuple[list[list[Node]], list[GrowthStep]]:
+def synthesize(
+    rows: TrainingRows, inputs: np.ndarray, settings: Settings, few: TrainingRows | None = None
+) -> tuple[list[list[Node]], list[GrowthStep]]:
     """Grow a network.
 
     Parameters
@@ -134,6 +136,8 @@ def synthesize(rows: TrainingRows, inputs: np.ndarray, settings: Settings) -> tu
     inputs : (n_chosen,) array of int
         Inputs that nodes may read.
     settings : Settings
+    few : TrainingRows, optional
+        A sample from which candidates are scored; the best are fitted on all rows.
 
     Returns
     -------
@@ -160,7 +164,7 @@ def synthesize(rows: TrainingRows, inputs: np.ndarray, settings: Settings) -> tu
         if best_fse <= _EXACT or not len(new):
             break
         drawn = np.concatenate([old, new])
-        m = _moments(rows, variables, drawn, len(old))
+        m = _moments(rows if few is None else few, variables, drawn, len(old))
         candidates = _candidates(len(old), len(drawn), settings)
         scored = [_score(m, variables, drawn, kind, chosen, weight) for kind, chosen in candidates]
         for kind in scored:

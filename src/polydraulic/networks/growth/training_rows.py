@@ -36,6 +36,7 @@ class Scaling(NamedTuple):
     y_scale: float
     y_low: float
     y_high: float
+    n_row: int
 
     @property
     def varies(self) -> np.ndarray:
@@ -57,13 +58,19 @@ class TrainingRows(NamedTuple):
 
 def rows_in_memory(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> TrainingRows:
     """Rows of arrays that lie in memory."""
+    blocks = in_blocks(X, y, weight)
+    return TrainingRows(blocks, scaling(blocks))
+
+
+def in_blocks(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> Callable[[], Iterator[Block]]:
+    """Passes over arrays."""
 
     def blocks() -> Iterator[Block]:
         for start in range(0, len(y), BLOCK):
             part = slice(start, start + BLOCK)
             yield X[part], y[part], None if weight is None else weight[part]
 
-    return TrainingRows(blocks, scaling(blocks))
+    return blocks
 
 
 def rows_apart(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None, block: np.ndarray) -> TrainingRows:
@@ -72,6 +79,28 @@ def rows_apart(X: np.ndarray, y: np.ndarray, weight: np.ndarray | None, block: n
     parts = np.split(order, np.flatnonzero(np.diff(block[order])) + 1)
     scaled = rows_in_memory(X, y, weight).scaling
     return TrainingRows(lambda: ((X[p], y[p], None if weight is None else weight[p]) for p in parts), scaled)
+
+
+def sample_of(rows: TrainingRows, most: int) -> TrainingRows:
+    """At most so many rows from all over, in memory, and scaled as all rows are; one pass over the others.
+
+    One row is drawn of each of `most` stretches of equal length, so that nothing that comes back at a period is missed.
+    """
+    n = rows.scaling.n_row
+    if n <= most:
+        return rows
+    chosen = ((np.arange(most) + np.random.default_rng(0).random(most)) * (n / most)).astype(np.int64)
+    parts, first = [], 0
+    for x, y, w in rows.blocks():
+        low, high = np.searchsorted(chosen, (first, first + len(y)))
+        part = chosen[low:high] - first
+        parts.append((x[part], y[part], None if w is None else w[part]))
+        first += len(y)
+    X, y = (np.concatenate([part[place] for part in parts]) for place in (0, 1))
+    drawn = [w for *_, w in parts if w is not None]
+    weight = np.concatenate(drawn) if drawn else None
+    total = float(len(y) if weight is None else weight.sum())
+    return TrainingRows(in_blocks(X, y, weight), rows.scaling._replace(weight=total, n_row=len(y)))
 
 
 def rows_from_blocks(source: Iterable[Any]) -> TrainingRows:
@@ -193,7 +222,7 @@ def scaling(blocks: Callable[[], Iterator[Block]]) -> Scaling:
     check_narrow(spread)
     return Scaling(
         weight, mean[:-1], spread[:-1], low[:-1], high[:-1],
-        float(mean[-1]), float(spread[-1]), float(low[-1]), float(high[-1]),
+        float(mean[-1]), float(spread[-1]), float(low[-1]), float(high[-1]), n_row,
     )  # fmt: skip
 
 

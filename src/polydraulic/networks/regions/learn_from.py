@@ -1,7 +1,8 @@
 """Learning from a function instead of a table: samples where the error asks for them, until a tolerance is reached.
 
-A region draws its own points, on faces and in corners too, fits a network, and hunts for its largest error on a grid and
-around the worst points of it; if that is too large, these points join the rows and it fits again. The worst region is cut in two, until all are good enough or the budget is used.
+A region takes the points that are known in it, draws others, on faces and in corners too, fits a network, and hunts for its largest error
+on a grid, on all known points and around the worst of them. If it is nearly good enough, the worst points join the rows and it fits again; one
+that looks good is looked at once more. The worst region is cut in two, until all are good enough or the budget is used.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,9 +25,12 @@ from polydraulic.progress import Progress, quiet
 
 _ON_FACES = 0.25  # of a region's points
 _MARGIN = 0.8  # a region is good enough at this share of the tolerance: a finer grid finds a little more
-_GRID = 4000  # points on which errors are sought
-_WORST, _AROUND, _ROUNDS = 8, 64, 3  # points around which they are sought further, how many there, how often
+_FRESH = 0.25  # of a region's points are drawn at least: a cut has made new faces
+_GRID, _CONFIRM = 600, 1500  # points on which errors are sought; and so many more where none was found
+_WORST, _AROUND, _ROUNDS = 8, 16, 3  # points around which they are sought further, how many there, how often
+_HOPELESS = 4.0  # times the tolerance: a region with a larger error is cut without looking further
 _HUNTED = 0.25  # of a region's rows: so many of the worst points join them for a second fit
+_ON_BOUND = 0.01  # of the points that share the least or the largest value: it is a bound
 _SEARCHED = 0.8  # of the regions, before larger networks take over
 _NEAR_BORDER = 0.02  # of a region's points that a cut leaves on each side
 
@@ -54,16 +58,34 @@ class Learnt(NamedTuple):
     n_evaluations: int
 
 
-class _Region(NamedTuple):
-    """A fitted region: estimator, its rows, the largest error found with its place, and where else errors are large."""
+class _Points(NamedTuple):
+    """Points, and the function's values there."""
 
-    estimator: AbductiveRegressor
     X: np.ndarray
     y: np.ndarray
+
+    def and_also(self, other: "_Points") -> "_Points":
+        return _Points(np.vstack([self.X, other.X]), np.append(self.y, other.y))
+
+    def at(self, chosen: np.ndarray) -> "_Points":
+        return _Points(self.X[chosen], self.y[chosen])
+
+    def inside(self, cell: np.ndarray) -> "_Points":
+        return self.at(np.all((cell[:, 0] <= self.X) & (cell[:, 1] >= self.X), axis=1))
+
+    def errors(self, model: Model) -> np.ndarray:
+        found: np.ndarray = np.abs(model.predict(self.X) - self.y)
+        return found
+
+
+class _Region(NamedTuple):
+    """A fitted region: estimator, the points it learnt from, all that are known, the largest error on these with its place."""
+
+    estimator: AbductiveRegressor
+    rows: _Points
+    known: _Points
     error: float
     where: np.ndarray
-    X_hunted: np.ndarray
-    y_hunted: np.ndarray
 
 
 def learn_from(
@@ -101,7 +123,8 @@ def learn_from(
     rows : int
         Points from which a region learns.
     estimator : AbductiveRegressor, optional
-        Settings of the networks; three layers if not given. Its `domain` is replaced by that of each region.
+        Settings of the networks; if not given, three layers, and bounds where many points share the least or the largest value. Its `domain` is
+        replaced by that of each region.
     finer : AbductiveRegressor, optional
         Settings of larger networks, which a search for places to cut does not need: it ends at four fifths of the
         regions, all that are not good enough are fitted with these, and the worst of them cut further. The fits are not
@@ -134,21 +157,50 @@ def learn_from(
     _check(limits, tolerance, max_regions, rows)
     base = AbductiveRegressor(max_layers=3) if estimator is None else estimator
     random = check_random_state(random_state)
-    asked, price = 0, 0  # points so far, and what one region takes
+    asked, grid_points = 0, _grid(len(limits))
+    price = (
+        rows + 2 ** len(limits) + len(grid_points) + _CONFIRM + 2 * _ROUNDS * _WORST * _AROUND
+    )  # of one region at most
 
-    def ask(X: np.ndarray) -> np.ndarray:
+    def ask(X: np.ndarray) -> _Points:
         nonlocal asked
         asked += len(X)
-        return _asked(function, X)
+        return _Points(X, _asked(function, X))
 
-    def leaf(cell: np.ndarray, settings: AbductiveRegressor = base, rows: int = rows) -> Leaf:
+    def leaf(
+        cell: np.ndarray,
+        known: _Points,
+        settings: AbductiveRegressor = base,
+        rows: int = rows,
+        patience: float = _HOPELESS,
+    ) -> Leaf:
         seed = int(random.randint(2**31 - 1))
-        X = _points(cell, rows, seed)
-        estimator = clone(settings).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0)
-        region = _fitted(ask, estimator, cell, X, ask(X), seed)
-        if region.error > _MARGIN * tolerance:
-            X, y = np.vstack([region.X, region.X_hunted]), np.append(region.y, region.y_hunted)
-            region = min(region, _fitted(ask, clone(estimator), cell, X, y, seed), key=lambda r: r.error)
+        chance, known = np.random.default_rng(seed), known.inside(cell)
+        fresh = max(round(_FRESH * rows), rows - len(known.y))
+        drawn = ask(_points(cell, fresh, seed))
+        learnt = drawn.and_also(known.at(chance.permutation(len(known.y))[: rows - fresh]))
+        known = known.and_also(drawn).and_also(ask(_in_box(cell, grid_points)))
+        settings = clone(settings).set_params(domain=list(map(tuple, cell.tolist())), calibration=0.0)
+        if estimator is None:
+            settings.set_params(output_bounds=_bounds(known.y))
+
+        def examined(learnt: _Points, known: _Points) -> _Region:
+            fitted = clone(settings).fit(*learnt)
+            model = fitted.to_model()
+            error = known.errors(model)
+            if error.max() <= patience * tolerance:
+                known = _around_worst(ask, model, known, cell, chance)
+                error = known.errors(model)
+            if error.max() <= _MARGIN * tolerance:
+                known = known.and_also(ask(_points(cell, _CONFIRM - 2 ** len(cell), seed + 1)))
+                error = known.errors(model)
+            return _Region(fitted, learnt, known, float(error.max()), known.X[np.argmax(error)])
+
+        region = examined(learnt, known)
+        if _MARGIN * tolerance < region.error <= patience * tolerance:
+            worst = np.argsort(-region.known.errors(region.estimator.to_model()), kind="stable")
+            again = examined(learnt.and_also(region.known.at(worst[: round(_HUNTED * rows)])), region.known)
+            region = min(region, again, key=lambda r: r.error)._replace(known=again.known)
         return Leaf(cell, region, region.error, region.error <= _MARGIN * tolerance)
 
     def cut(parent: Leaf, settings: AbductiveRegressor = base, rows: int = rows) -> Halves | None:
@@ -157,27 +209,32 @@ def learn_from(
         if asked + 2 * price > budget:
             return None
         min_rows = max(1, round(_NEAR_BORDER * rows))
-        found = best_cut(region.X, region.y[:, None], np.ones(len(region.y)), min_rows)
+        found = best_cut(region.rows.X, region.rows.y[:, None], np.ones(len(region.rows.y)), min_rows)
         if found is None:
             return None
         below, above = box_halves(parent.box, found.axis, found.at)
         above[found.axis, 0] = np.nextafter(found.at, np.inf)  # the border itself belongs below
-        return Halves(found.axis, found.at, leaf(below, settings, rows), leaf(above, settings, rows))
+        return Halves(
+            found.axis, found.at, leaf(below, region.known, settings, rows), leaf(above, region.known, settings, rows)
+        )
 
     names = [variable.name for variable in inputs] if inputs else [f"x{i}" for i in range(len(limits))]
     known = grid(checked_edges(edges or {}, names))
-    start = []
-    for region in region_boxes(known, len(limits)).values():
-        before = asked
-        start.append(leaf(_cell(region, limits)))
-        price = max(price, asked - before)
+    nothing = _Points(np.zeros((0, len(limits))), np.zeros(0))
+    start = [leaf(_cell(region, limits), nothing) for region in region_boxes(known, len(limits)).values()]
     searched = max_regions if finer is None else max(1, round(_SEARCHED * max_regions))
     partition, leaves = grow_tree(known, start, cut, searched)
     if finer is not None:
         settings, n = finer, finer_rows or rows
-        better = [found if found.settled else leaf(found.box, settings, n) for found in leaves]
+        better = [
+            found if found.settled else leaf(found.box, found.fitted.known, settings, n, np.inf) for found in leaves
+        ]
         leaves = [min(pair, key=lambda found: found.cost) for pair in zip(leaves, better, strict=True)]
         partition, leaves = grow_tree(partition, leaves, lambda parent: cut(parent, settings, n), max_regions)
+    # what was to be cut, and is not, has not been looked at closely
+    for k, found in enumerate(leaves):
+        if found.cost > _HOPELESS * tolerance and asked + price <= budget:
+            leaves[k] = min(found, leaf(found.box, found.fitted.known, patience=np.inf), key=lambda one: one.cost)
     regions = [found.fitted for found in leaves]
     worst = max(regions, key=lambda region: region.error)
     models = [region.estimator.to_model(inputs, output) for region in regions]
@@ -226,33 +283,35 @@ def _points(cell: np.ndarray, n: int, seed: int) -> np.ndarray:
     return _in_box(cell, np.vstack([unit, list(product((0.0, 1.0), repeat=n_input))]))
 
 
-def _fitted(
-    ask: Callable[[np.ndarray], np.ndarray],
-    estimator: AbductiveRegressor,
-    cell: np.ndarray,
-    X: np.ndarray,
-    y: np.ndarray,
-    seed: int,
-) -> _Region:
-    """Fit, then search for the largest error: on a grid with its faces, and around the worst points of what was seen."""
-    n_input, random = len(cell), np.random.default_rng(seed)
-    model = estimator.fit(X, y).to_model()
+def _grid(n_input: int) -> np.ndarray:
+    """A grid of the unit cube, its faces included."""
     side = max(3, round(_GRID ** (1.0 / n_input)))
-    unit = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, side)] * n_input), axis=-1).reshape(-1, n_input)
-    seen = _in_box(cell, unit)
-    truth, reach = ask(seen), 1.0 / (side - 1)
-    error = np.abs(model.predict(seen) - truth)
+    return np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, side)] * n_input), axis=-1).reshape(-1, n_input)
+
+
+def _around_worst(
+    ask: Callable[[np.ndarray], _Points], model: Model, known: _Points, cell: np.ndarray, random: np.random.Generator
+) -> _Points:
+    """Known points, and others around those with the largest errors, again and again, nearer each time."""
+    low, high = cell.T
+    reach, error = (high - low) / max(3.0, _GRID ** (1.0 / len(cell))), known.errors(model)
     for _ in range(_ROUNDS):
-        worst = unit[np.argsort(-error, kind="stable")[:_WORST]]
-        steps = random.uniform(-reach, reach, size=(len(worst), _AROUND, n_input))
-        more = np.clip(worst[:, None] + steps, 0.0, 1.0).reshape(-1, n_input)
-        around = _in_box(cell, more)
-        values = ask(around)
-        unit, seen, truth = np.vstack([unit, more]), np.vstack([seen, around]), np.append(truth, values)
-        error = np.append(error, np.abs(model.predict(around) - values))
-        reach *= 0.25
-    order = np.argsort(-error, kind="stable")[: round(_HUNTED * len(X))]
-    return _Region(estimator, X, y, float(error[order[0]]), seen[order[0]], seen[order], truth[order])
+        worst = known.X[np.argsort(-error, kind="stable")[:_WORST]]
+        steps = random.uniform(-reach, reach, size=(len(worst), _AROUND, len(cell)))
+        around = ask(np.clip(worst[:, None] + steps, low, high).reshape(-1, len(cell)))
+        known, error = known.and_also(around), np.append(error, around.errors(model))
+        reach = 0.25 * reach
+    return known
+
+
+def _bounds(y: np.ndarray) -> tuple[float, float]:
+    """Ends of the values where many points lie on them, and a tenth of the range beyond where they do not."""
+    low, high = float(y.min()), float(y.max())
+    beyond = 0.1 * (high - low)
+    return (
+        low if np.mean(y == low) >= _ON_BOUND else low - beyond,
+        high if np.mean(y == high) >= _ON_BOUND else high + beyond,
+    )
 
 
 def _in_box(cell: np.ndarray, unit: np.ndarray) -> np.ndarray:
