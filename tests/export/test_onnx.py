@@ -10,6 +10,7 @@ import pytest
 from helpers.exports import NAMES
 from polydraulic.errors import InputError
 from polydraulic.export import bundle
+from polydraulic.export.c import answers
 from polydraulic.export.onnx import export_onnx, to_onnx
 
 
@@ -28,6 +29,24 @@ def test_double_graphs_agree_to_rounding_inside_and_outside(which, exported_mode
     expected = whole.predict(X)
     assert np.all(np.abs(y - expected) <= 1e-13 * np.abs(expected).max(axis=0))
     assert np.array_equal(domain[:, 0], whole.outside(X))
+
+
+@pytest.mark.parametrize("which", NAMES)
+def test_graphs_of_tables_agree_to_rounding_inside_and_outside(which, exported_models, monkeypatch):
+    whole = bundle(exported_models[which])
+    X = whole.points(600)
+    straight, _ = run(to_onnx(whole), X)
+    monkeypatch.setattr(answers, "STRAIGHT", 0)
+    y, domain = run(to_onnx(whole), X)
+    assert np.all(np.abs(y - straight) <= 1e-13 * np.abs(straight).max(axis=0))
+    assert np.array_equal(domain[:, 0], whole.outside(X))
+
+
+def test_a_graph_of_many_regions_grows_with_the_longest_network_alone(exported_models):
+    few, many = (to_onnx(bundle(exported_models[which])) for which in ("regions", "shipped"))
+    longest = max(len(network.nodes) for network in exported_models["shipped"][0].networks)
+    assert len(many.graph.node) < 120 * longest
+    assert not any(node.op_type == "GatherElements" for node in few.graph.node)
 
 
 def test_float_graphs_are_close(exported_models):

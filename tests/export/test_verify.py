@@ -64,23 +64,36 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
 def test_single_precision_beyond_what_is_proved_is_told(exported_models, monkeypatch):
     right = fresh.to_c
 
-    def wrong(whole, *, real):
+    def wrong(whole, *, real, prove):
         (model,) = whole.models
         (network,) = model.networks
         shifted = replace(network, y_mean=network.y_mean + 1e-3)
-        return right(replace(whole, models=(replace(model, networks=(shifted,)),)), real=real)
+        return right(replace(whole, models=(replace(model, networks=(shifted,)),)), real=real, prove=prove)
 
     monkeypatch.setattr(fresh, "to_c", wrong)
     targets_of = verify._targets
-    monkeypatch.setattr(verify, "_targets", lambda *two: [one for one in targets_of(*two) if one[0] == "c float"])
+    monkeypatch.setattr(verify, "_targets", lambda *three: [one for one in targets_of(*three) if one[0] == "c float"])
     found, not_tried = verify_models(exported_models["single"], n=300)
     assert not found[0].holds
     assert found[0].used > 1.0
     assert agreement_table(found, not_tried).count("DIFFERS") == 1
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_of_many_networks_nothing_is_proved_unless_asked_for(exported_models, monkeypatch):
+    monkeypatch.setattr(verify, "PROVED", 1)
+    targets_of = verify._targets
+    monkeypatch.setattr(verify, "_targets", lambda *three: [one for one in targets_of(*three) if one[0] == "c float"])
+    found, not_tried = verify_models(exported_models["regions"], n=60)
+    assert (found[0].allowance, found[0].used) == (None, None)
+    assert "of 6 networks it takes long" in agreement_table(found, not_tried)
+    found, not_tried = verify_models(exported_models["regions"], n=60, prove=True)
+    assert 0.0 < found[0].used <= 1.0
+    assert "proof of c float" not in not_tried
+
+
 def test_what_gives_no_number_differs_infinitely(exported_models, monkeypatch):
-    monkeypatch.setattr(verify, "_targets", lambda whole, folder: [
+    monkeypatch.setattr(verify, "_targets", lambda whole, folder, prove: [
         ("nan", True, lambda X: fresh.Answers(np.full((len(X), 1), np.nan)))])  # fmt: skip
     found, _ = verify_models(exported_models["single"], n=60)
     assert found[0].inside == np.inf

@@ -239,6 +239,10 @@ def verify(
     model: Annotated[Path, typer.Argument(help="Model file, as written by fit.")],
     points: Annotated[int, typer.Option(help="Points, inside the domain, on borders and outside.", min=6)] = 3000,
     seed: Annotated[int, typer.Option(help="Seed of the random points.", min=0)] = 0,
+    prove: Annotated[
+        bool | None,
+        typer.Option(help="Hold C in single precision to what is proved of it; by default, of up to 16 networks."),
+    ] = None,
 ) -> None:
     """Export a model to every target that can be built here, and compare them with the package at thousands of points.
 
@@ -255,7 +259,7 @@ def verify(
 
     models = load_models(model)
     with progress_bar("verify") as progress:
-        found, not_tried = verify_models(models, n=points, seed=seed, progress=progress)
+        found, not_tried = verify_models(models, n=points, seed=seed, prove=prove, progress=progress)
     print(agreement_table(found, not_tried))
     for note in dynamic_notes(models):
         print(f"note: {note}")

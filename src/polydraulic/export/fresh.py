@@ -48,11 +48,11 @@ def run_python(whole: Bundle, folder: Path, X: np.ndarray) -> Answers:
     )
 
 
-def run_c(whole: Bundle, folder: Path, real: str, X: np.ndarray) -> Answers:
+def run_c(whole: Bundle, folder: Path, real: str, prove: bool, X: np.ndarray) -> Answers:
     """The exported source in a C program that includes its header beside those of the library."""
     command = _compiler()
     try:
-        header, source = to_c(whole, real=real)
+        header, source = to_c(whole, real=real, prove=prove)
     except InputError as error:
         raise NotHereError(str(error)) from error
     n, m = len(whole.inputs), len(whole.models)

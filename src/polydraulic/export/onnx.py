@@ -1,7 +1,7 @@
 """Models as ONNX: for batches of rows in any runtime.
 
-Every node of a network becomes a few elementwise operations in the nesting of the compiled evaluation. All networks of a
-model see all rows, and `Where` keeps those of the region.
+Every node of a network becomes a few elementwise operations in the nesting of the compiled evaluation. A few networks see all rows,
+and `Where` keeps those of the region; of many (`c.answers`) the numbers are gathered row by row from tables (`onnx_tables`).
 """
 
 import json
@@ -13,9 +13,12 @@ import numpy as np
 
 from polydraulic import __version__
 from polydraulic.errors import InputError
+from polydraulic.export.c.answers import as_tables
 from polydraulic.export.c.network import bounded, polynomial
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
+from polydraulic.export.onnx_graph import Graph, GraphValue
+from polydraulic.export.onnx_tables import answer_of_tables
 from polydraulic.files import replacing
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
@@ -94,7 +97,7 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
         raise InputError(f"real = {real!r}: must be 'double' or 'float'")
     if opset < 13:
         raise InputError(f"opset = {opset}: must be at least 13")
-    graph = _Graph(np.float64 if real == "double" else np.float32)
+    graph = Graph(np.float64 if real == "double" else np.float32)
     columns = [graph.op("Gather", "x", graph.constant(np.array([i])), axis=1) for i in range(len(whole.inputs))]
     invalid = graph.op("Cast", graph.op("IsNaN", "x"), to=graph.type)
     count = graph.op("ReduceSum", invalid, graph.constant(np.array([1])), keepdims=1)
@@ -102,6 +105,11 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
     outputs, distances = [], []
     for model, place in zip(whole.models, whole.places, strict=True):
         own = [columns[i] for i in place]
+        if as_tables(whole) and isinstance(model.partition, Split):
+            y, far = answer_of_tables(graph, model, own)
+            outputs.append(y)
+            distances.append(far)
+            continue
         parts = [(_value(graph, network, own), _distance(graph, network, own)) for network in model.networks]
         y, far = _chosen(graph, model.partition, own, parts)
         outputs.append(y)
@@ -136,105 +144,34 @@ def to_onnx(whole: Bundle, *, real: str = "double", opset: int = OPSET) -> "onnx
     return made
 
 
-class _Graph:
-    """Nodes and constants while a graph grows; a value is known by its name."""
-
-    def __init__(self, dtype: Any) -> None:
-        from onnx import TensorProto
-
-        self.dtype = dtype
-        self.type = TensorProto.DOUBLE if dtype is np.float64 else TensorProto.FLOAT
-        self.nodes: list[Any] = []
-        self.constants: dict[str, Any] = {}
-        self._known: dict[bytes, str] = {}
-
-    def op(self, kind: str, *inputs: str, to_name: str | None = None, **attributes: Any) -> str:
-        from onnx import helper
-
-        name = to_name or f"t{len(self.nodes)}"
-        self.nodes.append(helper.make_node(kind, inputs, [name], **attributes))
-        return name
-
-    def constant(self, values: np.ndarray) -> str:
-        from onnx import numpy_helper
-
-        key = repr((values.dtype, values.shape)).encode() + values.tobytes()
-        if key not in self._known:
-            name = f"c{len(self.constants)}"
-            self._known[key] = name
-            self.constants[name] = numpy_helper.from_array(values, name)
-        return self._known[key]
-
-    def number(self, value: float) -> str:
-        return self.constant(np.array(value, dtype=self.dtype))
-
-
-class _Term:
-    """A value in the graph with the arithmetic of a number, so that formulas become operations."""
-
-    def __init__(self, graph: _Graph, name: str) -> None:
-        self.graph, self.name = graph, name
-
-    def _with(self, kind: str, other: "_Term | float", swapped: bool = False) -> "_Term":
-        name = other.name if isinstance(other, _Term) else self.graph.number(other)
-        pair = (name, self.name) if swapped else (self.name, name)
-        return _Term(self.graph, self.graph.op(kind, *pair))
-
-    def __add__(self, other: "_Term | float") -> "_Term":
-        return self._with("Add", other)
-
-    def __radd__(self, other: float) -> "_Term":
-        return self._with("Add", other, swapped=True)
-
-    def __sub__(self, other: "_Term | float") -> "_Term":
-        return self._with("Sub", other)
-
-    def __mul__(self, other: "_Term | float") -> "_Term":
-        return self._with("Mul", other)
-
-    def __rmul__(self, other: float) -> "_Term":
-        return self._with("Mul", other, swapped=True)
-
-    def clipped(self, low: float, high: float) -> "_Term":
-        return _Term(self.graph, self.graph.op("Clip", self.name, self.graph.number(low), self.graph.number(high)))
-
-    def sigmoid(self) -> "_Term":
-        graph = self.graph
-        power = graph.op("Exp", graph.op("Neg", self.clipped(-700.0, 700.0).name))
-        return _Term(graph, graph.op("Div", graph.number(1.0), graph.op("Add", graph.number(1.0), power)))
-
-    def ramp(self) -> "_Term":
-        return self.clipped(0.0, 1.0)
-
-
-def _value(graph: _Graph, network: Network, columns: Sequence[str]) -> str:
+def _value(graph: Graph, network: Network, columns: Sequence[str]) -> str:
     inputs, nodes = used_slots(network)
-    slots: dict[str, Any] = {"sigmoid": _Term.sigmoid, "ramp": _Term.ramp}
+    slots: dict[str, Any] = {"sigmoid": GraphValue.sigmoid, "ramp": GraphValue.ramp}
     for i in inputs:
-        inside = _Term(graph, columns[i]).clipped(network.x_low[i], network.x_high[i])
+        inside = GraphValue(graph, columns[i]).clipped(network.x_low[i], network.x_high[i])
         slots[f"n{i}"] = (inside - network.x_mean[i]) * (1.0 / network.x_scale[i])
     names = [f"n{i}" for i in range(network.n_inputs)] + [f"z{k}" for k in range(len(network.nodes))]
     for k in nodes:  # the text of a node holds numbers and the names of slots
         slots[f"z{k}"] = eval(polynomial(network.nodes[k], names), {"__builtins__": {}}, slots)
     if not network.nodes:
         value = min(max(network.y_mean, network.y_low), network.y_high)
-        return (_Term(graph, columns[0]).clipped(0.0, 0.0) * 0.0 + value).name
+        return (GraphValue(graph, columns[0]).clipped(0.0, 0.0) * 0.0 + value).name
     y = network.y_mean + network.y_scale * slots[names[-1]]
     return (y.clipped(network.y_low, network.y_high) if bounded(network) else y).name
 
 
-def _distance(graph: _Graph, network: Network, columns: Sequence[str]) -> str:
+def _distance(graph: Graph, network: Network, columns: Sequence[str]) -> str:
     shares = domain_gain(np.array(network.x_low), np.array(network.x_high))
     found = [graph.number(0.0)]
     for column, low, high, share in zip(columns, network.x_low, network.x_high, shares.tolist(), strict=True):
-        x = _Term(graph, column)
-        below = _Term(graph, graph.op("Sub", graph.number(low), column))
+        x = GraphValue(graph, column)
+        below = GraphValue(graph, graph.op("Sub", graph.number(low), column))
         found += [(below * share).name, ((x - high) * share).name]
     return graph.op("Max", *found)
 
 
 def _chosen(
-    graph: _Graph, partition: Partition, columns: Sequence[str], parts: Sequence[tuple[str, str]]
+    graph: Graph, partition: Partition, columns: Sequence[str], parts: Sequence[tuple[str, str]]
 ) -> tuple[str, str]:
     if not isinstance(partition, Split):
         return parts[partition]

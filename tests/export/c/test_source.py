@@ -10,8 +10,11 @@ import pytest
 from hypothesis import given, settings
 
 from helpers.exports import NAMES, networks
+from polydraulic.errors import InputError
 from polydraulic.export import bundle, export_c, to_c
-from polydraulic.networks import Model, Variable
+from polydraulic.export.c import answers
+from polydraulic.networks import Model, Network, Node, Variable
+from polydraulic.networks.model.nodes import SINGLE
 
 FLAGS = "-std=c99 -O2 -Wall -Wextra -Werror -Wconversion -Wdouble-promotion -Wshadow -pedantic".split()
 SANITIZERS = ["-g", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
@@ -60,6 +63,47 @@ def test_double_c_equals_the_package_bit_for_bit_with_its_slopes_and_domain(whic
     out = X[status == 1][:20]
     ahead = np.stack([function.whole.outside(out + np.diag(step)[i]) for i in range(len(step))], axis=1)
     assert np.allclose(dfar[status == 1][:20] * step, ahead - far[status == 1][:20, None], atol=1e-9)
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("which", NAMES)
+def test_tables_give_the_bits_of_straight_line_code(which, real, exported_models, tmp_path, monkeypatch):
+    found = []
+    for form, most in (("straight", 10**9), ("tables", 0)):
+        monkeypatch.setattr(answers, "STRAIGHT", most)
+        (tmp_path / form).mkdir()
+        function = Compiled(exported_models[which], tmp_path / form, real, name="net")
+        assert ("own_net_node" in function.source.read_text()) == (form == "tables")
+        found.append(function)
+    X = found[0].whole.points(600)
+    X[:3, 0] = np.nan, np.inf, -np.inf
+    slopes = 3
+    for place, (straight, tabled) in enumerate(zip(*(function(X) for function in found), strict=True)):
+        if real == "float" and place == slopes:  # three times a coefficient is rounded there, not before it is written
+            size = np.abs(straight[3:]).max(axis=0)
+            assert np.all(np.abs(straight - tabled)[3:] <= 1e-3 * size)
+        else:
+            assert straight.tobytes() == tabled.tobytes()  # the signs of zeros too
+
+
+def test_the_form_follows_the_number_of_networks(exported_models):
+    few, many = exported_models["regions"], exported_models["shipped"]
+    assert len(few[0].networks) <= answers.STRAIGHT < len(many[0].networks)
+    header, source = to_c(bundle(few, name="f"))
+    assert "6 networks as straight-line code" in header
+    assert "own_net_node" not in source
+    header, source = to_c(bundle(many, name="f"))
+    assert "14 networks as tables" in header
+    assert "value_0_0" not in source
+
+
+def test_float_tables_refuse_slopes_that_no_float_holds(monkeypatch):
+    node = Node(SINGLE, (0,), (0.0, 0.0, 0.0, 2e38))
+    model = Model((Variable("a"),), Variable("y"), (Network((node,), (0.0,), (1.0,), (-0.1,), (0.1,), 0.0, 1.0),))
+    for most in (8, 0):
+        monkeypatch.setattr(answers, "STRAIGHT", most)
+        with pytest.raises(InputError, match="does not fit into a float"):
+            to_c(bundle([model]), real="float")
 
 
 @pytest.mark.parametrize("which", NAMES)

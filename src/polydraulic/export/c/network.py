@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from polydraulic.export.c.text import DOUBLE, FLOAT, Real, held_in, inner_ends, literal, rounded_down
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import DOUBLE as TWO
-from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, RAMP, SIGMOID, SINGLE
+from polydraulic.networks.model.nodes import KIND_NAMES, LINEAR, RAMP, SIGMOID, SINGLE, terms
 from polydraulic.networks.model.partition import Partition, Split
 from polydraulic.networks.model.table import UNBOUNDED, Network, Node, used_slots
 
@@ -23,12 +23,12 @@ _EXP = {
 }  # fmt: skip
 
 
-def helpers(models: Sequence[Model], real: Real) -> str:
-    """The functions that the networks of `models` call; an unused one is a warning."""
+def helpers(models: Sequence[Model], real: Real, *, clamps: bool = False) -> str:
+    """The functions that the networks of `models` call, `clamp` also if `clamps` says so; an unused one is a warning."""
     t, s = real.name, real.suffix
     networks = [network for model in models for network in model.networks]
     found = ""
-    if any(used_slots(network)[0] or bounded(network) for network in networks):
+    if clamps or any(used_slots(network)[0] or bounded(network) for network in networks):
         found += f"""static {t} clamp({t} v, {t} low, {t} high)
 {{
     const {t} raised = (v < low) ? low : v;
@@ -128,16 +128,19 @@ def bounded(network: Network) -> bool:
 
 def polynomial(node: Node, names: Sequence[str], real: Real = DOUBLE) -> str:
     """Value of a node in terms of the slots that it reads, in C and in Python."""
-    c = [literal(value, real) for value in node.coef]
-    v = [names[slot] for slot in node.inputs]
-    if node.kind == LINEAR:
+    return nested(node.kind, [literal(value, real) for value in node.coef], [names[slot] for slot in node.inputs])
+
+
+def nested(kind: int, c: Sequence[str], v: Sequence[str]) -> str:
+    """Value of a node from the texts of its coefficients and of what it reads, in the order of operations of the package."""
+    if kind == LINEAR:
         return " + ".join(f"{a} * {b}" for a, b in zip(c, v, strict=True))
-    if node.kind in (SIGMOID, RAMP):
-        return f"{KIND_NAMES[node.kind]}({' + '.join([c[0], *(f'{a} * {b}' for a, b in zip(c[1:], v, strict=True))])})"
-    if node.kind == SINGLE:
+    if kind in (SIGMOID, RAMP):
+        return f"{KIND_NAMES[kind]}({' + '.join([c[0], *(f'{a} * {b}' for a, b in zip(c[1:], v, strict=True))])})"
+    if kind == SINGLE:
         a = v[0]
         return f"{c[0]} + {a} * ({c[1]} + {a} * ({c[2]} + {a} * {c[3]}))"
-    if node.kind == TWO:
+    if kind == TWO:
         a, b = v
         return (
             f"{c[0]} + {a} * ({c[1]} + {a} * ({c[3]} + {a} * {c[6]}) + {b} * {c[5]})"
@@ -151,9 +154,33 @@ def polynomial(node: Node, names: Sequence[str], real: Real = DOUBLE) -> str:
     )
 
 
+def nested_slopes(kind: int, c: Sequence[str], several: Sequence[str], v: Sequence[str]) -> list[str]:
+    """Derivatives of a polynomial node by each of its inputs; `several` are its coefficients times their exponents."""
+
+    def own_terms(a: str, square: int, cube: int) -> str:
+        return f"{a} * ({several[square]} + {a} * {several[cube]})"
+
+    if kind == SINGLE:
+        return [f"{c[1]} + {own_terms(v[0], 2, 3)}"]
+    if kind == TWO:
+        a, b = v
+        return [f"{c[1]} + {own_terms(a, 3, 6)} + {b} * {c[5]}", f"{c[2]} + {own_terms(b, 4, 7)} + {a} * {c[5]}"]
+    a, b, d = v
+    return [
+        f"{c[1]} + {own_terms(a, 4, 11)} + {b} * ({c[7]} + {d} * {c[10]}) + {d} * {c[8]}",
+        f"{c[2]} + {own_terms(b, 5, 12)} + {a} * ({c[7]} + {d} * {c[10]}) + {d} * {c[9]}",
+        f"{c[3]} + {own_terms(d, 6, 13)} + {a} * ({c[8]} + {b} * {c[10]}) + {b} * {c[9]}",
+    ]
+
+
+def times_exponents(node: Node) -> list[float]:
+    """Coefficients of a polynomial node, squares and cubes times 2 and 3: as they stand in its slopes."""
+    exponents = terms(node.kind, len(node.inputs))
+    return [max(1, *powers) * value for value, powers in zip(node.coef, exponents, strict=True)]
+
+
 def _slopes(node: Node, names: Sequence[str], own: str, real: Real) -> list[str]:
     """Derivatives of a node by each of its inputs; `own` is the node's value."""
-    v = [names[slot] for slot in node.inputs]
     c = [literal(value, real) for value in node.coef]
     if node.kind == LINEAR:
         return c
@@ -163,21 +190,8 @@ def _slopes(node: Node, names: Sequence[str], own: str, real: Real) -> list[str]
     if node.kind == RAMP:
         zero, one = literal(0.0, real), literal(1.0, real)
         return [f"(({own} > {zero}) && ({own} < {one})) ? {weight} : {zero}" for weight in c[1:]]
-
-    def own_terms(a: str, square: int, cube: int) -> str:
-        return f"{a} * ({literal(2.0 * node.coef[square], real)} + {a} * {literal(3.0 * node.coef[cube], real)})"
-
-    if node.kind == SINGLE:
-        return [f"{c[1]} + {own_terms(v[0], 2, 3)}"]
-    if node.kind == TWO:
-        a, b = v
-        return [f"{c[1]} + {own_terms(a, 3, 6)} + {b} * {c[5]}", f"{c[2]} + {own_terms(b, 4, 7)} + {a} * {c[5]}"]
-    a, b, d = v
-    return [
-        f"{c[1]} + {own_terms(a, 4, 11)} + {b} * ({c[7]} + {d} * {c[10]}) + {d} * {c[8]}",
-        f"{c[2]} + {own_terms(b, 5, 12)} + {a} * ({c[7]} + {d} * {c[10]}) + {d} * {c[9]}",
-        f"{c[3]} + {own_terms(d, 6, 13)} + {a} * ({c[8]} + {b} * {c[10]}) + {b} * {c[9]}",
-    ]
+    several = [literal(value, real) for value in times_exponents(node)]
+    return nested_slopes(node.kind, c, several, [names[slot] for slot in node.inputs])
 
 
 def _names(network: Network) -> list[str]:

@@ -1,6 +1,6 @@
 """Models as C99: one header and one source, no allocation, no input or output, no state.
 
-Three functions: outputs; outputs with exact slopes; how far the inputs lie outside the domain. Each says what an input
+A few networks are straight-line code, more are tables (`answers`). Three functions: outputs; outputs with exact slopes; how far the inputs lie outside the domain. Each says what an input
 that is not a number does. Behind a macro the source tests itself with numbers that the package computed.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.c.allowance import allowance_lines, model_allowance
-from polydraulic.export.c.network import choice, helpers, input_limits, slopes_function, value_function
+from polydraulic.export.c.answers import answering_code, form_lines, numbers_row, region_call, value_call
 from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, inner_ends, literal, string
 from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import Bundle, bundle
@@ -19,8 +19,6 @@ from polydraulic.files import write_texts
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import SIGMOID
-from polydraulic.networks.model.partition import Split
-from polydraulic.networks.model.slopes import domain_gain
 
 _VECTORS = 24
 
@@ -55,7 +53,7 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
     return Exported(files, (*whole.name_notes(), *dynamic_notes(models), *proved))
 
 
-def to_c(whole: Bundle, *, real: str = "double") -> tuple[str, str]:
+def to_c(whole: Bundle, *, real: str = "double", prove: bool = True) -> tuple[str, str]:
     """Header and source of C functions for models.
 
     Parameters
@@ -64,6 +62,8 @@ def to_c(whole: Bundle, *, real: str = "double") -> tuple[str, str]:
         Models and their common name, from `bundle`.
     real : str
         "double" or "float".
+    prove : bool
+        Whether the header of `float` code states what is proved of it.
 
     Returns
     -------
@@ -76,16 +76,17 @@ def to_c(whole: Bundle, *, real: str = "double") -> tuple[str, str]:
     """
     if real not in REALS:
         raise InputError(f"real = {real!r}: must be one of {list(REALS)}")
-    return _header(whole, REALS[real]), _source(whole, REALS[real])
+    prove = prove and real == FLOAT.name
+    return _header(whole, REALS[real], prove), _source(whole, REALS[real], prove)
 
 
-def _header(whole: Bundle, real: Real) -> str:
+def _header(whole: Bundle, real: Real, prove: bool) -> str:
     t, name, macro = real.name, whole.name, whole.name.upper()
     n, m = len(whole.inputs), len(whole.models)
     inputs, outputs = whole.identifiers()
     places = [f"#define {macro}_INPUT_{c.upper()} {i}" for i, c in enumerate(inputs)]
     places += [f"#define {macro}_OUTPUT_{c.upper()} {k}" for k, c in enumerate(outputs)]
-    return f"""{block_comment([*_about(whole), *_proved(whole, real)])}
+    return f"""{block_comment([*_about(whole), *form_lines(whole), *(_proved(whole) if prove else [])])}
 #ifndef {macro}_H
 #define {macro}_H
 
@@ -136,9 +137,7 @@ def _about(whole: Bundle) -> list[str]:
     return [*lines, "", "Inputs outside of the domain are moved to its border."]
 
 
-def _proved(whole: Bundle, real: Real) -> list[str]:
-    if real is not FLOAT:
-        return []
+def _proved(whole: Bundle) -> list[str]:
     return [
         "",
         "Proved of this code, rounded to nearest, with fused multiply-adds or without, for any inputs that are numbers; the distance",
@@ -147,25 +146,24 @@ def _proved(whole: Bundle, real: Real) -> list[str]:
     ]
 
 
-def _source(whole: Bundle, real: Real) -> str:
+def _source(whole: Bundle, real: Real, prove: bool) -> str:
     t, name, macro = real.name, whole.name, whole.name.upper()
     n, m = len(whole.inputs), len(whole.models)
     sigmoids = any(node.kind == SIGMOID for model in whole.models for net in model.networks for node in net.nodes)
     include = f'#include "{name}.h"\n\n#include <float.h>\n' + ("#include <math.h>\n" if sigmoids else "")
-    functions = "\n".join(_output(whole, k, real) for k in range(m))
     low, high = np.array([inner_ends(low, high, real) for low, high in whole.domain().tolist()]).T
     constants = "\n".join(
         [f"const char *const {name}_{what}[{len(v)}] = {{{', '.join(map(string, v))}}};" for what, v in (
             ("input_names", [v.name for v in whole.inputs]), ("input_units", [v.unit for v in whole.inputs]),
             ("output_names", [v.name for v in whole.outputs]), ("output_units", [v.unit for v in whole.outputs]))]
-        + [f"const {t} {name}_domain_{end}[{n}] = {_row(v, real)};" for end, v in (("low", low), ("high", high))]
+        + [f"const {t} {name}_domain_{end}[{n}] = {numbers_row(v, real)};" for end, v in (("low", low), ("high", high))]
     )  # fmt: skip
 
-    regions = [f"const int r{k} = {_region(model, k)};" for k, model in enumerate(whole.models)]
+    regions = [f"const int r{k} = {region_call(whole, k)};" for k in range(m)]
     outside = " | ".join(f"outside_{k}(x, r{k})" for k in range(m))
 
-    def body(function: str, more: str, blank: str) -> str:
-        calls = [_call(whole, k, function, more.format(first=n * k)) for k in range(m)]
+    def body(slopes: str | None, blank: str) -> str:
+        calls = [value_call(whole, k, slopes and slopes.format(first=n * k)) for k in range(m)]
         return f"""    {f"{chr(10)}    ".join(regions)}
     const int outside = {outside};
     if ((outside != 0) && (not_a_number(x) != 0)) {{
@@ -195,69 +193,26 @@ static int not_a_number(const {t} x[{n}])
     return ({" || ".join(f"(x[{i}] != x[{i}])" for i in range(n))}) ? 1 : 0;
 }}
 
-{helpers(whole.models, real)}{functions}
+{answering_code(whole, real)}
 int {name}(const {t} x[{n}], {t} y[{m}])
 {{
-{body("", "x", "")}
+{body(None, "")}
 }}
 
 int {name}_slopes(const {t} x[{n}], {t} y[{m}], {t} dy_dx[{n * m}])
 {{
-{body("_slopes", "x, &dy_dx[{first}]", no_slopes)}
+{body("&dy_dx[{first}]", no_slopes)}
 }}
 
 {_outside(whole, real)}
-{_self_test(whole, real)}"""
-
-
-def _region(model: Model, k: int) -> str:
-    return f"region_{k}(x)" if isinstance(model.partition, Split) else "0"
-
-
-def _call(whole: Bundle, k: int, function: str, arguments: str) -> str:
-    """The network of output `k` that answers."""
-    count = len(whole.models[k].networks)
-    calls = [f"y[{k}] = value_{k}_{j}{function}({arguments});" for j in range(count)]
-    if count == 1:
-        return f"    {calls[0]}"
-    cases = [f"    case {j}:\n        {call}\n        break;" for j, call in enumerate(calls[:-1])]
-    return "\n".join([f"    switch (r{k}) {{", *cases, f"    default:\n        {calls[-1]}\n        break;", "    }"])
-
-
-def _output(whole: Bundle, k: int, real: Real) -> str:
-    """Functions and tables of output `k`: networks with and without slopes, regions, domains."""
-    model, place, n, t = whole.models[k], whole.places[k], len(whole.inputs), real.name
-    parts = []
-    for j, (network, where) in enumerate(zip(model.networks, model.region_names(), strict=True)):
-        about = block_comment([f"{model.output.name}: {where}"])[3:-3].strip(" *\n")
-        parts += [f(f"value_{k}_{j}", network, place, n, about, real) for f in (value_function, slopes_function)]
-    if isinstance(model.partition, Split):
-        parts.append(
-            f"static int region_{k}(const {t} x[{n}])\n{{\n{chr(10).join(choice(model.partition, place, real))}\n}}\n"
-        )
-    low, high = np.moveaxis(np.array([input_limits(network, real) for network in model.networks]), 2, 0)
-    size = f"[{len(model.networks)}][{len(place)}]"
-    tables = [
-        f"static const {t} {what}_{k}{size} = {{{', '.join(_row(row, real) for row in table)}}};"
-        for what, table in (("low", low), ("high", high), ("share", domain_gain(low, high)))
-    ]
-    tables.append(f"static const int place_{k}[{len(place)}] = {{{', '.join(map(str, place))}}};")
-    parts.append("\n".join(tables) + "\n")
-    tests = [f"!(x[{p}] >= low_{k}[r][{i}]) || !(x[{p}] <= high_{k}[r][{i}])" for i, p in enumerate(place)]
-    parts.append(f"""/* Also if an input is not a number. */
-static int outside_{k}(const {t} x[{n}], int r)
-{{
-    return ({f"{chr(10)}        || ".join(tests)}) ? 1 : 0;
-}}
-""")
-    return "\n".join(parts)
+{_self_test(whole, real, prove)}"""
 
 
 def _outside(whole: Bundle, real: Real) -> str:
     t, name, n, zero = real.name, whole.name, len(whole.inputs), literal(0.0, real)
     parts = []
-    for k, (model, place) in enumerate(zip(whole.models, whole.places, strict=True)):
-        parts.append(f"""    r = {_region(model, k)};
+    for k, place in enumerate(whole.places):
+        parts.append(f"""    r = {region_call(whole, k)};
     for (i = 0; i < {len(place)}; ++i) {{
         const {t} v = x[place_{k}[i]];
         const {t} share = share_{k}[r][i];
@@ -289,7 +244,7 @@ def _outside(whole: Bundle, real: Real) -> str:
 """
 
 
-def _self_test(whole: Bundle, real: Real) -> str:
+def _self_test(whole: Bundle, real: Real, prove: bool) -> str:
     """`main` behind a macro: 0, or the number of the first vector that fails."""
     t, name, macro = real.name, whole.name, whole.name.upper()
     n, m = len(whole.inputs), len(whole.models)
@@ -299,13 +254,13 @@ def _self_test(whole: Bundle, real: Real) -> str:
     y, slopes, outside = whole.predict(X), whole.slopes(X).reshape(len(X), -1), whole.outside(X) > 0.0
     near_y, near_slopes = (real.digits * np.maximum(np.abs(v).max(axis=0), 1e-30) for v in (y, slopes))
 
-    if real is FLOAT:  # what is proved of it may be less than what is usual
+    if prove:  # what is proved of it may be less than what is usual
         proved = [model_allowance(model).error for model in whole.models]
         near_y = np.maximum(near_y, np.where(np.isfinite(proved), proved, 0.0))
 
     def table(rows: np.ndarray) -> str:
         kept = np.where(np.abs(rows) < real.smallest, 0.0, rows)
-        return ",\n    ".join(_row(row, real) for row in kept)
+        return ",\n    ".join(numbers_row(row, real) for row in kept)
 
     return f"""#ifdef {macro}_SELF_TEST
 /* Numbers that the package computed. main returns 0, or the number of the first vector that fails. Names begin with own, for
@@ -320,8 +275,8 @@ static const {t} own_test_slopes[{len(X)}][{n * m}] = {{
     {table(slopes)}
 }};
 static const int own_test_status[{len(X)}] = {{{", ".join(str(int(flag)) for flag in outside)}}};
-static const {t} own_near_y[{m}] = {_row(near_y, real)};
-static const {t} own_near_slopes[{n * m}] = {_row(near_slopes, real)};
+static const {t} own_near_y[{m}] = {numbers_row(near_y, real)};
+static const {t} own_near_slopes[{n * m}] = {numbers_row(near_slopes, real)};
 
 static int own_differs({t} a, {t} b, {t} near)
 {{
@@ -373,7 +328,3 @@ def _smooth(whole: Bundle, X: np.ndarray) -> np.ndarray:
     same = (whole.outside(X - step) > 0.0) == (whole.outside(X + step) > 0.0)
     good = change.reshape(len(X), -1).all(axis=1) & same
     return X[good] if good.any() else X
-
-
-def _row(values: np.ndarray, real: Real) -> str:
-    return f"{{{', '.join(literal(float(value), real) for value in values)}}}"
