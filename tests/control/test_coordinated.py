@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from polydraulic import InputError, Simulator, build_flow, load_machine
+from polydraulic import InputError, Simulator, StabilityMonitor, build_flow, load_machine
 from polydraulic.control import ControlSettings, CoordinatedControl, SensorErrors, run_controlled, straight_line
 from polydraulic.control.coordinated import VELOCITIES, measured_columns
+from polydraulic.machine.stability.statics import holding_pressures
 
 AT = {"boom.angle": 0.3, "stick.angle": -1.6}
 NO_FEEDBACK = {"gain": 1e-6, "integral_gain": 0.0}
@@ -229,3 +230,73 @@ def test_networks_are_inverted_as_circuits_are(machine):
 def test_a_wanted_velocity_that_is_no_number_is_named():
     with pytest.raises(InputError, match="wanted = {'height': 'up'}: must be numbers"):
         CoordinatedControl("wheel_loader").step(np.zeros(6), {"height": "up"})
+
+
+# machine with a light chassis, payload in kg, where it begins, what is asked for, margin that is kept in m, seconds
+NEAR = [
+    ("wheel_loader", 6000.0, 1000.0, {"lift": 0.6}, {"height": -0.3}, 0.2, 7.0),
+    pytest.param(
+        "excavator_22t", 3000.0, 1500.0, {"swing": 1.57, "boom": 0.4}, {"reach": 0.3}, 0.35, 9.0, marks=pytest.mark.slow
+    ),
+]
+
+
+def towards_a_tip(machine, payload, start, wanted, seconds, *, release=None, **settings):
+    """Least static and dynamic distance at each call, and the share of the motion that was left."""
+    control = CoordinatedControl(machine, settings=ControlSettings(payload=payload, **settings))
+    monitor = StabilityMonitor(machine)
+    at = np.array([[start.get(f.name, f.initial.angle) for f in machine.functions]])
+    held = holding_pressures(machine, at, payload)[0]
+    state = {f"{name}.angle": value for name, value in zip(machine.names, at[0].tolist(), strict=True)}
+    for name, pair in zip(machine.names, held.tolist(), strict=True):
+        state |= {f"{name}.p_a": pair[0], f"{name}.p_b": pair[1]}
+    rows = []
+    with Simulator(machine, load={"payload": payload}) as simulator:
+        simulator.reset(state)
+        simulator.step({}, n=100)
+        for k in range(round(seconds / control.dt)):
+            asked = {} if release is not None and k * control.dt >= release else wanted
+            simulator.step(control.step(control.measured(simulator), asked), n=2)
+            seen = monitor(simulator, payload=payload)
+            rows.append([seen.distance.min(), seen.dynamic_distance.min(), float(control.share)])
+    return np.array(rows).T
+
+
+@pytest.mark.parametrize(("name", "mass", "payload", "start", "wanted", "margin", "seconds"), NEAR)
+def test_a_motion_that_would_tip_is_slowed_and_refused(name, mass, payload, start, wanted, margin, seconds):
+    light = load_machine(name).with_values({"chassis.mass": mass})
+    free = towards_a_tip(light, payload, start, wanted, seconds)
+    kept = towards_a_tip(light, payload, start, wanted, seconds, tip_margin=margin)
+    assert min(free[0].min(), free[1].min()) < margin - 0.1  # it would come nearer
+    assert kept[0].min() > margin - 0.02
+    assert kept[1].min() > margin - 0.12  # and the arm on its oil does not swing it over
+    assert kept[0][-1] < margin + 0.1  # it went as near as it may
+    assert kept[2][-1] < 0.25
+    slowed = kept[2][(kept[0] > margin + 0.01) & (kept[2] < 1.0)]
+    assert len(slowed) > 10  # ahead of it
+
+
+def test_a_lever_that_is_let_go_leaves_the_margin(machine):
+    light = load_machine("wheel_loader").with_values({"chassis.mass": 6000.0})
+    distance, dynamic, _ = towards_a_tip(
+        light, 1000.0, {"lift": 0.6}, {"height": -0.6}, 3.0, release=0.9, tip_margin=0.2
+    )
+    assert dynamic.min() > 0.0
+    assert distance.min() > 0.18
+
+
+def test_a_motion_away_from_a_tip_is_not_slowed(machine):
+    light = load_machine("wheel_loader").with_values({"chassis.mass": 5000.0})
+    start, kept = {"lift": 0.2}, {"tip_margin": 0.3}  # nearer than that already
+    distance, _, share = towards_a_tip(light, 1000.0, start, {"height": 0.2}, 1.5, **kept)
+    assert distance[-1] > distance[0] + 0.01
+    assert share[-50:].min() > 0.5
+    _, _, share = towards_a_tip(light, 1000.0, start, {"height": -0.2}, 0.5, **kept)
+    assert share.max() == 0.0
+
+
+def test_what_cannot_be_kept_from_tipping_is_refused(machine):
+    with pytest.raises(InputError, match=r"no \[chassis\]"):
+        CoordinatedControl(machine._replace(chassis=None), settings=ControlSettings(tip_margin=0.2))
+    with pytest.raises(InputError, match="tip_margin = -1"):
+        CoordinatedControl(machine, settings=ControlSettings(tip_margin=-1.0))

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from polydraulic import InputError, load_machine
+from polydraulic import InputError, Simulator, load_machine
 from polydraulic.control import ControlSettings, CoordinatedControl, run_controlled, straight_line
 from polydraulic.export.controller import controller_c, export_controller
 
@@ -102,3 +102,21 @@ def test_what_is_no_number_closes_the_valves(exported):
 def test_names_that_are_no_identifiers_are_refused(control):
     with pytest.raises(InputError, match="must be a C identifier"):
         controller_c(control, name="2nd controller")
+
+
+def test_a_controller_that_keeps_its_machine_from_tipping_gives_the_same_bits(tmp_path):
+    light = load_machine("wheel_loader").with_values({"chassis.mass": 5000.0})
+    control = CoordinatedControl(light, settings=ControlSettings(tip_margin=0.1, payload=1000.0))
+    exported, shares = CController(control, tmp_path), []
+    with Simulator(light, load={"payload": 1000.0}) as simulator:
+        simulator.reset({"lift.angle": 0.5})
+        for _ in range(60):
+            measured, wanted = control.measured(simulator).copy(), np.array([0.0, -0.4, 0.0, 0.0])
+            volts = control.step(measured, wanted)
+            status, own = exported.step(measured, wanted)
+            assert status == 0
+            assert own.tobytes() == volts.tobytes()
+            assert exported.share == float(control.share)
+            simulator.step(volts, n=2)
+            shares.append(float(control.share))
+    assert min(shares) < 1.0

@@ -13,6 +13,8 @@ from polydraulic.control.text import INVERTED, controller_module, live_places
 from polydraulic.errors import InputError, briefly
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.lookup import table_bytes
+from polydraulic.machine.stability.whole_body import body_of
+from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.simulation.layout.columns import function_column
@@ -49,6 +51,11 @@ class ControlSettings(NamedTuple):
         Share of each joint's range that is kept free at both stops.
     shares_flow : bool
         Whether all motion is slowed when a pump cannot give what it asks for; without, each function takes what it gets.
+    tip_margin : float, m
+        How far the machine stays from tipping, by the dynamic distance that is foreseen for a stop (`polydraulic.StabilityMonitor`): all motion is slowed
+        ahead of it, and refused where it would come nearer. 0 looks after nothing; above that the machine needs a chassis.
+    payload : float, kg
+        What hangs at the tip as far as `tip_margin` knows.
     """
 
     dt: float = 0.01
@@ -64,10 +71,13 @@ class ControlSettings(NamedTuple):
     load_time: float = 0.5
     margin: float = 0.01
     shares_flow: bool = True
+    tip_margin: float = 0.0
+    payload: float = 0.0
 
 
 USUAL = ControlSettings()
-_MAY_BE_ZERO = ("delay", "integral_gain", "margin", "load_time", "shares_flow")
+_HALT = 0.2  # s that a valve's closing takes anyway
+_MAY_BE_ZERO = ("delay", "integral_gain", "margin", "load_time", "shares_flow", "tip_margin", "payload")
 
 
 class ControlParts(NamedTuple):
@@ -114,7 +124,7 @@ class CoordinatedControl:
     joints : (n_function,) array
         Where the joints should be.
     share : () array
-        Share of the wanted velocity that flow and limits allow.
+        Share of the wanted velocity that flow, limits and the margin against tipping allow.
     dt : float, s
     parts : ControlParts
         For exporters.
@@ -124,7 +134,8 @@ class CoordinatedControl:
     Raises
     ------
     InputError
-        A machine without a planar arm, a flow model that is neither exact nor made of networks, settings that cannot be used.
+        A machine without a planar arm, a flow model that is neither exact nor made of networks, settings that cannot be used; a machine
+        without a chassis that is to be kept from tipping.
 
     Examples
     --------
@@ -162,13 +173,15 @@ class CoordinatedControl:
         ready = prepare_layout(self.machine, settings.dt, flow=model)
         self.arm = planar_arm(self.machine)
         self.servo = servo_of(self.machine, settings)
-        parts = {"valves": ready.valves, "plant": ready.plant, "servo": self.servo, "arm": self.arm}
+        parts: dict[str, Any] = {"valves": ready.valves, "plant": ready.plant, "servo": self.servo, "arm": self.arm}
+        if settings.tip_margin > 0.0:
+            parts["body"] = body_of(with_payload(self.machine, settings.payload) if settings.payload else self.machine)
         self._module = controller_module(self.machine, ready.module, parts, model.kernels)
         self._numbers, self._whole = pack_tree(tuple(parts.values()))
         self._valves = ready.valves  # which keep the machine code of networks
         tables = prepare_layout(self.machine, settings.dt, flow=model, in_tables=True)
         exported = parts | {"valves": tables.valves}
-        n, places = len(self.names), live_places(self.machine)
+        n, places = len(self.names), live_places(self.machine, guarded="body" in parts)
         self._live = np.zeros(places["RING"] + n * (self.servo.ring + 1))
         self._scratch = np.zeros(max(ready.n_memory, 1))
         self.parts = ControlParts(
@@ -292,6 +305,9 @@ def servo_of(machine: LayoutMachine, settings: ControlSettings) -> Servo:
         shares=int(settings.shares_flow),
         floor=machine.tank.floor,
         p_return=machine.tank.return_pressure,
+        tip_margin=settings.tip_margin,
+        halt=_HALT + settings.settling,
+        late=settings.settling + dead,
     )
 
 

@@ -53,6 +53,10 @@ class Servo(NamedTuple):
     shares : int
         1 where all motion is slowed when flow runs short, 0 where each function is left to itself.
     floor, p_return : float, Pa
+    tip_margin : float, m
+        Dynamic distance to tipping that is kept; 0 where nobody asks for one.
+    halt, late : float, s
+        Shortest stop of any motion; what passes until it begins.
     """
 
     dt: float
@@ -81,6 +85,9 @@ class Servo(NamedTuple):
     shares: int
     floor: float
     p_return: float
+    tip_margin: float
+    halt: float
+    late: float
 
 
 @kernel

@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Any
 
 from polydraulic.flow.layout.text_module import loaded
+from polydraulic.machine.stability.body import N_LINK
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.expand import expanded
 from polydraulic.simulation.layout.page_lists import page_lists
@@ -26,6 +27,11 @@ _IMPORTS = (
     "from polydraulic.flow.layout.network_parts import leaving, root_drop",
     "from polydraulic.machine.drives import drive_cylinder, drive_four_bar, drive_motor, drive_ram",
 )
+_TIPPING = (
+    "from math import sqrt",
+    "from polydraulic.machine.stability.body import Body, edge_of, stand",
+    "from polydraulic.machine.stability.vectors import Vector",
+)
 _STEP = ("N_FUNCTION", "Functions", "Plant", "Valves", "flow_step", "turns")
 _CONTROLLER = '''class Controller(NamedTuple):
     """All numbers that a call reads."""
@@ -34,6 +40,8 @@ _CONTROLLER = '''class Controller(NamedTuple):
     plant: Plant
     servo: Servo
     arm: Arm
+    for E in GUARDED:
+        body: Body
 '''
 INVERTED = ("exact", "networks")  # kernels of flow models whose valves are inverted
 _SETTINGS = {
@@ -45,6 +53,11 @@ _SETTINGS = {
     "RESERVED": 0.95,  # share of a short pump's flow that is shared out, before the servos
     "RECOVERY": 0.3,  # 1/s: how fast a share grows again
     "HIGHEST_ROOT": 1e4,  # Pa^0.5: of a pressure that no line has
+    "FAR": 1e9,  # m: of an edge that no machine has
+    "SWUNG": 2.0,  # largest deceleration of an arm that swings on its oil, in those of its stop
+    "HALVINGS": 8,  # of the share that keeps a machine from tipping
+    "REFUSED": 0.05,  # share below which motion towards a tip is refused: valves close, and the load swings itself to rest
+    "RESUMED": 0.25,  # share above which it goes on
 }
 # arrays of one number per function in `live`; then what is of another length
 _BY_FUNCTION = (
@@ -53,8 +66,8 @@ _BY_FUNCTION = (
 )  # fmt: skip
 
 
-def live_places(machine: LayoutMachine) -> dict[str, int]:
-    """Where what begins in the array that a controller changes; ``RING`` is the last."""
+def live_places(machine: LayoutMachine, *, guarded: bool) -> dict[str, int]:
+    """Where what begins in the array that a controller changes, `guarded` against tipping or not; ``RING`` is the last."""
     n = len(machine.names)
     sizes = dict.fromkeys(_BY_FUNCTION, n) | {
         "VELOCITY": 4,
@@ -65,6 +78,8 @@ def live_places(machine: LayoutMachine) -> dict[str, int]:
         "PLACE": 1,
         "COLUMNS": 2 * n,
     }
+    if guarded:
+        sizes |= {"HELD": 1, "MOTION": 3 * n, "LINKS": N_LINK * (n + 1)}
     starts = [0, *accumulate(sizes.values())]
     return dict(zip([*sizes, "RING"], starts, strict=True))
 
@@ -78,25 +93,29 @@ def controller_module(machine: LayoutMachine, step: ModuleType, parts: Mapping[s
     step : module
         Of its kernels.
     parts : mapping from name to named tuple
-        ``valves``, ``plant``, ``servo`` and ``arm``, of which types alone matter.
+        ``valves``, ``plant``, ``servo``, ``arm``, and ``body`` of one that keeps its machine from tipping; of which types alone matter.
     kernels : str
         What circuits get, one of `INVERTED`.
     """
-    constants: dict[str, float] = live_places(machine) | {"N_CIRCUIT": len(machine.circuits)} | _SETTINGS
+    guarded = "body" in parts
+    constants: dict[str, float] = (
+        live_places(machine, guarded=guarded) | {"N_CIRCUIT": len(machine.circuits)} | _SETTINGS
+    )
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     of_step = [*_STEP, *(f"orifices_{k}" for k in lengths if kernels == "exact")]
     lists = page_lists(machine, function_of(machine, machine.tip[0]), False)
+    lists["GUARDED"] = [{"E": ""}] if guarded else []
     pages = [
         (files(__package__) / "pages" / f"{page}.py.txt").read_text("utf-8")
-        for page in (f"outlets_{kernels}", "controller")
+        for page in (f"outlets_{kernels}", *(["tipping"] if guarded else []), "controller")
     ]
     text = [
         f'"""Coordinated control of a machine with the functions {", ".join(machine.names)}; written out from its layout."""',
-        "\n".join(joined_imports(_IMPORTS)),
+        "\n".join(joined_imports([*_IMPORTS, *(_TIPPING if guarded else ())])),
         f"from {step.__name__} import {', '.join(sorted(of_step))}",
         "\n".join(f"{name} = {value}" for name, value in constants.items()),
         unpack_text(parts),
-        _CONTROLLER,
+        expanded(_CONTROLLER, lists),
         *(expanded(page, lists) for page in pages),
     ]
     return loaded("\n\n\n".join(part.strip() for part in text) + "\n")

@@ -1,7 +1,8 @@
 """What is said of a machine that moves: margins over all edges, the least of them, and how soon it tips, as one row of numbers.
 
 A row holds `distance` over each edge and the least of them, then `dynamic_distance`, `force_angle` and `energy` in the same way, then the number of
-the edge with the least dynamic distance, and the time to a tip.
+the edge with the least dynamic distance, the time to a tip, and x and y of the place where the line of gravity through the common centre of
+gravity meets the ground.
 """
 
 import numpy as np
@@ -12,13 +13,14 @@ from polydraulic.machine.stability.vectors import Vector
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 SHOWN = (("distance", "m"), ("dynamic_distance", "m"), ("force_angle", "N m"), ("energy", "J"))
+BEHIND = (("edge", "1"), ("time_to_tip", "s"), ("gravity_x", "m"), ("gravity_y", "m"))
 FORESEEN = 60.0  # s: no tip is foreseen further ahead
 SAME_RATE = 1e-9  # share: rates that a stop holds
 
 
 def n_watched(n_edge: int) -> int:
     """Numbers of a row."""
-    return len(SHOWN) * (n_edge + 1) + 2
+    return len(SHOWN) * (n_edge + 1) + len(BEHIND)
 
 
 @kernel
@@ -77,6 +79,9 @@ def watch(
         row[first + n_edge] = smallest
     row[place + 4 * wide] = float(critical)
     row[place + 4 * wide + 1] = soonest
+    fall = (s.cg.z - body.corners[2]) / s.upward.z
+    row[place + 4 * wide + 2] = s.cg.x - fall * s.upward.x
+    row[place + 4 * wide + 3] = s.cg.y - fall * s.upward.y
 
 
 def watched_room(machine: LayoutMachine) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from polydraulic.machine.stability.watched import SHOWN, n_watched, watch_all, watched_room
+from polydraulic.machine.stability.watched import BEHIND, SHOWN, n_watched, watch_all, watched_room
 from polydraulic.machine.stability.whole_body import body_of
 from polydraulic.parameters.layout.chassis import Chassis, edge_names
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -39,7 +39,8 @@ def stability_columns(
     AddedColumn
         ``stability.EDGE.distance``, ``.dynamic_distance`` (m), ``.force_angle`` (N m) and ``.energy`` (J) of each edge, by the direction in which
         the machine tips over it (``forward_left``); the least of each as ``stability.distance`` and so on; ``stability.edge``, the number of the edge
-        with the least dynamic distance; ``stability.time_to_tip`` (s).
+        with the least dynamic distance; ``stability.time_to_tip`` (s); ``stability.gravity_x``, ``_y`` (m), where the line of gravity
+        through the common centre of gravity meets the ground.
 
     Raises
     ------
@@ -75,7 +76,7 @@ def watched_columns(chassis: Chassis) -> list[tuple[str, str]]:
     """Names and units of the numbers of a row of `row_margins`."""
     edges = [*(f".{name.replace(' ', '_')}" for name in edge_names(chassis)), ""]
     found = [(f"{_NAME}{edge}.{measure}", unit) for measure, unit in SHOWN for edge in edges]
-    return [*found, (f"{_NAME}.edge", "1"), (f"{_NAME}.time_to_tip", "s")]
+    return [*found, *((f"{_NAME}.{name}", unit) for name, unit in BEHIND)]
 
 
 def tips(chassis: Chassis, time: np.ndarray, added: list[AddedColumn], events: list[Any]) -> dict[str, object]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.machine.stability.watched import SHOWN
+from polydraulic.machine.stability.watched import BEHIND, SHOWN
 from polydraulic.machine.stability.whole_body import chassis_of
 from polydraulic.parameters.layout.chassis import edge_names
 from polydraulic.parameters.layout.payload import with_payload
@@ -31,6 +31,8 @@ class Stability(NamedTuple):
     time_to_tip : (...) array, s
     warning : (...) array of bool
         Whether it tips, or is foreseen to within 2 s.
+    gravity : (..., 2) array, m
+        x and y of the place where the line of gravity through the common centre of gravity meets the ground.
     """
 
     distance: np.ndarray
@@ -40,6 +42,7 @@ class Stability(NamedTuple):
     edge: np.ndarray
     time_to_tip: np.ndarray
     warning: np.ndarray
+    gravity: np.ndarray
 
 
 class StabilityMonitor:
@@ -126,7 +129,8 @@ class StabilityMonitor:
         whole[:, :n] = state
         found = row_margins(self._with, self._ready.module, self._ready.plant, whole, self._columns, push)
         found = found.reshape(*lead, -1)
-        measures = found[..., :-2].reshape(*lead, len(SHOWN), -1)[..., :-1]  # without the least of each
+        n_behind = len(BEHIND)
+        measures = found[..., :-n_behind].reshape(*lead, len(SHOWN), -1)[..., :-1]  # without the least of each
         distance, dynamic, force_angle, energy = np.moveaxis(measures, -2, 0)
-        edge, soon = found[..., -2].astype(int), found[..., -1]
-        return Stability(distance, dynamic, force_angle, energy, edge, soon, np.asarray(soon <= WARNED))
+        edge, soon, gravity = found[..., -n_behind].astype(int), found[..., 1 - n_behind], found[..., 2 - n_behind :]
+        return Stability(distance, dynamic, force_angle, energy, edge, soon, np.asarray(soon <= WARNED), gravity)
