@@ -104,6 +104,25 @@ def test_instruments_say_what_the_frame_says(page):
     assert row[2][0] > 50  # the swing comes first and takes the flow
 
 
+def test_tipping_is_shown_as_a_bar_and_on_the_ground(page):
+    """The weight of a heavy load outward of the tracks: the alarm, and the edge over which it would tip."""
+    page.js("cockpit.send({type: 'payload', mass: 6000})")
+    page.until("return (cockpit.readings.flags & 256) !== 0")
+    page.until("return document.getElementById('tipping').classList.contains('alarm')")
+    page.until("return [...document.querySelectorAll('#events li')].some((one) => one.textContent.includes('tip'))")
+    edge, least, corners, weight, lamp = page.js(
+        "const r = cockpit.readings, s = cockpit.state.standing;"
+        "return [document.querySelector('#tipping h2 b').textContent, r.si('tipping.distance'), s.corners, s.weight,"
+        " document.querySelector('#lamps .lit').textContent]"
+    )
+    assert (edge, lamp) == ("forward", "tipping")
+    ahead = max(x for x, _, _ in corners)
+    assert ahead - weight[0] == pytest.approx(least, abs=0.05)  # it swings a little
+    assert page.js("return cockpit.machine.chassis.edges[cockpit.readings.si('tipping.edge')]") == edge
+    page.js("cockpit.send({type: 'reset'})")
+    page.until("return (cockpit.readings.flags & 256) === 0")
+
+
 def test_nothing_comes_from_elsewhere_and_no_rule_is_broken(page):
     addresses = page.js("return performance.getEntriesByType('resource').map((entry) => new URL(entry.name).host)")
     assert set(addresses) == {page.js("return location.host")}

@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 
+from polydraulic import load_machine
 from polydraulic.cockpit.cab import DT, Cab
 from polydraulic.cockpit.description import machine_description
 from polydraulic.cockpit.protocol import Flag
@@ -203,7 +204,7 @@ def test_a_shadow_that_does_not_know_a_fault_is_lost_until_it_begins_anew(cab, m
 
     shadowed.move(sticks(ry=-0.8)._replace(faults=("lift.leak_across",)), 5)
     with monkeypatch.context() as m:
-        m.setattr(shadowed.shadow._simulator, "change", refuses)
+        m.setattr(shadowed.shadow._free, "change", refuses)
         shadowed.move(sticks(ry=-0.8)._replace(faults=("work.pump_relief_low",)), 50)
         shadowed.move(sticks(ry=-0.8)._replace(faults=("work.pump_relief_low",)), 100)
     assert "circuits.work.pump.relief" in shadowed.shown.shadow
@@ -212,4 +213,38 @@ def test_a_shadow_that_does_not_know_a_fault_is_lost_until_it_begins_anew(cab, m
     shadowed.move(FREE._replace(resets=1), 1)
     assert shadowed.shown.shadow == ""
     assert columns(shadowed)["shadow.tip_error"] == 0.0
-    assert shadowed.shadow._simulator.machine == cab.machine
+    assert shadowed.shadow._free.machine == cab.machine
+
+
+def test_one_step_of_a_shadow_begins_where_the_machine_is():
+    """The same model makes the same step, dead times included; networks that are wrong make another one, however near their own run is."""
+    machine = load_machine("wheel_loader")
+    late = machine.with_values({"functions.lift.pilot.dead_time": 0.02})
+    cab = Cab(late, shadow="exact")
+    for n, stick in ((3, -0.8), (1, 0.5), (10, -0.3)):
+        cab.move(sticks(ry=stick), n)
+        seen = columns(cab)
+        assert (seen["shadow.step_speed_error"], seen["shadow.step_flow_error"], seen["shadow.tip_error"]) == (
+            0.0,
+            0.0,
+            0.0,
+        )
+    worn = Cab(late, shadow="exact")
+    worn.shadow.change({"circuits.work.pump.flow": 0.8 * late.circuits[0].pump.flow})
+    worn.move(sticks(ry=-1.0), 60)
+    seen = columns(worn)
+    assert seen["shadow.step_flow_error"] > 1e-4
+    assert seen["shadow.tip_error"] > 0.0
+
+
+def test_a_flow_model_without_pump_pressures_is_scored_by_what_flows_into_actuators(cab):
+    power = cab.view.power
+    cab.view.knows_power = False
+    cab.move(sticks(ry=-0.8)._replace(trial=TrialWish(1, "pick and place", "")), 100)
+    sim, score = cab.simulator, cab.shown.trial.score
+    inlet = sim["lift.p_a"] if sim.state[0] >= 0.0 else sim["lift.p_b"]
+    other = sim["tilt.p_a"] if sim.state[1] >= 0.0 else sim["tilt.p_b"]
+    assert cab.view.power == pytest.approx(float(sim["lift.q_in"] * inlet + sim["tilt.q_in"] * other))
+    assert cab.view.power != power
+    assert "energy" not in score
+    assert score["actuator_energy"][0] > 0.0

@@ -17,6 +17,12 @@ def cockpit(
         str | None,
         typer.Option(help="A second flow model that does the same beside it: how far its tip is away is shown."),
     ] = None,
+    model: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Model file of networks for the flow model or the shadow, whichever is polynomial or neural; repeat for more."
+        ),
+    ] = None,
     port: Annotated[int, typer.Option(help="Port, on this computer alone; 0 takes any that is free.")] = 8642,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the URL, and open no browser.")] = False,
     record: Annotated[Path, typer.Option(help="Folder for recordings and results, made when there are some.")] = Path(
@@ -29,6 +35,9 @@ def cockpit(
 
     - The networks beside the exact circuits: `polydraulic cockpit --machine cat215b --shadow polynomial`
 
+    - Networks of your own, which `train` or `fit-machine` has learnt: `polydraulic cockpit --machine wheel_loader --shadow polynomial --model
+    loader.json`
+
     - Without a browser of its own, on another port: `polydraulic cockpit --no-browser --port 8700`
 
     The machine is locked until the driver unlocks it, and stands still when levers are let go. The page is for this computer alone, and needs no
@@ -40,7 +49,9 @@ def cockpit(
         print(line, flush=True)
 
     with progress_bar("cockpit") as progress:
-        ready = ready_cockpit(machine, flow, shadow=shadow, port=port, folder=record, say=say, progress=progress)
+        ready = ready_cockpit(
+            machine, flow, shadow=shadow, models=model or (), port=port, folder=record, say=say, progress=progress
+        )
     serve(ready, browser=not no_browser, say=say)
 
 
@@ -52,6 +63,10 @@ def cockpit_export(
     ] = None,
     log: Annotated[Path | None, typer.Option(help="Log to write, .csv or .parquet (SI).")] = None,
     raster: Annotated[float, typer.Option(help="Of the log, in s; a whole number of steps of 5 ms.")] = 0.01,
+    model: Annotated[
+        list[Path] | None,
+        typer.Option(help="Model file of networks with which the drive was recorded; repeat for more."),
+    ] = None,
 ) -> None:
     """Make a scenario and a log of a drive that was recorded in the cockpit.
 
@@ -67,7 +82,7 @@ def cockpit_export(
 
     found = read_drive(drive)
     with progress_bar("cockpit-export") as progress:
-        export_drive(found, scenario=scenario, log=log, raster=raster, progress=progress)
+        export_drive(found, scenario=scenario, log=log, raster=raster, models=model or (), progress=progress)
     seconds = found.end * found.head["dt"]
     print(f"{drive}: {seconds:.2f} s" + ("" if found.whole else "; it was not ended: up to what was written"))
     for path in (scenario, log):

@@ -16,10 +16,12 @@ from polydraulic.cockpit.protocol import Flag
 from polydraulic.cockpit.recorded.player import Player
 from polydraulic.cockpit.recorded.tape import Tape, head_of
 from polydraulic.cockpit.shadow import Shadow
+from polydraulic.cockpit.tipping import Tipping
 from polydraulic.cockpit.view import View
 from polydraulic.cockpit.wanted import CabShown, ReplayShown, Taped, TrialShown, Wanted
 from polydraulic.control.lever_patterns import PATTERNS, LeverPattern, lever_pattern
 from polydraulic.errors import InputError, SimulationError
+from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.deviations import Fault
 from polydraulic.parameters.fault_catalogue import cockpit_faults
 from polydraulic.parameters.faults import Since, faulty_numbers, stages, unknown_payload
@@ -39,9 +41,9 @@ class Cab:
     Parameters
     ----------
     machine : LayoutMachine, or name or path of a parameter set
-    flow : str
-    shadow : str, optional
-        Another flow model that does the same in a state of its own.
+    flow : str or flow model
+    shadow : str or flow model, optional
+        Another one that does the same in a state of its own, and each step once more from the state of the first one.
 
     Attributes
     ----------
@@ -62,12 +64,18 @@ class Cab:
         What the machine does; replaced whole.
     """
 
-    def __init__(self, machine: LayoutMachine | str | Path, flow: str = "exact", shadow: str | None = None) -> None:
+    def __init__(
+        self,
+        machine: LayoutMachine | str | Path,
+        flow: str | FlowModel = "exact",
+        shadow: str | FlowModel | None = None,
+    ) -> None:
         self.simulator = Simulator(machine, flow, dt=DT, load={"payload": 0.0})
         self.machine = self.simulator.machine
         given = str(machine) if isinstance(machine, str | Path) else ""
         self.source = str(Path(given).resolve()) if given.endswith(".toml") else given
-        self.name, self.flow = Path(given).stem if given else self.machine.title, flow
+        self.name = Path(given).stem if given else self.machine.title
+        self.flow, self._model = flow if isinstance(flow, str) else flow.name, flow
         self.patterns: Mapping[str, LeverPattern] = {
             name: lever_pattern(self.machine, name, dead_zone=0.0) for name in PATTERNS
         }
@@ -76,7 +84,8 @@ class Cab:
         self.exercises: Mapping[str, Exercise] = exercises_of(self.machine, DT, layout_drawing(self.machine).ground)
         self.faults: Mapping[str, Fault] = {kind.name: kind.fault() for kind in cockpit_faults(self.machine)}
         self.shadow = None if shadow is None else Shadow(self.machine, shadow, DT)
-        self.view = View(self.simulator, self.shadow)
+        self.tipping = None if self.machine.chassis is None else Tipping(self.simulator)
+        self.view = View(self.simulator, self.shadow, self.tipping)
         self.most_payload = 2.0 * sum(link.mass for link in self.machine.links)  # kg
         self._full = np.array([full_lever(f) for f in self.machine.functions])
         self._did = Wanted()  # wishes that have had their effect
@@ -97,13 +106,15 @@ class Cab:
     def warm_up(self) -> None:
         """Compile, or load, all that a step, another payload and coordinated control need; the machine is as before."""
         zero = np.zeros(len(self.simulator.names))
-        self.coordination, self.uncoordinated = coordination_of(self.simulator, self.machine, self.flow)
+        self.coordination, self.uncoordinated = coordination_of(self.simulator, self.machine, self._model)
         if self.coordination is not None:
             self.coordination.voltages(Wanted().axes, 1, ())
         self.simulator.step(zero, 1, {"payload": 1.0})
         self.simulator.reset()
         if self.shadow is not None:
             self.shadow.step(zero, 1, 0.0)
+        if self.tipping is not None:
+            self.tipping.look(0.0)
         self._begin_anew()
 
     def move(self, wanted: Wanted, n: int, *, overruns: int = 0, rate: float = 0.0) -> None:
@@ -145,21 +156,34 @@ class Cab:
                 tape.levers(volts)
             before = self.simulator.steps
             try:
-                self.simulator.step(volts, piece, load)
+                self._make(volts, piece, load)
             except SimulationError as error:
                 self._lost = True
                 self._fail(f"{error}; reset begins anew")
             self._note_events()
             if tape is not None:
                 tape.made(self.simulator.steps - before, self.simulator)
-            if self.shadow is not None:
-                self.shadow.step(volts, piece, self._payload)
             if trial is not None:
                 effort = float(np.sum((volts / self._full) ** 2))
                 trial.observe(Observed(self.view.tip, effort, self.view.power, self.view.at_stop))
                 self._show_trial()
             if self._lost:
                 self._steps = end
+
+    def _make(self, volts: np.ndarray, n: int, load: dict[str, float] | None) -> None:
+        """Make steps; a shadow makes them too, and the last one also from where the machine is."""
+        if self.shadow is None:
+            self.simulator.step(volts, n, load)
+            return
+        if n > 1:
+            self.simulator.step(volts, n - 1, load)
+            self._note_events()
+            self.shadow.step(volts, n - 1, self._payload)
+            load = None
+        state = self.simulator.state.copy()
+        self.simulator.step(volts, 1, load)
+        self.shadow.step_from(state, volts, self._payload, self.simulator.values, self.simulator.place)
+        self.shadow.step(volts, 1, self._payload)
 
     def _replay(self, wanted: Wanted, n: int) -> None:
         """Make steps of a recorded drive."""
@@ -211,6 +235,8 @@ class Cab:
         self.simulator.reset()
         self._payload, self._lost, self._outside, self._coordinates = 0.0, False, 0, False
         self._begun = dict.fromkeys(self._begun, 0)
+        if self.tipping is not None:
+            self.tipping.forget()
         self._stamp(reset=True)
         self._shadow_begins()
 
@@ -294,8 +320,24 @@ class Cab:
 
     def _note_events(self) -> None:
         for event in self.simulator.events:
-            self._n_events += 1
-            self._events = (*self._events, (self._n_events, event))[-_MOST_EVENTS:]
+            self._tell(event)
+
+    def _tell(self, event: list[Any]) -> None:
+        self._n_events += 1
+        self._events = (*self._events, (self._n_events, event))[-_MOST_EVENTS:]
+
+    def _look_for_tips(self) -> None:
+        """Say when a tip is foreseen, when the machine tips, and when neither is so any more."""
+        tipping = self.tipping
+        if tipping is None:
+            return
+        before = tipping.over, tipping.warning
+        if not tipping.look(self._payload):
+            return
+        now = tipping.over, tipping.warning
+        if now != before:
+            what = "tips" if tipping.over else "may tip" if tipping.warning else "stands safely again"
+            self._tell([self.simulator.time, "chassis", f"{what} {tipping.direction}" if tipping.warning else what])
 
     def _fail(self, text: str) -> None:
         self._error = (self._error[0] + 1, text)
@@ -307,7 +349,7 @@ class Cab:
         before = self._trial_shown
         score = trial.score()
         if not self.view.knows_power:
-            del score["energy"]
+            score["actuator_energy"] = score.pop("energy")
         number = wish.number if wish else before.number if before else 0
         self._trial_shown = TrialShown(
             number, trial.exercise.name, trial.subject, self._did.mode, self._did.pattern,
@@ -328,6 +370,8 @@ class Cab:
             Flag.TARGET: aims,
         }
         self._outside = outside
+        self._look_for_tips()
+        conditions[Flag.TIPPING] = self.tipping is not None and self.tipping.warning
         return CabShown(
             steps=self._steps,
             seq=wanted.seq,

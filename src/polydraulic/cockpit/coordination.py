@@ -6,6 +6,7 @@ import numpy as np
 
 from polydraulic.control.coordinated import ControlSettings, CoordinatedControl
 from polydraulic.errors import InputError
+from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.fault_catalogue import position_columns
 from polydraulic.parameters.faults import Since, faulty_readings
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -27,8 +28,8 @@ class Coordination:
     simulator : Simulator
     machine : LayoutMachine
         As the controller knows it: without faults.
-    flow : str
-        Flow model that it inverts.
+    flow : str or flow model
+        That it inverts.
 
     Raises
     ------
@@ -36,7 +37,7 @@ class Coordination:
         A machine or a flow model that cannot be coordinated.
     """
 
-    def __init__(self, simulator: Simulator, machine: LayoutMachine, flow: str) -> None:
+    def __init__(self, simulator: Simulator, machine: LayoutMachine, flow: str | FlowModel) -> None:
         self._simulator, n = simulator, len(machine.names)
         self._control = CoordinatedControl(machine, flow, settings=ControlSettings())
         self.period = round(self._control.settings.dt / simulator.dt)  # steps between two calls
@@ -78,7 +79,9 @@ class Coordination:
         return self._volts, n
 
 
-def coordination_of(simulator: Simulator, machine: LayoutMachine, flow: str) -> tuple[Coordination | None, str]:
+def coordination_of(
+    simulator: Simulator, machine: LayoutMachine, flow: str | FlowModel
+) -> tuple[Coordination | None, str]:
     """A controller, or why there is none."""
     try:
         return Coordination(simulator, machine, flow), ""

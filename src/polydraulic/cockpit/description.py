@@ -8,6 +8,7 @@ from polydraulic.cockpit.cab import DT, Cab
 from polydraulic.cockpit.coordination import coordinated_axes
 from polydraulic.cockpit.drawn_machine import drawing_data
 from polydraulic.cockpit.protocol import FRAMES
+from polydraulic.cockpit.tipping import chassis_data
 from polydraulic.control.lever_patterns import STICKS
 from polydraulic.display import as_shown, shown_unit
 from polydraulic.plotting.layout_shapes import layout_drawing
@@ -73,6 +74,7 @@ def machine_description(cab: Cab, shadow: str | None = None) -> dict[str, Any]:
             }
             for name, pattern in cab.patterns.items()
         },
+        "chassis": chassis_data(machine.chassis),
         "coordinated": coordinated_axes(cab.coordination is not None, cab.uncoordinated),
         "exercises": [
             {"name": e.name, "title": e.title, "kind": e.kind, "tolerance": e.tolerance, "path": _thinned(e.path)}

@@ -5,7 +5,7 @@ import errno
 import signal
 import socket
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -46,6 +46,7 @@ def ready_cockpit(
     flow: str = "exact",
     *,
     shadow: str | None = None,
+    models: Sequence[Path] = (),
     port: int = PORT,
     folder: str | Path = FOLDER,
     say: Callable[[str], None] = print,
@@ -60,6 +61,8 @@ def ready_cockpit(
         Flow model of the machine that is driven.
     shadow : str, optional
         Flow model that does the same beside it, to see its error.
+    models : sequence of Path
+        Files of networks for the one of both that is ``"polynomial"`` or ``"neural"``.
     port : int
         Of this computer alone; 0 for any that is free.
     folder : str or Path
@@ -83,6 +86,7 @@ def ready_cockpit(
     from polydraulic.cockpit.cab import Cab
     from polydraulic.cockpit.description import machine_description
     from polydraulic.cockpit.keeper import Keeper
+    from polydraulic.cockpit.own_networks import with_networks
     from polydraulic.cockpit.web.guard import Guard
     from polydraulic.cockpit.web.server import application
 
@@ -92,7 +96,7 @@ def ready_cockpit(
     listening = listen(port)
     try:
         progress("compile (once after an installation)", 0, 2)
-        cab = Cab(machine, flow, shadow)
+        cab = Cab(machine, *with_networks(machine, flow, shadow, models))
         cab.warm_up()
         progress("describe the machine", 1, 2)
         guard, beat = Guard(listening.getsockname()[1]), Beat(cab)

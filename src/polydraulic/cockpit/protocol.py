@@ -19,7 +19,8 @@ Texts, to the page, when something changes (JSON)::
      "rate": simulated seconds for each of the last second}
     {"type": "events", "events": [[time in s, function or circuit, what], ...]}
     {"type": "score", "exercise", "subject", "running": bool, "finished": bool, "values": {name: [value, unit]}}   ten times a second
-        of "time", "error_rms", "error_max", "effort", "stops", "energy"
+        of "time", "error_rms", "error_max", "effort", "stops", and "energy" of the pumps or, where their pressures are not known,
+        "actuator_energy"
     {"type": "error", "text"}
 
 Texts, from the page, at most `MOST_BYTES` long::
@@ -68,6 +69,7 @@ class Flag(IntFlag):
     RECORDING = 32
     REPLAY = 64
     TARGET = 128  # there is a target: `target.x`, `.y`, `.z`
+    TIPPING = 256  # the machine tips, or a tip is foreseen to within 2 s
 
 
 class PageMessage(NamedTuple):

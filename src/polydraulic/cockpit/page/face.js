@@ -15,7 +15,7 @@ export class Face {
     const coordinated = document.querySelector("[data-mode=coordinated]");
     coordinated.disabled = !machine.coordinated?.able;
     if (machine.coordinated?.why) coordinated.title = machine.coordinated.why;
-    const names = ["model", ...(machine.shadow ? ["shadow"] : []), "sim rate", "overruns", "lever to picture", "sticks sent", "time"];
+    const names = ["model", ...(machine.shadow ? ["shadow", "its step"] : []), "sim rate", "overruns", "lever to picture", "sticks sent", "time"];
     this.vitals = new Map(names.map((name) => {
       const value = made("dd");
       $("vitals").append(made("dt", "", name), value);
@@ -55,6 +55,7 @@ export class Face {
     this.tip.forEach((element, k) => say(element, `${"xyz"[k]} ${number(now.tip[k] * factor)} ${unit}`));
     const texts = {
       shadow: `${number(far, far < 10 ? 2 : 0)} ${unit}`,
+      "its step": this.machine.shadow ? `${number(1000 * readings.si("shadow.step_speed_error"), 2)} mm/s, ${number(readings.shown("shadow.step_flow_error"), 2)} ${readings.unit("shadow.step_flow_error")}` : "",
       "sim rate": `${number(now.rate, 2)} ×`,
       overruns: `${now.overruns} steps`,
       "lever to picture": now.latency === null ? "–" : `${number(now.latency)} ms`,

@@ -1,7 +1,7 @@
 // The machine as lines and areas, from the side of its arm or from above, where a browser has no WebGL.
 
 import { heading, hull, linkFrames, seenFromSide, spotAt, viewLimits } from "./kinematics.js";
-import { BARREL, EARTH, GROUND_GRID, GROUND_LINE, INK, STEEL, STOP, TARGET, TRAIL, paint } from "./paint.js";
+import { ALARM, BARREL, EARTH, GHOST, GROUND_GRID, GROUND_LINE, INK, STAND, STEEL, STOP, TARGET, TRAIL, paint } from "./paint.js";
 
 const AT_STOP = 2e-3; // rad or m
 const LOW = 0.17; // share of the picture's height that levers cover
@@ -46,10 +46,36 @@ export class FlatView {
     for (const body of this.drawing.bodies) if (body.views.includes(this.view)) this.#body(body);
     if (this.view === "side") for (const ram of this.drawing.rams) this.#ram(ram);
     for (const stop of this.drawing.stops) if (stop.view === this.view) this.#stop(stop, state.positions);
+    if (state.standing) this.#standing(state.standing);
+    if (state.ghost) this.#ghost(state.ghost);
     this.#line(state.trail.map(({ at, turn: then }) => (this.view === "side" ? seenFromSide(this.drawing, then, at) : at)), TRAIL, 1.5);
     this.#line(state.way.map(this.seen), TARGET, 2);
     this.#dot(this.seen(state.tip), 4, TRAIL);
     if (state.target) this.#dot(this.seen(state.target), 8, TARGET, 0.75);
+  }
+
+  /** What the machine stands on, the edge over which it would tip, and where its weight acts. */
+  #standing({ corners, edge, weight, warns }) {
+    const color = warns ? ALARM : STAND, seen = this.seen;
+    this.#line([...corners, corners[0]].map(seen), color, 1.6);
+    this.#line(edge.map(seen), warns ? ALARM : INK, 4);
+    this.#dot(seen(weight), 7, color, 0.85);
+    this.#dot(seen(weight), 2.5, "#fff");
+  }
+
+  /** The machine as the shadow has it, in outlines. */
+  #ghost(positions) {
+    const frames = linkFrames(this.drawing, positions), turn = heading(this.drawing, positions), { at } = this;
+    const seen = (point) => (this.view === "side" ? seenFromSide(this.drawing, turn, point) : point.slice(0, 2));
+    this.at = (spot) => (spot[0] === this.drawing.plane ? [spot[1][0], spot[1][2]] : seen(spotAt(frames, spot)));
+    this.context.setLineDash([5 * this.px, 3 * this.px]);
+    for (const body of this.drawing.bodies) {
+      if (!body.views.includes(this.view) || body.edge === "none") continue;
+      const points = body.spots.map(this.at), corners = body.radii.length ? hull(points, body.radii) : points;
+      this.#line([...corners, corners[0]], GHOST, 1.6);
+    }
+    this.context.setLineDash([]);
+    this.at = at;
   }
 
   #earth() {

@@ -86,8 +86,36 @@ class FunctionRow {
   }
 }
 
+/** How near the machine comes to tipping: bars of the distances, and over which edge. */
+class TippingCard {
+  constructor({ most, edges }) {
+    this.most = most;
+    this.edges = edges;
+    this.read = made("b");
+    this.bars = [["at rest", "tipping.distance"], ["in motion", "tipping.dynamic_distance"]].map(([text, column]) => {
+      const bar = new Bar("margin"), value = made("b");
+      return { column, bar, value, row: made("div", "margin-row", made("span", "soft", text), bar.element, value) };
+    });
+    this.soon = made("span", "soft");
+    this.element = made("section", "card tipping", made("h2", "", "Tipping ", this.soon, this.read), ...this.bars.map(({ row }) => row));
+    this.element.id = "tipping";
+  }
+
+  update(readings) {
+    const warns = (readings.flags & FLAGS.tipping) !== 0, left = readings.si("tipping.dynamic_distance"), time = readings.si("tipping.time");
+    this.element.classList.toggle("alarm", warns);
+    for (const { column, bar, value } of this.bars) {
+      bar.set(readings.si(column) / this.most);
+      say(value, `${number(readings.si(column), 2)} m`);
+    }
+    const angle = readings.si("tipping.force_angle") / 1000;
+    say(this.soon, warns ? (left <= 0 ? "TIPS" : `in ${number(time, 1)} s`) : `force-angle ${number(angle)} kN m`);
+    say(this.read, this.edges[readings.si("tipping.edge")] ?? "");
+  }
+}
+
 const LAMPS = [
-  ["relief", "relief", "alarm"], ["stop", "end stop", "alarm"], ["outside", "out of domain", "warn"],
+  ["tipping", "tipping", "alarm"], ["relief", "relief", "alarm"], ["stop", "end stop", "alarm"], ["outside", "out of domain", "warn"],
   ["recording", "recording", "alarm"], ["replay", "replay", "calm"],
 ];
 
@@ -95,15 +123,16 @@ export class Instruments {
   constructor(machine) {
     this.pumps = machine.circuits.map((circuit) => new PumpCard(circuit, machine));
     this.rows = machine.functions.map((f, place) => new FunctionRow(f, place, machine));
+    this.tipping = machine.chassis ? [new TippingCard(machine.chassis)] : [];
     const pressure = machine.display[`${machine.functions[0].name}.p_a`].unit;
     const heads = ["", "joint", "spool", `A ${pressure}`, `B ${pressure}`].map((text) => made("th", "", text));
     const table = made("table", "card functions", made("thead", "", made("tr", "", ...heads)), made("tbody", "", ...this.rows.map((row) => row.element)));
-    this.element = made("div", "instruments", ...this.pumps.map((pump) => pump.element), table);
-    this.lamps = LAMPS.map(([flag, text, kind]) => ({ bit: FLAGS[flag], element: made("span", `lamp ${kind}`, made("i"), text) }));
+    this.element = made("div", "instruments", ...this.tipping.map((card) => card.element), ...this.pumps.map((pump) => pump.element), table);
+    this.lamps = LAMPS.filter(([flag]) => machine.chassis || flag !== "tipping").map(([flag, text, kind]) => ({ bit: FLAGS[flag], element: made("span", `lamp ${kind}`, made("i"), text) }));
   }
 
   update(readings) {
-    for (const part of [...this.pumps, ...this.rows]) part.update(readings);
+    for (const part of [...this.tipping, ...this.pumps, ...this.rows]) part.update(readings);
   }
 
   light(flags) {

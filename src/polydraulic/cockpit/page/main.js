@@ -22,7 +22,7 @@ class Cockpit {
   constructor(machine) {
     this.machine = machine;
     this.readings = new Readings(machine);
-    this.state = { positions: [...machine.drawing.initial], tip: [0, 0, 0], trail: [], target: null, way: [] };
+    this.state = { positions: [...machine.drawing.initial], tip: [0, 0, 0], trail: [], target: null, way: [], standing: null, ghost: null };
     this.status = { driver: "nobody", locked: true, mode: "joint", pattern: "iso", rate: 0 };
     this.frame = null;
     this.asked = false;
@@ -179,6 +179,8 @@ class Cockpit {
     this.charts.take(readings);
     state.positions = machine.functions.map((f) => readings.si(f.position));
     state.tip = readings.point("effector");
+    state.standing = machine.chassis && this.#standing(frame);
+    state.ghost = machine.shadow ? machine.functions.map((f) => readings.si(`shadow.${f.position}`)) : null;
     state.target = frame.flags & FLAGS.target ? readings.point("target") : null;
     const last = state.trail.at(-1);
     if (!last || Math.hypot(...last.at.map((value, n) => value - state.tip[n])) > APART) {
@@ -186,6 +188,14 @@ class Cockpit {
     }
     if (state.trail.length > TRAIL) state.trail.shift();
     this.instruments.light(frame.flags);
+  }
+
+  /** The contact polygon, the edge over which the machine would tip, and where its weight meets the ground. */
+  #standing({ flags }) {
+    const { readings, machine } = this, edge = readings.si("tipping.edge"), { ground } = machine.drawing;
+    const corners = machine.chassis.corners.map(([x, y]) => [x, y, ground]); // where the drawing has the ground
+    const weight = [readings.si("tipping.gravity_x"), readings.si("tipping.gravity_y"), ground];
+    return { corners, edge: [corners[edge], corners[(edge + 1) % corners.length]], weight, warns: (flags & FLAGS.tipping) !== 0 };
   }
 
   #picture(now) {

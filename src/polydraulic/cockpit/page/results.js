@@ -4,8 +4,8 @@ import { button, made } from "./dom.js";
 import { readable, shownName } from "./readings.js";
 
 const SVG = "http://www.w3.org/2000/svg";
-const VALUES = ["time", "error_rms", "error_max", "effort", "stops", "energy"];
-const TITLES = { time: "time", error_rms: "error, rms", error_max: "largest error", effort: "lever effort", stops: "stops hit", energy: "pump energy" };
+const VALUES = ["time", "error_rms", "error_max", "effort", "stops", "energy", "actuator_energy"];
+const TITLES = { time: "time", error_rms: "error, rms", error_max: "largest error", effort: "lever effort", stops: "stops hit", energy: "pump energy", actuator_energy: "energy into actuators" };
 const DRAWN = ["time", "error_rms", "effort"];
 const COLORS = { joint: "#0072b2", coordinated: "#d55e00" };
 const WIDTH = 300, HEIGHT = 120, EDGE = 12;

@@ -7,7 +7,7 @@ import {
 } from "./three.js";
 import { Eye } from "./eye.js";
 import { heading, hull, linkFrames, spotAt } from "./kinematics.js";
-import { BARREL, EARTH, GROUND_GRID, INK, STEEL, TARGET, TRAIL, paint } from "./paint.js";
+import { ALARM, BARREL, EARTH, GHOST, GROUND_GRID, INK, STAND, STEEL, TARGET, TRAIL, paint } from "./paint.js";
 
 const ROOM = 0.05; // of the reach, round what a view must show: see `clear` of a drawing
 const MOVED = 1e-3; // m, from which on a body between two links is made anew
@@ -61,6 +61,8 @@ export class SpaceView {
     this.renderer.shadowMap.type = PCFShadowMap;
     this.scene = new Scene();
     this.links = new Map();
+    this.ghosts = new Map(); // links as a shadow has them, in outlines
+    this.shadowed = machine.shadow;
     this.joined = []; // bodies between two links
     this.eye = new Eye(canvas, machine, this.reach);
     this.#light();
@@ -129,8 +131,26 @@ export class SpaceView {
         edges.geometry = new EdgesGeometry(mesh.geometry, 24);
       });
     };
-    if (body.spots.every(([link]) => link === first)) fill(body.spots.map(([, [x, , z]]) => [x, z]));
+    if (body.spots.every(([link]) => link === first)) {
+      fill(body.spots.map(([, [x, , z]]) => [x, z]));
+      if (this.shadowed && !glass) this.#ghostly(first, parts);
+    }
     else this.joined.push({ body, first, fill, before: null });
+  }
+
+  /** Outlines of a body once more, where a shadow has it. */
+  #ghostly(name, parts) {
+    const group = this.ghosts.get(name) ?? new Group(), lines = new LineBasicMaterial({ color: GHOST, transparent: true, depthTest: false });
+    if (!this.ghosts.has(name)) {
+      group.matrixAutoUpdate = false;
+      this.ghosts.set(name, group);
+      this.scene.add(group);
+    }
+    for (const { edges } of parts) {
+      const made = new LineSegments(edges.geometry, lines);
+      made.renderOrder = 4;
+      group.add(made);
+    }
   }
 
   #cylinders() {
@@ -164,7 +184,12 @@ export class SpaceView {
     this.target.renderOrder = 5;
     this.targetPlumb = line(2, TARGET, above);
     this.way = line(400, TARGET, above);
-    this.scene.add(this.tip, this.target);
+    this.weight = new Mesh(new SphereGeometry(0.016 * r, 18, 12), flat(STAND, 0.9, above));
+    this.weight.renderOrder = 6;
+    this.polygon = line(9, STAND, above);
+    this.edge = new Mesh(new CylinderGeometry(0.008 * r, 0.008 * r, 1, 10), flat(STAND, 0.9, above));
+    this.edge.renderOrder = 5;
+    this.scene.add(this.tip, this.target, this.weight, this.edge);
   }
 
   setView(name) {
@@ -179,13 +204,8 @@ export class SpaceView {
   /** @param state {positions, tip, trail: [{at, turn}], target: point or null, way: points} */
   draw(state) {
     const frames = linkFrames(this.drawing, state.positions);
-    const matrix = new Matrix4();
-    for (const [name, group] of this.links) {
-      const [x, y, z, o] = frames.get(name);
-      matrix.set(x[0], y[0], z[0], o[0], x[1], y[1], z[1], o[1], x[2], y[2], z[2], o[2], 0, 0, 0, 1);
-      group.matrix.copy(matrix);
-      group.matrixWorldNeedsUpdate = true;
-    }
+    this.#place(this.links, frames);
+    if (state.ghost) this.#place(this.ghosts, linkFrames(this.drawing, state.ghost));
     for (const part of this.joined) this.#join(part, frames);
     for (const { ram, aside, barrel, rod } of this.rams) {
       const beside = frames.get(ram.base[0])[1], [from, to] = [ram.base, ram.rod].map((spot) => spotAt(frames, spot).map((v, n) => v + aside * beside[n]));
@@ -202,6 +222,16 @@ export class SpaceView {
     this.renderer.render(this.scene, this.eye.camera);
   }
 
+  #place(groups, frames) {
+    const matrix = new Matrix4();
+    for (const [name, group] of groups) {
+      const [x, y, z, o] = frames.get(name);
+      matrix.set(x[0], y[0], z[0], o[0], x[1], y[1], z[1], o[1], x[2], y[2], z[2], o[2], 0, 0, 0, 1);
+      group.matrix.copy(matrix);
+      group.matrixWorldNeedsUpdate = true;
+    }
+  }
+
   #join(part, frames) {
     const frame = frames.get(part.first);
     const points = part.body.spots.map((spot) => {
@@ -213,7 +243,18 @@ export class SpaceView {
     part.fill(points);
   }
 
-  #mark({ tip, trail, target, way }) {
+  /** What the machine stands on, the edge over which it would tip, and where its weight acts. */
+  #stand(standing) {
+    this.weight.visible = this.edge.visible = this.polygon.visible = standing !== null;
+    if (!standing) return;
+    const { corners, edge, weight, warns } = standing, color = warns ? ALARM : STAND;
+    for (const mark of [this.weight, this.edge, this.polygon]) mark.material.color.set(color);
+    this.weight.position.set(...weight);
+    this.#points(this.polygon, [...corners, corners[0]]);
+    span(this.edge, ...edge);
+  }
+
+  #mark({ tip, trail, target, way, standing }) {
     const below = ([x, y]) => [x, y, this.drawing.ground];
     this.tip.position.set(...tip);
     this.#points(this.trail, trail.map(({ at }) => at));
@@ -224,6 +265,7 @@ export class SpaceView {
       this.#points(this.targetPlumb, [target, below(target)]);
     }
     this.#points(this.way, way);
+    this.#stand(standing);
   }
 
   #points(line, points) {

@@ -1,12 +1,13 @@
 """A recorded drive as what other commands take: a scenario for `simulate`, and a log for `import` and `identify`."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.cockpit.own_networks import with_networks
 from polydraulic.cockpit.recorded.drives import Drive, read_drive
 from polydraulic.cockpit.recorded.player import Player
 from polydraulic.errors import InputError
@@ -39,6 +40,7 @@ def export_drive(
     scenario: str | Path | None = None,
     log: str | Path | None = None,
     raster: float = 0.01,
+    models: Sequence[Path] = (),
     progress: Progress = quiet,
 ) -> None:
     """Write a drive as a scenario, as a log, or both.
@@ -52,6 +54,8 @@ def export_drive(
         ``.csv`` or ``.parquet``: time, voltages of the levers and all that the machine did, SI.
     raster : float, s
         Of the log, a whole number of steps.
+    models : sequence of Path
+        Files of the networks with which the drive was recorded, if these did not come with the package.
     progress : Progress, optional
 
     Raises
@@ -69,17 +73,19 @@ def export_drive(
     if scenario is not None:
         _write_scenario(found, Path(scenario))
     if log is not None:
-        _write_log(found, Path(log), raster, progress)
+        _write_log(found, Path(log), raster, progress, models)
 
 
-def simulator_of(drive: Drive) -> Simulator:
-    """A simulator built as the one that was recorded.
+def simulator_of(drive: Drive, models: Sequence[Path] = ()) -> Simulator:
+    """A simulator built as the one that was recorded, with networks from the same files.
 
     Raises
     ------
     InputError
     """
-    return Simulator(as_machine(drive.head["machine"]), drive.head["flow"], dt=drive.head["dt"], load={"payload": 0.0})
+    machine = as_machine(drive.head["machine"])
+    flow, _ = with_networks(machine, drive.head["flow"], None, models)
+    return Simulator(machine, flow, dt=drive.head["dt"], load={"payload": 0.0})
 
 
 def levers_from_start(drive: Drive) -> DriveLevers:
@@ -142,8 +148,8 @@ def _write_scenario(drive: Drive, path: Path) -> None:
     write_text(path, "\n".join(text) + "\n")
 
 
-def _write_log(drive: Drive, path: Path, raster: float, progress: Progress) -> None:
-    simulator = simulator_of(drive)
+def _write_log(drive: Drive, path: Path, raster: float, progress: Progress, models: Sequence[Path]) -> None:
+    simulator = simulator_of(drive, models)
     every = round(raster / simulator.dt)
     if every < 1 or abs(every * simulator.dt - raster) > 1e-9:
         raise InputError(f"raster = {raster:g} s: must be a whole number of steps of {simulator.dt:g} s")
