@@ -171,7 +171,8 @@ def test_a_machine_that_diverges_ends_its_episode_alone(monkeypatch):
     [
         ({"autoreset_mode": "Sometimes"}, "must be one of"),
         ({"max_episode_steps": 0}, "whole number from 1 on"),
-        ({"num_envs": 0}, "from 1 to"),
+        ({"num_envs": 0}, "num_envs = 0: must be a whole number, from 1 to"),
+        ({"num_envs": 2.5}, "num_envs = 2.5"),
     ],
 )
 def test_what_cannot_be_built_is_named(options, said):

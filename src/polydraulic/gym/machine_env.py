@@ -8,10 +8,11 @@ import gymnasium
 import numpy as np
 
 from polydraulic.errors import InputError, SimulationError, briefly
-from polydraulic.gym.arguments import RENDER_MODES, arguments_of
+from polydraulic.gym.arguments import FIRST_TIME, RENDER_MODES, arguments_of
 from polydraulic.gym.episodes import Begun, Episodes
 from polydraulic.gym.motion import motion_columns
 from polydraulic.gym.observations import limits_seen, numbers_seen
+from polydraulic.gym.patience import told_if_long
 from polydraulic.gym.tasks.task import Number
 from polydraulic.gym.varied import varied_machine
 from polydraulic.gym.workspace import Workspace, workspace_of
@@ -78,8 +79,9 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._given = arguments_of(task, machine, dt, period, randomize, depth, load, render_mode)
         self.render_mode, given = render_mode, self._given
         self.metadata = self.metadata | {"render_fps": max(round(1.0 / period), 1)}
-        self.simulator = Simulator(given.machine, dt=dt, load=given.load)
-        self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
+        with told_if_long(FIRST_TIME.format(given.machine.title)):
+            self.simulator = Simulator(given.machine, dt=dt, load=given.load)
+            self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
         self._episodes = Episodes(given.task, self.workspace, 1, given.period, given.ranges)
         self._places = [self.simulator.place[name] for name in motion_columns(given.machine)]
         self.numbers: tuple[Number, ...] = tuple(numbers_seen(self.workspace, given.task))

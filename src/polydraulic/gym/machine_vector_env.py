@@ -11,18 +11,21 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from polydraulic.errors import InputError, briefly
-from polydraulic.gym.arguments import RENDER_MODES, arguments_of
+from polydraulic.gym.arguments import FIRST_TIME, RENDER_MODES, arguments_of
 from polydraulic.gym.episodes import Begun, Episodes
 from polydraulic.gym.machine_env import checked_levers
 from polydraulic.gym.motion import motion_columns
 from polydraulic.gym.observations import limits_seen, numbers_seen
+from polydraulic.gym.patience import told_if_long
 from polydraulic.gym.tasks.task import Number
 from polydraulic.gym.varied import varied_machine
 from polydraulic.gym.workspace import Workspace, workspace_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.stepping.batch_simulator import BatchSimulator
+from polydraulic.simulation.stepping.per_machine import count
 
+_MOST = 1_000_000  # machines side by side
 _SETTLED = 64  # machines that come to rest at a time, a block of lanes
 
 
@@ -77,6 +80,7 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         load: float | None = None,
         render_mode: str | None = None,
     ) -> None:
+        num_envs = count(num_envs, "num_envs", _MOST)
         given = self._given = arguments_of(task, machine, dt, period, randomize, depth, load, render_mode)
         try:
             self._mode = AutoresetMode(autoreset_mode)
@@ -92,17 +96,18 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             "autoreset_mode": self._mode,
         }
         columns = motion_columns(given.machine)
-        self.simulator = BatchSimulator(
-            [given.machine] * num_envs if given.ranges else given.machine,
-            num_envs,
-            dt=dt,
-            load=given.load,
-            columns=columns,
-            threads=threads,
-            longest_delay=_longest(given.machine, given.ranges),
-        )
+        with told_if_long(FIRST_TIME.format(given.machine.title)):
+            self.simulator = BatchSimulator(
+                [given.machine] * num_envs if given.ranges else given.machine,
+                num_envs,
+                dt=dt,
+                load=given.load,
+                columns=columns,
+                threads=threads,
+                longest_delay=_longest(given.machine, given.ranges),
+            )
+            self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
         self._outputs = [self.simulator[name] for name in columns]
-        self.workspace: Workspace = workspace_of(given.machine, self._settled, lines=given.task.lines, depth=depth)
         self._episodes = Episodes(given.task, self.workspace, num_envs, given.period, given.ranges)
         self.numbers: tuple[Number, ...] = tuple(numbers_seen(self.workspace, given.task))
         limits = limits_seen(self.numbers)
