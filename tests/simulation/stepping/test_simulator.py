@@ -103,7 +103,7 @@ def test_locked_functions_stand_still_and_their_levers_are_ignored(loader):
 
 
 @slowly
-@pytest.mark.parametrize("flow", ["iterative", "lookup"])
+@pytest.mark.parametrize("flow", ["iterative", "lookup", "stiff", "tlm"])
 def test_other_flow_models_keep_what_they_remember(loader, flow):
     options = {"points": 6} if flow == "lookup" else {}
     check(loader, random_levers(5, 60, 2), build_flow(flow, loader, **options))

@@ -124,7 +124,8 @@ def engine_of(setup: Setup, mass: float) -> Engine:
     machine, hand = loaded_machine(setup, mass), hand_of(setup.machine, setup.dt, setup.locked)
     ready, force = readied(setup, machine), bool(setup.loads.force)
     parts = {"valves": ready.valves, "plant": ready.plant, "hand": hand}
-    module, places = single_module(machine, ready.module, parts, force=force), places_of(machine, force=force)
+    shape = {"force": force, "stores_oil": setup.flow.stores_oil}
+    module, places = single_module(machine, ready.module, parts, **shape), places_of(machine, **shape)
     longest, packed = int(hand.wait.max()), pack_tree(tuple(parts.values()))
     return Engine(
         ready.module,

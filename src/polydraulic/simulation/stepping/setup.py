@@ -113,7 +113,7 @@ class Output(NamedTuple):
 
 def outputs_of(setup: Setup) -> list[Output]:
     """Columns as in the table of `simulate`, the tip behind them; places count recorded columns, the tip, then pressures at ports."""
-    n_record = len(columns_of(setup.machine).columns)
+    n_record = len(columns_of(setup.machine, stores_oil=setup.flow.stores_oil).columns)
     free = [name for name in setup.machine.names if name not in setup.locked]
     able = family_of(setup.machine, setup.flow, force=bool(setup.loads.force)).columns(free)
     found = [Output(name, row + (3 if row >= n_record else 0), unit) for name, (row, unit) in able.items()]

@@ -92,9 +92,9 @@ class Simulator:
     ) -> None:
         self._setup, self._flow = set_up(machine, flow, dt, locked, as_loads(load)), flow
         self.machine, self.names, self.dt = self._setup.machine, self._setup.machine.names, dt
-        self._columns, self._loads = columns_of(self.machine), self._setup.loads
-        self._mass, self._next_mass = mass_at(self._loads.payload, 0, dt)
-        self._steady = True
+        oil, self._loads = self._setup.flow.stores_oil, self._setup.loads
+        self._columns = columns_of(self.machine, stores_oil=oil)
+        (self._mass, self._next_mass), self._steady = mass_at(self._loads.payload, 0, dt), True
         self._engine = engine_of(self._setup, self._mass)
         self._counts, self._live, given = self._engine.counts, self._engine.live, self._engine.places.given
         self._shape = (len(self.names),)

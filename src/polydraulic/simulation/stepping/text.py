@@ -75,9 +75,9 @@ class Places(NamedTuple):
     n_flag: int
 
 
-def places_of(machine: LayoutMachine, *, force: bool) -> Places:
-    """Places in the array of a machine, with a force at the tip or without."""
-    n, n_record = len(machine.names), len(columns_of(machine).columns)
+def places_of(machine: LayoutMachine, *, force: bool, stores_oil: bool = False) -> Places:
+    """Places in the array of a machine, with a force at the tip or without, of a flow model that follows oil before the valves or does not."""
+    n, n_record = len(machine.names), len(columns_of(machine, stores_oil=stores_oil).columns)
     n_input, watched = n + (3 if force else 0), len(machine.circuits) + len(machine.crossovers)
     n_out = n_record + 3 + len(PORTS) * n
     taken = n_out + n_input
@@ -86,7 +86,9 @@ def places_of(machine: LayoutMachine, *, force: bool) -> Places:
     return Places(n_record, n_out, n_out, taken, before, opened, opened + watched, N_KIND * n + watched)
 
 
-def single_module(machine: LayoutMachine, step: ModuleType, parts: Mapping[str, Any], *, force: bool) -> ModuleType:
+def single_module(
+    machine: LayoutMachine, step: ModuleType, parts: Mapping[str, Any], *, force: bool, stores_oil: bool = False
+) -> ModuleType:
     """Module of the drivers of a single machine.
 
     Parameters
@@ -98,11 +100,13 @@ def single_module(machine: LayoutMachine, step: ModuleType, parts: Mapping[str, 
         ``valves``, ``plant`` and ``hand``, of which types alone matter.
     force : bool
         Whether a force at the tip is among the inputs.
+    stores_oil : bool
+        Whether the flow model follows oil before the valves, and records it.
     """
-    at = places_of(machine, force=force)
+    at = places_of(machine, force=force, stores_oil=stores_oil)
     constants = {"N_OUT": at.n_out, "GIVEN": at.given, "TAKEN": at.taken, "BEFORE": at.before, "OPENED": at.opened}
     constants |= {"MEMORY": at.memory, "N_FLAG": at.n_flag, "N_INPUT": at.taken - at.given}
-    return loaded(_text(machine, step, parts, constants, "single", _IMPORTS, _STEP, _lists(machine)))
+    return loaded(_text(machine, step, parts, constants, "single", _IMPORTS, _STEP, _lists(machine, stores_oil)))
 
 
 def lanes_module(machine: LayoutMachine, step: ModuleType, parts: Mapping[str, Any], *, force: bool) -> ModuleType:
@@ -130,9 +134,9 @@ def _text(
     return "\n\n\n".join(part.strip() for part in text) + "\n"
 
 
-def _lists(machine: LayoutMachine) -> dict[str, Rows]:
+def _lists(machine: LayoutMachine, stores_oil: bool) -> dict[str, Rows]:
     """Lists of the pages: F function, J its number; K number of a flow that is watched; P and R places in a row."""
-    n, columns = len(machine.names), columns_of(machine)
+    n, columns = len(machine.names), columns_of(machine, stores_oil=stores_oil)
     first = len(columns.columns) + 3
     watched = [*(f"{c.name}.q_relief" for c in machine.circuits), *(cross_name(x.giving) for x in machine.crossovers)]
     return {
