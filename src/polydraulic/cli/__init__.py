@@ -6,7 +6,19 @@ import sys
 import warnings
 from contextlib import suppress
 
-from polydraulic.cli import cockpit, dynamic, faults, identify, lifting, logs, machine, machines, networks, report  # noqa: F401  # their commands join the application
+from polydraulic.cli import (  # noqa: F401  # their commands join the application
+    cockpit,
+    dynamic,
+    faults,
+    identify,
+    lifting,
+    logs,
+    machine,
+    machines,
+    networks,
+    report,
+    watch,
+)
 from polydraulic.cli.application import app
 from polydraulic.cli.interrupts import interruptible
 from polydraulic.errors import InputError, SimulationError

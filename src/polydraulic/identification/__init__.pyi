@@ -14,6 +14,8 @@ from .run_plot import plot_replay, plot_runs
 from .runs import DynamicRun, ModelRuns, run_models
 from .table_fit import TableFit, fit_table
 from .validity import Validity
+from .watching.watch_log import WatchedLog, watch_log
+from .watching.watch_page import plot_watch, write_watch_page
 
 __all__ = [
     "Check",
@@ -35,6 +37,7 @@ __all__ = [
     "TableFit",
     "TipForceEstimate",
     "Validity",
+    "WatchedLog",
     "Window",
     "check_models",
     "estimate_payload",
@@ -49,8 +52,11 @@ __all__ = [
     "plot_payload",
     "plot_replay",
     "plot_runs",
+    "plot_watch",
     "replay",
     "run_models",
+    "watch_log",
     "write_card",
     "write_identification_card",
+    "write_watch_page",
 ]

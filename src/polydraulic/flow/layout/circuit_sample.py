@@ -57,6 +57,18 @@ def sample_valves(
     InputError
         If the exact equations are not proved to be solved at a point.
     """
+    found, proved = solved_valves(valves, pump, travel, p_in, flow)
+    unsure = np.flatnonzero(~proved)
+    if unsure.size:
+        where = f"travels {travel[unsure[0]].tolist()} m, pressures {p_in[unsure[0]].tolist()} Pa"
+        raise InputError(f"the exact circuit is not solved at {unsure.size} of {len(travel)} points, first at {where}")
+    return found
+
+
+def solved_valves(
+    valves: Sequence[ValveCurves], pump: Pump, travel: np.ndarray, p_in: np.ndarray, flow: np.ndarray | None = None
+) -> tuple[CircuitSample, np.ndarray]:
+    """`sample_valves`, and at which points the exact equations are proved to be solved, (n_point,) of bool."""
     n = len(valves)
     k_in, k_bypass = (
         np.column_stack([np.interp(travel[:, i], v.knots, getattr(v, curve)) for i, v in enumerate(valves)])
@@ -65,14 +77,11 @@ def sample_valves(
     flow = np.full(len(travel), pump.flow) if flow is None else np.ascontiguousarray(flow)
     found = np.empty((len(travel), 2 * n + 4))
     _module(n).sample(k_in, k_bypass, np.ascontiguousarray(p_in, dtype=np.float64), flow, pump, found)
-    unsure = np.flatnonzero(~(found[:, -1] < UNPROVED))
-    if unsure.size:
-        where = f"travels {travel[unsure[0]].tolist()} m, pressures {p_in[unsure[0]].tolist()} Pa"
-        raise InputError(f"the exact circuit is not solved at {unsure.size} of {len(travel)} points, first at {where}")
     q_in, q_pump, q_relief = found[:, :n], found[:, 2 * n - 1], found[:, 2 * n + 1]
     q_passed = (q_pump - q_relief)[:, None] - np.cumsum(q_in, axis=1)
     q_passed[:, -1] = found[:, 2 * n]
-    return CircuitSample(q_in, q_passed, found[:, n : 2 * n - 1], q_pump, q_relief, found[:, 2 * n + 2])
+    sample = CircuitSample(q_in, q_passed, found[:, n : 2 * n - 1], q_pump, q_relief, found[:, 2 * n + 2])
+    return sample, found[:, -1] < UNPROVED
 
 
 @cache

@@ -9,8 +9,7 @@ from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
 from polydraulic.identification.equations.parabolas import local_parabolas
 from polydraulic.identification.equations.pilot_fit import PilotFit, fit_pilot, smooth_spool
-from polydraulic.machine.drives import Motor, Ram, prepare_drive
-from polydraulic.parameters.layout.geometry import lever
+from polydraulic.machine.volumes import levers, side_volumes
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.tables import Table
@@ -25,7 +24,6 @@ UNITS = {
     "angle": "rad",
     "position": "m",
 }
-_GRID = 721  # angles at which the volume in a cylinder is known, straight between
 _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
@@ -167,30 +165,6 @@ def read_function(
         noise,
         pilot,
     )
-
-
-def levers(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Volume that a radian or metre draws from line A and gives to line B, (n_row,) each."""
-    link, drive = machine.link(f.moves), prepare_drive(f, machine.link(f.moves))
-    if isinstance(drive, Motor):
-        return np.full(len(position), drive.displacement), np.full(len(position), drive.displacement)
-    if isinstance(drive, Ram):
-        return np.full(len(position), drive.area_a), np.full(len(position), drive.area_b)
-    grid = np.linspace(f.stops.low, f.stops.high, _GRID)
-    arm = np.interp(position, grid, [abs(lever(f, link, angle) or 0.0) for angle in grid.tolist()])
-    return arm * drive.area_a, arm * drive.area_b
-
-
-def side_volumes(machine: LayoutMachine, f: MachineFunction, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes of the actuator's two sides, but for a constant, (n_row,) in m3 each; what one gains the other loses."""
-    if f.pins is None:
-        a, b = levers(machine, f, position)
-        return a * position, -b * position
-    grid = np.linspace(f.stops.low, f.stops.high, _GRID)
-    a, b = levers(machine, f, grid)
-    step = np.diff(grid)
-    grown = [np.concatenate([[0.0], np.cumsum(0.5 * (side[1:] + side[:-1]) * step)]) for side in (a, b)]
-    return np.interp(position, grid, grown[0]), -np.interp(position, grid, grown[1])
 
 
 def missing_for_circuit(machine: LayoutMachine, functions: tuple[str, ...], signals: dict[str, Signals]) -> str:

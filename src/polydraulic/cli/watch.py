@@ -1,0 +1,74 @@
+"""The command that watches a machine through its log."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from polydraulic.cli.application import app
+from polydraulic.terminal import progress_bar
+
+_RATE = 0.1  # false alarms per hour
+
+
+@app.command()
+def watch(
+    log: Annotated[
+        list[str],
+        typer.Argument(
+            help="Imported table in SI, with what sensors there are; several tables, or a pattern in quotes."
+        ),
+    ],
+    machine: Annotated[
+        str, typer.Option(help="The healthy machine, by name or a TOML file: best what `identify` made of its own log.")
+    ],
+    healthy: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Table of healthy work, from which noise is learnt; the first third of the log, 10 min at most, if not given."
+        ),
+    ] = None,
+    sensors: Annotated[
+        list[str] | None,
+        typer.Option(help="Columns to watch by, names or patterns such as `*.p_?`; repeat for more; all if not given."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Page to write, .html: alarms, evidence over time, what can be told.")
+    ] = None,
+    false_alarms: Annotated[
+        float, typer.Option("--false-alarms", help="Per hour, that all tests together are set to.")
+    ] = _RATE,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if there is an alarm that is no unusual work.")
+    ] = False,
+) -> None:
+    """Watch a machine through its log: what is wrong, since when, how sure that is, and what else it could be.
+
+    Flows, pressures, spools and torques that sensors read are compared with those of the healthy machine, second by second; a fault of the
+    catalogue (`polydraulic faults`) is what would make of the healthy machine that which is read. A fault that could not have shown (a low relief
+    setting shows at the relief valve alone) is said not to be told, and a payload or cold oil are named as the unusual work that they are.
+
+    Columns are NAME.voltage, .spool, .p_a, .p_b, .q_in, .q_out, .angle (.position of a joint that slides). With fewer of them fewer faults are told apart.
+
+    Example: `polydraulic watch later.parquet --machine identified.toml --healthy day1.parquet --out watch.html`
+
+    - With pressures, angles and levers alone: `polydraulic watch later.parquet --machine identified.toml --sensors '*.p_?' --sensors '*.angle' --sensors '*.voltage'`
+
+    - To try it: `polydraulic record random:5:600 --fault "boom.leak_across from 300 s" --sensors sensors.toml --out log.mf4`, then `polydraulic import`
+
+    What comes next: look at the page in a browser; a table that is healthy beyond doubt makes a better `--healthy`.
+    """
+    from polydraulic.identification.watching.watch_log import watch_log
+    from polydraulic.identification.watching.watch_page import watch_page_ending, write_watch_page
+
+    if out is not None:
+        watch_page_ending(out)
+    with progress_bar("watch") as progress:
+        found = watch_log(log, machine, healthy=healthy, sensors=sensors, rate=false_alarms, progress=progress)
+        if out is not None:
+            write_watch_page(found, out)
+    print(found)
+    if out is not None:
+        print(f"{out}: written")
+    if strict and found.faulty:
+        raise typer.Exit(1)

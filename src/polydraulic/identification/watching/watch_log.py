@@ -1,0 +1,231 @@
+"""A log of a machine, watched for faults: residuals against the machine of a file, and what is to be expected of them, from healthy work."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.identification.arguments import table_of
+from polydraulic.identification.equations.log_pieces import raster_of
+from polydraulic.identification.equations.noise import noise_level
+from polydraulic.identification.equations.sensors import UNITS, check_plausible, check_units
+from polydraulic.pages.text import text_table
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.load import as_machine
+from polydraulic.progress import Progress, quiet
+from polydraulic.tables import Table
+from polydraulic.watch.blocks import starts_of
+from polydraulic.watch.channels import position_of
+from polydraulic.watch.expected import Expected
+from polydraulic.watch.watch import FALSE_ALARMS, Alarm, FaultWatch, Outlook, Watched, learn_expected, watched
+
+ALARM_HEADS = ("since", "seen", "until", "what", "sure", "or else")
+_OWN_SHARE, _OWN_MOST = 1.0 / 3.0, 600.0  # of a log that is taken for healthy if none is given, and s
+_AT_ONCE = 64  # blocks between two words of progress
+_RASTERS = 0.01  # by which two of them may differ
+_NAMED = 6
+
+
+@dataclass(frozen=True, eq=False)
+class WatchedLog:
+    """What a log says of a machine; ``str()`` says it in words.
+
+    Attributes
+    ----------
+    of : Watched
+        Machine, sensors and faults that were watched.
+    alarms : list of Alarm
+    findings : list of Outlook
+        Of every fault: whether the smallest size that counts would have shown.
+    expected : Expected
+    healthy : str
+        Where that was learnt from, in words.
+    source : str
+        Name of the log.
+    rate : float
+        False alarms per hour that the tests were set to.
+    time : (n_block,) array, s
+        When each block ends.
+    evidence : (n_block, n_direction) array
+        Of each direction, as a share of the threshold.
+    """
+
+    of: Watched
+    alarms: list[Alarm]
+    findings: list[Outlook]
+    expected: Expected = field(repr=False)
+    healthy: str
+    source: str
+    rate: float
+    time: np.ndarray = field(repr=False)
+    evidence: np.ndarray = field(repr=False)
+
+    @property
+    def faulty(self) -> bool:
+        """Whether there is an alarm that is not of unusual work alone."""
+        return any(not (alarm.suspects and alarm.suspects[0].harmless) for alarm in self.alarms)
+
+    def text(self) -> str:
+        """What was found, and what could not be told."""
+        minutes = len(self.time) * self.of.shape.seconds / 60.0
+        lines = [
+            f"{self.source}: {minutes:.1f} min of {self.of.machine.title} watched by {len(self.of.columns)} sensors, "
+            f"{len(self.findings)} faults; what is to be expected from {self.healthy}"
+        ]
+        if self.alarms:
+            lines += text_table(ALARM_HEADS, alarm_rows(self.alarms))
+        else:
+            lines.append(f"no alarm (set to {self.rate:g} false ones per hour)")
+        shown = [f for f in self.findings if f.could_show]
+        unsure = [f.name for f in self.findings if not f.could_show]
+        lines.append(f"{len(shown)} of {len(self.findings)} faults would have shown in their smallest sizes")
+        if unsure:
+            lines.append(f"cannot tell: {', '.join(unsure)}")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.text()
+
+
+def alarm_rows(alarms: Sequence[Alarm]) -> list[list[str]]:
+    """Texts under `ALARM_HEADS`."""
+    rows = []
+    for alarm in alarms:
+        if not alarm.suspects:
+            rows.append(
+                [*(f"{t:.1f} s" for t in alarm[:3]), "something that no fault of the catalogue explains", "-", "-"]
+            )
+            continue
+        first, *others = alarm.suspects
+        what = f"{first.title} (no fault: unusual work)" if first.harmless else first.title
+        more = "; ".join(f"{s.name} ({s.probability:.0%})" for s in others) or "-"
+        rows.append([*(f"{t:.1f} s" for t in alarm[:3]), what, f"{min(first.probability, 0.99):.0%}", more])
+    return rows
+
+
+def watch_log(
+    log: Table | str | Path | Sequence[Table | str | Path],
+    machine: LayoutMachine | str | Path,
+    *,
+    healthy: Table | str | Path | Sequence[Table | str | Path] | None = None,
+    sensors: Sequence[str] | None = None,
+    rate: float = FALSE_ALARMS,
+    progress: Progress = quiet,
+) -> WatchedLog:
+    """Watch a machine through its log.
+
+    Parameters
+    ----------
+    log : Table, str, Path or sequence of them
+        Imported, in SI: ``time`` and what sensors there are of ``NAME.voltage``, ``.spool``, ``.p_a``, ``.p_b``, ``.q_in``, ``.q_out``,
+        ``.angle`` (``.position`` of a joint that slides).
+    machine : LayoutMachine, str or Path
+        The healthy machine: identified from a log of its own, or as it is described.
+    healthy : as log, optional
+        From which noise of sensors and errors of the machine are learnt; without, the first third of the log, ten minutes at most, counts as
+        healthy and is not judged.
+    sensors : sequence of str, optional
+        Patterns of columns that are read (``*.p_?``); all if not given.
+    rate : float
+        False alarms per hour of all tests together that they are set to.
+    progress : Progress, optional
+
+    Returns
+    -------
+    WatchedLog
+
+    Raises
+    ------
+    InputError
+        Columns that are missing, not in SI or of no such machine; too little healthy work; another raster; sensors by which nothing can be
+        watched.
+    """
+    plant = as_machine(machine)
+    table, source = _checked(log, plant)
+    columns = watched_columns(plant, table, source, sensors)
+    raster = raster_of(table)
+    of = watched(plant, columns, raster)
+    progress("learn", 0, 1)
+    if healthy is not None:
+        known, name = _checked(healthy, plant)
+        if missing := [c for c in columns if c not in known.names]:
+            raise InputError(
+                f"{name}: no column {', '.join(map(repr, missing[:_NAMED]))}, which {source} has; watch both by the same sensors"
+            )
+        if abs(raster_of(known) / raster - 1.0) > _RASTERS:
+            raise InputError(
+                f"{name} has a row every {raster_of(known):g} s, {source} every {raster:g} s: import both on one raster"
+            )
+        own, first = np.ones(len(known), dtype=bool), 0
+        words = f"{len(known)} rows of {name}"
+    else:
+        known, begin = table, float(table["time"][0])
+        own = table["time"] - begin < min(_OWN_SHARE * (float(table["time"][-1]) - begin), _OWN_MOST)
+        first = int(own.sum())
+        words = f"its first {table['time'][max(first - 1, 0)] - begin:.0f} s, taken for healthy"
+    expected = learnt_from(of, known, own, rate)
+    starts = starts_of(table["time"][first:], _segment(table)[first:], of.shape) + first
+    if not len(starts):
+        raise InputError(f"{source}: no piece of {of.shape.rows * raster:.3g} s without a gap is left to be watched")
+    watch, seen = FaultWatch(of, expected, rate), np.empty((len(starts), len(of.directions)))
+
+    def note() -> None:
+        seen[watch.blocks - 1] = watch.evidence.sums.max(axis=1) / watch.evidence.limits.threshold
+
+    for k in range(0, len(starts), _AT_ONCE):
+        progress("watch", k, len(starts))
+        part = starts[k : k + _AT_ONCE]
+        watch.judge(log_blocks(of, table, part), table["time"][part + of.shape.before], note)
+    ends = table["time"][starts + of.shape.before] + of.shape.seconds
+    return WatchedLog(of, watch.alarms, watch.findings(), expected, words, source, rate, ends, seen)
+
+
+def _checked(log: Table | str | Path | Sequence[Table | str | Path], machine: LayoutMachine) -> tuple[Table, str]:
+    table, source = table_of(log)
+    if "time" not in table.names:
+        raise InputError(f"{source}: no column 'time'; a machine is watched by an imported log")
+    check_units(table)
+    check_plausible(machine, table)
+    return table, source
+
+
+def watched_columns(
+    machine: LayoutMachine, table: Table, source: str, sensors: Sequence[str] | None
+) -> tuple[str, ...]:
+    """Columns of sensors of the machine's functions that are to be read."""
+    known = []
+    for f in machine.functions:
+        place = position_of(machine, f)
+        known += [f"{f.name}.{what}" for what in UNITS if what not in ("angle", "position")] + [place]
+    found = [name for name in known if name in table.names]
+    if sensors is None:
+        return tuple(found)
+    for pattern in sensors:
+        if not any(fnmatchcase(name, pattern) for name in found):
+            raise InputError(
+                f"--sensors {pattern!r}: no column of {source} is called so; it has {', '.join(found) or 'none'}"
+            )
+    return tuple(name for name in found if any(fnmatchcase(name, pattern) for pattern in sensors))
+
+
+def _segment(table: Table) -> np.ndarray:
+    return table["segment"] if "segment" in table.names else np.zeros(len(table))
+
+
+def log_blocks(of: Watched, table: Table, starts: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns of blocks of a log that begin at these rows, (n_block, n_row) each."""
+    rows = starts[:, None] + np.arange(of.shape.rows)
+    return {name: table[name][rows] for name in of.columns}
+
+
+def learnt_from(of: Watched, table: Table, rows: np.ndarray, rate: float) -> Expected:
+    """What is to be expected, from the rows of a log that are healthy, (n_row,) of bool."""
+    values = {name: table[name][rows] for name in of.columns}
+    time, segment = table["time"][rows], _segment(table)[rows]
+    starts = starts_of(time, segment, of.shape)
+    at = starts[:, None] + np.arange(of.shape.rows)
+    noise = {name: noise_level(column, segment) for name, column in values.items()}
+    return learn_expected(of, {name: column[at] for name, column in values.items()}, noise, rate)

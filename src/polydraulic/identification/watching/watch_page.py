@@ -1,0 +1,115 @@
+"""What watching a log has found, as a page: alarms, evidence over time, and what of the catalogue could be told."""
+
+import base64
+from html import escape
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.files import write_text
+from polydraulic.identification.watching.watch_log import ALARM_HEADS, WatchedLog, alarm_rows
+from polydraulic.pages.html import document
+from polydraulic.pages.html import table as html_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LINES = 6  # directions that are drawn by name
+_COLOURS = ("#c0392b", "#2a6fb0", "#e07a1f", "#3a8f5c", "#7d4fa1", "#8a6d3b")
+
+
+def watch_page_ending(path: str | Path) -> None:
+    """Refuse another ending than that of pages."""
+    if Path(path).suffix.lower() != ".html":
+        raise InputError(f"{path}: a page ends in .html")
+
+
+def write_watch_page(found: WatchedLog, path: str | Path) -> None:
+    """Write what watching a log has found.
+
+    Parameters
+    ----------
+    found : WatchedLog
+    path : str or Path
+        ``.html``.
+
+    Raises
+    ------
+    InputError
+        Another ending.
+    """
+    watch_page_ending(path)
+    minutes = len(found.time) * found.of.shape.seconds / 60.0
+    picture = base64.b64encode(_svg(plot_watch(found)).encode()).decode()
+    named = {alarm.suspects[0].name for alarm in found.alarms if alarm.suspects}
+    rows = [
+        [
+            f.title,
+            "named in an alarm"
+            if f.name in named
+            else "no sign of it"
+            if f.could_show
+            else f"cannot tell: {f.share:.0%} of the evidence",
+        ]
+        for f in found.findings
+    ]
+    parts = [
+        f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
+        f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
+        "<h2>Alarms</h2>",
+        html_table("", ALARM_HEADS, alarm_rows(found.alarms)) if found.alarms else "<p>None.</p>",
+        "<h2>Evidence</h2>",
+        "<p>Of each fault since it may have begun, as a share of what makes an alarm.</p>",
+        f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="Evidence over time"></figure>',
+        "<h2>What was watched</h2>",
+        "<p>Each in the smallest size that counts. Where the machine's work gave a fault no occasion to show, nothing is said of it.</p>",
+        html_table("", ("fault", "in this log"), rows),
+    ]
+    write_text(path, document(f"{found.of.machine.title}: watched", "\n".join(parts)))
+
+
+def plot_watch(found: WatchedLog) -> "Figure":
+    """Draw the evidence of all tests over time, and the alarms.
+
+    Parameters
+    ----------
+    found : WatchedLog
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 4.0), dpi=100, layout="constrained")
+    axis = figure.subplots()
+    most = found.evidence.max(axis=0)
+    first = [d.name for d in found.of.directions]
+    drawn: list[int] = []
+    for k in np.argsort(-most).tolist():
+        if len(drawn) < _LINES and most[k] > 0.5 and first[k] not in [first[j] for j in drawn]:
+            drawn.append(k)
+    axis.plot(found.time, found.evidence.max(axis=1), color="#bbb", linewidth=1.0, label="the most of all faults")
+    for colour, k in zip(_COLOURS, drawn, strict=False):
+        axis.plot(found.time, found.evidence[:, k], color=colour, linewidth=1.3, label=first[k])
+    for alarm in found.alarms:
+        axis.axvspan(alarm.since, alarm.until, color="#c0392b", alpha=0.10, linewidth=0.0)
+    axis.axhline(1.0, color="#222", linewidth=1.0, linestyle="--", label="alarm")
+    axis.set_ylim(0.0, 2.1)
+    axis.set_xlabel("time [s]")
+    axis.set_ylabel("evidence / threshold")
+    axis.grid(alpha=0.25)
+    axis.legend(loc="upper left", fontsize=8)
+    return figure
+
+
+def _svg(figure: "Figure") -> str:
+    import matplotlib
+
+    text = StringIO()
+    with matplotlib.rc_context({"svg.hashsalt": "watch"}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()

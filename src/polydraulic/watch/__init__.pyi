@@ -1,0 +1,5 @@
+from .diagnosis import Suspect
+from .expected import Expected
+from .watch import Alarm, FaultWatch, Outlook, Watched
+
+__all__ = ["Alarm", "Expected", "FaultWatch", "Outlook", "Suspect", "Watched"]

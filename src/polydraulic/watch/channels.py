@@ -1,0 +1,76 @@
+"""Which residuals the sensors of a machine allow.
+
+Each follows from measured signals through few equations, so that a fault shows in few of them:
+
+- ``NAME.spool``: the spool, less that which the pilot makes of the voltage;
+- ``NAME.q_in``: flow into the actuator, less that of the exact circuit at the measured spools and pressures;
+- ``NAME.p_out``: pressure at the outlet, less that which drives the measured flow through the valve (of a wide outlet the
+  pressure is known better from the flow than the flow from the pressure);
+- ``NAME.volume_a``, ``NAME.volume_b``: mean flow that the actuator's motion, the line's compliance and leakage took in a window, less that
+  through the valve;
+- ``NAME.torque``: torque of the oil less that which the motion and friction need.
+"""
+
+from typing import NamedTuple
+
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
+
+
+class WatchChannel(NamedTuple):
+    """A kind of residual.
+
+    Attributes
+    ----------
+    name : str
+        ``boom.q_in``.
+    unit : str
+    """
+
+    name: str
+    unit: str
+
+
+_UNITS = {"spool": "m", "q_in": "m3/s", "p_out": "Pa", "volume_a": "m3/s", "volume_b": "m3/s", "torque": "N m"}
+
+
+def position_of(machine: LayoutMachine, f: MachineFunction) -> str:
+    """Column of a function's joint."""
+    return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
+
+
+def channels_of(machine: LayoutMachine, columns: frozenset[str]) -> tuple[WatchChannel, ...]:
+    """Residuals that these columns of a log allow, in the order of the functions."""
+    known = [f.name for f in machine.functions if _has_spool(f.name, columns)]
+    solved = {
+        f
+        for c in machine.circuits
+        if c.kind != "crossover"
+        for f in c.functions
+        if all(g in known and {f"{g}.p_a", f"{g}.p_b"} <= columns for g in c.functions)
+    }
+    moved = all({position_of(machine, f), f"{f.name}.p_a", f"{f.name}.p_b"} <= columns for f in machine.functions)
+    found: list[WatchChannel] = []
+    for f in machine.functions:
+        name, pressures = f.name, {f"{f.name}.p_a", f"{f.name}.p_b"} <= columns
+        has = {what: f"{name}.{what}" in columns for what in ("voltage", "spool", "q_in", "q_out")}
+        flows = (has["q_in"] or name in solved) and (has["q_out"] or name in known)
+        balanced = pressures and position_of(machine, f) in columns and name in known and flows
+        allowed = {
+            "spool": has["voltage"] and has["spool"],
+            "q_in": has["q_in"] and name in solved,
+            "p_out": has["q_out"] and pressures and name in known,
+            "volume_a": balanced,
+            "volume_b": balanced,
+            "torque": moved,
+        }
+        found += [WatchChannel(f"{name}.{what}", _unit(machine, f, what)) for what, given in allowed.items() if given]
+    return tuple(found)
+
+
+def _unit(machine: LayoutMachine, f: MachineFunction, what: str) -> str:
+    return "N" if what == "torque" and machine.link(f.moves).joint == "prismatic" else _UNITS[what]
+
+
+def _has_spool(name: str, columns: frozenset[str]) -> bool:
+    return bool({f"{name}.spool", f"{name}.voltage"} & columns)

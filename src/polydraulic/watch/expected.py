@@ -1,0 +1,98 @@
+"""What is to be expected of a healthy machine: noise of its sensors, errors of its model, and how these go together in time.
+
+The machine of a file is not quite the real one. What healthy blocks show of each fault's direction is taken for an offset that stays, and a jitter from
+block to block: a Gaussian model whose two numbers for each direction are found by expectation and maximisation. A fault is then a jitter
+that stays.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.watch.directions import Scores
+
+_PASSES = 30
+_FIRST_JITTER, _FIRST_WEIGHT = 0.1, 5.0  # of a direction, before any block is seen, and how many blocks that counts for
+_OFFSET = 0.5  # standard deviation of an offset before any block is seen
+_TOGETHER = 10  # blocks whose sum tells how far they go together
+_FEW_SUMS = 6
+
+
+class Expected(NamedTuple):
+    """Learnt from healthy blocks.
+
+    Attributes
+    ----------
+    noise : dict from column to float
+        Standard deviations of white noise, SI.
+    scales : tuple of (float, float)
+        Of each channel: variance beyond the sensors', and by how much residuals of a block go together.
+    offset, jitter : (n_direction,) array
+        In sizes that count; jitter as a variance.
+    together : (n_direction,) array
+        By how much the variance of sums over blocks is larger than if they did not depend on each other.
+    longest : dict from column to int
+        Most blocks in succession in which a sensor does not move although its function works.
+    blocks : int
+        That it was learnt from.
+    """
+
+    noise: dict[str, float]
+    scales: tuple[tuple[float, float], ...]
+    offset: np.ndarray
+    jitter: np.ndarray
+    together: np.ndarray
+    longest: dict[str, int]
+    blocks: int
+
+
+class Whitened(NamedTuple):
+    """Scores whose variance is their information if the machine is healthy: pull (n_block, n_direction), information the same of each alone."""
+
+    pull: np.ndarray
+    information: np.ndarray
+
+
+def whitened(scores: Scores, offset: np.ndarray, jitter: np.ndarray) -> Whitened:
+    """Scores of blocks less what is to be expected, weighted by how well a block tells it from the jitter."""
+    n = len(offset)
+    left = np.eye(n) + scores.information * jitter[None, None, :]
+    right = np.concatenate([(scores.pull - scores.information @ offset)[:, :, None], scores.information], axis=2)
+    found = np.linalg.solve(left, right)
+    information = np.maximum(np.einsum("bii->bi", found[:, :, 1:]), 0.0)
+    return Whitened(np.ascontiguousarray(found[:, :, 0]), information)
+
+
+def learn_jitter(scores: Scores) -> tuple[np.ndarray, np.ndarray]:
+    """Offset and jitter of each direction, (n_direction,) each, from healthy blocks."""
+    n_block, n = scores.pull.shape
+    offset, jitter = np.zeros(n), np.full(n, _FIRST_JITTER**2)
+    for _ in range(_PASSES):
+        left = np.eye(n) + scores.information * jitter[None, None, :]
+        right = np.concatenate([scores.pull[:, :, None], scores.information], axis=2)
+        solved = np.linalg.solve(left, right)
+        offset = np.linalg.solve(solved[:, :, 1:].sum(axis=0) + np.eye(n) / _OFFSET**2, solved[:, :, 0].sum(axis=0))
+        off = solved[:, :, 0] - solved[:, :, 1:] @ offset  # of what was expected, whitened
+        middle = jitter * off
+        spread = jitter - jitter * np.einsum("bii->bi", solved[:, :, 1:]) * jitter
+        jitter = ((middle**2 + np.maximum(spread, 0.0)).sum(axis=0) + _FIRST_WEIGHT * _FIRST_JITTER**2) / (
+            n_block + _FIRST_WEIGHT
+        )
+    return offset, jitter
+
+
+def togetherness(white: Whitened) -> np.ndarray:
+    """By how much sums over some blocks scatter more than their information says, (n_direction,); at least 1."""
+    whole = len(white.pull) // _TOGETHER
+    if whole < _FEW_SUMS:
+        return np.full(white.pull.shape[1], 2.0)
+    pull, information = (part[: whole * _TOGETHER].reshape(whole, _TOGETHER, -1).sum(axis=1) for part in white)
+    squares = pull**2 / np.maximum(information, 1e-300)
+    counts = information > 0.0
+    return np.maximum(np.where(counts, squares, 0.0).sum(axis=0) / np.maximum(counts.sum(axis=0), 1), 1.0)
+
+
+def joined_scores(parts: Sequence[Scores]) -> Scores:
+    """Scores of blocks that follow each other as one."""
+    return Scores(*(np.concatenate(field) for field in zip(*parts, strict=True)))

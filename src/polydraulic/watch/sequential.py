@@ -1,0 +1,100 @@
+"""Sequential tests: for each direction, and each way that it goes, the evidence for a fault since it may have begun (CUSUM, Page 1954).
+
+The evidence of a block is the logarithm of the likelihood ratio between the smallest fault that counts and none; negative sums begin anew. By
+Wald's identity the mean time to a false alarm is at least exp(threshold) blocks for each test (Lorden 1971), which gives the threshold for a
+stated rate. No block counts for more than a share of the threshold, so that none decides alone.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.watch.expected import Whitened
+
+LEAST_BLOCKS = 8  # that decide together
+KEPT = 600  # blocks back to which a beginning can lie
+_WAYS = np.array([1.0, -1.0])
+
+
+class Limits(NamedTuple):
+    """When a test alarms.
+
+    Attributes
+    ----------
+    threshold : float
+        Of the evidence.
+    together : (n_direction,) array
+        What evidence is divided by.
+    ways : (n_direction, 2) array of bool
+        Which ways a direction goes: up, down.
+    """
+
+    threshold: float
+    together: np.ndarray
+    ways: np.ndarray
+
+
+class Since(NamedTuple):
+    """Sums over the blocks since one: whitened pull and information, squares of pull over information, (n_direction,) each; how many blocks."""
+
+    pull: np.ndarray
+    information: np.ndarray
+    squares: np.ndarray
+    blocks: int
+
+
+def threshold_for(rate: float, tests: int, seconds: float) -> float:
+    """Threshold at which so many tests give together at most `rate` false alarms per hour, of blocks of so many seconds."""
+    return float(np.log(max(tests * 3600.0 / seconds / rate, np.e)))
+
+
+class EvidenceSums:
+    """Evidence of all tests, block by block, in memory that does not grow.
+
+    Parameters
+    ----------
+    limits : Limits
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        n = len(limits.together)
+        self.limits, self.count = limits, 0
+        self.sums = np.zeros((n, 2))
+        self.began = np.zeros((n, 2), dtype=np.int64)  # block at which each sum began
+        self.showing = np.zeros(n)  # evidence that the smallest fault would have given by now
+        self._totals = np.zeros((KEPT + 1, 3, n))  # cumulative: pull, information, squares of pull over information
+
+    def add(self, pull: np.ndarray, information: np.ndarray) -> None:
+        """Take a block, (n_direction,) each of its whitened scores."""
+        limits, most = self.limits, self.limits.threshold / LEAST_BLOCKS
+        gained = (_WAYS * pull[:, None] - 0.5 * information[:, None]) / limits.together[:, None]
+        gained = np.clip(gained, -most, most)
+        sums = self.sums + gained
+        fresh = sums <= 0.0
+        self.count += 1
+        self.sums = np.where(fresh | ~limits.ways, 0.0, np.minimum(sums, 2.0 * limits.threshold))
+        self.began = np.where(fresh, self.count, self.began)
+        self.showing += np.minimum(0.5 * information / limits.together, most)
+        squares = np.where(information > 0.0, pull**2 / np.maximum(information, 1e-300), 0.0)
+        before, here = (self.count - 1) % (KEPT + 1), self.count % (KEPT + 1)
+        self._totals[here] = self._totals[before] + np.stack([pull, information, squares])
+
+    @property
+    def alarms(self) -> np.ndarray:
+        """Which tests are beyond their threshold, (n_direction, 2) of bool."""
+        return self.sums >= self.limits.threshold
+
+    def since(self, block: int) -> Since:
+        """What was seen of all directions from after a block on; no further back than is kept."""
+        first = max(block, self.count - KEPT, 0)
+        pull, information, squares = self._totals[self.count % (KEPT + 1)] - self._totals[first % (KEPT + 1)]
+        return Since(pull, information, squares, self.count - first)
+
+
+def highest(white: Whitened, limits: Limits) -> np.ndarray:
+    """Most evidence that each test gathers over blocks, (n_direction,)."""
+    evidence, most = EvidenceSums(limits), np.zeros(len(limits.together))
+    for pull, information in zip(*white, strict=True):
+        evidence.add(pull, information)
+        most = np.maximum(most, evidence.sums.max(axis=1))
+    return most

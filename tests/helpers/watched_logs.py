@@ -1,0 +1,63 @@
+"""Logs of machines at work as sensors read them, healthy and with faults, for tests of what watches them."""
+
+from functools import cache
+
+import numpy as np
+
+from polydraulic import load_machine, random_operator, simulate
+from polydraulic.identification.watching.watch_log import learnt_from, log_blocks, watched_columns
+from polydraulic.parameters.fault_catalogue import timed_faults
+from polydraulic.parameters.faults import faulty_column
+from polydraulic.tables import Table
+from polydraulic.watch.blocks import starts_of
+from polydraulic.watch.watch import FaultWatch, watched
+
+NOISE = {"spool": 4e-5, "p_a": 1e5, "p_b": 1e5, "q_in": 8e-6, "q_out": 8e-6, "voltage": 2e-3, "angle": 5e-4, "position": 1e-3}  # fmt: skip
+RASTER, EVERY = 0.02, 4
+RATE = 0.1
+
+
+def log_of(machine, seed, seconds, faults=(), payload=0.0):
+    """What sensors read of a random operator's work, in SI."""
+    from polydraulic.parameters.layout.payload import with_payload
+
+    timed = timed_faults(machine, list(faults))
+    run = simulate(
+        with_payload(machine, payload) if payload else machine,
+        "exact",
+        random_operator(seed, seconds, limit=1.1, functions=machine.names),
+        every=EVERY,
+        faults=timed,
+    )
+    rng, columns = np.random.default_rng(seed), {"time": run["time"]}
+    for name in run.names:
+        owner, _, what = name.partition(".")
+        if owner in machine.names and what in NOISE:
+            read = faulty_column(name, run["time"], run[name], timed, {})
+            columns[name] = read + rng.normal(0.0, NOISE[what], len(run))
+    return Table(columns, {name: run.unit(name) for name in columns})
+
+
+@cache
+def healthy_log(name="wheel_loader", seconds=150.0):
+    return log_of(load_machine(name), 11, seconds)
+
+
+@cache
+def known(name="wheel_loader"):
+    """A machine that is watched, and what is to be expected of it."""
+    machine, log = load_machine(name), healthy_log(name)
+    of = watched(machine, watched_columns(machine, log, "log", None), RASTER)
+    return of, learnt_from(of, log, np.ones(len(log), dtype=bool), RATE)
+
+
+def blocks(of, log):
+    """Readings of all blocks of a log, and when they begin."""
+    starts = starts_of(log["time"], np.zeros(len(log)), of.shape)
+    return log_blocks(of, log, starts), log["time"][starts + of.shape.before]
+
+
+def watched_by(of, expected, log, rate=RATE):
+    watch = FaultWatch(of, expected, rate)
+    watch.judge(*blocks(of, log))
+    return watch

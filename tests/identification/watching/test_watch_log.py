@@ -1,0 +1,74 @@
+"""Logs watched as a whole: what is found, what is said, what is refused."""
+
+import numpy as np
+import pytest
+
+from helpers.watched_logs import healthy_log, log_of
+from polydraulic import InputError, load_machine
+from polydraulic.identification import watch_log
+from polydraulic.tables import Table
+
+
+def part(log, names):
+    return Table({n: log[n] for n in names}, {n: log.unit(n) for n in names})
+
+
+@pytest.fixture(scope="module")
+def worn():
+    machine = load_machine("wheel_loader")
+    return watch_log(log_of(machine, 31, 60.0, ["work.pump_worn from 20 s"]), machine, healthy=healthy_log())
+
+
+def test_a_fault_is_named_with_its_size_and_time(worn):
+    assert worn.faulty
+    assert worn.alarms[0].suspects[0].size == pytest.approx(0.05, rel=0.2)
+    said = str(worn)
+    assert "pump of work worn: its flow is" in said
+    assert "faults would have shown in their smallest sizes" in said
+    assert worn.evidence.shape == (len(worn.time), len(worn.of.directions))
+    assert worn.evidence.max() >= 1.0
+
+
+def test_without_a_healthy_log_the_beginning_counts_as_healthy():
+    log = log_of(load_machine("wheel_loader"), 32, 240.0)
+    found = watch_log(log, "wheel_loader")
+    assert "its first 80 s, taken for healthy" in str(found)
+    assert "no alarm" in str(found)
+    assert found.time[0] > 80.0
+
+
+def test_fewer_sensors_watch_fewer_faults():
+    machine = load_machine("wheel_loader")
+    log = log_of(machine, 33, 60.0, ["lift.p_a.bias from 20 s"])
+    found = watch_log(log, machine, healthy=healthy_log(), sensors=["*.p_?", "*.angle", "*.voltage"])
+    assert set(found.of.columns) == {f"{f}.{w}" for f in machine.names for w in ("p_a", "p_b", "angle", "voltage")}
+    assert "lift.spool.bias" not in [f.name for f in found.findings]
+    assert found.faulty
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        (lambda log: part(log, [n for n in log.names if n != "time"]), "no column 'time'"),
+        (lambda log: part(log, ["time", "lift.q_in"]), "nothing of the machine can be watched"),
+        (lambda log: Table({**log.columns, "lift.p_a": log["lift.p_a"]}, {**log.units, "lift.p_a": "bar"}), "in 'bar'"),
+        (lambda log: Table({n: v[:60] for n, v in log.columns.items()}, log.units), "no piece of"),
+    ],
+)
+def test_a_log_that_cannot_be_watched_is_refused(changed, words):
+    log = log_of(load_machine("wheel_loader"), 34, 10.0)
+    with pytest.raises(InputError, match=words):
+        watch_log(changed(log), "wheel_loader", healthy=healthy_log())
+
+
+def test_healthy_work_must_be_read_by_the_same_sensors():
+    log = log_of(load_machine("wheel_loader"), 34, 10.0)
+    fewer = part(healthy_log(), [n for n in healthy_log().names if not n.endswith("q_out")])
+    with pytest.raises(InputError, match="no column 'lift.q_out'"):
+        watch_log(log, "wheel_loader", healthy=fewer)
+    slower = Table({n: v[::2] for n, v in healthy_log().columns.items()}, healthy_log().units)
+    with pytest.raises(InputError, match="import both on one raster"):
+        watch_log(log, "wheel_loader", healthy=slower)
+    with pytest.raises(InputError, match="no column of table is called so|is called so"):
+        watch_log(log, "wheel_loader", healthy=healthy_log(), sensors=["*.torque"])
+    assert np.isfinite(log.matrix(log.names)).all()

@@ -1,0 +1,30 @@
+"""The page of a watched log, and its picture."""
+
+import pytest
+
+from helpers.watched_logs import healthy_log, log_of
+from polydraulic import InputError, load_machine
+from polydraulic.identification import plot_watch, watch_log, write_watch_page
+
+
+@pytest.fixture(scope="module")
+def found():
+    machine = load_machine("wheel_loader")
+    return watch_log(log_of(machine, 31, 40.0, ["work.pump_worn from 10 s"]), machine, healthy=healthy_log())
+
+
+def test_the_page_says_what_was_found_and_what_cannot_be_told(found, tmp_path):
+    write_watch_page(found, tmp_path / "watch.html")
+    page = (tmp_path / "watch.html").read_text(encoding="utf-8")
+    assert "pump of work worn" in page
+    assert "named in an alarm" in page
+    assert "cannot tell" in page
+    assert "data:image/svg+xml" in page
+    with pytest.raises(InputError, match=r"ends in \.html"):
+        write_watch_page(found, tmp_path / "watch.txt")
+
+
+def test_the_picture_names_the_fault_beyond_the_threshold(found):
+    axis = plot_watch(found).axes[0]
+    assert "work.pump_worn" in [text.get_text() for text in axis.get_legend().get_texts()]
+    assert len(axis.patches) == len(found.alarms)

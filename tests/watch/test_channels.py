@@ -1,0 +1,32 @@
+"""Which residuals which sensors allow."""
+
+from polydraulic import load_machine
+from polydraulic.watch.channels import channels_of, position_of
+
+ALL = ("voltage", "spool", "p_a", "p_b", "q_in", "q_out", "angle")
+
+
+def names(machine, whats):
+    columns = frozenset(f"{f}.{what}" for f in machine.names for what in whats)
+    return [c.name for c in channels_of(machine, columns)]
+
+
+def test_all_sensors_allow_all_and_few_allow_few():
+    loader = load_machine("wheel_loader")
+    assert len(names(loader, ALL)) == 6 * 2
+    assert names(loader, ("voltage", "spool")) == ["lift.spool", "tilt.spool"]
+    assert names(loader, ("p_a", "p_b", "angle")) == ["lift.torque", "tilt.torque"]
+    assert names(loader, ("q_in",)) == []
+    few = names(loader, ("voltage", "p_a", "p_b", "angle"))
+    assert few == [f"{f}.{what}" for f in loader.names for what in ("volume_a", "volume_b", "torque")]
+
+
+def test_a_joint_that_slides_has_a_position_and_a_force():
+    crane = load_machine("loader_crane")
+    slides = next(f for f in crane.functions if crane.link(f.moves).joint == "prismatic")
+    assert position_of(crane, slides) == f"{slides.name}.position"
+    columns = frozenset(
+        [*(position_of(crane, f) for f in crane.functions), *(f"{f}.p_{s}" for f in crane.names for s in "ab")]
+    )
+    units = {c.name: c.unit for c in channels_of(crane, columns)}
+    assert units[f"{slides.name}.torque"] == "N"

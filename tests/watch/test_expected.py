@@ -1,0 +1,46 @@
+"""Offsets and jitter that healthy blocks show, found from blocks that were made with some."""
+
+import numpy as np
+import pytest
+
+from polydraulic.watch.directions import Scores
+from polydraulic.watch.expected import joined_scores, learn_jitter, togetherness, whitened
+
+OFFSET, JITTER = np.array([0.3, 0.0, -0.2]), np.array([0.05, 0.3, 0.2])
+
+
+@pytest.fixture(scope="module")
+def made():
+    rng = np.random.default_rng(5)
+    root = rng.normal(size=(800, 12, 3)) * np.array([4.0, 3.0, 5.0])
+    information = root.swapaxes(1, 2) @ root
+    amount = OFFSET + JITTER * rng.normal(size=(800, 3))
+    pull = np.einsum("bij,bj->bi", information, amount)
+    pull += np.einsum("bri,br->bi", root, rng.normal(size=(800, 12)))
+    return Scores(pull, information)
+
+
+def test_offset_and_jitter_are_found(made):
+    offset, jitter = learn_jitter(made)
+    assert offset == pytest.approx(OFFSET, abs=0.04)
+    assert np.sqrt(jitter) == pytest.approx(JITTER, abs=0.05)
+
+
+def test_whitened_scores_vary_as_much_as_they_inform(made):
+    white = whitened(made, OFFSET, JITTER**2)
+    z = white.pull / np.sqrt(white.information)
+    assert z.std(axis=0) == pytest.approx(np.ones(3), abs=0.1)
+    assert np.abs(z.mean(axis=0)).max() < 0.15
+    assert togetherness(white) == pytest.approx(np.ones(3), abs=0.5)
+
+
+def test_blocks_that_go_together_are_noticed(made):
+    white = whitened(made, OFFSET, JITTER**2)
+    slow = np.repeat(white.pull[::20], 20, axis=0)
+    assert np.all(togetherness(white._replace(pull=slow)) > 4.0)
+    assert np.all(togetherness(type(white)(white.pull[:20], white.information[:20])) == 2.0)
+
+
+def test_parts_are_joined(made):
+    parts = [Scores(*(field[a:b] for field in made)) for a, b in ((0, 300), (300, 800))]
+    assert all(np.array_equal(a, b) for a, b in zip(joined_scores(parts), made, strict=True))

@@ -1,0 +1,67 @@
+"""Sequential tests: as many false alarms as they are set to, at most, and few blocks to a real one."""
+
+import numpy as np
+import pytest
+
+from polydraulic.watch.expected import Whitened
+from polydraulic.watch.sequential import KEPT, EvidenceSums, Limits, highest, threshold_for
+
+
+def limits(threshold, n=1, both=False):
+    return Limits(threshold, np.ones(n), np.array([[True, both]] * n))
+
+
+@pytest.mark.parametrize("information", [0.2, 1.0, 6.0])
+def test_false_alarms_come_no_sooner_than_the_threshold_says(information):
+    """Mean time to an alarm of healthy blocks, by simulation: at least exp(threshold) blocks."""
+    rng, threshold, runs = np.random.default_rng(3), 4.0, 300
+    evidence = EvidenceSums(limits(threshold, runs))
+    alarmed = np.zeros(runs)
+    blocks = 600
+    for _ in range(blocks):
+        evidence.add(rng.normal(0.0, np.sqrt(information), runs), np.full(runs, information))
+        now = evidence.alarms[:, 0]
+        alarmed += now
+        evidence.sums[now] = 0.0
+    mean_time = runs * blocks / max(alarmed.sum(), 1.0)
+    assert mean_time > np.exp(threshold)
+
+
+def test_a_fault_is_found_in_few_blocks_and_no_block_decides_alone():
+    rng, evidence = np.random.default_rng(4), EvidenceSums(limits(10.0))
+    for _ in range(50):
+        evidence.add(rng.normal(0.0, 2.0, 1), np.array([4.0]))
+    assert not evidence.alarms.any()
+    evidence.add(np.array([1e6]), np.array([4.0]))
+    assert not evidence.alarms.any()
+    evidence = EvidenceSums(limits(10.0))
+    while not evidence.alarms.any() and evidence.count < 30:
+        evidence.add(4.0 + rng.normal(0.0, 2.0, 1), np.array([4.0]))
+    assert 8 <= evidence.count <= 20
+    assert evidence.began[0, 0] <= 3
+
+
+def test_ways_and_rates():
+    evidence = EvidenceSums(limits(5.0, 2, both=True))
+    for _ in range(20):
+        evidence.add(np.array([-4.0, 4.0]), np.array([4.0, 4.0]))
+    assert evidence.alarms.tolist() == [[False, True], [True, False]]
+    evidence = EvidenceSums(limits(5.0))
+    for _ in range(20):
+        evidence.add(np.array([-4.0]), np.array([4.0]))
+    assert not evidence.alarms.any()
+    assert threshold_for(0.1, 50, 1.0) == pytest.approx(np.log(50 * 36000.0))
+    assert threshold_for(1.0, 50, 1.0) < threshold_for(0.1, 50, 1.0)
+
+
+def test_memory_does_not_grow_and_goes_back_so_far():
+    evidence = EvidenceSums(limits(5.0))
+    for _ in range(KEPT + 100):
+        evidence.add(np.array([1.0]), np.array([2.0]))
+    pull, information, squares, blocks = evidence.since(0)
+    assert (pull[0], information[0], blocks) == (KEPT, 2.0 * KEPT, KEPT)
+    assert squares[0] == pytest.approx(0.5 * KEPT)
+    assert evidence.since(evidence.count - 5).pull[0] == 5.0
+    assert evidence.showing[0] > 5.0
+    white = Whitened(np.full((20, 1), 4.0), np.full((20, 1), 4.0))
+    assert highest(white, limits(5.0))[0] == 10.0

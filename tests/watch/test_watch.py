@@ -1,0 +1,76 @@
+"""A machine watched: nothing of healthy work, faults by their names, row by row as block by block."""
+
+import numpy as np
+import pytest
+
+from helpers.watched_logs import blocks, healthy_log, known, log_of, watched_by
+from polydraulic import InputError
+from polydraulic.watch.watch import FaultWatch, learn_expected, watched
+
+
+def test_healthy_work_of_another_operator_raises_no_alarm():
+    of, expected = known()
+    watch = watched_by(of, expected, log_of(of.machine, 21, 240.0))
+    assert watch.alarms == []
+    told = {f.name: f.could_show for f in watch.findings()}
+    assert told["work.pump_worn"]
+    assert told["lift.spool_slow"]
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        "work.pump_worn",
+        "lift.spool_slow",
+        "tilt.spool.bias",
+        "lift.p_a.bias",
+        "lift.q_in.freeze",
+        "tip.payload_unknown",
+    ],
+)
+def test_a_fault_is_found_and_named(fault):
+    of, expected = known()
+    watch = watched_by(of, expected, log_of(of.machine, 22, 80.0, [f"{fault} from 20 s"]))
+    (alarm,) = watch.alarms
+    assert alarm.suspects[0].name == fault
+    assert 15.0 < alarm.since < 40.0
+    assert alarm.since < alarm.seen <= alarm.until
+    assert alarm.suspects[0].harmless == (fault == "tip.payload_unknown")
+
+
+def test_rows_one_by_one_are_as_blocks():
+    of, expected = known()
+    log = log_of(of.machine, 23, 30.0, ["work.pump_worn from 8 s"])
+    whole, streamed = watched_by(of, expected, log), FaultWatch(of, expected)
+    values = log.matrix(list(of.columns))
+    for time, row in zip(log["time"].tolist(), values, strict=True):
+        streamed.update(time, row)
+    assert streamed.blocks == whole.blocks > 20
+    assert np.allclose(streamed.evidence.sums, whole.evidence.sums, rtol=1e-9, atol=1e-9)
+    (one,), (other,) = streamed.alarms, whole.alarms
+    assert one[:3] == other[:3]
+    assert [s.name for s in one.suspects] == [s.name for s in other.suspects] == ["work.pump_worn"]
+    assert one.suspects[0].size == pytest.approx(other.suspects[0].size, rel=1e-9)
+
+
+def test_a_gap_begins_a_new_block():
+    of, expected = known()
+    log = healthy_log()
+    values, watch = log.matrix(list(of.columns)), FaultWatch(of, expected)
+    rows = of.shape.rows
+    for k in [*range(rows - 1), *range(rows + 200, 2 * rows + 199)]:
+        watch.update(log["time"][k], values[k])
+    assert watch.blocks == 0
+    watch.update(log["time"][2 * rows + 199], values[2 * rows + 199])
+    assert watch.blocks == 1
+
+
+def test_what_cannot_be_watched_is_refused():
+    of, expected = known()
+    with pytest.raises(InputError, match="nothing of the machine can be watched by lift.q_in"):
+        watched(of.machine, ["lift.q_in"], 0.02)
+    readings, _ = blocks(of, log_of(of.machine, 24, 20.0))
+    with pytest.raises(InputError, match="what is to be expected takes 60"):
+        learn_expected(of, readings, {})
+    with pytest.raises(InputError, match="must be above 0"):
+        FaultWatch(of, expected, 0.0)
