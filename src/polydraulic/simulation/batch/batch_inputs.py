@@ -98,7 +98,7 @@ def arrange_cases(
     starts = None if x0 is None else _starts(x0, columns_of(given[0]).n_state)
     broken = _faults(faults)
     lengths = {"machines": len(given), "inputs": len(voltage) if voltage is not None else len(scenarios)}
-    lengths |= {"lists of faults": len(broken)}
+    lengths |= {"lists of faults": len(broken)} if len(broken) > 1 else {}
     if starts is not None:
         lengths["initial states"] = len(starts)
     n = max(lengths.values())
