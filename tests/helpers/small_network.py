@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from polydraulic.networks.growth.derivatives import forward
+from polydraulic.networks.growth.derivatives import coefficients, forward
 from polydraulic.networks.model.table import Node
 
 RNG = np.random.default_rng(0)
@@ -18,4 +18,4 @@ FREE = [np.flatnonzero(node.coef) for node in NODES]
 
 
 def output(nodes):
-    return forward(nodes, X)[0][-1]
+    return forward(*coefficients(nodes), X)[0][-1]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from helpers.small_network import FREE, NODES, X, output
-from polydraulic.networks.growth.derivatives import forward, jacobian
+from polydraulic.networks.growth.derivatives import coefficients, forward, free_terms, jacobian
 from polydraulic.networks.model.table import Node
 
 RNG = np.random.default_rng(0)
@@ -10,7 +10,9 @@ RNG = np.random.default_rng(0)
 
 @pytest.mark.parametrize("root", [np.ones(300), RNG.uniform(0.0, 2.0, 300)])
 def test_derivatives_are_exact(root):
-    slope = jacobian(NODES, FREE, *forward(NODES, X), root)
+    free, coef = coefficients(NODES)
+    assert np.array_equal(free.factors, free_terms(NODES, FREE).factors)
+    slope = jacobian(free, coef, *forward(free, coef, X), root)
     column = 0
     for place, (node, keep) in enumerate(zip(NODES, FREE, strict=True)):
         for term in keep:

@@ -5,6 +5,7 @@ import pytest
 
 from helpers.small_network import FREE, NODES, X, output
 from polydraulic import AbductiveRegressor
+from polydraulic.networks.growth.derivatives import free_terms
 from polydraulic.networks.growth.refine import _normal, refine
 from polydraulic.networks.growth.training_rows import rows_in_memory
 from polydraulic.networks.model.table import Node
@@ -19,7 +20,7 @@ def test_weights_are_repetitions():
     weighted = rows_in_memory(X, y, times.astype(float))
     repeated = rows_in_memory(X[again], y[again], None)
     for one, two in zip(
-        *(_normal(NODES, FREE, coef, r, (-1.0, 1.0), np.inf) for r in (weighted, repeated)), strict=True
+        *(_normal(free_terms(NODES, FREE), coef, r, (-1.0, 1.0), np.inf) for r in (weighted, repeated)), strict=True
     ):
         assert one == pytest.approx(two, rel=1e-10, abs=1e-10)
 
@@ -27,10 +28,10 @@ def test_weights_are_repetitions():
 def test_a_point_above_the_limit_is_given_up():
     rows = rows_in_memory(X, np.exp(X[:, 0]), None)
     coef = np.concatenate([np.array(n.coef)[keep] for n, keep in zip(NODES, FREE, strict=True)])
-    loss = _normal(NODES, FREE, coef, rows, (-9.0, 9.0), np.inf).loss
-    assert _normal(NODES, FREE, coef, rows, (-9.0, 9.0), loss) is None
-    assert _normal(NODES, FREE, coef, rows, (-9.0, 9.0), loss * (1 + 1e-9)).loss == loss
-    assert _normal(NODES, FREE, coef * 1e200, rows, (-9.0, 9.0), np.inf) is None
+    loss = _normal(free_terms(NODES, FREE), coef, rows, (-9.0, 9.0), np.inf).loss
+    assert _normal(free_terms(NODES, FREE), coef, rows, (-9.0, 9.0), loss) is None
+    assert _normal(free_terms(NODES, FREE), coef, rows, (-9.0, 9.0), loss * (1 + 1e-9)).loss == loss
+    assert _normal(free_terms(NODES, FREE), coef * 1e200, rows, (-9.0, 9.0), np.inf) is None
 
 
 def test_a_known_network_is_found_again():

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
 from scipy.linalg.blas import dsyrk
 
-from polydraulic.networks.growth.derivatives import forward, jacobian
+from polydraulic.networks.growth.derivatives import coefficients, forward, jacobian
 from polydraulic.networks.growth.training_rows import TrainingRows
 from polydraulic.networks.model.table import Node
 
@@ -37,14 +37,13 @@ def leave_one_out(
     learnt : float, optional
         Weight of the rows that the network was learnt from, if `rows` are a sample of these.
     """
-    free = [np.flatnonzero(node.coef) for node in nodes]
-    n = sum(keep.size for keep in free)
+    free, coef = coefficients(nodes)
+    n = len(coef)
     gram = np.zeros((n, n), order="F")
     if nodes:
         for x, _, w in rows:
-            values, designs = forward(nodes, x)
             root = np.ones(len(x)) if w is None else np.sqrt(w)
-            dsyrk(1.0, jacobian(nodes, free, values, designs, root), 1.0, gram, trans=1, overwrite_c=True)
+            dsyrk(1.0, jacobian(free, coef, *forward(free, coef, x), root), 1.0, gram, trans=1, overwrite_c=True)
         gram *= (learnt or rows.scaling.weight) / rows.scaling.weight
         diagonal = np.diagonal(gram)
         factor = cholesky(gram + np.diag(_RIDGE * diagonal + 1e-12 * diagonal.max()))
@@ -52,8 +51,8 @@ def leave_one_out(
     for x, y, w in rows:
         output, leverage = np.zeros(len(y)), np.zeros(len(y))
         if nodes:
-            values, designs = forward(nodes, x)
-            slope = jacobian(nodes, free, values, designs, np.ones(len(x)))
+            values, products = forward(free, coef, x)
+            slope = jacobian(free, coef, values, products, np.ones(len(x)))
             seen = solve_triangular(factor, slope.T, trans=1, check_finite=False)
             output, leverage = values[-1], np.einsum("ij,ij->j", seen, seen)
         without = y - (y - output) / (1.0 - np.minimum(leverage, _MOST))
@@ -79,18 +78,17 @@ def leave_blocks_out(nodes: Sequence[Node], blocks: TrainingRows, bounds: tuple[
     (n_block,) array
         Sum over the rows of each block, over the weight of all rows; their sum is the mean squared error.
     """
-    free = [np.flatnonzero(node.coef) for node in nodes]
     total = blocks.scaling.weight
     grams: list[np.ndarray] = []
     for x, y, w in blocks:
-        slope, _, root = _linear(nodes, free, x, y, w)
+        slope, _, root = _linear(nodes, x, y, w)
         grams.append((slope * root[:, None]).T @ (slope * root[:, None]))
     whole = np.sum(grams, axis=0)
     size = np.sqrt(np.maximum(np.diagonal(whole), np.finfo(np.float64).tiny))
     errors: list[float] = []
     for x, y, w in blocks:
         gram = grams[len(errors)]
-        slope, output, root = _linear(nodes, free, x, y, w)
+        slope, output, root = _linear(nodes, x, y, w)
         # Newton's step of the other rows' squares: the fit has no gradient, so that theirs is what the block takes away
         curvature, direction = eigh((whole - gram) / np.outer(size, size))
         gradient = direction.T @ ((slope.T @ (root * root * (y - output))) / size)
@@ -101,11 +99,12 @@ def leave_blocks_out(nodes: Sequence[Node], blocks: TrainingRows, bounds: tuple[
 
 
 def _linear(
-    nodes: Sequence[Node], free: list[np.ndarray], x: np.ndarray, y: np.ndarray, w: np.ndarray | None
+    nodes: Sequence[Node], x: np.ndarray, y: np.ndarray, w: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Slopes by the free coefficients, outputs, and roots of the weights; without nodes of the constant, which is zero."""
     root = np.ones(len(y)) if w is None else np.sqrt(w)
     if not nodes:
         return np.ones((len(y), 1)), np.zeros(len(y)), root
-    values, designs = forward(nodes, x)
-    return jacobian(nodes, free, values, designs, np.ones(len(y))), values[-1], root
+    free, coef = coefficients(nodes)
+    values, products = forward(free, coef, x)
+    return jacobian(free, coef, values, products, np.ones(len(y))), values[-1], root

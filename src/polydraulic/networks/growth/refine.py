@@ -10,7 +10,8 @@ from math import inf
 import numpy as np
 from scipy.linalg.blas import dsyrk
 
-from polydraulic.networks.growth.derivatives import forward, jacobian
+from polydraulic._kernel import driver
+from polydraulic.networks.growth.derivatives import FreeTerms, coefficients, forward, jacobian
 from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, lower_loss
 from polydraulic.networks.growth.training_rows import TrainingRows
 from polydraulic.networks.model.table import Node
@@ -58,14 +59,14 @@ def refine(
         where they were refined on others.
     """
     free = [np.flatnonzero(node.coef) for node in nodes]
-    coef = np.concatenate([np.array(node.coef)[keep] for node, keep in zip(nodes, free, strict=True)])
-    here = _normal(nodes, free, coef, rows, bounds, np.inf)
+    moving, coef = coefficients(nodes)
+    here = _normal(moving, coef, rows, bounds, np.inf)
     if here is None:
         return list(nodes), inf
     found, there = lower_loss(
         coef,
         here,
-        lambda coef, limit: _normal(nodes, free, coef, rows, bounds, limit),
+        lambda coef, limit: _normal(moving, coef, rows, bounds, limit),
         _RULES,
         max_attempts=max_iterations,
         watch=watch,
@@ -85,30 +86,34 @@ def _with(nodes: Sequence[Node], free: list[np.ndarray], coef: np.ndarray) -> li
 
 
 def _normal(
-    nodes: Sequence[Node],
-    free: list[np.ndarray],
-    coef: np.ndarray,
-    rows: TrainingRows,
-    bounds: tuple[float, float],
-    limit: float,
+    free: FreeTerms, coef: np.ndarray, rows: TrainingRows, bounds: tuple[float, float], limit: float
 ) -> Equations | None:
     """Equations at some coefficients; None as soon as it is clear that the loss is not below the limit, or no number."""
-    moved = _with(nodes, free, coef)
     n, low, high = coef.size, *bounds
     weight = rows.scaling.weight
     gram, gradient, loss = np.zeros((n, n), order="F"), np.zeros(n), 0.0
     for x, y, w in rows:
-        with np.errstate(over="ignore", invalid="ignore"):
-            values, designs = forward(moved, x)
-            output = values[-1]
-            met = ((y >= high) & (output >= high)) | ((y <= low) & (output <= low))
-            root = np.where(met, 0.0, 1.0 if w is None else np.sqrt(w))
-            residual = root * (output - y)
-            loss += float(residual @ residual) / weight
-            if not loss < limit:
-                return None
-            slope = jacobian(moved, free, values, designs, root)
-            dsyrk(1.0, slope, 1.0, gram, trans=1, overwrite_c=True)
-            gradient += residual @ slope
-    gram = gram / weight
+        values, products = forward(free, coef, x)
+        residual, root = np.empty(len(y)), np.ones(len(y)) if w is None else np.sqrt(w)
+        loss += _residuals(values[-1], y, low, high, residual, root) / weight
+        if not loss < limit:
+            return None
+        slope = jacobian(free, coef, values, products, root)
+        dsyrk(1.0, slope, 1.0, gram, trans=1, overwrite_c=True)
+        gradient += residual @ slope
+    gram /= weight
     return Equations(gram + np.triu(gram, 1).T, gradient / weight, loss, loss)
+
+
+@driver
+def _residuals(
+    output: np.ndarray, y: np.ndarray, low: float, high: float, residual: np.ndarray, root: np.ndarray
+) -> float:
+    """Sum of the squared residuals, which are written, times the roots of weights; both are zero where a bound is met."""
+    total = 0.0
+    for i in range(y.shape[0]):
+        if (y[i] >= high and output[i] >= high) or (y[i] <= low and output[i] <= low):
+            root[i] = 0.0
+        residual[i] = root[i] * (output[i] - y[i]) if root[i] > 0.0 else 0.0
+        total += residual[i] * residual[i]
+    return total
