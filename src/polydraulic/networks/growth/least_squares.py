@@ -8,7 +8,7 @@ least squares, at the speed of matrix products.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.blas import dsyrk
+from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.linalg.lapack import dgelsy
 
 from polydraulic._kernel import driver
@@ -34,7 +34,9 @@ class TriangularFactor(NamedTuple):
 
 def begin(gram: np.ndarray, right: np.ndarray, target_square: float) -> TriangularFactor:
     """First factor of a node, from its normal equations."""
-    products = np.vstack([np.column_stack([gram, right]), np.append(right, target_square)])
+    n = len(right)
+    products = np.empty((n + 1, n + 1))
+    products[:n, :n], products[:n, n], products[n, :n], products[n, n] = gram, right, right, target_square
     square, factor = np.diagonal(products).copy(), np.zeros(products.shape)
     _cholesky(products, _PIVOT * square, factor)
     pivots = np.diagonal(factor)
@@ -56,10 +58,8 @@ def add_rows(triangle: TriangularFactor, rows: np.ndarray, weight: np.ndarray | 
     """
     if weight is not None:
         rows *= np.sqrt(weight)[:, None]
-    columns = rows.T
-    for k in range(1, len(columns)):
-        columns[k] -= triangle.first[k, :k] @ columns[:k]
-    dsyrk(1.0, rows, 1.0, triangle.total, trans=1, overwrite_c=True)
+    nearly_orthogonal = dtrsm(1.0, triangle.first.T, rows, side=1, diag=1, overwrite_b=True)
+    dsyrk(1.0, nearly_orthogonal, 1.0, triangle.total, trans=1, overwrite_c=True)
 
 
 def factor_of(triangle: TriangularFactor) -> np.ndarray:

@@ -5,7 +5,7 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg.lapack import dposv
 
 
 class Equations(NamedTuple):
@@ -109,9 +109,10 @@ def _step(here: Equations, damping: float, rules: Damping) -> tuple[np.ndarray, 
     """Step against the gradient, and what it would lower the loss by if all were linear; 0 if there is none."""
     diagonal = np.diagonal(here.gram)
     added = damping * np.maximum(diagonal, rules.least_relative * diagonal.max()) + rules.least_added
-    try:
-        step: np.ndarray = cho_solve(cho_factor(here.gram + np.diag(added)), here.gradient)
-    except LinAlgError:
+    matrix = np.array(here.gram, order="F")
+    matrix[np.diag_indices_from(matrix)] += added
+    _, step, failed = dposv(matrix, here.gradient, overwrite_a=True)
+    if failed:
         return here.gradient, 0.0
     promised = float(step @ (added * step + here.gradient))
     return step, promised if np.isfinite(promised) else 0.0
