@@ -1,6 +1,6 @@
 """How long it takes to learn: what commands and estimators need, next to an earlier build.
 
-    python benchmarks/learning.py [--old PATH] [--pairs N] [--only PART ...] [--minutes N]
+    python benchmarks/learning.py [--old PATH] [--pairs N] [--only PART ...] [--minutes N] [--rows N]
 
 PATH is an environment (the folder that holds ``bin/python``) in which the earlier build is installed; without it this one is timed alone.
 Every measurement is a process of its own, and builds alternate. Times are processor time of the process and of all that it starts, and the
@@ -72,7 +72,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 from threadpoolctl import threadpool_limits
 X, y = friedman(1000)
-ridge = make_pipeline(StandardScaler(), PolynomialFeatures(3, include_bias=False), StandardScaler(), RidgeCV(np.logspace(-6, 4, 21)))
+ridge = make_pipeline(StandardScaler(), PolynomialFeatures(3, include_bias=False), RidgeCV(np.logspace(-3, 3, 7)))
 ratios = []
 with threadpool_limits(1):
     for pair in range(8):
@@ -182,7 +182,7 @@ def of_script(folder, text):
     return run
 
 
-def parts(folder):
+def parts(folder, rows):
     """Title, a short run that compiles and fills caches, and the run, by name."""
     dynamic = "--inputs boom.voltage,stick.voltage --outputs boom.angle,stick.angle --dynamic"
     valve = "--inputs x,p,s --outputs q --regions"
@@ -203,14 +203,14 @@ def parts(folder):
             of_command(folder, "fit-machine machine.parquet", "held_out_flow_rms"),
         ),
         "memory": (
-            "1e6 rows x 10 in memory",
+            f"{rows} rows x 10 in memory",
             of_script(folder, FRIEDMAN + MEMORY.replace("N", "2_000")),
-            of_script(folder, FRIEDMAN + MEMORY.replace("N", "1_000_000")),
+            of_script(folder, FRIEDMAN + MEMORY.replace("N", str(rows))),
         ),
         "blocks": (
-            "1e6 rows x 10 in blocks, which are made anew for each pass",
+            f"{rows} rows x 10 in blocks, which are made anew for each pass",
             of_script(folder, FRIEDMAN + MEMORY.replace("N", "2_000")),
-            of_script(folder, FRIEDMAN + BLOCKS.replace("N", "1_000_000")),
+            of_script(folder, FRIEDMAN + BLOCKS.replace("N", str(rows))),
         ),
         "friedman": (
             "Friedman 1, 1000 rows x 10",
@@ -254,6 +254,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--old", help="environment of an earlier build, such as ../old/.venv")
     parser.add_argument("--pairs", type=int, default=5, help="runs of each build")
+    parser.add_argument("--rows", type=int, default=1_000_000, help="of the large tables, a multiple of 50000")
     parser.add_argument("--minutes", type=int, default=30, help="of the log that a machine is learnt from")
     parser.add_argument(
         "--only", nargs="+", help="parts of it: dynamic, regions, machine, memory, blocks, friedman, function"
@@ -261,7 +262,11 @@ def main():
     options = parser.parse_args()
     builds = ({} if options.old is None else {"earlier": build(options.old)}) | {"now": build(None)}
     with tempfile.TemporaryDirectory() as folder:
-        wanted = {name: part for name, part in parts(folder).items() if options.only is None or name in options.only}
+        wanted = {
+            name: part
+            for name, part in parts(folder, options.rows).items()
+            if options.only is None or name in options.only
+        }
         if {"dynamic", "regions", "machine"} & set(wanted):
             tables(folder, options.minutes)
         for part in wanted.values():
