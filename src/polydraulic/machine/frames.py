@@ -7,7 +7,7 @@ import numpy as np
 from polydraulic.parameters.layout.parts import COORDINATES, GROUND, LinkParameters, Point
 from polydraulic.parameters.layout.schema import LayoutMachine
 
-_AXES = {"x": 0, "y": 1, "z": 2}
+AXES = {"x": 0, "y": 1, "z": 2}
 Frames = Mapping[str, tuple[np.ndarray, np.ndarray]]  # link -> (..., 3, 3) turn, (..., 3) origin in m
 
 
@@ -35,7 +35,7 @@ def tree_frames(links: Sequence[LinkParameters], positions: np.ndarray) -> Frame
     for place, link in enumerate(links):
         turn, origin = frames[link.parent]
         sign = -1.0 if link.axis[0] == "-" else 1.0
-        axis, q = _AXES[link.axis[-1]], sign * positions[..., place]
+        axis, q = AXES[link.axis[-1]], sign * positions[..., place]
         at = vector(link.at) + (np.eye(3)[axis] * q[..., None] if link.joint == "prismatic" else 0.0)
         own = _about(axis, q) if link.joint == "revolute" else np.eye(3)
         frames[link.name] = (turn @ own, origin + np.einsum("...ij,...j->...i", turn, np.broadcast_to(at, (*lead, 3))))

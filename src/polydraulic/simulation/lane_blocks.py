@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic._kernel import kernel
+from polydraulic.elementary import sincos
 from polydraulic.flow.lanes import LANES
 
 
@@ -30,6 +31,35 @@ class LaneBlock(NamedTuple):
     highest: np.ndarray
 
 
+class Tips(NamedTuple):
+    """Links between the tip and the ground, the outermost first, of the machines of a block.
+
+    Attributes
+    ----------
+    row : int
+        First of three rows for the tip's place; 0 if it is not kept.
+    angle : (n_link,) array of int
+        Rows of their positions.
+    axis : (n_link,) array of int
+        Axis, 0 to 2, about which a link turns or along which it slides.
+    sign : (n_link,) array
+        Of its position.
+    slides : (n_link,) array of bool
+    at : (n_link, 3, LANES) array
+        Joint of each link in its parent, m.
+    point : (3, LANES) array
+        The tip in the last link, m.
+    """
+
+    row: int
+    angle: np.ndarray
+    axis: np.ndarray
+    sign: np.ndarray
+    slides: np.ndarray
+    at: np.ndarray
+    point: np.ndarray
+
+
 class Kept(NamedTuple):
     """What to keep, and where.
 
@@ -45,6 +75,7 @@ class Kept(NamedTuple):
     final : (n_machine, n_column) array
     lowest, highest : (n_machine, n_column) arrays
         Filled if the block has scratch for them.
+    tips : Tips
     """
 
     columns: np.ndarray
@@ -54,11 +85,41 @@ class Kept(NamedTuple):
     final: np.ndarray
     lowest: np.ndarray
     highest: np.ndarray
+    tips: Tips
+
+
+@kernel
+def place_tips(block: LaneBlock, tips: Tips) -> None:
+    """Place of the tip of every machine: a point that is carried from link to link, as `machine.reach.tip` does."""
+    for j in range(3):
+        x, start = block.rows[(tips.row + j) * LANES :], tips.point[j]
+        for lane in range(LANES):
+            x[lane] = start[lane]
+    for k in range(tips.angle.shape[0]):
+        axis, sign, position = tips.axis[k], tips.sign[k], block.rows[tips.angle[k] * LANES :]
+        if tips.slides[k]:
+            along = block.rows[(tips.row + axis) * LANES :]
+            for lane in range(LANES):
+                along[lane] = along[lane] + sign * position[lane]
+        else:
+            first, second = (
+                block.rows[(tips.row + (axis + 1) % 3) * LANES :],
+                block.rows[(tips.row + (axis + 2) % 3) * LANES :],
+            )
+            for lane in range(LANES):
+                turn, u, v = sincos(sign * position[lane]), first[lane], second[lane]
+                first[lane], second[lane] = turn.cos * u - turn.sin * v, turn.sin * u + turn.cos * v
+        for j in range(3):
+            x, at = block.rows[(tips.row + j) * LANES :], tips.at[k, j]
+            for lane in range(LANES):
+                x[lane] = x[lane] + at[lane]
 
 
 @kernel
 def keep_row(block: LaneBlock, kept: Kept, place: int) -> None:
     """Record a row of every machine."""
+    if kept.tips.row > 0:
+        place_tips(block, kept.tips)
     for lane in range(block.machine.shape[0]):
         machine = block.machine[lane]
         for c in range(kept.columns.shape[0]):
@@ -78,6 +139,8 @@ def keep_range(block: LaneBlock, kept: Kept) -> None:
 @kernel
 def keep_final(block: LaneBlock, kept: Kept) -> None:
     """Record the end, and the ranges."""
+    if kept.tips.row > 0:
+        place_tips(block, kept.tips)
     for lane in range(block.machine.shape[0]):
         machine = block.machine[lane]
         for c in range(kept.columns.shape[0]):

@@ -17,6 +17,7 @@ from polydraulic.parameters.schema import Stops
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.batch.batch import _blocks, _singles
 from polydraulic.simulation.batch.batch_inputs import arrange_cases
+from polydraulic.simulation.batch.family import tips_of
 from polydraulic.simulation.lane_blocks import Kept
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
@@ -173,7 +174,16 @@ def test_both_ways_give_the_same(machine, flow):
         columns = np.array([row for row, _ in cases.family.columns(cases.free).values()])
         shape = (3, len(columns))
         ends = np.full(shape, np.inf)
-        kept = Kept(columns, True, 2, np.empty((3, 3, len(columns))), np.empty(shape), ends, -ends)
+        kept = Kept(
+            columns,
+            True,
+            2,
+            np.empty((3, 3, len(columns))),
+            np.empty(shape),
+            ends,
+            -ends,
+            tips_of(cases.family, [machine] * LANES, 0),
+        )
         counts = np.zeros((3, 3), dtype=np.int64)
         assert sum(task() for task in work(cases, kept, counts)) == 3
         found.append([kept.rows, kept.final, kept.lowest, kept.highest, counts])

@@ -99,7 +99,9 @@ def levers_from_start(drive: Drive) -> DriveLevers:
     resets = [k for k, stamp in enumerate(drive.stamps) if stamp.get("reset")]
     first = resets[-1] if resets else 0
     if drive.head["values"] or any("change" in stamp for stamp in drive.stamps):
-        raise InputError(f"the drive {drive.name} has faults, which are recorded as numbers and not by name: export a log")
+        raise InputError(
+            f"the drive {drive.name} has faults, which are recorded as numbers and not by name: export a log"
+        )
     if not resets:
         raise InputError(
             f"the drive {drive.name} does not begin at the machine's start, as scenarios do: begin to record, then reset; or export a log"

@@ -5,7 +5,8 @@ The axes of the arm are outward, to the left and up. They turn with a first join
 
 import numpy as np
 
-from polydraulic.machine.frames import link_frames, placed
+from polydraulic.elementary import sincos_of
+from polydraulic.machine.frames import AXES, link_frames, placed, vector
 from polydraulic.machine.newton_euler import axis_of
 from polydraulic.parameters.layout.parts import GROUND, LinkParameters, MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -14,8 +15,26 @@ _DAMPING = 0.02  # of the inverse, in shares of the largest reach of a joint
 
 
 def tip_at_joints(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:
-    """Places of the tip, (..., 3) in m, at joint positions (..., n_function) in rad or m."""
-    return placed(link_frames(machine, positions), *machine.tip)
+    """Places of the tip, (..., 3) in m, at joint positions (..., n_function) in rad or m.
+
+    A point that is carried from link to link, by the operations of `simulation.lane_blocks.place_tips`: the same bits.
+    """
+    functions = {f.moves: place for place, f in enumerate(machine.functions)}
+    here: list[np.ndarray | float] = vector(machine.tip[1]).tolist()
+    for link in reversed(tip_links(machine)):
+        q = (-1.0 if link.axis[0] == "-" else 1.0) * positions[..., functions[link.name]]
+        axis = AXES[link.axis[-1]]
+        if link.joint == "prismatic":
+            here[axis] = here[axis] + q
+        else:
+            first, second = (axis + 1) % 3, (axis + 2) % 3
+            sin, cos = sincos_of(q)
+            here[first], here[second] = cos * here[first] - sin * here[second], sin * here[first] + cos * here[second]
+        here = [x + at for x, at in zip(here, vector(link.at).tolist(), strict=True)]
+    found = np.empty((3, *positions.shape[:-1]))
+    for place, x in enumerate(here):
+        found[place] = x
+    return np.moveaxis(found, 0, -1)
 
 
 def tip_jacobian(machine: LayoutMachine, positions: np.ndarray) -> np.ndarray:

@@ -19,11 +19,12 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.flow.lanes import LANES, arrays_in, leaves
+from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
-from polydraulic.simulation.batch.family import Able, Family
+from polydraulic.simulation.batch.family import tips_of
 from polydraulic.simulation.lane_blocks import Kept, LaneBlock
 from polydraulic.simulation.layout.columns import EFFECTOR
 from polydraulic.tables import Table
@@ -158,7 +159,7 @@ def simulate_batch(
     if threads is not None and (not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads = {threads!r}: must be a whole number, at least 1")
     family, n, n_step = cases.family, len(cases.kind), cases.voltage.shape[1]
-    places, units, names = _chosen(family, family.columns(cases.free), columns, "range" in keep)
+    places, units, names = _chosen(cases, columns, "range" in keep)
     shape = (n, len(names))
     kept = Kept(
         columns=np.array(places, dtype=np.int64),
@@ -168,6 +169,7 @@ def simulate_batch(
         final=np.empty(shape),
         lowest=np.full(shape if "range" in keep else (0, 0), np.inf),
         highest=np.full(shape if "range" in keep else (0, 0), -np.inf),
+        tips=tips_of(family, [cases.kinds[0].machine] * LANES, _tip_row(cases) if EFFECTOR[0] in names else 0),
     )
     counts = np.zeros((n, 3), dtype=np.int64)
     work = _blocks(cases, kept, counts) if family.run_block is not None else _singles(cases, kept, counts)
@@ -176,8 +178,6 @@ def simulate_batch(
         for values in (kept.final, kept.lowest, kept.highest):
             values[i : i + 1] = np.nan
         kept.rows[i, counts[i, 0] // every + 1 :] = np.nan
-    if EFFECTOR[0] in names:
-        _add_effector(cases, names, kept)
     return Batch(
         names=names,
         units=units,
@@ -194,14 +194,20 @@ def simulate_batch(
 
 
 class _Chosen(NamedTuple):
-    """Rows of a block to keep, units, and names; those of the effector have no row and stand last."""
+    """Rows of a block to keep, units, and names; those of the effector follow the rows of all else."""
 
     rows: list[int]
     units: dict[str, str]
     names: tuple[str, ...]
 
 
-def _chosen(family: Family, able: Able, columns: Sequence[str] | None, ranges: bool) -> _Chosen:
+def _tip_row(cases: Cases) -> int:
+    """First row of a block for the tip's place: behind what a step keeps or uses as scratch."""
+    return cases.family.n_row + -(-cases.n_memory // LANES)
+
+
+def _chosen(cases: Cases, columns: Sequence[str] | None, ranges: bool) -> _Chosen:
+    family, able = cases.family, cases.family.columns(cases.free)
     wanted = [*able, *([] if ranges else EFFECTOR)] if columns is None else list(dict.fromkeys(columns))
     unknown = [name for name in wanted if name not in able and name not in EFFECTOR]
     if unknown or not wanted:
@@ -212,14 +218,8 @@ def _chosen(family: Family, able: Able, columns: Sequence[str] | None, ranges: b
     angles = family.joints if axes else ()
     names = tuple(dict.fromkeys([*(name for name in wanted if name not in EFFECTOR), *angles]))
     units = {name: able[name][1] for name in names} | dict.fromkeys(axes, "m")
-    return _Chosen([able[name][0] for name in names], units, names + axes)
-
-
-def _add_effector(cases: Cases, names: tuple[str, ...], kept: Kept) -> None:
-    angles, first = [names.index(name) for name in cases.family.joints], names.index(EFFECTOR[0])
-    machines = [kind.machine for kind in cases.kinds]
-    kept.final[:, first:] = cases.family.tips(machines, cases.kind, kept.final[:, angles])
-    kept.rows[:, :, first:] = cases.family.tips(machines, cases.kind, kept.rows[:, :, angles])
+    rows = [able[name][0] for name in names] + [_tip_row(cases) + k for k, _ in enumerate(axes)]
+    return _Chosen(rows, units, names + axes)
 
 
 def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
@@ -229,7 +229,6 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
     parameters, group = number.reshape(-1), _groups(cases)
     order = np.lexsort((cases.kind * np.isin(cases.kind, list(cases.later)), parameters[cases.kind], group))
     n_model, family = len(leaves(cases.kinds[0].model)), cases.family
-    n_block = family.n_row * LANES
 
     def numbers_at(kinds: np.ndarray) -> list[Any]:
         """Parameters of lanes: those of the first, and rows of their own where they differ."""
@@ -244,13 +243,16 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
 
     def block(machine: np.ndarray) -> int:
         lanes = np.concatenate([machine, np.full(LANES - len(machine), machine[0])])
-        rows = np.zeros(n_block + cases.n_memory)
-        found = rows[:n_block].reshape(family.n_row, LANES)
+        rows = np.zeros((_tip_row(cases) + len(EFFECTOR)) * LANES)
+        found = rows.reshape(-1, LANES)
         found[: family.n_state] = cases.x0[lanes].T
         lowest = np.full((kept.lowest.shape[1], LANES), np.inf)
-        lane_block = LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest)
+        lane_block, of_block = LaneBlock(rows, machine, cases.signal[lanes], lowest, -lowest), kept
+        if kept.tips.row > 0 and len(cases.kinds) > 1:
+            machines = [cases.kinds[k].machine for k in cases.kind[lanes]]
+            of_block = kept._replace(tips=tips_of(family, machines, kept.tips.row))
         for first, end, kinds in _parts(cases, lanes):
-            family.run_block(*numbers_at(kinds), cases.voltage, first, end, lane_block, kept)  # type: ignore[misc]  # there are lanes where there are blocks
+            family.run_block(*numbers_at(kinds), cases.voltage, first, end, lane_block, of_block)  # type: ignore[misc]  # there are lanes where there are blocks
         for place, row in enumerate((family.steps, family.unsettled, family.outside)):
             if row is not None:
                 counts[machine, place] = found[row, : len(machine)]
@@ -291,7 +293,7 @@ def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], 
     n, run = len(family.functions), family.run
 
     def single(i: int) -> int:
-        rows, memory = np.empty((n_step + 1, family.p_out + n)), np.zeros(cases.n_memory)
+        rows, memory = np.empty((n_step + 1, _tip_row(cases) + len(EFFECTOR))), np.zeros(cases.n_memory)
         voltage, states = cases.voltage[cases.signal[i]], np.empty((n_step + 1, family.n_record))
         for first, end, kinds in _parts(cases, np.array([i])):
             kind, x0, before = cases.kinds[kinds[0]], states[first, : family.n_state].copy(), states[first].copy()
@@ -309,10 +311,13 @@ def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], 
         spool, p_a, p_b = (states[:, k * n : (k + 1) * n] for k in range(3))  # as states begin, whatever the layout
         rows[:, family.p_in : family.p_in + n] = np.where(spool >= 0.0, p_a, p_b)
         rows[:, family.p_out : family.p_out + n] = np.where(spool >= 0.0, p_b, p_a)
-        values, n_column = rows[:, kept.columns], len(kept.columns)
-        kept.final[i, :n_column] = values[-1]
+        if kept.tips.row > 0:
+            with np.errstate(invalid="ignore"):  # what stands behind the step in which a run diverged
+                rows[:, _tip_row(cases) :] = tip_at_joints(cases.kinds[cases.kind[i]].machine, states[:, 3 * n : 4 * n])
+        values = rows[:, kept.columns]
+        kept.final[i] = values[-1]
         if kept.every:
-            kept.rows[i, :, :n_column] = values[:: kept.every]
+            kept.rows[i] = values[:: kept.every]
         if len(kept.lowest):
             kept.lowest[i], kept.highest[i] = values.min(axis=0), values.max(axis=0)
         return 1

@@ -1,13 +1,15 @@
 """What a batch has to know of machines that share a layout: their columns, and the loop over a block of them."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.flow.layout.model import LayoutFlow
-from polydraulic.machine.reach.tip import tip_at_joints
+from polydraulic.machine.frames import AXES, vector
+from polydraulic.machine.reach.tip import tip_links
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.simulation.lane_blocks import Tips
 from polydraulic.simulation.layout.columns import circuit_keys, columns_of, cross_name, fed_functions, kept_quantities
 from polydraulic.simulation.layout.module import layout_module
 
@@ -39,7 +41,8 @@ class Family(NamedTuple):
         Rows for which pump flows and pressures are needed.
     joints : tuple of str
         Columns of positions of all joints, from which tips follow.
-    tips : function (machines, which of them (n,), (n, ..., n_function) positions) -> (n, ..., 3) array, m
+    machine : LayoutMachine
+        One of them.
     """
 
     functions: tuple[str, ...]
@@ -56,7 +59,7 @@ class Family(NamedTuple):
     columns: Callable[[Sequence[str]], Able]
     pump_rows: set[int]
     joints: tuple[str, ...]
-    tips: Callable[[Sequence[Any], np.ndarray, np.ndarray], np.ndarray]
+    machine: LayoutMachine
 
 
 def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) -> Family:
@@ -104,13 +107,22 @@ def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) 
         columns,
         {of.place[key] for c in machine.circuits for key in circuit_keys(c, p_pump=True, stores_oil=flow.stores_oil)},
         tuple(of.columns[of.place[f"{f}.angle"]].name for f in machine.names),
-        _layout_tips,
+        machine,
     )
 
 
-def _layout_tips(machines: Sequence[LayoutMachine], which: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    found = np.empty((*positions.shape[:-1], 3))
-    for number, machine in enumerate(machines):
-        mine = np.flatnonzero(which == number)
-        found[mine] = tip_at_joints(machine, positions[mine])
-    return found
+def tips_of(family: Family, machines: Sequence[LayoutMachine], row: int) -> Tips:
+    """Links from the tip to the ground, with the numbers of the machine of each lane; places go to three rows from `row` on."""
+    links, joints = list(reversed(tip_links(family.machine))), [f.moves for f in family.machine.functions]
+    columns = family.columns(family.functions)
+    return Tips(
+        row,
+        np.array([columns[family.joints[joints.index(link.name)]][0] for link in links]),
+        np.array([AXES[link.axis[-1]] for link in links]),
+        np.array([-1.0 if link.axis[0] == "-" else 1.0 for link in links]),
+        np.array([link.joint == "prismatic" for link in links]),
+        np.array([[vector(machine.link(link.name).at) for machine in machines] for link in links])
+        .transpose(0, 2, 1)
+        .copy(),
+        np.array([vector(machine.tip[1]) for machine in machines]).T.copy(),
+    )
