@@ -64,6 +64,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py methods
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
+	$(BIN)/python benchmarks/keep.py importing
 	$(BIN)/python benchmarks/keep.py identify
 	$(BIN)/python benchmarks/keep.py control --figure docs/images/control.svg
 

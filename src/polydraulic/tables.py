@@ -17,7 +17,7 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.files import replacing
+from polydraulic.files import arrow_floats, replacing
 from polydraulic.names import checked_name, checked_text
 from polydraulic.pages import html
 
@@ -86,9 +86,8 @@ class Table:
             try:
                 data[str(name)] = _numbers(pa.array(values), str(name), "")
             except (pa.ArrowException, TypeError) as error:
-                raise InputError(
-                    f"column {str(name)!r} is not a sequence of numbers ({str(error).splitlines()[0]})"
-                ) from error
+                said = str(error).splitlines()[0]
+                raise InputError(f"column {str(name)!r} is not a sequence of numbers ({said})") from error
         lengths = {name: len(values) for name, values in data.items()}
         if len(set(lengths.values())) > 1:
             raise InputError(f"the columns have {lengths} rows; they must be equally long")
@@ -139,9 +138,7 @@ class Table:
 
     def to_arrow(self) -> "pa.Table":
         """Return an Arrow table; units are in the metadata of its fields, `info` in those of its schema, as in Parquet files."""
-        import pyarrow as pa
-
-        return pa.table(list(self.columns.values()), schema=_schema({n: self.unit(n) for n in self}, self.info))
+        return arrow_floats(self.columns.values(), _schema({n: self.unit(n) for n in self}, self.info))
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a data frame; units are in ``frame.attrs["units"]``, `info` in ``frame.attrs["info"]``."""
@@ -208,10 +205,12 @@ class Table:
         rows = [[str(row), *(f"{self[name][row]:.6g}" for name in names)] for row in at]
         if n > len(rows):
             rows.insert(_SHOWN_ROWS, ["..."] * (1 + len(names)))
-        title = f"{n} rows, {len(self.columns)} columns" + (
-            ", the first shown" if len(names) < len(self.columns) else ""
+        more = ", the first shown" if len(names) < len(self.columns) else ""
+        return html.table(
+            f"{n} rows, {len(self.columns)} columns{more}",
+            ["row", *(_head(name, self.unit(name)) for name in names)],
+            rows,
         )
-        return html.table(title, ["row", *(_head(name, self.unit(name)) for name in names)], rows)
 
 
 def write_table(table: Table, path: str | Path) -> None:
@@ -236,8 +235,7 @@ def table_writer(
     ----------
     path : str or Path
         As for `write_table`.
-    units : mapping from name to unit
-        The columns.
+    units : mapping from name to unit, of the columns
     info : mapping, optional
     """
     ending = table_ending(path)
@@ -255,12 +253,11 @@ def table_writer(
 
                 yield write_rows
         else:
-            import pyarrow as pa
             import pyarrow.parquet as pq
 
             schema = _schema(units, info or {})
-            with pq.ParquetWriter(temporary, schema) as file:
-                yield lambda columns: file.write_table(pa.table(list(columns), schema=schema))
+            with pq.ParquetWriter(temporary, schema, use_dictionary=False) as file:  # hardly a number comes twice
+                yield lambda columns: file.write_table(arrow_floats(columns, schema))
 
 
 def _quoted(head: str) -> str:
@@ -367,8 +364,7 @@ def _unit_of(entry: "pa.Field") -> str:
 
 def _info_of(schema: "pa.Schema") -> dict[str, object]:
     stored = (schema.metadata or {}).get(_INFO_KEY)
-    found = json.loads(stored) if stored else {}
-    if not isinstance(found, dict):
+    if not isinstance(found := json.loads(stored) if stored else {}, dict):
         raise ValueError(f"what it says of itself is no object: {str(found)[:40]}")
     return found
 

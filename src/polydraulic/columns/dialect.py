@@ -4,6 +4,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -122,6 +123,7 @@ def fields(line: str, delimiter: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
+@lru_cache(1 << 14)  # each cell is looked at several times
 def looks_numeric(cell: str) -> bool:
     """Whether a cell is a number, with a point or a comma."""
     return bool(_NUMBER.match(cell)) or cell.strip().lower() in ("nan", "inf", "-inf")

@@ -1,12 +1,13 @@
 """Rows of a text file as blocks of text cells, in bounded memory; rows of other lengths are repaired or named."""
 
 import csv as python_csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic.ahead import ahead
 from polydraulic.columns.cells import MISSING
 from polydraulic.columns.dialect import BLANKS, Dialect, fields
 from polydraulic.columns.local_clock import Notes
@@ -36,7 +37,15 @@ class Silent:
         """Do nothing."""
 
 
-def cell_blocks(path: Path, found: Scan, dialect: Dialect, columns: Sequence[int], notes: Notes) -> Iterator[CellBlock]:
+def cell_blocks(
+    path: Path,
+    found: Scan,
+    dialect: Dialect,
+    columns: Sequence[int],
+    notes: Notes,
+    numeric: Collection[int] = (),
+    decimal: str = ".",
+) -> Iterator[CellBlock]:
     """Read columns of a text file, block by block.
 
     Parameters
@@ -48,63 +57,136 @@ def cell_blocks(path: Path, found: Scan, dialect: Dialect, columns: Sequence[int
         Places of the columns.
     notes : Notes
         Takes ``missing line``, ``short line`` and ``comment``.
+    numeric : collection of int
+        Columns that come as numbers in blocks in which they hold nothing else, and as texts in others.
+    decimal : str
+        The decimal mark of these.
 
     Raises
     ------
     InputError
         A file that is damaged.
     """
-    import pyarrow as pa
-    from pyarrow import csv
-
-    odd: list[tuple[int, str]] = []
-
-    def keep(row: Any) -> str:
-        odd.append((row.number, row.text))
-        return "skip"
-
-    names = [str(n) for n in range(dialect.width)]
-    needed = [str(n) for n in dict.fromkeys(columns)]
-    delimiter = "\t" if dialect.delimiter == BLANKS else dialect.delimiter
-    seen, begun = 0, 0  # of the odd rows; rows that Arrow has given
-    with Source(path, found.encoding, dialect.begin, dialect.delimiter == BLANKS) as source:
-        try:
-            reader = csv.open_csv(
-                pa.PythonFile(source, mode="r"),
-                # one thread, since only then are lines numbered
-                csv.ReadOptions(use_threads=False, block_size=BLOCK, column_names=names),
-                csv.ParseOptions(delimiter=delimiter, invalid_row_handler=keep),
-                csv.ConvertOptions(
-                    include_columns=needed,
-                    column_types=dict.fromkeys(needed, pa.string()),
-                    null_values=MISSING,
-                    strings_can_be_null=True,
-                ),
-            )
-            for batch in reader:
-                rows = np.arange(begun, begun + batch.num_rows) + 1
-                begun += batch.num_rows
-                numbered = np.asarray([number for number, _ in odd], dtype=np.int64)
-                rows += np.searchsorted(numbered - np.arange(len(odd)), rows, side="right")
-                last = int(rows[-1]) if len(rows) else 0
-                upto = int(np.searchsorted(numbered, last))
-                mended = _mend(odd[seen:upto], dialect, columns, notes)
-                seen = upto
-                cells = {n: batch.column(str(n)) for n in columns}
-                yield _merge(CellBlock(rows, cells, source.share), mended)
-        except pa.ArrowInvalid as error:
-            if "Empty CSV file" not in str(error):
-                raise _unreadable(path, error) from error
-        except (pa.ArrowException, UnicodeError, *DAMAGED) as error:
-            raise _unreadable(path, error) from error
-    mended = _mend(odd[seen:], dialect, columns, notes)
+    parser = _Parser(dialect, columns, numeric, decimal)
+    begun = 0  # lines of data before the block
+    waiting: list[tuple[int, str]] = []  # odd rows behind the last good one of their block
+    for text, batch, odd, share in ahead(_parsed(path, found, dialect, parser)):
+        count, odd = batch.num_rows + len(odd), [(begun + number, line) for number, line in odd]
+        rows = np.arange(begun + 1, begun + 1 + count)
+        rows = np.delete(rows, [number - begun - 1 for number, _ in odd]) if odd else rows
+        begun, odd = begun + count, waiting + odd
+        last = int(rows[-1]) if len(rows) else 0
+        mended = _mend([row for row in odd if row[0] < last], dialect, columns, notes)
+        waiting = [row for row in odd if row[0] > last]
+        if not len(rows):
+            continue
+        block = CellBlock(rows, {n: batch.column(str(n)) for n in columns}, share)
+        if mended is not None:
+            numbers = _as_numbers(mended, parser.of(batch), decimal)
+            if numbers is None:
+                texts = parser.texts(text)[0]
+                block = block._replace(cells={n: texts.column(str(n)) for n in columns})
+            block = _merge(block, mended if numbers is None else numbers)
+        yield block
+    mended = _mend(waiting, dialect, columns, notes)
     if mended is not None:
         yield mended
 
 
-def _unreadable(path: Path, error: Exception) -> InputError:
-    said = (str(error).splitlines() or [type(error).__name__])[0]
-    return InputError(f"{path}: cannot be read as a CSV log ({said})")
+def _parsed(path: Path, found: Scan, dialect: Dialect, parser: "_Parser") -> Iterator[tuple[bytes, Any, Any, float]]:
+    """Blocks of whole lines, what the parser makes of them, and the share of the file that has been read."""
+    import pyarrow as pa
+
+    try:
+        with Source(path, found.encoding, dialect.begin, dialect.delimiter == BLANKS) as source:
+            for text in source.lines(BLOCK):
+                yield text, *parser.parse(text), source.share
+    except (pa.ArrowException, UnicodeError, *DAMAGED) as error:
+        said = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(f"{path}: cannot be read as a CSV log ({said})") from error
+
+
+class _Parser:
+    """Makes Arrow columns of lines. A column that held something else than numbers once is one of texts from then on."""
+
+    def __init__(self, dialect: Dialect, columns: Sequence[int], numeric: Collection[int], decimal: str) -> None:
+        self.names = [str(n) for n in range(dialect.width)]
+        self.needed = [str(n) for n in dict.fromkeys(columns)]
+        self.delimiter = "\t" if dialect.delimiter == BLANKS else dialect.delimiter
+        self.numeric, self.decimal = {str(n) for n in numeric}, decimal
+
+    def parse(self, text: bytes) -> tuple[Any, list[tuple[int, str]]]:
+        """Columns of lines, and the numbers and texts of lines that have not as many fields as there are columns."""
+        import pyarrow as pa
+
+        if self.numeric:
+            try:
+                return self._read(text, self.numeric)
+            except pa.ArrowInvalid:  # some column is not, or not here
+                pass
+        batch, odd = self.texts(text)
+        self.numeric = {name for name in self.numeric if _cast(batch.column(name), self.decimal) is not None}
+        return batch, odd
+
+    def texts(self, text: bytes) -> tuple[Any, list[tuple[int, str]]]:
+        """The same with all columns as texts."""
+        return self._read(text, set())
+
+    def of(self, batch: Any) -> set[int]:
+        """Columns that have come as numbers."""
+        import pyarrow as pa
+
+        return {int(field.name) for field in batch.schema if pa.types.is_floating(field.type)}
+
+    def _read(self, text: bytes, numeric: Collection[str]) -> tuple[Any, list[tuple[int, str]]]:
+        import pyarrow as pa
+        from pyarrow import csv
+
+        odd: list[tuple[int, str]] = []
+
+        def keep(row: Any) -> str:
+            odd.append((row.number, row.text))
+            return "skip"
+
+        table = csv.read_csv(
+            pa.py_buffer(text),
+            # one thread, since only then are lines numbered
+            csv.ReadOptions(use_threads=False, block_size=len(text) + 1, column_names=self.names),
+            csv.ParseOptions(delimiter=self.delimiter, invalid_row_handler=keep),
+            csv.ConvertOptions(
+                include_columns=self.needed,
+                column_types={name: pa.float64() if name in numeric else pa.string() for name in self.needed},
+                null_values=MISSING,
+                strings_can_be_null=True,
+                decimal_point=self.decimal,
+            ),
+        )
+        return table.combine_chunks().to_batches()[0] if table.num_rows else _empty(table.schema), odd
+
+
+def _empty(schema: Any) -> Any:
+    import pyarrow as pa
+
+    return pa.RecordBatch.from_arrays([pa.array([], field.type) for field in schema], schema=schema)
+
+
+def _cast(cells: Any, decimal: str) -> Any:
+    """Texts as numbers; None if they are not."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    if decimal != ".":
+        cells = pc.replace_substring(pc.replace_substring(cells, ".", "?"), decimal, ".")
+    try:
+        return cells.cast(pa.float64())
+    except pa.ArrowInvalid:
+        return None
+
+
+def _as_numbers(block: CellBlock, numeric: Collection[int], decimal: str) -> CellBlock | None:
+    """A block of texts with these columns as numbers; None if they are not."""
+    cells = {n: _cast(of, decimal) if n in numeric else of for n, of in block.cells.items()}
+    return None if any(of is None for of in cells.values()) else block._replace(cells=cells)
 
 
 def _mend(odd: Sequence[tuple[int, str]], dialect: Dialect, columns: Sequence[int], notes: Notes) -> CellBlock | None:

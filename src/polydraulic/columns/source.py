@@ -146,6 +146,23 @@ class Source(BufferedIOBase):
         self._held = got[end:]
         return got[:end]
 
+    def lines(self, size: int) -> Iterator[bytes]:
+        """Blocks of whole lines, of about `size` bytes each.
+
+        Raises
+        ------
+        EOFError
+            If a line is longer than that.
+        """
+        rest, block = b"", self.read(size)
+        while block:
+            following = self.read(size)
+            end = max(block.rfind(b"\n"), block.rfind(b"\r")) + 1 if following else len(block)
+            if not end:
+                raise EOFError(f"a line is longer than {size} bytes")
+            yield rest + block[:end]
+            rest, block = block[end:], following
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()

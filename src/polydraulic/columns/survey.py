@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.columns.cells import MISSING, OFF, ON, all_switches, text_numbers
+from polydraulic.columns.cells import MISSING, OFF, ON, all_switches, numbers, text_numbers
 
 _ENGLISH = (",", ".")  # thousands, decimal
 
@@ -188,9 +188,18 @@ class TextColumn:
         self.reading, self.whole = reading, whole
         self._settled = reading.switch or bool(reading.kind)
 
+    def plain(self, decimal: str) -> bool:
+        """Whether texts that Arrow takes as numbers with this decimal mark are the numbers that they are read as."""
+        return self.reading.decimal == decimal and not self.reading.switch
+
     def numbers(self, cells: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Values of an Arrow array of texts, NaN where there is none, and places that hold something else."""
-        values, bad = self.reading.numbers(cells)
+        """Values of an Arrow array of texts, NaN where there is none, and places that hold something else.
+
+        Numbers that have been read already are their own values.
+        """
+        import pyarrow as pa
+
+        values, bad = numbers(cells) if pa.types.is_floating(cells.type) else self.reading.numbers(cells)
         if not self._settled and bad.size and not np.isfinite(values).any() and all_switches(cells.take(bad)):
             found = self.whole()
             self.reading = found if found.switch else self.reading

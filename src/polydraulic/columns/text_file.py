@@ -129,10 +129,15 @@ class TextFile:
         clock = None if time is None else _Time(self, time, notes)
         places = {name: self.place(name) for name in wanted}
         columns = self._columns(places, notes)
+        read = {(place, columns[name]) for name, place in places.items()}
+        if clock is not None and clock.numbers is not None:
+            read.add((clock.place, clock.numbers))
+        decimal = "," if any(column.reading.decimal == "," for _, column in read) else "."
+        numeric = {place for place, column in read if column.plain(decimal)}
+        numeric -= {place for place, column in read if not column.plain(decimal)}  # read in two ways
         of_time = [] if clock is None else clock.places
-        for block in cell_blocks(
-            self.path, self._scan, self.dialect, list(dict.fromkeys([*of_time, *places.values()])), notes
-        ):
+        wide = list(dict.fromkeys([*of_time, *places.values()]))
+        for block in cell_blocks(self.path, self._scan, self.dialect, wide, notes, numeric, decimal):
             values, text = {}, {}
             for name, place in places.items():
                 values[name], text[name] = columns[name].numbers(block.cells[place])

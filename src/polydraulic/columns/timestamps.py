@@ -5,6 +5,7 @@ Which of two numbers of 03/04/2024 is the day is never guessed: a day above 12 s
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -25,11 +26,18 @@ _SHORT = r"^(?P<m>\d{1,2}):(?P<s>\d{1,2}[.,]\d+)$"  # minutes and seconds, as Ex
 
 def time_kind(cells: Iterable[str]) -> str:
     """What texts are: ``"stamp"`` (a date, mostly with a time), ``"clock"`` (a time of day), or nothing of it: an empty text."""
-    given = [cell.strip() for cell in cells if cell.strip()]
-    for kind, patterns in (("stamp", (_STAMP,)), ("clock", (_CLOCK, _SHORT))):
-        if given and sum(any(re.match(p, cell) for p in patterns) for cell in given) > 0.5 * len(given):
+    kinds = [_kind(text) for cell in cells if (text := cell.strip())]
+    for kind in ("stamp", "clock"):
+        if kinds and kinds.count(kind) > 0.5 * len(kinds):
             return kind
     return ""
+
+
+@lru_cache(1 << 14)  # of the cells that a file is known by, each is looked at several times
+def _kind(text: str) -> str:
+    if re.match(_STAMP, text):
+        return "stamp"
+    return "clock" if ":" in text and (re.match(_CLOCK, text) or re.match(_SHORT, text)) else ""
 
 
 def has_time_of_day(cells: Iterable[str]) -> bool:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from polydraulic.ahead import done_later
 from polydraulic.display import DEFAULT, shown_unit
 from polydraulic.errors import InputError
 from polydraulic.measure.channels import Channel, ChannelMap
@@ -131,15 +132,15 @@ def import_log(
         excerpt = Excerpt(units)
         merged = _Merged(log, channels, groups, findings, resampler)
         try:
-            with table_writer(out, units, info) as write:
+            with table_writer(out, units, info) as write, done_later(write) as write_later:
                 for done in merged:
                     for rows in resampler.rows(done.until):
                         for time, segment, columns in flows.add(*rows):
-                            write([time, segment, *columns])
+                            write_later([time, segment, *columns])
                             excerpt.add([time, segment, *columns])
                     progress(log.path.name, int(STEPS * done.share), STEPS)
                 for time, segment, columns in flows.end():
-                    write([time, segment, *columns])
+                    write_later([time, segment, *columns])
                     excerpt.add([time, segment, *columns])
                 _check_windows(channels, merged.checks)
                 if excerpt.n_row == 0:

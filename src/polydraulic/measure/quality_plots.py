@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MAPS = 12
+_SIGNAL = 1.1  # inches, of a channel with its name
 _INTERVALS = 350
 
 
@@ -30,15 +31,17 @@ def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion],
         When the log's time was zero, if that is known: times are dates then.
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FixedLocator, NullFormatter
 
     shown = [check for check in checks if check.count]
     if not shown:
         return ""
-    figure = Figure(figsize=(11.0, 1.1 * len(shown) + 0.6), layout="constrained")
-    axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-    label = ""
-    for axis, check in zip(axes, shown, strict=True):
+    width, height = 11.0, _SIGNAL * len(shown) + 0.55
+    figure = Figure(figsize=(width, height))
+    for place, check in enumerate(reversed(shown)):  # the lowest first: the others get its ticks
         c, unit = check.channel, units[check.channel.name]
+        rectangle = (0.75 / width, (0.5 + _SIGNAL * place) / height, (width - 0.95) / width, (_SIGNAL - 0.3) / height)
+        axis = figure.add_axes(rectangle)
         first, last, low, high = _with_gaps(check.envelope.intervals(), check.raster)
         low, high = (value_in(check, unit, values) for values in (low, high))
         time, label = time_axis(np.column_stack([first, last]).ravel(), began)
@@ -51,7 +54,15 @@ def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion],
         axis.set_title(as_drawn(with_unit(c.name, unit.unit) + source), loc="left", fontsize="small", pad=2.0)
         axis.tick_params(labelsize="small")
         axis.grid(alpha=0.3)
-    axes[-1].set_xlabel(label)
+        if place == 0:
+            axis.set_xlabel(label)
+    axes = figure.axes
+    ends = np.array([axis.get_xlim() for axis in axes])
+    axes[0].set_xlim(ends[:, 0].min(), ends[:, 1].max())
+    for axis in axes[1:]:
+        axis.xaxis.set_major_locator(FixedLocator(axes[0].get_xticks()))
+        axis.xaxis.set_major_formatter(NullFormatter())
+        axis.set_xlim(axes[0].get_xlim())
     return _svg(figure, "signals")
 
 
@@ -63,9 +74,16 @@ def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
     pairs = sorted(found.pairs, key=lambda pair: pair.share)[:_MAPS]
     columns = min(3, len(pairs))
     lines = -(-len(pairs) // columns)
-    figure = Figure(figsize=(3.7 * columns, 3.2 * lines), layout="constrained")
-    axes = figure.subplots(lines, columns, squeeze=False).ravel()
-    for axis, pair in zip(axes, pairs, strict=False):
+    width, height = 3.7 * columns, 3.2 * lines
+    figure = Figure(figsize=(width, height))
+    axes = [
+        figure.add_axes(
+            ((3.7 * column + 0.7) / width, (3.2 * (lines - 1 - line) + 0.5) / height, 2.85 / width, 2.4 / height)
+        )
+        for line in range(lines)
+        for column in range(columns)
+    ][: len(pairs)]
+    for axis, pair in zip(axes, pairs, strict=True):
         counts = pair.counts.T
         shade = np.ma.masked_array(np.log10(np.maximum(counts, 1)), counts == 0)
         x, y = units[pair.x], units[pair.y]
@@ -87,8 +105,6 @@ def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
             label(as_drawn(with_unit(name, units[name].unit)), fontsize="small")
         axis.set_title(f"{pair.share:.0%} of the cells", loc="left", fontsize="small")
         axis.tick_params(labelsize="x-small")
-    for axis in axes[len(pairs) :]:
-        axis.set_axis_off()
     return _svg(figure, "coverage")
 
 

@@ -58,67 +58,76 @@ class ChannelCheck:
         c, f = self.channel, self.findings
         raw, name = rows.values[c.source], c.source
         f.add_rows("text", name, rows.rows[rows.text[name]])
-        infinite = np.isinf(raw)
-        f.add_rows("infinite", name, rows.rows[infinite])
         there = np.flatnonzero(np.isfinite(raw))
-        value = c.sign * raw[there]
+        if len(there) < len(raw):
+            f.add_rows("infinite", name, rows.rows[np.isinf(raw)])
+        given = raw if len(there) == len(raw) else raw[there]
+        value = c.sign * given if c.sign != 1 else given
         self.given += len(value)
         self.seen += len(raw)
-        self.crc = zlib.crc32(raw[there].tobytes(), self.crc)
+        self.crc = zlib.crc32(np.ascontiguousarray(given).data, self.crc)
         if sum(map(len, self._kept)) < _KEPT:
-            self._kept.append(value[:: max(1, len(value) // 2000)])
+            self._kept.append(value[:: max(1, len(value) // 2000)].copy())
+        if value.size and not (c.low <= value.min() and value.max() <= c.high):
+            there, value = self._within(rows, there, value)
+        if c.between == "linear":
+            self.runs.add(value, _taken(rows.rows, there))
+            alone = _spikes(value)
+            if alone.any():
+                f.add_rows("spike", name, rows.rows[there[alone]])
+                there, value = there[~alone], value[~alone]
+        self._count(value)
+        time = _taken(rows.time, there)
+        self._spacing(rows, there, time)
+        self.envelope.add(time, value)
+        return Samples(time, self.conversion.to_si(value))
+
+    def _within(self, rows: ClockedRows, there: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places and values within the plausible range; the others are noted."""
+        c = self.channel
         outside = (value < c.low) | (value > c.high)
         self.implausible += int(outside.sum())
-        if outside.any():
-            detail = f"range [{c.low:g}, {c.high:g}] {c.unit}, such as {value[outside][0]:.6g}"
-            self.farthest = max(
-                self.farthest, float(np.max(np.maximum(c.low - value[outside], value[outside] - c.high)))
-            )
-            if self.farthest <= _PEAK * (c.high - c.low):
-                detail += "; none is far beyond it: if these are peaks of the signal, the range is too narrow: widen it"
-            f.add_rows("implausible", name, rows.rows[there[outside]], detail)
-        there, value = there[~outside], value[~outside]
-        if c.between == "linear":
-            self.runs.add(value, rows.rows[there])
-            alone = _spikes(value)
-            f.add_rows("spike", name, rows.rows[there[alone]])
-            there, value = there[~alone], value[~alone]
-        self._count(value)
-        self._spacing(rows, there)
-        self.envelope.add(rows.time[there], value)
-        return Samples(rows.time[there], self.conversion.to_si(value))
+        detail = f"range [{c.low:g}, {c.high:g}] {c.unit}, such as {value[outside][0]:.6g}"
+        self.farthest = max(self.farthest, float(np.max(np.maximum(c.low - value[outside], value[outside] - c.high))))
+        if self.farthest <= _PEAK * (c.high - c.low):
+            detail += "; none is far beyond it: if these are peaks of the signal, the range is too narrow: widen it"
+        self.findings.add_rows("implausible", c.source, rows.rows[there[outside]], detail)
+        return there[~outside], value[~outside]
 
     def _count(self, value: np.ndarray) -> None:
         if value.size == 0:
             return
         n, mean = len(value), float(value.mean())
         total, shift = self.count + n, mean - self.mean
-        self.square += float(((value - mean) ** 2).sum()) + shift * shift * self.count * n / total
+        beside = value - mean
+        self.square += float((beside * beside).sum()) + shift * shift * self.count * n / total
         self.mean += shift * n / total
         self.count = total
         self.low, self.high = min(self.low, float(value.min())), max(self.high, float(value.max()))
 
-    def _spacing(self, rows: ClockedRows, there: np.ndarray) -> None:
+    def _spacing(self, rows: ClockedRows, there: np.ndarray, time: np.ndarray) -> None:
         """Find the raster; note where samples are farther apart than they may, but rows are not."""
-        time = rows.time[there]
         if time.size == 0:
             return
-        steps = np.diff(np.concatenate([[self._last], time]))
-        real = np.isfinite(steps)
-        if real.sum() > 2 and not self._compared:
+        past = np.concatenate([[self._last], time])
+        steps = past[1:] - past[:-1]
+        if not self._compared and np.isfinite(steps).sum() > 2:
             self._compared = True
-            found = float(np.median(steps[real]))
+            found = float(np.median(steps[np.isfinite(steps)]))
             if self.channel.between == "linear":  # a held channel may be written only when it changes
                 self.clock.compare(self.channel.source, self.channel.raster, found)
             self.raster = self.raster if np.isfinite(self.raster) else found
-        gaps = np.cumsum(rows.after_gap)[there] + (self.clock.gaps - int(rows.after_gap.sum()))
-        same = np.diff(np.concatenate([[self._gaps_seen], gaps])) == 0
-        lost = real & same & (steps > JOIN * self.raster)
-        if lost.any():
-            self.lost += float(steps[lost].sum())
-            detail = f"{self.lost:.4g} s in all; the row after each is named"
-            self.findings.add_rows("dropout", self.channel.source, rows.rows[there[lost]], detail)
-        self._last, self._gaps_seen = float(time[-1]), int(gaps[-1])
+        far = steps > JOIN * self.raster
+        if far.any():
+            gaps = np.cumsum(rows.after_gap)[there] + (self.clock.gaps - int(rows.after_gap.sum()))
+            same = np.diff(np.concatenate([[self._gaps_seen], gaps])) == 0
+            lost = far & same & np.isfinite(steps)
+            if lost.any():
+                self.lost += float(steps[lost].sum())
+                detail = f"{self.lost:.4g} s in all; the row after each is named"
+                self.findings.add_rows("dropout", self.channel.source, rows.rows[there[lost]], detail)
+        self._last = float(time[-1])
+        self._gaps_seen = self.clock.gaps - int(rows.after_gap[there[-1] + 1 :].sum())
 
     def end(self) -> None:
         """Note what is known only when all rows have been seen."""
@@ -161,16 +170,25 @@ def _spikes(v: np.ndarray) -> np.ndarray:
     found = np.zeros(len(v), dtype=bool)
     if len(v) < 20:
         return found
-    d = np.diff(v)
-    size = np.minimum(np.abs(d[1:-2]), np.abs(d[2:-1]))  # of places 2 to n - 3
-    low, high = np.quantile(v, [0.005, 0.995])
+    d = v[1:] - v[:-1]
     moved = np.abs(d)
-    digit = float(np.min(moved, where=moved > 0.0, initial=np.inf))
-    if digit == np.inf:
+    size = np.minimum(moved[1:-2], moved[2:-1])  # of places 2 to n - 3
+    around = np.maximum(np.maximum(moved[:-3], moved[3:]), np.abs(d[1:-2] + d[2:-1]))
+    alone = (d[1:-2] * d[2:-1] < 0.0) & (around < 0.25 * size)
+    if not alone.any():
         return found
+    largest = float(size[alone].max())
+    if 2 * np.count_nonzero(_SPIKE_NOISE * moved >= largest) > len(moved):  # the usual difference is too large for any
+        return found
+    low, high = np.quantile(v, [0.005, 0.995])
+    digit = float(np.min(moved, where=moved > 0.0, initial=np.inf))
     beyond = np.maximum(v[2:-2] - high, low - v[2:-2]) > _SPIKE * (high - low)
     share = np.where(beyond, _SPIKE, _SPIKE_WITHIN) * (high - low)
     least = np.maximum(share, max(_SPIKE_NOISE * float(np.median(moved)), 3.0 * digit))
-    around = np.maximum(np.maximum(np.abs(d[:-3]), np.abs(d[3:])), np.abs(d[1:-2] + d[2:-1]))
-    found[2:-2] = (d[1:-2] * d[2:-1] < 0.0) & (size > least) & (around < 0.25 * size)
+    found[2:-2] = alone & (size > least)
     return found
+
+
+def _taken(values: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """Values at rising places; no copy where these are all of them."""
+    return values if len(there) == len(values) else values[there]

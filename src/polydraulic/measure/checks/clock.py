@@ -118,12 +118,10 @@ class Clock:
         keep = ~behind & ~same
         place, t = place[keep], t[keep]
         after_gap = self._intervals(rows[place], t)
-        n = np.zeros(len(rows), dtype=bool)
-        text = {}
-        for name, places in block.text.items():
-            marks = n.copy()
-            marks[places] = True
-            text[name] = marks[place]
+        if len(place) == len(rows):
+            text = {name: _marks(places, len(rows)) for name, places in block.text.items()}
+            return ClockedRows(rows, t, block.values, text, after_gap, block.done)
+        text = {name: _marks(places, len(rows))[place] for name, places in block.text.items()}
         return ClockedRows(rows[place], t, {k: v[place] for k, v in block.values.items()}, text, after_gap, block.done)
 
     def _impossible(self, rows: np.ndarray, t: np.ndarray) -> None:
@@ -191,14 +189,18 @@ class Clock:
             found.rows = [(row, row) for row in self._irregular]
 
 
+def _marks(places: np.ndarray, n: int) -> np.ndarray:
+    """Marks at these places of `n`."""
+    found = np.zeros(n, dtype=bool)
+    found[places] = True
+    return found
+
+
 def _part(block: LogBlock, part: slice) -> LogBlock:
     n = len(block.rows)
-    marks = np.zeros(n, dtype=bool)
-    text = {}
-    for name, places in block.text.items():
-        marks[:] = False
-        marks[places] = True
-        text[name] = np.flatnonzero(marks[part])
+    text = {
+        name: np.flatnonzero(_marks(places, n)[part]) if len(places) else places for name, places in block.text.items()
+    }
     time = None if block.time is None else block.time[part]
     return LogBlock(block.rows[part], time, {k: v[part] for k, v in block.values.items()}, text, block.done)
 

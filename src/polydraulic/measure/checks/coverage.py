@@ -92,7 +92,8 @@ def coverage(table: Table, names: Sequence[str], box: Mapping[str, tuple[float, 
         if not low <= high:
             raise InputError(f"box of {name!r} = ({low}, {high}): low must lie below high")
         ranges[name] = (low, high if high > low else low + max(1e-12, abs(low) * 1e-9))
-    pairs = [_pair(table, a, b, ranges) for a, b in combinations(names, 2)]
+    of = {name: _cells(table[name], ranges[name]) for name in names}
+    pairs = [_pair(a, b, of) for a, b in combinations(names, 2)]
     place, inside = np.zeros(len(table), dtype=np.int64), np.ones(len(table), dtype=bool)
     counted = list(names)[:30]  # 4^30 still is a whole number of 64 bits
     for name in counted:
@@ -108,9 +109,20 @@ def _range(name: str, ends: tuple[float, float], units: Mapping[str, Conversion]
     return f"{name} {low:.4g} to {high:.4g} {units[name].unit if name in units else ''}".rstrip()
 
 
-def _pair(table: Table, a: str, b: str, ranges: Mapping[str, tuple[float, float]]) -> PairMap:
-    counts, x, y = np.histogram2d(table[a], table[b], bins=CELLS, range=[ranges[a], ranges[b]])
-    return PairMap(a, b, x, y, counts.astype(np.int64), float(np.mean(counts > 0)), _holes(counts > 0, x, y))
+def _cells(values: np.ndarray, ends: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Edges of cells, and the cell of each value; -1 outside of them."""
+    edges = np.linspace(*ends, CELLS + 1)
+    place = np.searchsorted(edges, values, side="right") - 1
+    place[values == edges[-1]] = CELLS - 1
+    place[place == CELLS] = -1
+    return edges, place
+
+
+def _pair(a: str, b: str, cells: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> PairMap:
+    (x, first), (y, second) = cells[a], cells[b]
+    place = (CELLS * first + second)[(first >= 0) & (second >= 0)]
+    counts = np.bincount(place, minlength=CELLS * CELLS).reshape(CELLS, CELLS)
+    return PairMap(a, b, x, y, counts, float(np.mean(counts > 0)), _holes(counts > 0, x, y))
 
 
 def _holes(seen: np.ndarray, x: np.ndarray, y: np.ndarray) -> list[Hole]:

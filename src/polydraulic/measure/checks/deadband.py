@@ -6,7 +6,7 @@ output best, since a valve follows its lever late. Edges get intervals from draw
 which are not independent).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -81,18 +81,14 @@ def find_deadbands(table: Table, inputs: Sequence[str], outputs: Sequence[str], 
     inputs, outputs : sequence of str
     raster : float, s
     """
-    found = []
-    inputs = [name for name in inputs if table.unit(name) != "Pa"]
-    for output in outputs:
-        unit = table.unit(output)
-        if unit not in _RATES + _POSITIONS:
-            continue
-        rate = unit in _RATES
-        answers = [deadband(table, name, output, raster, rate=rate) for name in inputs if np.ptp(table[name]) > 0.0]
-        best = max((a for a in answers if a is not None), key=lambda a: a.explained, default=None)
-        if best is not None:
-            found.append(best)
-    return found
+    rates = {name: unit in _RATES for name in outputs if (unit := table.unit(name)) in _RATES + _POSITIONS}
+    inputs = [name for name in inputs if table.unit(name) != "Pa" and np.ptp(table[name]) > 0.0]
+    best: dict[str, Deadband] = {}
+    for answer_of in _answers(table, inputs, rates, raster, 0):
+        for output, answer in answer_of.items():
+            if output not in best or answer.explained > best[output].explained:
+                best[output] = answer
+    return [best[output] for output in rates if output in best]
 
 
 def deadband(
@@ -113,20 +109,46 @@ def deadband(
     """
     if raster <= 0.0:
         raise InputError(f"raster = {raster} s: must be positive")
+    return next((answers.get(output) for answers in _answers(table, [input_], {output: rate}, raster, seed)), None)
+
+
+def _answers(
+    table: Table, inputs: Sequence[str], rates: Mapping[str, bool], raster: float, seed: int
+) -> Iterator[dict[str, Deadband]]:
+    """Of each input, deadbands by the outputs that it explains; `rates` says of these whether they are rates, or are differentiated."""
+    cuts = np.concatenate([[0], np.flatnonzero(np.diff(table["segment"])) + 1, [len(table)]])
     segments = [
-        part for part in np.split(np.arange(len(table)), np.flatnonzero(np.diff(table["segment"])) + 1)
-        if len(part) * raster > 2.0 * _LONGEST_DELAY and len(part) > 10
+        slice(first, end) for first, end in pairwise(cuts.tolist())
+        if (end - first) * raster > 2.0 * _LONGEST_DELAY and end - first > 10
     ]  # fmt: skip
-    if not segments or sum(map(len, segments)) < 20 * _BLOCKS:
-        return None
-    u_parts = [table[input_][part] for part in segments]
-    y_parts = [table[output][part] for part in segments]
-    if not rate:
-        y_parts = [differentiate(y, raster, max(0.1, 5 * raster)) for y in y_parts]
-    delay, lag, share = _timing(u_parts, y_parts, raster)
-    if share < _EXPLAINED:
-        return None
-    u, y = _aligned(u_parts, y_parts, raster, delay, lag)
+    if not rates or not segments or sum(part.stop - part.start for part in segments) < 20 * _BLOCKS:
+        return
+    y_parts = {}
+    for output, rate in rates.items():
+        parts = [table[output][part] for part in segments]
+        y_parts[output] = parts if rate else [differentiate(y, raster, max(0.1, 5 * raster)) for y in parts]
+    for name in inputs:
+        u_parts = [table[name][part] for part in segments]
+        timings = _timings(u_parts, list(y_parts.values()), raster)
+        found = {}
+        for (output, parts), timing in zip(y_parts.items(), timings, strict=True):
+            if timing[2] >= _EXPLAINED:
+                label = output if rates[output] else f"d({output})/dt"
+                answer = _deadband(u_parts, parts, (name, label), raster, timing, seed)
+                found |= {} if answer is None else {output: answer}
+        yield found
+
+
+def _deadband(
+    u_parts: list[np.ndarray],
+    y_parts: list[np.ndarray],
+    names: tuple[str, str],
+    raster: float,
+    timing: tuple[float, float, float],
+    seed: int,
+) -> Deadband | None:
+    delay, lag, _ = timing
+    u, y = _delayed(_lagged(u_parts, raster, lag), raster, delay), _settled(y_parts, raster)
     thin = max(1, len(u) // _ROWS)
     u, y = u[::thin], y[::thin]
     centre, half = 0.5 * (u.max() + u.min()), 0.5 * np.ptp(u)
@@ -134,39 +156,58 @@ def deadband(
     y = y / scale
     grid = np.linspace(-0.95, 0.95, _GRID)
     moments = _moments(u, y, grid, 1)
-    low, high, explained = _edges(*moments, grid)
+    low, high, explained = (float(one[0]) for one in _edges(*moments, grid))
     for near in _NEAR:
         keep = (u >= low - near * (low + 1.0)) & (u <= high + near * (1.0 - high))
         if keep.sum() < 20 * _BLOCKS:
             return None
         grid = np.linspace(low - near * (low + 1.0), high + near * (1.0 - high), 2 * _GRID)
         moments = _moments(u[keep], y[keep], grid, _BLOCKS)
-        low, high, _ = _edges(*moments, grid)
+        low, high, _ = (float(one[0]) for one in _edges(*moments, grid))
     rng = np.random.default_rng(seed)
-    draws = np.array([_edges(*moments, grid, rng.integers(_BLOCKS, size=_BLOCKS))[:2] for _ in range(_DRAWS)])
+    chosen = np.stack([np.bincount(rng.integers(_BLOCKS, size=_BLOCKS), minlength=_BLOCKS) for _ in range(_DRAWS)])
+    draws = np.stack(_edges(*moments, grid, chosen.astype(float))[:2], axis=-1)
     tail, error = 0.5 * (1.0 - CONFIDENCE), 0.5 * float(grid[1] - grid[0])
     ends = np.quantile(draws, [tail, 1.0 - tail], axis=0) + np.array([[-error], [error]])
     (low_a, high_a), (low_b, high_b) = centre + half * ends
-    label = output if rate else f"d({output})/dt"
     return Deadband(
-        input_, label, float(centre + half * low), float(centre + half * high), (float(low_a), float(low_b)),
+        *names, float(centre + half * low), float(centre + half * high), (float(low_a), float(low_b)),
         (float(high_a), float(high_b)), delay, lag, explained, bool(low_b < high_a),
     )  # fmt: skip
 
 
-def _aligned(
-    u_parts: list[np.ndarray], y_parts: list[np.ndarray], raster: float, delay: float, lag: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs, delayed and lagged, next to outputs; the start of each segment, where neither is known, is left out."""
-    from scipy.signal import lfilter
+def _lagged(u_parts: list[np.ndarray], raster: float, lag: float) -> list[np.ndarray]:
+    """Inputs through a lag of first order, which begins at rest at the first value of each part.
 
-    shift, skip = round(delay / raster), int(_LONGEST_DELAY / raster) + 1
-    keep = np.exp(-raster / lag) if lag > 0.0 else 0.0
-    inputs = []
+    y[i] = k y[i-1] + (1 - k) u[i] is summed by doubling: what a sum over n samples leaves out comes k^n later. (A filter of SciPy would
+    do; its import takes as long as all of this.)
+    """
+    if lag == 0.0:
+        return u_parts
+    keep = float(np.exp(-raster / lag))
+    found = []
     for u in u_parts:
-        follows = u if lag == 0.0 else lfilter([1.0 - keep], [1.0, -keep], u, zi=[keep * u[0]])[0]
-        inputs.append(follows[skip - shift : len(u) - shift])
-    return np.concatenate(inputs), np.concatenate([y[skip:] for y in y_parts])
+        y, share, reach = (1.0 - keep) * (u - u[0]), keep, 1
+        while reach < len(y) and share > 1e-18:
+            y[reach:] += share * y[:-reach]
+            share, reach = share * share, 2 * reach
+        found.append(u[0] + y)
+    return found
+
+
+def _delayed(u_parts: list[np.ndarray], raster: float, delay: float) -> np.ndarray:
+    """Inputs, delayed; the start of each part, where nothing is known before it, is left out."""
+    shift, skip = round(delay / raster), _skipped(raster)
+    return np.concatenate([u[skip - shift : len(u) - shift] for u in u_parts])
+
+
+def _settled(y_parts: list[np.ndarray], raster: float) -> np.ndarray:
+    """Outputs beside `_delayed` inputs."""
+    return np.concatenate([y[_skipped(raster) :] for y in y_parts])
+
+
+def _skipped(raster: float) -> int:
+    return int(_LONGEST_DELAY / raster) + 1
 
 
 def _some(parts: list[np.ndarray]) -> list[np.ndarray]:
@@ -175,53 +216,79 @@ def _some(parts: list[np.ndarray]) -> list[np.ndarray]:
     return pieces[:: max(1, len(pieces) // _PIECES)]
 
 
-def _timing(u_parts: list[np.ndarray], y_parts: list[np.ndarray], raster: float) -> tuple[float, float, float]:
-    """Delay and lag with which bins of the input explain the output best, and the share of variance that they explain."""
-    best = (0.0, 0.0, -1.0)
-    u_parts, y_parts = _some(u_parts), _some(y_parts)
+def _timings(
+    u_parts: list[np.ndarray], y_parts: list[list[np.ndarray]], raster: float
+) -> list[tuple[float, float, float]]:
+    """Of each output: delay and lag with which bins of the input explain it best, and the share of variance that they explain."""
+    u_parts = _some(u_parts)
+    outputs = [_settled(_some(parts), raster) for parts in y_parts]
+    means, spreads = [float(y.mean()) for y in outputs], [float(np.var(y)) for y in outputs]
+    best = [(0.0, 0.0, -1.0)] * len(outputs)
     for lag in _LAGS:
+        lagged = _lagged(u_parts, raster, lag)
         for shift in range(0, int(_LONGEST_DELAY / raster) + 1, max(1, round(0.02 / raster))):
-            u, y = _aligned(u_parts, y_parts, raster, shift * raster, lag)
-            spread = float(np.var(y))
-            if spread == 0.0 or np.ptp(u) == 0.0:
+            u = _delayed(lagged, raster, shift * raster)
+            low, width = float(u.min()), float(np.ptp(u))
+            if width == 0.0:
                 return best
-            place = np.minimum((_BINS * (u - u.min()) / np.ptp(u)).astype(np.int64), _BINS - 1)
-            n, total = np.bincount(place, minlength=_BINS), np.bincount(place, weights=y, minlength=_BINS)
-            share = float((total**2 / np.maximum(n, 1)).sum() / len(y) - y.mean() ** 2) / spread
-            if share > best[2] + 1e-3:  # no longer delay than pays
-                best = (shift * raster, lag, share)
+            place = np.minimum((_BINS * (u - low) / width).astype(np.int64), _BINS - 1)
+            n = np.maximum(np.bincount(place, minlength=_BINS), 1)
+            for k, (y, mean, spread) in enumerate(zip(outputs, means, spreads, strict=True)):
+                if spread == 0.0:
+                    continue
+                total = np.bincount(place, weights=y, minlength=_BINS)
+                share = float((total**2 / n).sum() / len(y) - mean**2) / spread
+                if share > best[k][2] + 1e-3:  # no longer delay than pays
+                    best[k] = (shift * raster, lag, share)
     return best
 
 
 def _moments(u: np.ndarray, y: np.ndarray, grid: np.ndarray, blocks: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sums over blocks of time for every edge: both sides (block, edge, 3) each, and of the rows (block, 3)."""
+    """Sums over blocks of time for every edge: of r, r^2 and r y on both sides (block, edge, 3) each, and of the rows (block, 3).
+
+    With r = u - e they follow from sums of 1, u, u^2, y and u y over the rows beyond e, and these from sums between edges.
+    """
     ends = np.linspace(0, len(u), blocks + 1).astype(np.int64)
-    above, below = np.empty((blocks, len(grid), 3)), np.empty((blocks, len(grid), 3))
-    rows = np.empty((blocks, 3))
-    for b, (first, end) in enumerate(pairwise(ends)):
-        x, z = u[first:end], y[first:end]
-        rows[b] = len(z), z.sum(), z @ z
-        for e, edge in enumerate(grid):
-            for side, r in ((above, np.maximum(x - edge, 0.0)), (below, np.maximum(edge - x, 0.0))):
-                side[b, e] = r.sum(), r @ r, r @ z
-    return above, below, rows
+    block = np.repeat(np.arange(blocks), np.diff(ends))
+    bins = len(grid) + 1
+    place = block * bins + np.searchsorted(grid, u)
+    sums = np.stack(
+        [np.bincount(place, weights, blocks * bins).reshape(blocks, bins) for weights in (None, u, u * u, y, u * y)]
+    )
+    rows = np.stack([sums[0].sum(axis=1), sums[3].sum(axis=1), np.bincount(block, y * y, blocks)], axis=-1)
+    over = sums[:, :, ::-1].cumsum(axis=2)[:, :, ::-1][:, :, 1:]  # beyond each edge
+    under = sums.cumsum(axis=2)[:, :, :-1]
+
+    def side(n: np.ndarray, x: np.ndarray, xx: np.ndarray, z: np.ndarray, xz: np.ndarray, sign: float) -> np.ndarray:
+        parts = sign * (x - grid * n), xx - grid * (2.0 * x - grid * n), sign * (xz - grid * z)
+        return np.stack(parts, axis=-1)
+
+    return side(*over, 1.0), side(*under, -1.0), rows
 
 
 def _edges(
-    above: np.ndarray, below: np.ndarray, rows: np.ndarray, grid: np.ndarray, draw: np.ndarray | None = None
-) -> tuple[float, float, float]:
-    """The pair of edges with the smallest squared error over the blocks drawn, and the share of variance explained."""
-    chosen = slice(None) if draw is None else draw
-    a, b, (n, sy, syy) = above[chosen].sum(axis=0), below[chosen].sum(axis=0), rows[chosen].sum(axis=0)
-    i, j = np.triu_indices(len(grid))  # low edge, high edge
-    matrix, right = np.zeros((len(i), 3, 3)), np.empty((len(i), 3))
-    matrix[:, 0, 0], right[:, 0] = n, sy
-    for at, side in ((1, a[j]), (2, b[i])):
-        matrix[:, 0, at] = matrix[:, at, 0] = side[:, 0]
-        matrix[:, at, at], right[:, at] = side[:, 1], side[:, 2]
-    matrix += 1e-9 * n * np.eye(3)  # a side without rows has no slope
-    solution = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-    error = syy - np.einsum("ki,ki->k", solution, right)
-    best = int(np.argmin(error))
-    spread = syy - sy * sy / n
-    return float(grid[i[best]]), float(grid[j[best]]), float(1.0 - error[best] / spread) if spread > 0.0 else 0.0
+    above: np.ndarray, below: np.ndarray, rows: np.ndarray, grid: np.ndarray, chosen: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The pairs of edges with the smallest squared error, and the shares of variance explained.
+
+    `chosen` says how often each block is drawn, (draw, block); without, all blocks are taken once. No row is on both sides, so that the
+    normal equations of c, a and b are those of c alone once each side is solved for.
+    """
+    drawn = np.ones((1, len(rows))) if chosen is None else chosen
+    n, sy, syy = (drawn @ rows).T[:, :, None, None]
+
+    def solved(side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        r, rr, ry = np.einsum("db,bek->kde", drawn, side)
+        rr = rr + 1e-9 * n[:, :, 0]  # a side without rows has no slope
+        return r * r / rr, r * ry / rr, ry * ry / rr
+
+    (r_low, w_low, q_low), (r_high, w_high, q_high) = solved(below), solved(above)
+    left = n * (1.0 + 1e-9) - r_low[:, :, None] - r_high[:, None, :]
+    rest = sy - w_low[:, :, None] - w_high[:, None, :]
+    error = syy - (rest * rest / left + q_low[:, :, None] + q_high[:, None, :])
+    error[:, *np.tril_indices(len(grid), -1)] = np.inf  # low above high
+    best = error.reshape(len(drawn), -1).argmin(axis=1)
+    low, high = np.unravel_index(best, (len(grid), len(grid)))
+    spread = (syy - sy * sy / n)[:, 0, 0]
+    least = error.reshape(len(drawn), -1)[np.arange(len(drawn)), best]
+    return grid[low], grid[high], np.where(spread > 0.0, 1.0 - least / np.where(spread > 0.0, spread, 1.0), 0.0)

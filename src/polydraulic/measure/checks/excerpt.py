@@ -22,26 +22,29 @@ class Excerpt:
     def __init__(self, units: Mapping[str, str]) -> None:
         self.units = dict(units)
         self.n_row = 0
-        self._pieces: list[tuple[int, np.ndarray]] = []  # number of the piece, its rows
-        self._open: list[np.ndarray] = []
+        self._pieces: list[tuple[int, list[np.ndarray]]] = []  # number of the piece, its columns
+        self._open: list[list[np.ndarray]] = []  # parts of the piece that is not full yet
+        self._n_open = 0
         self._every, self._number = 1, 0
 
     def add(self, columns: list[np.ndarray]) -> None:
         """Add rows."""
-        block = np.column_stack(columns)
-        self.n_row += len(block)
-        while len(block):
-            room = _PIECE - sum(map(len, self._open))
-            self._open.append(block[:room])
-            block = block[room:]
-            if sum(map(len, self._open)) == _PIECE:
+        n_row, begin = len(columns[0]), 0
+        self.n_row += n_row
+        while begin < n_row:
+            end = min(n_row, begin + _PIECE - self._n_open)
+            if self._number % self._every == 0:
+                self._open.append([column[begin:end].copy() for column in columns])
+            self._n_open += end - begin
+            begin = end
+            if self._n_open == _PIECE:
                 self._close()
 
     def _close(self) -> None:
-        if self._open and self._number % self._every == 0:
-            self._pieces.append((self._number, np.concatenate(self._open)))
+        if self._open:
+            self._pieces.append((self._number, [np.concatenate(parts) for parts in zip(*self._open, strict=True)]))
         self._number += 1
-        self._open = []
+        self._open, self._n_open = [], 0
         if len(self._pieces) > _PIECES:
             self._every *= 2
             self._pieces = [piece for piece in self._pieces if piece[0] % self._every == 0]
@@ -50,11 +53,10 @@ class Excerpt:
         """The rows kept; pieces that do not follow one another are segments of their own."""
         if self._open:
             self._close()
-        rows = np.concatenate([piece for _, piece in self._pieces] or [np.empty((0, len(self.units)))])
-        numbers = np.concatenate([np.full(len(p), n) for n, p in self._pieces] or [np.zeros(0)])
-        names = list(self.units)
-        columns = {name: np.ascontiguousarray(rows[:, place]) for place, name in enumerate(names)}
-        if len(rows):
+        names, pieces = list(self.units), [piece for _, piece in self._pieces] or [[np.zeros(0)] * len(self.units)]
+        columns = dict(zip(names, map(np.concatenate, zip(*pieces, strict=True)), strict=True))
+        numbers = np.concatenate([np.full(len(p[0]), n) for n, p in self._pieces] or [np.zeros(0)])
+        if len(numbers):
             fresh = (np.diff(columns["segment"]) != 0.0) | (np.diff(numbers) > 1)
             columns["segment"] = np.concatenate([[0.0], np.cumsum(fresh)])
         return Table(columns, self.units)

@@ -1,5 +1,6 @@
 """Runs of equal values: a sensor that is stuck, beyond its range, or too coarse shows by them."""
 
+from collections.abc import Callable
 from math import inf
 from typing import NamedTuple
 
@@ -39,39 +40,53 @@ class ValueRuns:
         """Add samples and the rows that they stand in."""
         if value.size == 0:
             return
-        starts = np.flatnonzero(np.concatenate([[True], value[1:] != value[:-1]]))
-        ends = np.concatenate([starts[1:], [len(value)]])
-        length, of, first, last = ends - starts, value[starts], rows[starts], rows[ends - 1]
-        jump = np.abs(np.diff(of, prepend=of[0] if self._open is None else self._open.value))
-        if self._open is not None and self._open.value == of[0]:
-            length[0] += self._open.length
-            first[0], jump[0] = self._open.first, self._open.jump
-        elif self._open is not None:
-            self._close(*(np.asarray([item]) for item in self._open))
-        self._close(length[:-1], of[:-1], first[:-1], last[:-1], jump[:-1])
-        self._open = _run(-1, length, of, first, last, jump)
+        starts = np.concatenate([[0], np.flatnonzero(value[1:] != value[:-1]) + 1, [len(value)]])
+        length, of = starts[1:] - starts[:-1], value[starts[:-1]]
+        steps = of[1:] - of[:-1]
         self.count += len(value)
-        steps = np.diff(of)
         self.n_turn += int((steps[1:] * steps[:-1] < 0.0).sum())
         if len(self._different) <= _FEW:
             self._different.update(np.unique(of)[: _FEW + 1].tolist())
+        first, before = int(rows[0]), of[0] if self._open is None else self._open.value
+        jump = float(abs(of[0] - before))
+        if self._open is not None and before == of[0]:
+            length[0] += self._open.length
+            first, jump = self._open.first, self._open.jump
+        else:
+            self._close_open()
 
-    def _close(self, *runs: np.ndarray) -> None:
-        length = runs[0]
+        def run(i: int) -> RunOfValues:
+            begin, end = int(starts[i]), int(starts[i + 1]) - 1
+            since = (first, jump) if i == 0 else (int(rows[begin]), float(abs(steps[i - 1])))
+            return RunOfValues(int(length[i]), float(of[i]), since[0], int(rows[end]), since[1])
+
+        self._close(length[:-1], of[:-1], run)
+        self._open = run(len(of) - 1)
+
+    def _close_open(self) -> None:
+        last = self._open
+        if last is not None:
+            self._close(np.asarray([last.length]), np.asarray([last.value]), lambda _: last)
+        self._open = None
+
+    def _close(self, length: np.ndarray, of: np.ndarray, run: Callable[[int], RunOfValues]) -> None:
+        """Count runs by their lengths and values; `run` gives one of them."""
+        if length.size == 0:
+            return
+        held = np.flatnonzero(length >= _HELD)
         self.n_run += len(length)
-        held = length >= _HELD
         self.n_held += int(length[held].sum())
-        for end in (self.low, self.high):
-            end.add(*runs)
-        long = np.flatnonzero(length >= _LONG)
-        self.longest += [_run(i, *runs) for i in long.tolist()]
-        self.longest = sorted(self.longest, reverse=True)[:_KEPT]
+        self.low.add(float(of.min()), held, length, of, run)
+        self.high.add(float(of.max()), held, length, of, run)
+        long = held[length[held] >= _LONG]
+        if len(long) > _KEPT:
+            long = long[length[long] >= np.partition(length[long], -_KEPT)[-_KEPT]]
+        if len(long):
+            self.longest = sorted([*self.longest, *map(run, long.tolist())], reverse=True)[:_KEPT]
 
     def findings(self) -> list[tuple[str, list[RunOfValues], str]]:
         """Kinds of finding with their runs and what else there is to say; call it once, at the end."""
-        if self._open is not None:
-            self._close(*(np.asarray([item]) for item in self._open))
-            self._open = None
+        self._close_open()
         found: list[tuple[str, list[RunOfValues], str]] = []
         held = [run for run in self.longest if run.length >= _FROZEN]
         noisy = self.n_turn > _NOISY * (self.count - sum(run.length for run in held))
@@ -108,21 +123,13 @@ class Extreme:
         self.n_held = self.n_run = 0
         self.runs: list[RunOfValues] = []
 
-    def add(self, length: np.ndarray, value: np.ndarray, first: np.ndarray, last: np.ndarray, jump: np.ndarray) -> None:
-        """Add runs."""
-        if value.size == 0:
-            return
-        best = float(value[np.argmax(self.side * value)])
+    def add(
+        self, best: float, held: np.ndarray, length: np.ndarray, of: np.ndarray, run: Callable[[int], RunOfValues]
+    ) -> None:
+        """Add runs, of which `best` is the largest (smallest) value; those at `held` are long enough to count."""
         if self.side * best > self.side * self.value:
             self.value, self.n_held, self.n_run, self.runs = best, 0, 0, []
-        at = np.flatnonzero((value == self.value) & (length >= _HELD))
+        at = held[of[held] == self.value]
         self.n_held += int(length[at].sum())
         self.n_run += len(at)
-        at = at[: max(0, 20 - len(self.runs))]
-        self.runs += [_run(i, length, value, first, last, jump) for i in at.tolist()]
-
-
-def _run(
-    i: int, length: np.ndarray, value: np.ndarray, first: np.ndarray, last: np.ndarray, jump: np.ndarray
-) -> RunOfValues:
-    return RunOfValues(int(length[i]), float(value[i]), int(first[i]), int(last[i]), float(jump[i]))
+        self.runs += map(run, at[: max(0, 20 - len(self.runs))].tolist())

@@ -84,7 +84,7 @@ def open_mdf(path: Path) -> Log:
         members = file.groups[group]
         indices = [file.masters_db[group], *(place[origin[name]] for name in wanted)]
         channels = [members.channels[index] for index in indices]
-        parts = [file.iter_get(group=group, index=index, samples_only=True, raw=True) for index in indices]
+        fragments = _fragments(file, members)
         notes = [StatusNotes(name, findings) for name in ("", *wanted)]
         begun, total = 0, int(members.channel_group.cycles_nr)
         while begun < total:
@@ -92,7 +92,18 @@ def open_mdf(path: Path) -> Log:
             text: dict[str, np.ndarray] = {}
             try:
                 with redirect_stdout(StringIO()):  # asammdf prints its speed now and then
-                    read_now: list[Any] = [next(part) for part in parts]
+                    fragment = next(fragments)
+                    read_now: list[Any] = [
+                        file.get(
+                            group=group,
+                            index=index,
+                            samples_only=True,
+                            raw=True,
+                            ignore_invalidation_bits=True,
+                            data=fragment,
+                        )
+                        for index in indices
+                    ]
                     found_now = [
                         _physical(raw, c, formulas.get((group, index)), version)
                         for (raw, _), c, index in zip(read_now, channels, indices, strict=True)
@@ -112,6 +123,12 @@ def open_mdf(path: Path) -> Log:
             yield LogBlock(rows, clock * factors[group], values, text, begun / total)
 
     return Log(path, signals, True, read, twice, close, mdf_began(file), also=also, left_out=left_out)
+
+
+def _fragments(file: Any, group: Any) -> Iterator[Any]:
+    """Rows of a group as they are in the file, in pieces; `iter_get` would read and unpack them once for every channel."""
+    inner = getattr(file, "_mdf", file)
+    return iter(inner._load_data(group))
 
 
 def _physical(raw: np.ndarray, channel: Any, formula: Formula | None, version: int) -> Physical:
