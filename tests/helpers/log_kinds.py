@@ -47,10 +47,12 @@ TEXTS = {
         "UTF-8 with a byte order mark": (PLAIN.encode("utf-8-sig"), READ),
         "UTF-16": (german(PLAIN).encode("utf-16"), READ),
         "UTF-16 without a byte order mark": (PLAIN.encode("utf-16-le"), READ),
+        "UTF-32": (PLAIN.encode("utf-32"), READ),
         "Windows letters, first in the header": (lines("{t:.2f},{p},x\n", "time,p,Öl €\n").encode("cp1252"), READ),
         "Latin-1 letters, first in the last row": ((lines("{t:.2f},{p},x\n", "time,p,note\n")[:-2] + "Öl\n").encode("latin-1"), READ),
         "gzip": (gzip.compress(PLAIN.encode()), READ),
         "gzip, cut off": (gzip.compress(PLAIN.encode())[:-40], REFUSED),
+        "commas between columns and within numbers": (PLAIN.replace(".", ","), REFUSED),
         "zeros, as of a binary file": (b"time,p\0\0\n1,2\n", REFUSED),
         "empty": (b"", REFUSED),
         "a header and no rows": ("time,p\n", REFUSED),
@@ -58,6 +60,10 @@ TEXTS = {
     "lines": {
         "a blank first line": ("\n" + PLAIN, READ),
         "comments above the header (`#`, `//`, `%`, `;`)": ("# logger\n// 7\n% x\n; y\n" + PLAIN, READ),
+        "other lines above the header, as wide as the rows": ("-- logger 7, rate 100\n1,2\n" + PLAIN, READ),
+        "a line of kinds of data below the units": (PLAIN.replace("time,p\n", "time,p\ns,bar\nfloat,double\n"), READ),
+        "units in a line above the names": ("s,bar\n" + PLAIN, READ),
+        "a header that comes again": (PLAIN.replace("0.30,", "time,p\n0.30,"), ("no time",)),
         "names in a comment, as NumPy writes them": (lines("{t:.2f} {p}\n", "# time p\n"), READ),
         "a block of metadata above the header": ("Device,ABC\nDate,2024-01-01\nRate,100\n\n" + PLAIN, READ),
         "units in a line below the header": (PLAIN.replace("time,p\n", "time,p\ns,bar\n"), READ),
@@ -76,6 +82,10 @@ TEXTS = {
     "numbers": {
         "Fortran exponents": (lines("{t:.4f}D+00,{p}\n"), READ),
         "thousands, beside decimal commas": (german(PLAIN).replace("100;", "100;").replace(";100,0\n", ";1.000,0\n"), ("thousands",)),
+        "thousands, where other columns have the other mark for decimals": (
+            "time;p\n" + "".join(f"{t:.2f};1,{i:03d}\n" for i, t in enumerate(TIME)), ("thousands",)),
+        "one decimal point among decimal commas before three digits": (
+            german(lines("{t:.2f},1{i:02d}.125\n")).replace("109,125", "109.25"), ("decimal mark", "text")),
         "decimal points among decimal commas": (
             german(PLAIN).replace(";100,0\n", ";100.0\n"), ("decimal mark", "text")),
         "three digits behind every point, beside whole numbers": (
@@ -89,6 +99,8 @@ TEXTS = {
         "ISO 8601": (clocked("2024-03-31T{}", 7170.0), READ),
         "ISO 8601 with `Z` or an offset": (clocked("2024-03-31T{}+01:00", 7170.0), READ),
         "times of day": (clocked("{}", 40000.0), READ),
+        "times of day whose milliseconds stand behind a colon": (
+            "time,p\n" + "".join(f"{clock(t, 40000.0).replace('.', ':')},{p}\n" for t, p in zip(TIME, PRESSURE, strict=True)), READ),
         "31.03.2024 and a time of day": (clocked("31.03.2024 {}", 40000.0), READ),
         "3/31/2024 1:59:57 PM": (clocked("3/31/2024 {} AM", 40000.0), READ),
         "31-Mar-2024": (clocked("31-Mar-2024 {}", 40000.0), READ),

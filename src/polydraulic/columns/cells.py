@@ -11,6 +11,8 @@ ON = ("true", "on", "yes", "ein", "an", "ja", "wahr")
 OFF = ("false", "off", "no", "aus", "nein", "falsch")
 TICKS = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 _FORTRAN = r"^\s*([+-]?[0-9.]+)[dD]([+-]?[0-9]+)\s*$"
+_BETWEEN = "[ '’\u00a0\u202f]"  # thousands, where it can be nothing else
+_GROUPED = rf"^[+-]?[0-9]{{1,3}}(?:{_BETWEEN}[0-9]{{3}})+(?:\.[0-9]*)?$"
 _NONE = np.zeros(0, dtype=np.int64)
 
 
@@ -83,7 +85,9 @@ def text_numbers(cells: Any) -> tuple[np.ndarray, np.ndarray]:
         return trimmed.cast(pa.float64()).to_numpy(zero_copy_only=False), _NONE
     except pa.ArrowInvalid:
         pass
-    plain = pc.replace_substring_regex(trimmed, _FORTRAN, r"\1e\2")
+    plain = pc.replace_substring(pc.replace_substring_regex(trimmed, _FORTRAN, r"\1e\2"), "\u2212", "-")
+    grouped = pc.match_substring_regex(plain, _GROUPED)
+    plain = pc.if_else(grouped, pc.replace_substring_regex(plain, _BETWEEN, ""), plain)
     looks = pc.match_substring_regex(
         plain, r"^[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?$|^[+-]?(?i:inf|infinity|nan)$"
     )

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from polydraulic.columns.header import names_and_units, unit_line
+from polydraulic.columns.header import is_unit, names_and_units, type_line, unit_line
 from polydraulic.columns.source import HEAD, Scan
 from polydraulic.columns.timestamps import time_kind
 from polydraulic.errors import InputError
@@ -16,7 +16,9 @@ from polydraulic.errors import InputError
 BLANKS = "blanks"  # as a delimiter: any run of blanks or tabs
 _LINES = 200  # that are looked at
 _USUAL = 0.05  # share of the rows that may be shorter than the header and are no damage
-_NUMBER = re.compile(r"^\s*[+-]?(\d+([.,]\d+)*[.,]?|[.,]\d+)([eEdD][+-]?\d+)?\s*$")
+_NUMBER = re.compile(
+    r"^\s*[-+\u2212]?(\d+([.,]\d+)*[.,]?|[.,]\d+|\d{1,3}([ '’\u00a0\u202f]\d{3})+([.,]\d*)?)([eEdD][+-]?\d+)?\s*$"
+)
 _COMMENT = ("#", "//", "%")
 _MISSING = ("", "nan", "na", "n/a", "null", "-", "inf", "-inf", "+inf")
 
@@ -91,14 +93,22 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     kept = above
     if above:
         wide = [n for n in above if len(_trimmed(cells[n])) > 1 or len(_trimmed(body[0])) == 1]
+        wide = wide[:-1] if len(wide) > 1 and type_line(cells[wide[-1]]) else wide
         last = wide[-1] if wide else above[-1]
         header, kept = cells[last], [n for n in above if n < last]
         # two lines directly above the rows: names, and units below them
         if len(wide) > 1 and wide[-2] == last - 1 and unit_line(cells[last], cells[wide[-2]]):
             header, units, kept = cells[wide[-2]], cells[last], [n for n in kept if n < wide[-2]]
+        elif len(wide) > 1 and wide[-2] == last - 1 and all(is_unit(cell) for cell in cells[wide[-2]]):
+            units = cells[wide[-2]]  # above the names
     elif (named := _commented_header(texts, first, delimiter, body[0])) is not None:
         header = named
     width, short = _widths(body, header)
+    if delimiter == "," and header is not None and _torn(body, width, len(_trimmed(header))):
+        raise InputError(
+            f"{path}: {width} fields in a row and {len(_trimmed(header))} names: commas part the columns and are decimal marks, too, and cannot be "
+            "told apart; write the log with another delimiter, or with decimal points"
+        )
     n_named = width if header is None else len(_trimmed(header))
     filled = {place for row in body for place, cell in enumerate(row) if cell}
     n_column = max([n_named, *(place + 1 for place in filled)])
@@ -179,7 +189,7 @@ def _first_row(plain: Sequence[int], cells: dict[int, list[str]]) -> int | None:
             if found is None or words <= max(len(values), _words(cells[found])):
                 found = n
                 continue
-        if found is not None and _heads(row):
+        if found is not None and _heads(row) and not _amid(plain.index(n), plain, cells, cells[found]):
             break
     return found
 
@@ -191,6 +201,18 @@ def _words(row: Sequence[str]) -> int:
 def _heads(row: Sequence[str]) -> bool:
     """Whether a line can stand above rows: all words."""
     return any(row) and not any(_value(cell) for cell in row)
+
+
+def _amid(place: int, plain: Sequence[int], cells: dict[int, list[str]], row: Sequence[str]) -> bool:
+    """Whether a line of words stands between rows: a header that comes again, the rest of a cell of two lines."""
+    pattern = [_value(cell) for cell in row]
+    before = [[_value(cell) for cell in cells[n]] for n in plain[max(0, place - 3) : place]]
+    return len(before) == 3 and all(values == pattern for values in before)
+
+
+def _torn(body: Sequence[Sequence[str]], width: int, named: int) -> bool:
+    """Whether numbers with decimal commas are torn at them: twice as many fields as names, and whole numbers in all."""
+    return width == 2 * named and all(cell.lstrip("+-").isdigit() for row in body for cell in row if cell)
 
 
 def _value(cell: str) -> bool:

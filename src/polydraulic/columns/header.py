@@ -23,6 +23,8 @@ _FORMS = (
     re.compile(r"(?i)^(?P<name>.*\S)\s+in\s+(?P<unit>\S+)$"),
     re.compile(r"^(?P<name>.*[^\s,])\s*,\s*(?P<unit>[^\s,]+)$"),
 )
+_BARE = re.compile(r"^(\[[^\]]*\]|\([^()]*\))$")  # a unit by its brackets
+_TYPE = re.compile(r"(?i)^(u?int(8|16|32|64)?|float(32|64)?|double|single|real|bool(ean)?|string|text|numeric|number)$")
 # what a unit must measure where a name says what is measured; elsewhere rates are divided by times, and A is a port
 _TIME = re.compile(r"^(t|(?i:time|timestamp|zeit|zeitstempel|dauer|duration))([ _]|$)")
 _CURRENT = re.compile(r"(?i)^(i|current|strom)([ _]|$)")
@@ -46,9 +48,16 @@ def names_and_units(header: Sequence[str], width: int) -> tuple[list[str], list[
 
 
 def unit_line(cells: Sequence[str], header: Sequence[str]) -> bool:
-    """Whether a line between header and rows gives units: short texts, as many as there are names at most."""
+    """Whether a line beside the header gives units: short texts, as many as there are names at most, one of them a unit for sure."""
     given = [cell for cell in cells if cell]
-    return bool(given) and len(cells) <= len(header) + 1 and all(len(cell) <= 12 for cell in given)
+    short = bool(given) and len(cells) <= len(header) + 1 and all(len(cell) <= 12 for cell in given)
+    return short and any(_BARE.match(cell) or is_unit(cell) or _kind(cell) for cell in given)
+
+
+def type_line(cells: Sequence[str]) -> bool:
+    """Whether a line gives kinds of data, as ``float`` and ``int32``."""
+    given = [cell for cell in cells if cell]
+    return bool(given) and all(_TYPE.match(cell) for cell in given)
 
 
 def is_unit(text: str) -> bool:

@@ -85,7 +85,9 @@ _WINDOWS = [bytes([n]) for n in (0x80, 0x82, 0x84, 0x85, 0x89, 0x91, 0x92, 0x93,
 
 
 def _wide(first: bytes) -> str:
-    """UTF-16, by its mark or by the zeros in every other byte of its first line."""
+    """UTF-32 by its mark; UTF-16 by its mark, or by the zeros in every other byte of its first line."""
+    if first.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        return "utf-32"
     if first.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     start = first[:64]

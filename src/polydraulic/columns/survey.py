@@ -131,10 +131,28 @@ class Evidence:
             self.switches += int(pc.sum(pc.is_in(lower, pa.array([*ON, *OFF]))).as_py() or 0)
             self.words += len(bare) - count(bare, r"^[+-]?[0-9]+(?:[eEdD][+-]?[0-9]+)?$")
 
-    def reading(self, usual: str) -> Notation:
-        """Decide; `usual` is the decimal mark of the file where a column does not tell."""
-        found = self._reading(usual)
+    def reading(self, usual: str, elsewhere: str = "") -> Notation:
+        """Decide; `usual` is the decimal mark of the file where a column does not tell, `elsewhere` that of other columns for sure."""
+        found = self._reading_beside(elsewhere) if elsewhere else None
+        found = self._reading(usual) if found is None else found
         return found._replace(mixed=self.seen["." if found.decimal == "," else ","])
+
+    def _reading_beside(self, mark: str) -> Notation | None:
+        """Decide where three digits behind every mark leave a doubt, and other columns have this decimal mark; None elsewhere."""
+        other = "." if mark == "," else ","
+        sure = self.decimal[mark] + self.certain[other]
+        against = self.decimal[other] + self.certain[mark]
+        if self.three[mark] and against and not sure and self.three[mark] > against:
+            detail = f"{self.three[mark]} with {mark!r} as in other columns, {against} with {other!r}"
+            return Notation(mark, kind="decimal mark", detail=detail)
+        if self.three[other] and not sure and not against and (self.bare_large or not self.bare_small):
+            such = f"{self.three[other]} of them, such as {self.example[other]!r}"
+            if self.three[mark]:
+                return Notation(mark, kind="decimal mark", detail=f"{such}; other columns have {mark!r}")
+            return Notation(
+                mark, other, kind="thousands", detail=f"{such}; other columns have the decimal mark {mark!r}"
+            )
+        return None
 
     def _reading(self, usual: str) -> Notation:
         n_number = sum(self.decimal.values()) + sum(self.three.values()) + sum(self.certain.values())
@@ -165,13 +183,15 @@ class Evidence:
         return Notation(mark)
 
 
-def survey(blocks: Iterable[dict[str, Any]], columns: Iterable[str], usual: str) -> dict[str, Notation]:
+def survey(
+    blocks: Iterable[dict[str, Any]], columns: Iterable[str], usual: str, elsewhere: str = ""
+) -> dict[str, Notation]:
     """One reading for each column, from all blocks of cells."""
     evidence = {name: Evidence() for name in columns}
     for block in blocks:
         for name, seen in evidence.items():
             seen.look(block[name])
-    return {name: seen.reading(usual) for name, seen in evidence.items()}
+    return {name: seen.reading(usual, elsewhere) for name, seen in evidence.items()}
 
 
 class TextColumn:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -177,8 +178,7 @@ class TextFile:
 
     def _doubtful(self, places: dict[str, int], mark: str) -> dict[str, int]:
         """Columns whose first cells do not settle whether a mark is the decimal one."""
-        m = re.escape(mark)
-        settles = re.compile(rf"^[+-]?(0*{m}\d+|0{m}\d*|\d+{m}(\d{{0,2}}|\d{{4,}}))([eE].*)?$")
+        settles = _settles(mark)
         found = {}
         for name, place in places.items():
             cells = [row[place] for row in self.dialect.sample if place < len(row) and row[place]]
@@ -186,12 +186,18 @@ class TextFile:
                 found[name] = place
         return found
 
+    def _sure_mark(self) -> str:
+        """The decimal mark that the first cells of all columns show for sure; empty if they show none, or both often."""
+        cells = [cell for row in self.dialect.sample for cell in row]
+        comma, point = (sum(bool(_settles(mark).match(cell)) for cell in cells) for mark in ",.")
+        return "," if comma > 20 * point else "." if point > 20 * comma else ""
+
     def _survey(self, places: dict[str, int]) -> dict[str, Notation]:
         if not places:
             return {}
         usual = "," if self._comma and self.dialect.delimiter != "," else "."
         blocks = cell_blocks(self.path, self._scan, self.dialect, list(dict.fromkeys(places.values())), Silent())
-        found = survey((_by_name(block.cells, places) for block in blocks), places, usual)
+        found = survey((_by_name(block.cells, places) for block in blocks), places, usual, self._sure_mark())
         return found
 
     def order(self, name: str) -> DateOrder:
@@ -251,6 +257,13 @@ class _Time:
     def _note(self, cells: Any, bad: np.ndarray) -> None:
         if bad.size:
             self.notes.add("no time", self.name, f"such as {cells[int(bad[0])].as_py()!r}")
+
+
+@cache
+def _settles(mark: str) -> re.Pattern[str]:
+    """What cells look like in which a mark can be nothing but the decimal one."""
+    m = re.escape(mark)
+    return re.compile(rf"^[+-]?(0*{m}\d+|0{m}\d*|\d+{m}(\d{{0,2}}|\d{{4,}}))([eE].*)?$")
 
 
 def _by_name(cells: dict[int, Any], places: dict[str, int]) -> dict[str, Any]:

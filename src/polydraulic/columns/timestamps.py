@@ -17,7 +17,9 @@ DAY = 86400.0  # s
 _MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec".split()
 _NAMES = {name: n for n, name in enumerate(_MONTHS, 1)} | {"mrz": 3, "mär": 3, "mai": 5, "okt": 10, "dez": 12}
 _DATE = r"(?P<a>\d{1,4})(?P<mark>[-./ ])(?P<b>\d{1,2}|[A-Za-zä]{3})[-./ ](?P<c>\d{1,4})"
-_OF_DAY = r"(?P<h>\d{1,3}):(?P<m>\d{1,2})(?::(?P<s>\d{1,2}(?:[.,]\d*)?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+_OF_DAY = (
+    r"(?P<h>\d{1,3}):(?P<m>\d{1,2})(?::(?P<s>\d{1,2}(?:[.,]\d*|:\d{3}(?:\d{3})?)?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+)
 _ZONE = r"\s*(?P<zone>[Zz]|UTC|GMT|[+-]\d{2}:?\d{2}|[+-]\d{2})?"
 _STAMP = rf"^{_DATE}(?:(?:[T,_]\s*|\s+){_OF_DAY}{_ZONE})?$"
 _CLOCK = rf"^(?P<sign>-?){_OF_DAY}$"
@@ -193,7 +195,7 @@ def _float(texts: Any) -> np.ndarray:
     import pyarrow.compute as pc
 
     if pa.types.is_string(texts.type):
-        texts = pc.replace_substring(texts, ",", ".")
+        texts = pc.replace_substring_regex(texts, "[,:]", ".")
         texts = pc.if_else(pc.match_substring_regex(texts, r"^[+-]?[0-9]+\.?[0-9]*$"), texts, None)
         texts = pc.replace_substring_regex(texts, r"^\+", "")
     return texts.cast(pa.float64()).to_numpy(zero_copy_only=False)

@@ -60,7 +60,7 @@ def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion],
     ends = np.array([axis.get_xlim() for axis in axes])
     axes[0].set_xlim(ends[:, 0].min(), ends[:, 1].max())
     for axis in axes[1:]:
-        axis.xaxis.set_major_locator(FixedLocator(axes[0].get_xticks()))
+        axis.xaxis.set_major_locator(FixedLocator(axes[0].get_xticks().tolist()))
         axis.xaxis.set_major_formatter(NullFormatter())
         axis.set_xlim(axes[0].get_xlim())
     return _svg(figure, "signals")

@@ -122,3 +122,81 @@ def test_ragged_rows_stay_in_their_order_across_blocks(tmp_path):
     assert np.array_equal(np.concatenate([b.time for b in blocks]), np.arange(n))
     assert np.array_equal(np.isnan(np.concatenate([b.values["x"] for b in blocks])), np.arange(n) % 3 == 0)
     assert findings.of("short line")[0].count == -(-n // 3)
+
+
+@pytest.mark.parametrize(
+    ("cell", "expected"),
+    [
+        ("1\u00a0{i:03d},5", 1000.5),
+        ("1\u202f{i:03d},5", 1000.5),
+        ("1 {i:03d},5", 1000.5),
+        ("1'{i:03d},5", 1000.5),
+        ("\u22121{i:03d},5", None),
+    ],
+)
+def test_marks_that_can_only_be_thousands_and_minus_signs_of_typography_are_read(tmp_path, cell, expected):
+    rows = "".join(f"0,{i:02d};{cell.format(i=i)}\n" for i in range(60))
+    (tmp_path / "log.csv").write_text("time;p\n" + rows, encoding="utf-8")
+    _, table = import_of(tmp_path / "log.csv")
+    number = np.arange(60.0)
+    assert table["p"] == pytest.approx(1e5 * (-1000.5 - number if expected is None else expected + number))
+
+
+def test_a_column_with_the_other_mark_before_three_digits_is_not_made_a_thousand_times_as_large(tmp_path):
+    german = "".join(f"0,{i:02d};{'109.25' if i == 50 else f'1{i:02d},125'}\n" for i in range(60))
+    (tmp_path / "log.csv").write_text("time;p\n" + german)
+    found, table = import_of(tmp_path / "log.csv")
+    assert table["p"].max() == pytest.approx(159.125e5)
+    assert "as in other columns" in found.findings.of("decimal mark")[0].detail
+    (tmp_path / "log.csv").write_text("time;p\n" + "".join(f"0.{i:02d};1,{i:03d}\n" for i in range(60)))
+    found, table = import_of(tmp_path / "log.csv")
+    assert table["p"] == pytest.approx(1e5 * (1000.0 + np.arange(60)))
+    assert "other columns have the decimal mark '.'" in found.findings.of("thousands")[0].detail
+
+
+def test_a_header_that_comes_again_or_a_cell_of_two_lines_hides_no_rows(tmp_path):
+    rows = [f"{i / 100:.2f},{100 + i},x" for i in range(190)]
+    for amid in ("time,p,note", '0.95,100,"a\nb"'):
+        text = "\n".join(["time,p,note", *rows[:100], amid, *rows[100:]])
+        (tmp_path / "log.csv").write_text(text + "\n")
+        with open_log(tmp_path / "log.csv") as log:
+            assert [signal.name for signal in log.signals] == ["time", "p", "note"]
+        found, _ = import_of(tmp_path / "log.csv")
+        assert found.checks[0].given >= 190
+
+
+def test_numbers_and_texts_of_one_column_are_the_same_in_blocks_of_any_size(tmp_path, monkeypatch):
+    cells = [f"{100 + i / 8}" for i in range(4000)]
+    cells[1500], cells[1501], cells[2500], cells[3500] = "error", " 7 ", "+8", "inf"
+    rows = [f"{i / 100:.2f},{cell}" for i, cell in enumerate(cells)]
+    rows[700], rows[3000], rows[3001] = "7.00,187.5,", "30.00", "# stop"
+    (tmp_path / "log.csv").write_text("time,p\n" + "\n".join(rows))
+    found = []
+    for size in (997, 5000, 4 << 20):
+        monkeypatch.setattr("polydraulic.columns.rows.BLOCK", size)
+        findings = Findings()
+        with open_log(tmp_path / "log.csv") as log:
+            blocks = list(log.read(0, ["p"], "time", findings))
+        places = [block.rows[block.text["p"]] for block in blocks]
+        columns = [np.concatenate([getattr(block, key) for block in blocks]) for key in ("rows", "time")]
+        values = np.concatenate([block.values["p"] for block in blocks])
+        found.append(
+            (
+                [c.tolist() for c in columns],
+                values.tolist(),
+                np.concatenate(places).tolist(),
+                [str(f) for f in findings],
+            )
+        )
+    assert str(found[0]) == str(found[1]) == str(found[2])
+    (rows, _), values, texts, said = found[0]
+    assert (len(rows), texts) == (3998, [1501])
+    assert (values[1501], values[2500]) == (7.0, 8.0)
+    assert {text.partition(" ")[0] for text in said} == {"missing", "comment"}
+
+
+def test_a_line_longer_than_a_block_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("polydraulic.columns.rows.BLOCK", 1000)
+    (tmp_path / "log.csv").write_text("time,p\n" + "".join(f"{i},1\n" for i in range(300)) + "1," + "9" * 3000 + "\n")
+    with pytest.raises(InputError, match="a line is longer than 1000 bytes"), open_log(tmp_path / "log.csv") as log:
+        list(log.read(0, ["p"], "time", Findings()))

@@ -130,7 +130,7 @@ def _answers(
     for name in inputs:
         u_parts = [table[name][part] for part in segments]
         timings = _timings(u_parts, list(y_parts.values()), raster)
-        found = {}
+        found: dict[str, Deadband] = {}
         for (output, parts), timing in zip(y_parts.items(), timings, strict=True):
             if timing[2] >= _EXPLAINED:
                 label = output if rates[output] else f"d({output})/dt"
@@ -259,11 +259,11 @@ def _moments(u: np.ndarray, y: np.ndarray, grid: np.ndarray, blocks: int) -> tup
     over = sums[:, :, ::-1].cumsum(axis=2)[:, :, ::-1][:, :, 1:]  # beyond each edge
     under = sums.cumsum(axis=2)[:, :, :-1]
 
-    def side(n: np.ndarray, x: np.ndarray, xx: np.ndarray, z: np.ndarray, xz: np.ndarray, sign: float) -> np.ndarray:
-        parts = sign * (x - grid * n), xx - grid * (2.0 * x - grid * n), sign * (xz - grid * z)
-        return np.stack(parts, axis=-1)
+    def side(sums: np.ndarray, sign: float) -> np.ndarray:
+        n, x, xx, z, xz = sums
+        return np.stack((sign * (x - grid * n), xx - grid * (2.0 * x - grid * n), sign * (xz - grid * z)), axis=-1)
 
-    return side(*over, 1.0), side(*under, -1.0), rows
+    return side(over, 1.0), side(under, -1.0), rows
 
 
 def _edges(
