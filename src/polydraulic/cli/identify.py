@@ -48,7 +48,7 @@ def identify(
 
     With --plan it says, before anything is fitted, what each further sensor or motion would add. It wants voltages and joints of all functions.
 
-    Interrupted (Ctrl-C), it keeps the circuits that are finished in a folder beside --out, and the next run goes on from there.
+    Interrupted (Ctrl-C), it keeps what is finished, circuits and steps of simulation, in a folder beside --out, and the next run goes on from there.
 
     Example: `polydraulic identify table.parquet --machine my_machine.toml --out identified.toml --card identified.html`
 

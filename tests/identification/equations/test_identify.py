@@ -12,6 +12,7 @@ from polydraulic import InputError, load_machine
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.identification import identify
 from polydraulic.identification.equations.finished import Finished
+from polydraulic.identification.equations.shooting.fit import Reached
 from polydraulic.machine.pump import limited_pump
 from polydraulic.tables import Table
 
@@ -183,6 +184,7 @@ def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
         ("q_in", 6e4, "swing.q_in.* must be in m3/s;"),
         ("angle", 180.0 / np.pi, "boom.angle.* must be in rad"),
         ("p_", 1e-5, "pressures must be in Pa"),
+        ("voltage", 100.0, "swing.voltage.* gives full travel: it must be in V, not in per cent"),
     ],
 )
 def test_numbers_that_are_not_in_si_are_refused_where_no_unit_is_stated(true, log, quantity, factor, match):
@@ -243,3 +245,17 @@ def test_finished_circuits_are_read_as_they_were(found, tmp_path):
     kept.forget()
     assert not (tmp_path / "parts").exists()
     assert Finished(None, "digest").circuit("boom") is None
+
+
+def test_how_far_simulation_has_come_is_read_as_it_was(tmp_path):
+    kept, reached = (
+        Finished(tmp_path, "digest"),
+        Reached(2, 3, np.array([0.1, 1 / 3]), np.ones((4, 8)), np.array([1e-4])),
+    )
+    assert kept.runs() is None
+    kept.keep_runs(reached)
+    again = kept.runs()
+    assert again[:2] == (2, 3)
+    assert all(np.array_equal(ours, was) for ours, was in zip(again[2:], reached[2:], strict=True))
+    assert Finished(tmp_path, "other").runs() is None
+    assert Finished(None, "digest").runs() is None

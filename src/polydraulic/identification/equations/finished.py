@@ -1,4 +1,4 @@
-"""Circuits that are finished, on disk, so that an identification that was interrupted goes on where it was."""
+"""Circuits that are finished, and how far simulation has come, on disk, so that an identification that was interrupted goes on where it was."""
 
 import json
 from pathlib import Path
@@ -8,11 +8,14 @@ import numpy as np
 
 from polydraulic.files import write_text
 from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
+from polydraulic.identification.equations.shooting.fit import Reached
 from polydraulic.parameters.layout.parts import ValveCurves
+
+_RUNS = "simulation-so-far"  # no circuit can be called so
 
 
 class Finished:
-    """Circuits that are kept in a folder, under a digest of what they came from.
+    """Circuits, and how far simulation has come, that are kept in a folder, under a digest of what they came from.
 
     Parameters
     ----------
@@ -40,6 +43,24 @@ class Finished:
         """Keep a finished circuit."""
         if self.folder is not None:
             write_text(self.folder / f"{name}.json", json.dumps({"digest": self.digest, **_plain(found)}))
+
+    def runs(self) -> Reached | None:
+        """How far simulation had come, None if it was not begun."""
+        if self.folder is None:
+            return None
+        try:
+            data = json.loads((self.folder / f"{_RUNS}.json").read_text(encoding="utf-8"))
+            if data["digest"] != self.digest:
+                return None
+            parts = (np.array(data[key], dtype=np.float64) for key in ("u", "states", "noise"))
+            return Reached(int(data["passes"]), int(data["steps"]), *parts)
+        except (OSError, ValueError, KeyError, TypeError):  # absent, or of another version: it begins anew
+            return None
+
+    def keep_runs(self, reached: Reached) -> None:
+        """Keep how far simulation has come."""
+        if self.folder is not None:
+            write_text(self.folder / f"{_RUNS}.json", json.dumps({"digest": self.digest, **_plain(reached)}))
 
     def forget(self) -> None:
         """Remove what was kept, once all is finished."""

@@ -140,7 +140,7 @@ def identify(
         Patterns of paths that may change, such as ``functions.*.valve.*``, besides what the file marks with ``free = true``. If nothing is
         marked either, curves, pumps and pilots may; masses and friction only where a log tells nothing else.
     parts : str or Path, optional
-        Folder in which finished circuits are kept while the others are fitted, and found again by the next call with the same log and machine.
+        Folder in which finished circuits, and how far simulation has come, are kept, and found again by the next call with the same log and machine.
     progress : Progress, optional
 
     Returns
@@ -191,7 +191,11 @@ def identify(
         mechanics = find_mechanics(so_far, table, unasked=not so_far.changes and not simulated)
         taken = _taken(before, pilots, circuits, mechanics)
         runs = find_left(
-            so_far, table, taken, lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps)
+            so_far,
+            table,
+            taken,
+            finished,
+            lambda done, of: progress("simulation", at + 1 + done * simulated // of, steps),
         )
     lacks = [f"{what}: {'not by regression' if runs else 'kept'}; {why}" for what, why in so_far.lacks.items()]
     if not so_far.changes:

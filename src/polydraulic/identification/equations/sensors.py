@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.display import amount
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.equations.parabolas import ROWS as SMOOTHED
@@ -27,6 +28,7 @@ UNITS = {
 _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
+_LEVERS = 10.0  # times the voltage of full travel
 _MANY = 0.05  # share of rows that are no outliers
 
 
@@ -79,7 +81,7 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     ------
     InputError
         Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, or no pressure
-        of the log comes to one bar.
+        of the log comes to one bar; or levers go many times beyond the voltage of full travel.
     """
     most_flow = _FLOWS * max(circuit.pump.flow for circuit in machine.circuits)
     for f in machine.functions:
@@ -98,6 +100,13 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
             name = f"{f.name}.{what}"
             if name in table.names and (np.abs(table[name]) > most).mean() > _MANY:
                 raise _not_si(table, name, f"no more than {most:.4g} {unit} can be: it must be in {unit}")
+        name, full = f"{f.name}.voltage", f.valve.knots[-1] / f.pilot.gain
+        if name in table.names and (np.abs(table[name]) > _LEVERS * full).mean() > _MANY:
+            raise _not_si(
+                table,
+                name,
+                f"and by the file's pilot {amount(full, 'V')} gives full travel: it must be in V, not in per cent of a lever's way",
+            )
     pressures = [table[name] for name in table.names if name.split(".")[-1] in ("p_a", "p_b")]
     most = max((float(values.max()) for values in pressures), default=0.0)
     if 0.0 < most < _LEAST_PRESSURE:

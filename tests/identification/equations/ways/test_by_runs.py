@@ -9,6 +9,7 @@ from helpers.operator_log import operator_log
 from polydraulic import InputError, load_machine
 from polydraulic.identification import identify, write_identification_card
 from polydraulic.identification.equations.free_numbers import freedom
+from polydraulic.identification.equations.shooting import fit
 from polydraulic.identification.equations.ways.by_runs import entries_left, lacking_for_runs
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.tables import Table
@@ -39,6 +40,36 @@ def test_curves_pumps_and_pilots_are_left_unless_they_were_found():
     assert "functions.lift.friction.coulomb" in left
     assert "functions.lift.stops.low" not in left
     assert any(line.startswith("functions.lift.stops.low: kept; sizes, places") for line in named.kept)
+
+
+def test_a_simulation_that_was_interrupted_goes_on(tmp_path, monkeypatch):
+    true, parts = load_machine(NAME), tmp_path / "parts"
+    log, free = commands_and_angles(operator_log(NAME, seconds=13.0)), ["functions.lift.pilot.gain"]
+    start, slopes, made = begun(true, 1.12, ("lift.pilot.gain",)), fit.window_slopes, []
+
+    def counted(*given):
+        made.append(None)
+        return slopes(*given)
+
+    def interrupted(what, done, total):
+        if what == "simulation" and len(made) > 6:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(fit, "window_slopes", counted)
+    with pytest.raises(KeyboardInterrupt):
+        identify(log, start, free=free, parts=parts, progress=interrupted)
+    assert [path.name for path in parts.iterdir()] == ["simulation-so-far.json"]
+    begun_with = len(made)
+    made.clear()
+    other = identify(log, begun(true, 1.1, ("lift.pilot.gain",)), free=free, parts=tmp_path / "others")
+    whole = len(made)
+    made.clear()
+    found = identify(log, start, free=free, parts=parts)
+    assert len(made) < whole - begun_with + 4
+    assert not parts.exists()
+    gain = [m.machine.function("lift").pilot.gain for m in (found, other)]
+    assert gain[0] == pytest.approx(gain[1], rel=1e-3)
+    assert gain[0] == pytest.approx(true.function("lift").pilot.gain, rel=5e-3)
 
 
 def test_pilots_and_pump_from_commands_and_angles_alone(tmp_path):

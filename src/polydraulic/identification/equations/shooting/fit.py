@@ -6,7 +6,6 @@ small system over the numbers. Numbers and states have priors; rows far off coun
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -89,6 +88,27 @@ class ShootingFit(NamedTuple):
     travel: dict[str, float]
 
 
+class Reached(NamedTuple):
+    """How far a search has come: what it can go on from.
+
+    Attributes
+    ----------
+    passes, steps : int
+        Passes that are done, and steps of the next one.
+    u : (n,) array
+        Coordinates of the numbers.
+    states : (n_window, 4 n_function) array
+    noise : (n_channel,) array
+        As it is taken in that pass.
+    """
+
+    passes: int
+    steps: int
+    u: np.ndarray
+    states: np.ndarray
+    noise: np.ndarray
+
+
 def fit_by_shooting(
     log: Table | str | Sequence[Table | str],
     machine: LayoutMachine,
@@ -97,6 +117,8 @@ def fit_by_shooting(
     sensors: Sequence[str] | None = None,
     seconds: float = SECONDS,
     most: int = MOST_WINDOWS,
+    begun: Reached | None = None,
+    keep: Callable[[Reached], object] = lambda reached: None,
     progress: Progress = quiet,
 ) -> ShootingFit:
     """Find numbers of a machine such that its runs read what sensors read.
@@ -116,6 +138,10 @@ def fit_by_shooting(
         Length of a window.
     most : int
         Windows at most, spread over the log; the time that it takes grows with them.
+    begun : Reached, optional
+        What the same search had come to when it was interrupted.
+    keep : function (Reached)
+        Told after every step what the search has come to.
     progress : Progress, optional
 
     Returns
@@ -139,11 +165,20 @@ def fit_by_shooting(
         machine, table, known if sensors is None else list(dict.fromkeys(sensors)), seconds=seconds, most=most
     )
     search = _Search(machine, numbers, windows)
-    u = to_unbounded(numbers, numbers.start)
-    total, done = sum(steps for _, steps in _PASSES), 0
-    for looser, steps in _PASSES:
-        u = search.lowered(u, looser, steps, partial(_told, progress, done, done + steps, total))
-        done += steps
+    u, first, made = to_unbounded(numbers, numbers.start), 0, 0
+    if begun is not None and search.goes_on_from(begun):
+        u, first, made = begun.u, begun.passes, begun.steps
+    total = sum(steps for _, steps in _PASSES)
+    done = sum(steps for _, steps in _PASSES[:first])
+    for number, (looser, steps) in enumerate(_PASSES[first:], first):
+
+        def told(own: int, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
+            assert search.here is not None
+            keep(Reached(number, own, u, search.here.states, search.noise))
+            progress("identify", done + min(own, steps), total)
+
+        u = search.lowered(u, looser, steps, made, told)
+        done, made = done + steps, 0
     progress("identify", total, total)
     columns = [channel.column for channel in windows.channels]
     found = search.machine_at(u)
@@ -156,10 +191,6 @@ def fit_by_shooting(
         seconds,
         commanded_travel(found, windows),
     )
-
-
-def _told(progress: Progress, begun: int, end: int, total: int, attempt: int, loss: float) -> None:
-    progress("identify", min(begun + attempt, end), total)
 
 
 class _Here(NamedTuple):
@@ -204,21 +235,37 @@ class _Search:
         least = np.array([channel.noise for channel in self.windows.channels])
         return np.maximum(1.4826 * np.median(np.abs(off), axis=(0, 1)), least)
 
-    def lowered(self, u: np.ndarray, looser: float, steps: int, watch: Callable[[int, float], None]) -> np.ndarray:
-        """Coordinates with less loss, where noise is `looser` times what residuals show."""
+    def goes_on_from(self, begun: Reached) -> bool:
+        """Take states and noise of a search that was interrupted; not those of other numbers, windows or sensors."""
+        fits = [part.shape for part in begun[2:]] == [self.numbers.start.shape, self.first.shape, self.noise.shape]
+        if fits and self._possible(begun.u) is not None:
+            self.noise = begun.noise
+            self.here = self._at(begun.u, begun.states)
+        return self.here is not None
+
+    def lowered(
+        self, u: np.ndarray, looser: float, steps: int, made: int, told: Callable[[int, np.ndarray], None]
+    ) -> np.ndarray:
+        """Coordinates with less loss, where noise is `looser` times what residuals show; some of the steps may be made already."""
         if self.here is None:
             self.noise = looser * self.noise
             self.here = self._settled(u)
-        else:
+        elif not made:
             off = self.here.off.reshape(self.windows.measured.shape) * self.noise
             self._scale_to(looser * self._spread_of(off))
-        self._u = u
+        self._u, count = u, made
+
+        def watch(attempt: int, loss: float) -> None:
+            nonlocal count
+            count += 1
+            told(count, self._u)
+
         found, _ = lower_loss(
             u,
             self._equations(u, self.here),
             self._evaluate,
             _RULES,
-            max_steps=steps,
+            max_steps=steps - made,
             max_attempts=2 * steps,
             watch=watch,
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 from polydraulic.display import amount
 from polydraulic.errors import InputError
+from polydraulic.identification.equations.finished import Finished
 from polydraulic.identification.equations.free_numbers import CURVES
 from polydraulic.identification.equations.numbers.spreads import spreads_of
 from polydraulic.identification.equations.pilot_fit import told_dead_time
@@ -39,7 +40,7 @@ def lacking_for_runs(machine: LayoutMachine, table: Table) -> str:
 
 
 def find_left(
-    so_far: SoFar, table: Table, taken: tuple[str, ...], tell: Callable[[int, int], object]
+    so_far: SoFar, table: Table, taken: tuple[str, ...], finished: Finished, tell: Callable[[int, int], object]
 ) -> ShootingFit | None:
     """Numbers that are free and were not found, None where there are none or the log lacks what it takes.
 
@@ -50,6 +51,8 @@ def find_left(
         The log, in SI.
     taken : tuple of str
         Beginnings of paths that were found, or that the log was asked for and does not show.
+    finished : Finished
+        Where what was interrupted is found, and kept.
     tell : callable
         Told how many pieces of the work are done, and of how many.
     """
@@ -62,7 +65,7 @@ def find_left(
             raise InputError(lacking)
         found = fit_by_shooting(
             table, so_far.machine, spreads_of(so_far.machine, left), seconds=SECONDS, most=MOST_WINDOWS,
-            progress=lambda _, done, total: tell(done, total),
+            begun=finished.runs(), keep=finished.keep_runs, progress=lambda _, done, total: tell(done, total),
         )  # fmt: skip
     except InputError as error:
         so_far.lacks[WAY] = str(error).removeprefix("table: ")
