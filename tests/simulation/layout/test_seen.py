@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from polydraulic import InputError, load_machine, random_operator, simulate
+from helpers.held_levers import held_scenario, random_levers
+from polydraulic import InputError, Simulator, load_machine, random_operator, simulate
 from polydraulic.parameters.layout.parts import Seen
 from polydraulic.simulation.summary import warnings
 
@@ -40,6 +41,21 @@ def test_methods_with_their_own_steps_count_rows(machine):
     run = simulate(identified(machine, Seen(6e-3)), "exact", SCENARIO, t_end=2.0, method="rosenbrock")
     assert run.info["rows_beyond_log"] == np.count_nonzero(np.abs(run["boom.spool"]) > 6e-3) > 0
     assert any("rows" in line and "identified from" in line for line in warnings(run))
+
+
+def test_a_simulator_counts_the_same_steps(machine):
+    seen = identified(machine, Seen(6e-3, 1e7))
+    levers = random_levers(1, 240, 3, limit=1.2, each=40)
+    run = simulate(seen, "exact", held_scenario(machine, levers, 5e-3))
+    with Simulator(seen) as one:
+        for k in range(0, 240, 40):
+            one.step(levers[k], n=40)
+        assert one["boom.spool"] == run["boom.spool"][-1]
+        assert one.steps_beyond_log == one.steps_out_of_domain == run.info["steps_beyond_log"] > 0
+        one.reset()
+        assert one.steps_beyond_log == 0
+        one.change({"functions.boom.valve.knots": machine.function("boom").valve.knots})
+        assert one.machine.function("boom").seen == Seen(6e-3, 1e7)
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,42 @@
-"""Rows of a run that went beyond what the log of an identified machine had."""
+"""What went beyond the log that a machine was identified from: a spool, or the pressure at the port that an open valve feeds."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import Columns
+
+
+class SeenLimits(NamedTuple):
+    """How far the log went, by function; inf where a function was not identified.
+
+    Attributes
+    ----------
+    opens, travel : (n_function,) array, m
+        Travel at which a valve opens, and the largest that was seen.
+    pressure : (n_function,) array, Pa
+        The largest at the port that an open valve feeds.
+    """
+
+    opens: np.ndarray
+    travel: np.ndarray
+    pressure: np.ndarray
+
+
+def seen_limits(machine: LayoutMachine) -> SeenLimits:
+    """How far the log of a machine went."""
+    opens = [
+        next((k for k, wide in zip(f.valve.knots, f.valve.inlet[1:], strict=False) if wide > 0.0), 0.0)
+        for f in machine.functions
+    ]
+    seen = [(np.inf, np.inf) if f.seen is None else (f.seen.travel, f.seen.pressure) for f in machine.functions]
+    return SeenLimits(np.array(opens), *np.array(seen).T.copy())
+
+
+def is_identified(machine: LayoutMachine) -> bool:
+    """Whether a log was seen of any function."""
+    return any(f.seen is not None for f in machine.functions)
 
 
 def beyond_seen(machine: LayoutMachine, columns: Columns, rows: np.ndarray) -> np.ndarray | None:
@@ -20,13 +53,12 @@ def beyond_seen(machine: LayoutMachine, columns: Columns, rows: np.ndarray) -> n
     -------
     (n_row,) array of bool, or None for a machine that was not identified
     """
-    if all(f.seen is None for f in machine.functions):
+    if not is_identified(machine):
         return None
-    found = np.zeros(len(rows), dtype=bool)
-    for f in machine.functions:
-        if f.seen is not None:
-            spool, p_a, p_b = (rows[:, columns.place[f"{f.name}.{key}"]] for key in ("spool", "p_a", "p_b"))
-            opens = next((k for k, wide in zip(f.valve.knots, f.valve.inlet[1:], strict=False) if wide > 0.0), 0.0)
-            fed = (np.abs(spool) > opens) & (np.where(spool > 0.0, p_a, p_b) > f.seen.pressure)
-            found |= (np.abs(spool) > f.seen.travel) | fed
-    return found
+    limits = seen_limits(machine)
+    spool, p_a, p_b = (
+        rows[:, [columns.place[f"{name}.{key}"] for name in machine.names]] for key in ("spool", "p_a", "p_b")
+    )
+    travel = np.abs(spool)
+    fed = (travel > limits.opens) & (np.where(spool > 0.0, p_a, p_b) > limits.pressure)
+    return np.asarray(((travel > limits.travel) | fed).any(axis=1))

@@ -12,6 +12,7 @@ from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.input_check import BEYOND
 from polydraulic.simulation.layout.methods.event_log import event_limits
+from polydraulic.simulation.layout.seen import seen_limits
 from polydraulic.simulation.stepping.marks import Hand
 
 LONGEST_DELAY = 100_000  # steps of a dead time, each of which is remembered
@@ -37,6 +38,7 @@ def hand_of(machine: LayoutMachine, dt: float, locked: Collection[str]) -> Hand:
         np.array([int(name not in locked) for name in machine.names], dtype=np.int64),
         np.array(wait, dtype=np.int64),
         event_limits(machine),
+        seen_limits(machine),
     )
 
 

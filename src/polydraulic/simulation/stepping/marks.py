@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.simulation.layout.methods.event_log import EventLimits
+from polydraulic.simulation.layout.seen import SeenLimits
 
 # places in `counts`
 STEPS = 0  # made since the start
@@ -17,7 +18,8 @@ CHANGES = 3  # pairs of rows in `changes`
 STOP = 4  # 1: end a call after a step in which an event begins or ends
 STATUS = 5  # why the last call ended
 WHICH = 6  # function whose lever was refused
-FLAGS = 7  # conditions that hold; then those of the step before
+BEYOND = 7  # steps beyond the log that the machine was identified from
+FLAGS = 8  # conditions that hold; then those of the step before
 
 DONE, REFUSED, LOST, NOTED = (
     0,
@@ -40,9 +42,12 @@ class Hand(NamedTuple):
     wait : (n_function,) array of int
         Dead time in steps.
     limits : EventLimits
+    seen : SeenLimits
+        Of the log that the machine was identified from.
     """
 
     most: np.ndarray
     moves: np.ndarray
     wait: np.ndarray
     limits: EventLimits
+    seen: SeenLimits

@@ -17,7 +17,17 @@ from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.stepping.engine import engine_of
 from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
-from polydraulic.simulation.stepping.marks import CHANGES, OUTSIDE, REFUSED, STATUS, STEPS, STOP, UNSETTLED, WHICH
+from polydraulic.simulation.stepping.marks import (
+    BEYOND,
+    CHANGES,
+    OUTSIDE,
+    REFUSED,
+    STATUS,
+    STEPS,
+    STOP,
+    UNSETTLED,
+    WHICH,
+)
 from polydraulic.simulation.stepping.noted import events_between
 from polydraulic.simulation.stepping.pace import Pace
 from polydraulic.simulation.stepping.per_machine import count
@@ -153,8 +163,13 @@ class Simulator:
 
     @property
     def steps_out_of_domain(self) -> int:
-        """Of these, steps outside the flow model's domain."""
-        return int(self._counts[OUTSIDE])
+        """Of these, steps outside the flow model's domain, or beyond the log that the machine was identified from, whichever are more."""
+        return int(max(self._counts[OUTSIDE], self._counts[BEYOND]))
+
+    @property
+    def steps_beyond_log(self) -> int:
+        """Of these, steps beyond the travel or pressure of the log that the machine was identified from; 0 if it was not."""
+        return int(self._counts[BEYOND])
 
     def reset(self, state: np.ndarray | Mapping[str, float] | None = None) -> None:
         """Begin anew at time 0, with centred levers and the load that the simulator was built with.

@@ -24,7 +24,7 @@ _IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN",
     "from polydraulic.simulation.layout.methods.event_log import fill_flags",
-    "from polydraulic.simulation.stepping.marks import CHANGES, DONE, FLAGS, LOST, NOTED, OUTSIDE, REFUSED, STATUS, STEPS, STOP, UNSETTLED, WHICH",
+    "from polydraulic.simulation.stepping.marks import BEYOND, CHANGES, DONE, FLAGS, LOST, NOTED, OUTSIDE, REFUSED, STATUS, STEPS, STOP, UNSETTLED, WHICH",
 )
 # of the text of the step
 _STEP = (
