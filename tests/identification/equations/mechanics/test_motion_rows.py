@@ -29,5 +29,5 @@ def test_rows_hold_with_the_true_numbers(late):
 
 def test_a_log_of_scraps_is_refused():
     machine = load_machine("loader_crane")
-    with pytest.raises(InputError, match="no piece of the log lasts 1.2 s"):
+    with pytest.raises(InputError, match="no piece of the log lasts 1 s"):
         motion_rows(machine, inertial_numbers(machine), measured_pieces(machine, motion_log(machine, seconds=0.5)))

@@ -1,8 +1,8 @@
 """Standard errors of what was fitted to a circuit: from the slopes at the solution, and from how blocks of time pull at it.
 
-Rows that follow each other err together, so that squares summed over rows would promise too much: the sums of whole blocks say how much
-the solution would move if they had been others. Bounds are left out, so that a curve that lies flat is not
-taken for known.
+Rows that follow each other err together, so that squares summed over rows would promise too much: the sums of whole pieces of the log say how
+much the solution would move if they had been others. Pieces are short, so that there are many more of them than numbers; what their own pull on
+the solution hides is added back. Bounds are left out, so that a curve that lies flat is not taken for known.
 """
 
 from typing import NamedTuple
@@ -18,8 +18,10 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     numbers_to_values,
     weighted,
 )
+from polydraulic.identification.equations.numbers.estimates import unhidden
 
 _CHUNK = 8192
+_PIECES, _LEAST_ROWS = 10, 20  # pieces for each number, and rows of one at least
 _CLOSE, _SHOWN = 0.9, 6
 
 
@@ -57,11 +59,11 @@ def circuit_errors(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Circ
     h = t.T @ at.curvature @ t
     scale = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
     bread = np.linalg.pinv(h * scale[:, None] * scale, rcond=1e-12) * scale[:, None] * scale
-    pulls = _pulls(model, rows, list(prior.pump)) @ t
-    meat = pulls.T @ pulls
+    known = t.T @ normal(model, rows.some(np.arange(0)), prior).curvature @ t  # of what was known before
+    pulls = _pulls(model, rows, list(prior.pump), _PIECES * len(h)) @ t
+    meat = pulls.T @ pulls * unhidden(len(pulls), float(np.trace(bread @ (h - known))))
     data = bread @ meat @ bread
-    known = normal(model, rows.some(np.arange(0)), prior).curvature  # of what was known before
-    before = bread @ (t.T @ known @ t) @ bread
+    before = bread @ known @ bread
     covariance = t @ (data + before) @ t.T
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     valves, place = [], 0
@@ -91,14 +93,15 @@ def _pairs(model: CircuitModel, covariance: np.ndarray) -> list[tuple[int, int, 
     return [(int(i[k]), int(j[k]), float(r[i[k], j[k]])) for k in order]
 
 
-def _pulls(model: CircuitModel, rows: CircuitRows, of_pump: list[str]) -> np.ndarray:
-    """Gradient of each block of time, (n_block, n_number)."""
-    blocks, number = np.unique(rows.block, return_inverse=True)
-    count = 3 * sum(len(v.knots) for v in model.valves) + len(of_pump)
-    found = np.zeros((len(blocks), count))
-    for begin in range(0, len(rows.block), _CHUNK):
-        part = slice(begin, begin + _CHUNK)
-        for off, slopes in weighted(model, rows.some(np.arange(len(rows.block))[part]), of_pump):
+def _pulls(model: CircuitModel, rows: CircuitRows, of_pump: list[str], pieces: int) -> np.ndarray:
+    """Gradient of each piece of the log, (n_piece, n_number): so many, or fewer where they would have too few rows."""
+    n = len(rows.block)
+    pieces = max(min(pieces, n // _LEAST_ROWS), 1)
+    piece = np.arange(n) * pieces // max(n, 1)
+    found = np.zeros((pieces, 3 * sum(len(v.knots) for v in model.valves) + len(of_pump)))
+    for begin in range(0, n, _CHUNK):
+        own = np.arange(begin, min(begin + _CHUNK, n))
+        for off, slopes in weighted(model, rows.some(own), of_pump):
             robust = np.minimum(1.0, HUBER / np.maximum(np.abs(off), 1e-300))
-            np.add.at(found, number[part], slopes * (robust * off)[:, None])
+            np.add.at(found, piece[own], slopes * (robust * off)[:, None])
     return found

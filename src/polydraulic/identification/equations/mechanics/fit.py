@@ -21,7 +21,13 @@ from polydraulic.identification.equations.mechanics.motion_rows import (
     measured_pieces,
     motion_rows,
 )
-from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
+from polydraulic.identification.equations.mechanics.noise_bias import noise_pull
+from polydraulic.identification.equations.numbers.estimates import (
+    Estimates,
+    correlation_of,
+    estimates_of,
+    unhidden,
+)
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
@@ -35,7 +41,7 @@ from polydraulic.tables import Table
 
 _PASSES = 8  # of weights that follow the residuals
 _ROBUST = 2.0  # standard deviations from which on a row counts less
-_BLOCK = 5.0  # s, over which residuals may go together
+_BLOCK = 2.0  # s, over which residuals may go together: filter and weight join rows over half of that
 _LAG_SPREAD = 0.02  # s
 _INERTIAL = ("mass", "cg", "inertia")
 _FEW = 50  # rows
@@ -138,48 +144,51 @@ def fit_mechanics(
     in_si(table, {column.name: column.unit for column in columns_of(machine).columns} | {"time": "s"})
     numbers = unbounded(machine, mechanical_spreads(machine) if spreads is None else spreads)
     base = base_parameters(machine)
-    rows = motion_rows(machine, base.numbers, measured_pieces(machine, table))
+    pieces = measured_pieces(machine, table)
+    rows = motion_rows(machine, base.numbers, pieces)
     if rows.known.sum() < _FEW:
         raise InputError(
             f"{source}: joints move steadily in {rows.known.sum()} rows only; masses and friction need {_FEW} at least"
         )
     told = _told(rows)
+    told = told._replace(right=told.right - noise_pull(machine, base.numbers, pieces, told.weight, told.solution))
     return _nearest(machine, numbers, base, told)
 
 
 class _Told(NamedTuple):
-    """What rows say of what they are linear in: information @ x = right side; `scatter` is that of the right side over blocks."""
+    """What rows say of what they are linear in: information @ solution = right; `scatter` is that of the right side over blocks."""
 
     information: np.ndarray
     right: np.ndarray
     scatter: np.ndarray
     deviation: np.ndarray
+    weight: np.ndarray
+    solution: np.ndarray
 
 
 def _told(rows: MotionRows) -> _Told:
     """Weights follow residuals: rows far off count less, and each function counts by its own deviation."""
     n, known = rows.torque.shape[1], rows.known
     deviation = np.array([_deviation(rows.torque[known[:, k], k]) for k in range(n)])
-    weight = known / deviation**2
     length = np.sqrt(np.einsum("tkc,tkc->c", rows.regressor, rows.regressor))
     length = np.where(length > 0.0, length, 1.0)
-    scaled = rows.regressor / length
+    scaled, far = rows.regressor / length, np.zeros(known.shape)
     for _ in range(_PASSES):
+        weight = known / deviation**2 / np.maximum(1.0, far / _ROBUST)
         information = np.einsum("tkc,tk,tkd->cd", scaled, weight, scaled, optimize=True)
         right = np.einsum("tkc,tk->c", scaled, weight * rows.torque)
         x = np.linalg.lstsq(information, right, rcond=1e-12)[0]
         off = scaled @ x - rows.torque
         deviation = np.array([_deviation(off[known[:, k], k]) for k in range(n)])
         far = np.abs(off) / deviation
-        weight = known / deviation**2 / np.maximum(1.0, far / _ROBUST)
     gradient = np.einsum("tkc,tk->tc", scaled, weight * off)
     blocks = np.unique((rows.time // _BLOCK).astype(int), return_inverse=True)[1]
     sums = np.zeros((blocks.max() + 1, gradient.shape[1]))
     np.add.at(sums, blocks, gradient)
-    count = len(sums)
-    scatter = sums.T @ sums * (count / max(1, count - 1))
+    numbers = int(np.linalg.matrix_rank(information, rtol=1e-9, hermitian=True))
+    scatter = sums.T @ sums * unhidden(len(sums), numbers)
     both = np.outer(length, length)
-    return _Told(information * both, right * length, scatter * both, deviation)
+    return _Told(information * both, right * length, scatter * both, deviation, weight, x / length)
 
 
 def _deviation(values: np.ndarray) -> float:

@@ -19,7 +19,10 @@ from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.tables import Table
 
 FRICTION = ("coulomb", "static", "viscous")
-_FILTER, _WEIGHT = 0.07, 0.08  # s, widths of the filter and of the weight
+_FILTER, _WEIGHT = (
+    0.045,
+    0.08,
+)  # s, widths of the filter, whose bias grows with its fourth power, and of the weight, which sets the noise
 _FAR = 4.0  # widths after which they end
 _NEAR_STOP = 0.02  # rad or m
 _STEP = 1e-4  # s, of the difference along a motion

@@ -106,6 +106,15 @@ def _trades(numbers: Sequence[Estimate], correlation: np.ndarray) -> list[str]:
     return found
 
 
+def unhidden(parts: int, numbers: float) -> float:
+    """Factor of squares of pulls on a solution, summed over parts of a log that do not depend on each other.
+
+    The solution gives way to each part's own pull: of as many numbers as the log determines, that hides a share of `numbers` in `parts`
+    (MacKinnon and White, J. Econometrics 29 (1985) 305, HC1).
+    """
+    return parts / max(parts - numbers, 0.1 * parts)
+
+
 def correlation_of(information: np.ndarray, spreads: np.ndarray) -> np.ndarray:
     """How numbers go together where a log alone is asked; directions that it does not see count as seen a thousandth of the prior."""
     scaled = information * np.outer(spreads, spreads)

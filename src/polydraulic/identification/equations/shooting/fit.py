@@ -12,7 +12,12 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of
+from polydraulic.identification.equations.numbers.estimates import (
+    Estimates,
+    correlation_of,
+    estimates_of,
+    unhidden,
+)
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
@@ -391,7 +396,7 @@ class _Search:
         reduced, spread = self._reduced(self.here), self.numbers.spread
         seen, prior, count = reduced.gram.sum(0), np.diag(1.0 / spread**2), len(reduced.gradient)
         scatter = reduced.gradient - reduced.gradient.mean(0)
-        scatter = scatter.T @ scatter * (count / max(1, count - 1))
+        scatter = scatter.T @ scatter * unhidden(count, 1.0 + float(np.trace(np.linalg.solve(seen + prior, seen))))
         share = len(spread) / (
             len(spread) + count
         )  # few windows say little of their scatter: then the noise alone says as much
