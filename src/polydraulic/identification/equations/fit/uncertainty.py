@@ -2,7 +2,8 @@
 
 Rows that follow each other err together, so that squares summed over rows would promise too much: the sums of whole pieces of the log say how
 much the solution would move if they had been others. Pieces are short, so that there are many more of them than numbers; what their own pull on
-the solution hides is added back. Bounds are left out, so that a curve that lies flat is not taken for known.
+the solution hides is added back. Bounds are left out, so that a curve that lies flat is not taken for known. A straight line between knots is no curve:
+how far numbers move where there are twice as many knots is added.
 """
 
 from typing import NamedTuple
@@ -14,14 +15,18 @@ from polydraulic.identification.equations.fit.circuit_fit import (
     CircuitModel,
     CircuitRows,
     Prior,
+    fit_circuit,
     normal,
+    number_of,
     numbers_to_values,
     weighted,
 )
+from polydraulic.identification.equations.fit.valve_curves import with_knots_between
 from polydraulic.identification.equations.numbers.estimates import unhidden
 
 _CHUNK = 8192
 _PIECES, _LEAST_ROWS = 10, 20  # pieces for each number, and rows of one at least
+_STEPS = 4
 _CLOSE, _SHOWN = 0.9, 6
 
 
@@ -66,13 +71,21 @@ def circuit_errors(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Circ
     before = bread @ known @ bread
     covariance = t @ (data + before) @ t.T
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    finer = model._replace(valves=tuple(with_knots_between(v) for v in model.valves))
+    bent, _ = fit_circuit(finer, rows, prior, _STEPS, knots_move=False)
     valves, place = [], 0
-    for v in model.valves:
+    for v, other in zip(model.valves, bent.valves, strict=True):
         m = len(v.knots)
-        parts = [sigma[place + k * m : place + (k + 1) * m] for k in range(3)]
-        valves.append(dict(zip(("inlet", "bypass", "knots"), parts, strict=True)))
+        inlet, bypass, knots = (sigma[place + k * m : place + (k + 1) * m] for k in range(3))
+        moved = (np.interp(v.knots, other.knots, c) for c in (other.inlet, other.bypass))
+        inlet, bypass = (np.hypot(e, c - own) for e, c, own in zip((inlet, bypass), moved, v[1:], strict=True))
+        valves.append({"inlet": inlet, "bypass": bypass, "knots": knots})
         place += 3 * m
-    return CircuitErrors(valves, dict(zip(prior.pump, sigma[place:].tolist(), strict=True)), _pairs(model, covariance))
+    pump = {
+        name: float(np.hypot(error, number_of(bent, name) - number_of(model, name)))
+        for name, error in zip(prior.pump, sigma[place:].tolist(), strict=True)
+    }
+    return CircuitErrors(valves, pump, _pairs(model, covariance))
 
 
 def _pairs(model: CircuitModel, covariance: np.ndarray) -> list[tuple[int, int, float]]:
