@@ -22,6 +22,7 @@ TESTED_ELSEWHERE = {
     "simulation/changed_flow.py": ("simulation/test_faults.py", "machines break there with several flow models"),
     "cockpit/coordination.py": ("cockpit/test_cab.py", "the machine that is driven there is coordinated, too"),
     "cockpit/description.py": ("cockpit/test_cab.py", "the machine that is driven there is described"),
+    "cockpit/study/table.py": ("cockpit/study/test_course.py", "the course there ends in its table"),
     "cockpit/open_cockpit.py": ("cli/test_cockpit.py", "the command opens one"),
     "cockpit/recorded/drives.py": (
         "cockpit/recorded/test_player.py",

@@ -23,6 +23,12 @@ def cockpit(
             help="Model file of networks for the flow model or the shadow, whichever is polynomial or neural; repeat for more."
         ),
     ] = None,
+    study: Annotated[
+        Path | None,
+        typer.Option(
+            help="Study file, .toml: who tries which exercises in which modes, in which order; results become one table."
+        ),
+    ] = None,
     port: Annotated[int, typer.Option(help="Port, on this computer alone; 0 takes any that is free.")] = 8642,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the URL, and open no browser.")] = False,
     record: Annotated[Path, typer.Option(help="Folder for recordings and results, made when there are some.")] = Path(
@@ -38,6 +44,8 @@ def cockpit(
     - Networks of your own, which `train` or `fit-machine` has learnt: `polydraulic cockpit --machine wheel_loader --shadow polynomial --model
     loader.json`
 
+    - A study with people: `polydraulic cockpit --machine wheel_loader --study modes.toml --record study`
+
     - Without a browser of its own, on another port: `polydraulic cockpit --no-browser --port 8700`
 
     The machine is locked until the driver unlocks it, and stands still when levers are let go. The page is for this computer alone, and needs no
@@ -50,7 +58,15 @@ def cockpit(
 
     with progress_bar("cockpit") as progress:
         ready = ready_cockpit(
-            machine, flow, shadow=shadow, models=model or (), port=port, folder=record, say=say, progress=progress
+            machine,
+            flow,
+            shadow=shadow,
+            models=model or (),
+            study=study,
+            port=port,
+            folder=record,
+            say=say,
+            progress=progress,
         )
     serve(ready, browser=not no_browser, say=say)
 

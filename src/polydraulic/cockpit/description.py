@@ -17,7 +17,7 @@ from polydraulic.simulation.stepping.levers import full_lever
 _DRAWN = 300  # places of a path
 
 
-def machine_description(cab: Cab, shadow: str | None = None) -> dict[str, Any]:
+def machine_description(cab: Cab, shadow: str | None = None, *, study: bool = False) -> dict[str, Any]:
     """``/machine.json``: SI, with what people read next to it.
 
     Parameters
@@ -25,6 +25,8 @@ def machine_description(cab: Cab, shadow: str | None = None) -> dict[str, Any]:
     cab : Cab
     shadow : str, optional
         Flow model of its shadow.
+    study : bool
+        Whether a study says what is to be done.
     """
     machine, columns = cab.machine, cab.view.columns
     functions = []
@@ -83,6 +85,7 @@ def machine_description(cab: Cab, shadow: str | None = None) -> dict[str, Any]:
         "faults": [{"name": fault.name, "title": fault.title} for fault in cab.faults.values()],
         "most_payload": cab.most_payload,
         "shadow": shadow is not None,
+        "study": study,
         "shadow_flow": shadow,
         "rate": FRAMES,
         "dt": DT,

@@ -8,6 +8,9 @@ from typing import Any
 from polydraulic.cockpit.beat import Beat
 from polydraulic.cockpit.exercises.results import NAME, add_result, compared_attempts, read_results
 from polydraulic.cockpit.recorded.drives import DriveFile, drive_names, new_name
+from polydraulic.cockpit.study.course import Course
+from polydraulic.cockpit.study.plan import Study
+from polydraulic.cockpit.study.table import write_study_table
 from polydraulic.errors import InputError
 
 _PERIOD = 0.2  # s
@@ -23,6 +26,8 @@ class Keeper:
         Made when something is first kept.
     say : function (line)
         Tells the terminal what is lost.
+    study : Study, optional
+        Goes on from where the results in the folder end.
 
     Attributes
     ----------
@@ -32,10 +37,19 @@ class Keeper:
         Name of the one that is written.
     error : (number, text)
         The last thing that could not be written.
+    course : Course or None
+        Of the study.
+
+    Raises
+    ------
+    OSError
+        Results of a study that cannot be read.
     """
 
-    def __init__(self, beat: Beat, folder: Path, say: Any) -> None:
+    def __init__(self, beat: Beat, folder: Path, say: Any, study: Study | None = None) -> None:
         self._beat, self.folder, self._say = beat, folder, say
+        self.course = None if study is None else Course(study, read_results(folder))
+        self._told: list[dict[str, Any]] = []  # of a study, what is no attempt
         self._file: DriveFile | None = None
         self._number, self._trial = 0, 0
         self.recording: str | None = None
@@ -68,7 +82,7 @@ class Keeper:
         if trial is not None and not trial.running and trial.number != self._trial:
             self._trial = trial.number
             result = {
-                "when": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}",
+                "when": _now(),
                 "subject": trial.subject,
                 "machine": self._beat.cab.name,
                 "flow": self._beat.cab.flow,
@@ -79,7 +93,36 @@ class Keeper:
                 "finished": trial.finished,
                 "values": {name: list(pair) for name, pair in trial.score.items()},
             }
-            self._keep(lambda: add_result(self.folder, result), what="the result")
+            of = None if self.course is None else self.course.ended(trial.number, trial.finished)
+            self._result(result if of is None else result | {"study": of})
+        while self._told:
+            self._result(self._told.pop(0))
+
+    def tell(self, of: dict[str, Any]) -> None:
+        """Keep what a study is told besides attempts: a task that is left out, an answer."""
+        assert self.course is not None
+        study = self.course.study
+        self._told.append(
+            {
+                "when": _now(),
+                "subject": self.course.subject,
+                "machine": self._beat.cab.name,
+                "flow": self._beat.cab.flow,
+                "pattern": study.pattern,
+                "finished": False,
+                "values": {},
+                "study": of,
+            }
+        )
+
+    def _result(self, result: dict[str, Any]) -> None:
+        """Write a result, and the table of the study that it belongs to."""
+        self._keep(lambda: add_result(self.folder, result), what="the result")
+        if self.course is not None and "study" in result:
+            study = self.course.study
+            self._keep(
+                lambda: write_study_table(study, read_results(self.folder), self.folder), what="the table of the study"
+            )
 
     def compared_results(self) -> dict[str, Any]:
         """``/results.json``: all attempts, and those that were finished compared by exercise and mode.
@@ -117,3 +160,7 @@ class Keeper:
             self._say(f"warning: {text}")
             return False
         return True
+
+
+def _now() -> str:
+    return f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}"

@@ -47,6 +47,7 @@ def ready_cockpit(
     *,
     shadow: str | None = None,
     models: Sequence[Path] = (),
+    study: str | Path | None = None,
     port: int = PORT,
     folder: str | Path = FOLDER,
     say: Callable[[str], None] = print,
@@ -63,6 +64,8 @@ def ready_cockpit(
         Flow model that does the same beside it, to see its error.
     models : sequence of Path
         Files of networks for the one of both that is ``"polynomial"`` or ``"neural"``.
+    study : str or Path, optional
+        File of a study (`polydraulic.cockpit.study.plan`): who is to try what in which order.
     port : int
         Of this computer alone; 0 for any that is free.
     folder : str or Path
@@ -74,7 +77,7 @@ def ready_cockpit(
     Raises
     ------
     InputError
-        A machine or a flow model that cannot be used, a port that is taken, no aiohttp.
+        A machine or a flow model that cannot be used, a study that asks for what the machine has not, a port that is taken, no aiohttp.
     """
     try:
         import aiohttp  # noqa: F401
@@ -87,12 +90,14 @@ def ready_cockpit(
     from polydraulic.cockpit.description import machine_description
     from polydraulic.cockpit.keeper import Keeper
     from polydraulic.cockpit.own_networks import with_networks
+    from polydraulic.cockpit.study.plan import check_study, read_study
     from polydraulic.cockpit.web.guard import Guard
     from polydraulic.cockpit.web.server import application
 
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is no folder; recordings and results need one")
+    asked = None if study is None else read_study(study)
     listening = listen(port)
     try:
         progress("compile (once after an installation)", 0, 2)
@@ -100,8 +105,10 @@ def ready_cockpit(
         cab.warm_up()
         progress("describe the machine", 1, 2)
         guard, beat = Guard(listening.getsockname()[1]), Beat(cab)
-        keeper = Keeper(beat, folder, say)
-        app = application(beat, keeper, guard, machine_description(cab, shadow))
+        if asked is not None:
+            check_study(asked, cab.name, cab.exercises, "" if cab.coordination else cab.uncoordinated)
+        keeper = Keeper(beat, folder, say, asked)
+        app = application(beat, keeper, guard, machine_description(cab, shadow, study=asked is not None))
         progress("serve", 2, 2)
     except BaseException:
         listening.close()

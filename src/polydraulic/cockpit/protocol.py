@@ -15,7 +15,9 @@ Frames, to the page, 60 a second: binary, little endian, `HEAD` and then as many
 Texts, to the page, when something changes (JSON)::
 
     {"type": "status", "driver": "you|other|nobody", "locked", "mode", "pattern", "recording": name or null, "faults": [names],
-     "shadow": why it is lost, or "", "exercise": {"name", "subject"} or null, "replay": {"name", "time", "end", "playing"} or null, "recordings": [names], "payload": kg,
+     "shadow": why it is lost, or "", "exercise": {"name", "subject"} or null, "replay": {"name", "time", "end", "playing"} or null,
+     "study": null or {"title", "subjects", "subject", "task": null or {"number", "block", "practice", "exercise", "mode", "repetition"}, "tasks",
+     "question": "" before all is done, "answers", "answer"}, "recordings": [names], "payload": kg,
      "rate": simulated seconds for each of the last second}
     {"type": "events", "events": [[time in s, function or circuit, what], ...]}
     {"type": "score", "exercise", "subject", "running": bool, "finished": bool, "values": {name: [value, unit]}}   ten times a second
@@ -35,6 +37,7 @@ Texts, from the page, at most `MOST_BYTES` long::
     {"type": "record", "on": bool}
     {"type": "fault", "name", "on": bool}
     {"type": "exercise", "name", "action": "start|stop", "subject": code}
+    {"type": "study", "action": "subject|start|skip|answer", "text"}   text: code of the subject, or the answer
     {"type": "replay", "name", "action": "play|pause|seek|restart|stop", "time": s}   restart: go on by hand from where the replay is
 
 A message that is anything else is answered by an error, and changes nothing.
@@ -55,7 +58,7 @@ MOST_BYTES = 4096
 N_AXES = 6
 SILENCE = 0.25  # s without sticks until levers are released
 _LARGEST = 2**32 - 1
-_LONGEST = 64  # letters of a name
+_LONGEST, _LONGEST_TEXT = 64, 200  # letters of a name, and of an answer
 
 
 class Flag(IntFlag):
@@ -102,7 +105,7 @@ def read_message(text: str) -> PageMessage:
     if not isinstance(kind, str) or kind not in _FIELDS:
         raise InputError(f"a message of type {briefly(kind)}: must be one of {list(_FIELDS)}")
     fields = _FIELDS[kind]
-    optional = {"time"} if kind == "replay" else {"subject"} if kind == "exercise" else set()
+    optional = _OPTIONAL.get(kind, set())
     given = {key: value for key, value in found.items() if key != "type"}
     for key in given:
         if key not in fields:
@@ -156,6 +159,12 @@ def _name(value: Any, what: str) -> str:
     return value
 
 
+def _text(value: Any, what: str) -> str:
+    if not isinstance(value, str) or len(value) > _LONGEST_TEXT or not value.isprintable():
+        raise InputError(f"{what} = {briefly(value)}: must be a text of at most {_LONGEST_TEXT} letters")
+    return value
+
+
 def _amount(value: Any, what: str) -> float:
     if (found := _number(value, what)) < 0.0:
         raise InputError(f"{what} = {briefly(value)}: must not be negative")
@@ -171,6 +180,7 @@ def _one_of(*words: str) -> Callable[[Any, str], str]:
     return check
 
 
+_OPTIONAL = {"replay": {"time"}, "exercise": {"subject"}, "study": {"text"}}
 _FIELDS: dict[str, dict[str, Callable[[Any, str], Any]]] = {
     "sticks": {"seq": _count, "axes": _axes},
     "lock": {"on": _switch},
@@ -180,6 +190,7 @@ _FIELDS: dict[str, dict[str, Callable[[Any, str], Any]]] = {
     "payload": {"mass": _amount},
     "record": {"on": _switch},
     "fault": {"name": _name, "on": _switch},
+    "study": {"action": _one_of("subject", "start", "skip", "answer"), "text": _text},
     "exercise": {"name": _name, "action": _one_of("start", "stop"), "subject": _name},
     "replay": {"name": _name, "action": _one_of("play", "pause", "seek", "restart", "stop"), "time": _amount},
 }

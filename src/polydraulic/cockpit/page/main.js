@@ -8,7 +8,7 @@ import { Face } from "./face.js";
 import { Instruments } from "./instruments.js";
 import { heading } from "./kinematics.js";
 import { Levers } from "./levers.js";
-import { Exercises, Faults, Recordings, ReplayBar } from "./panels.js";
+import { Exercises, Faults, Recordings, ReplayBar, Study } from "./panels.js";
 import { Readings } from "./readings.js";
 import { Results } from "./results.js";
 import { Stage } from "./stage.js";
@@ -57,13 +57,13 @@ class Cockpit {
     const { machine } = this, send = (message) => this.send(message);
     this.instruments = new Instruments(machine);
     this.charts = new Charts(machine, this.readings);
-    this.exercises = new Exercises(machine, send);
+    this.exercises = machine.study ? new Study(send) : new Exercises(machine, send);
     this.informed = [this.exercises, new Recordings(send), new Faults(machine, send)];
     this.replay = new ReplayBar($("replay-bar"), send);
     this.results = new Results($("results"));
     $("lamps").append(...this.instruments.lamps.map((lamp) => lamp.element));
     const [exercises, recordings, faults] = this.informed.map((panel) => panel.element);
-    const panels = { Instruments: made("div", "panel", this.instruments.element, this.charts.element), Exercises: exercises, Recordings: recordings, Faults: faults };
+    const panels = { Instruments: made("div", "panel", this.instruments.element, this.charts.element), [machine.study ? "Study" : "Exercises"]: exercises, Recordings: recordings, Faults: faults };
     const tabs = Object.entries(panels).map(([name, panel]) => {
       const tab = button(name, () => open(name));
       tab.setAttribute("role", "tab");
@@ -75,7 +75,7 @@ class Cockpit {
       one.tab.classList.toggle("on", one.name === name);
       one.panel.hidden = one.name !== name;
     });
-    open("Instruments");
+    open(machine.study ? "Study" : "Instruments");
   }
 
   #levers() {

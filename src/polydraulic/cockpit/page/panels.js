@@ -43,6 +43,65 @@ export class Exercises {
   }
 }
 
+/** A study: who drives, what is to be done next, a question at the end. */
+export class Study {
+  constructor(send) {
+    const say_ = (action, text) => send(text === undefined ? { type: "study", action } : { type: "study", action, text });
+    this.choice = made("select");
+    this.choose = button("Go on", () => say_("subject", this.choice.value), "primary");
+    this.title = made("h2", "", "Study");
+    this.step = made("p");
+    this.how = made("p", "soft");
+    this.start = button("Start", () => say_("start"), "primary");
+    this.stop = button("Stop", () => send({ type: "exercise", name: this.exercise ?? "", action: "stop" }));
+    this.skip = button("Leave out", () => say_("skip"));
+    this.score = made("dl", "score");
+    this.answers = made("div", "answers");
+    this.task = made("section", "card", made("h2", "", "Next"), this.step, this.how, made("div", "row", this.start, this.stop, this.skip));
+    this.question = made("section", "card question", this.answers);
+    this.element = made("div", "panel", made("section", "card", this.title, made("label", "row", "Code of the subject", this.choice), this.choose), this.task, this.question,
+      made("section", "card", made("h2", "", "Score"), this.score));
+    this.element.id = "study";
+    this.answer = (text) => say_("answer", text);
+  }
+
+  status({ study, exercise }) {
+    if (!study) return;
+    say(this.title, study.title);
+    if (this.choice.options.length !== study.subjects.length) this.choice.replaceChildren(...study.subjects.map((code) => new Option(code, code)));
+    if (study.subject && study.subject !== this.subject) this.choice.value = study.subject;
+    this.subject = study.subject;
+    this.exercise = exercise?.name;
+    const { task } = study;
+    this.task.hidden = !task;
+    this.#enable();
+    if (task) {
+      say(this.step, `${task.number} of ${study.tasks}: ${shownName(task.exercise)}, ${task.mode} mode`);
+      say(this.how, `${task.practice ? "Practice" : "Measured"}: ${task.block}, attempt ${task.repetition}. Unlock, then drive as soon as the target moves.`);
+    }
+    this.question.hidden = !study.question;
+    const asked = `${study.question}|${study.answer}`;
+    if (study.question && asked !== this.asked) {
+      this.answers.replaceChildren(made("h2", "", study.question), ...study.answers.map((text) => button(text, () => this.answer(text), text === study.answer ? "on" : "")));
+      if (study.answer) this.answers.append(made("p", "soft", "Thank you. The answer may be changed."));
+    }
+    this.asked = asked;
+  }
+
+  #enable() {
+    const busy = this.exercise !== undefined && this.running;
+    this.start.disabled = this.skip.disabled = busy;
+    this.stop.hidden = !busy;
+  }
+
+  scored({ finished, running, values }) {
+    this.running = running;
+    this.#enable();
+    this.score.replaceChildren(made("dt", "", "attempt"), made("dd", "", finished ? "finished" : running ? "running" : "stopped: it is asked for again"), ...Object.entries(values).flatMap(([name, [value, unit]]) =>
+      [made("dt", "", shownName(name)), made("dd", "", readable(value, unit))]));
+  }
+}
+
 /** Recordings: made, played, gone on from. */
 export class Recordings {
   constructor(send) {

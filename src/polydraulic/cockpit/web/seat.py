@@ -43,6 +43,7 @@ class Seat:
             "fault": self._fault,
             "exercise": self._exercise,
             "replay": self._replay,
+            "study": self._study,
         }
 
     def enter(self) -> int:
@@ -100,12 +101,14 @@ class Seat:
             "payload": shown.payload,
             "rate": round(shown.rate, 2),
             "shadow": shown.shadow,
+            "study": None if self.keeper.course is None else self.keeper.course.shown(),
         }
 
     def _sticks(self, fields: dict[str, Any]) -> None:
         self._want(seq=fields["seq"], axes=fields["axes"], heard=self.beat.clock())
 
     def _mode(self, fields: dict[str, Any]) -> None:
+        self._freely("the mode")
         if fields["mode"] == "coordinated" and self.beat.cab.coordination is None:
             raise InputError(f"no coordinated control of this machine: {self.beat.cab.uncoordinated}")
         self._want(mode=fields["mode"], pattern=fields["pattern"], axes=_NEUTRAL)
@@ -137,6 +140,7 @@ class Seat:
 
     def _fault(self, fields: dict[str, Any]) -> None:
         self._by_hand("a fault")
+        self._freely("faults")
         name, faults = fields["name"], self.beat.wanted.faults
         self._known(name, self.beat.cab.faults, "fault")
         self._want(faults=tuple(f for f in faults if f != name) + ((name,) if fields["on"] else ()))
@@ -146,6 +150,7 @@ class Seat:
             self._want(trial=None)
             return
         self._by_hand("an exercise")
+        self._freely("exercises")
         self._known(fields["name"], self.beat.cab.exercises, "exercise")
         subject = fields.get("subject", "")
         if not all(c.isalnum() or c in "-_" for c in subject):
@@ -153,6 +158,34 @@ class Seat:
                 f"subject = {briefly(subject)}: must be a code of letters, digits, - and _; nothing personal"
             )
         self._want(trial=TrialWish(self._wish(), fields["name"], subject), payload=0.0, axes=_NEUTRAL)
+
+    def _study(self, fields: dict[str, Any]) -> None:
+        course, action, text = self.keeper.course, fields["action"], fields.get("text", "")
+        if course is None:
+            raise InputError("there is no study: start the cockpit with --study FILE")
+        trial = self.beat.cab.shown.trial
+        if trial is not None and trial.running:
+            raise InputError("an exercise is running; it ends first")
+        if trial is not None and trial.number == course.wish:
+            raise InputError("the last attempt is being written; a moment")
+        if action == "subject":
+            course.choose(text)
+            self._want(locked=True, axes=_NEUTRAL, trial=None)
+        elif action == "start":
+            self._by_hand("an exercise")
+            task, wish = course.wanted(), self._wish()
+            course.begin(wish)
+            wanted = TrialWish(wish, task.exercise, course.subject)
+            self._want(
+                mode=task.mode, pattern=course.study.pattern, trial=wanted, payload=0.0, faults=(), axes=_NEUTRAL
+            )
+        else:
+            self.keeper.tell(course.skip() if action == "skip" else course.answer(text))
+
+    def _freely(self, what: str) -> None:
+        course = self.keeper.course
+        if course is not None and course.subject:
+            raise InputError(f"the study prescribes {what}")
 
     def _replay(self, fields: dict[str, Any]) -> None:
         """All but to begin, which reads a file: see `drive_to_read`."""
