@@ -18,7 +18,10 @@ ROOT = Path(__file__).parents[1]
 FILE = ROOT / "docs" / "public_surface.txt"
 PACKAGES = [
     "polydraulic",
-    *(f"polydraulic.{name}" for name in "networks flow control watch measure identification export plotting gym".split()),
+    *(
+        f"polydraulic.{name}"
+        for name in "networks flow control watch measure identification export plotting gym".split()
+    ),
 ]
 SPECIAL = ("__init__", "__call__", "__getitem__", "__iter__", "__len__", "__contains__", "__eq__", "__str__")
 

@@ -10,15 +10,15 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polydraulic.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
+    pass
 
 _MARK = ".unfinished-"
 _UNFINISHED = re.compile(rf"\..*{re.escape(_MARK)}[a-z0-9_]{{8}}(\.[^.]*)?")
@@ -193,13 +193,3 @@ def _forsaken(path: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
-
-
-def arrow_floats(columns: "Iterable[np.ndarray]", schema: Any) -> Any:
-    """Arrays of floats as the Arrow table of a schema, uncopied; `pa.table` would import pandas to see whether they are its own."""
-    import numpy as np
-    import pyarrow as pa
-
-    given = [np.ascontiguousarray(values, dtype=np.float64) for values in columns]
-    arrays = [pa.Array.from_buffers(pa.float64(), len(values), [None, pa.py_buffer(values)]) for values in given]
-    return pa.Table.from_arrays(arrays, schema=schema)

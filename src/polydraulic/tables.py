@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from polydraulic.arrow_columns import arrow_floats
 from polydraulic.display import DEFAULT, as_shown, shown_unit
 from polydraulic.errors import InputError
-from polydraulic.files import arrow_floats, replacing
+from polydraulic.files import replacing
 from polydraulic.names import checked_name, checked_text
 from polydraulic.pages import html
 

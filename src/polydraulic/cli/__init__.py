@@ -14,6 +14,7 @@ from polydraulic.cli import (  # noqa: F401  # their commands join the applicati
     lifting,
     logs,
     machine,
+    machine_export,
     machines,
     networks,
     report,

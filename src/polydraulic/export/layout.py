@@ -11,7 +11,7 @@ from polydraulic.machine.stability.whole_body import chassis_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import EFFECTOR, columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
-from polydraulic.simulation.layout.stability.columns import watched_columns
+from polydraulic.simulation.layout.stability.columns import margin_columns
 from polydraulic.simulation.layout.stability.text import SLOPE, n_room, watched_module, watched_numbers
 
 FORCE = ("tip.force_x", "tip.force_y", "tip.force_z")  # N, along the axes of the ground
@@ -73,7 +73,7 @@ def layout_parts(
             (module.machine_start, module.machine_advance),
         )
     columns = columns_of(machine, stores_oil=model.stores_oil).columns
-    margins = watched_columns(chassis_of(machine)) if stability else []
+    margins = margin_columns(chassis_of(machine)) if stability else []
     return MachineParts(
         model.name,
         machine.names,

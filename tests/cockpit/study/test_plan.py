@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 from polydraulic import InputError
-from polydraulic.cockpit.study.plan import check_study, read_study, tasks_of
+from polydraulic.cockpit.study.plan import check_study, read_study, study_tasks
 
 TEXT = """
 title = "Joint or coordinated"
@@ -45,7 +45,7 @@ def written(tmp_path):
 def test_modes_go_around_from_subject_to_subject_where_they_are_counterbalanced(written):
     study = read_study(written())
     assert (study.pattern, study.answers) == ("sae", ("joint", "coordinated", "neither"))
-    asked = {code: tasks_of(study, code) for code in study.subjects}
+    asked = {code: study_tasks(study, code) for code in study.subjects}
     for code, first in zip(study.subjects, ("joint", "coordinated") * 2, strict=True):
         tasks = asked[code]
         assert [task.number for task in tasks] == list(range(1, 11))
@@ -60,7 +60,7 @@ def test_modes_go_around_from_subject_to_subject_where_they_are_counterbalanced(
         ]
     assert Counter(tasks[2].mode for tasks in asked.values()) == {"joint": 2, "coordinated": 2}
     with pytest.raises(InputError, match="'P05': is not in the study"):
-        tasks_of(study, "P05")
+        study_tasks(study, "P05")
 
 
 @pytest.mark.parametrize(

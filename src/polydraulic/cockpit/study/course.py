@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from polydraulic.cockpit.study.plan import Study, StudyTask, tasks_of
+from polydraulic.cockpit.study.plan import Study, StudyTask, study_tasks
 from polydraulic.errors import InputError, briefly
 
 ANSWER = "answer"  # of a result that is no attempt
@@ -63,7 +63,7 @@ class Course:
         InputError
             A code that is not one of the study.
         """
-        self._tasks = tasks_of(self.study, subject)
+        self._tasks = study_tasks(self.study, subject)
         self.subject, self._running = subject, None
 
     def wanted(self) -> StudyTask:

@@ -104,7 +104,7 @@ class Study(NamedTuple):
     answers: tuple[str, ...]
 
 
-def tasks_of(study: Study, subject: str) -> tuple[StudyTask, ...]:
+def study_tasks(study: Study, subject: str) -> tuple[StudyTask, ...]:
     """All that a subject is asked to do, in order.
 
     Raises

@@ -93,16 +93,16 @@ def train_layout(
     machine = as_machine(machine)
     effort = TrainingEffort() if effort is None else effort
     chosen = chosen_circuits(machine, circuits)
-    work: list[NetworkTask] = []
+    work: list[TargetTask] = []
     for c in chosen:
         work += [outlet_task(machine.function(name)) for name in c.functions]
         first = machine.function(c.functions[0])
         high = max(first.valve.inlet)
-        work.append(NetworkTask(_first_conductance(first), 1e-5 * high, high, _SINGLE, 300, 64))
+        work.append(TargetTask(_first_conductance(first), 1e-5 * high, high, _SINGLE, 300, 64))
         for target in _inlets(machine, c):
             tolerance = effort.tolerance * c.pump.flow
             estimator = AbductiveRegressor(max_layers=3)
-            work.append(NetworkTask(target, tolerance, c.pump.flow, estimator, effort.rows, effort.regions))
+            work.append(TargetTask(target, tolerance, c.pump.flow, estimator, effort.rows, effort.regions))
     models = []
     for done, task in enumerate(work):
 
@@ -114,7 +114,7 @@ def train_layout(
     return models
 
 
-class NetworkTask(NamedTuple):
+class TargetTask(NamedTuple):
     """A target, how well it is to be learnt, and its largest value."""
 
     target: NetworkTarget
@@ -125,7 +125,7 @@ class NetworkTask(NamedTuple):
     regions: int
 
 
-def learn_target(task: NetworkTask, progress: Progress = quiet) -> Model:
+def learn_target(task: TargetTask, progress: Progress = quiet) -> Model:
     """Learn a network."""
     output, inputs = task.target.place
     return learn_from(
@@ -175,13 +175,13 @@ def cuts_of(f: MachineFunction, *, closing: bool = True) -> list[float]:
     return [x for x in (opens, *([closes] if closing else [])) if 0.0 < x < f.valve.knots[-1]]
 
 
-def outlet_task(f: MachineFunction) -> NetworkTask:
+def outlet_task(f: MachineFunction) -> TargetTask:
     """The conductance of an outlet, of the spool."""
     full, cuts = f.valve.knots[-1], cuts_of(f)
     edges = sorted([*(-x for x in cuts), *cuts])
     target = NetworkTarget(outlet(f.name)[0], lambda X: outlet_at(f.valve, X[:, 0]), [(-full, full)], {0: edges})
     high = max(f.valve.outlet_positive + f.valve.outlet_negative)
-    return NetworkTask(target, 1e-3 * high, high, _SINGLE, 300, 64)
+    return TargetTask(target, 1e-3 * high, high, _SINGLE, 300, 64)
 
 
 def _first_conductance(f: MachineFunction) -> NetworkTarget:

@@ -15,19 +15,9 @@ from polydraulic.parameters.loads import DIRECTIONS, Loads
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.stepping import marks
 from polydraulic.simulation.stepping.engine import engine_of
 from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
-from polydraulic.simulation.stepping.marks import (
-    BEYOND,
-    CHANGES,
-    OUTSIDE,
-    REFUSED,
-    STATUS,
-    STEPS,
-    STOP,
-    UNSETTLED,
-    WHICH,
-)
 from polydraulic.simulation.stepping.noted import events_between
 from polydraulic.simulation.stepping.pace import Pace
 from polydraulic.simulation.stepping.per_machine import count
@@ -149,27 +139,27 @@ class Simulator:
     @property
     def time(self) -> float:
         """Simulated seconds since the start."""
-        return int(self._counts[STEPS]) * self.dt
+        return int(self._counts[marks.STEPS]) * self.dt
 
     @property
     def steps(self) -> int:
         """Steps made since the start."""
-        return int(self._counts[STEPS])
+        return int(self._counts[marks.STEPS])
 
     @property
     def steps_not_converged(self) -> int:
         """Of these, steps whose flows did not converge."""
-        return int(self._counts[UNSETTLED])
+        return int(self._counts[marks.UNSETTLED])
 
     @property
     def steps_out_of_domain(self) -> int:
         """Of these, steps outside the flow model's domain, or beyond the log that the machine was identified from, whichever are more."""
-        return int(max(self._counts[OUTSIDE], self._counts[BEYOND]))
+        return int(max(self._counts[marks.OUTSIDE], self._counts[marks.BEYOND]))
 
     @property
     def steps_beyond_log(self) -> int:
         """Of these, steps beyond the travel or pressure of the log that the machine was identified from; 0 if it was not."""
-        return int(self._counts[BEYOND])
+        return int(self._counts[marks.BEYOND])
 
     def reset(self, state: np.ndarray | Mapping[str, float] | None = None) -> None:
         """Begin anew at time 0, with centred levers and the load that the simulator was built with.
@@ -185,7 +175,7 @@ class Simulator:
             A state that cannot be used; the machine stays as it is.
         """
         start = state_from(self._setup, state, self._engine.start)
-        self._counts[STEPS] = 0
+        self._counts[marks.STEPS] = 0
         self._take(self._setup.loads)
         self._loaded(1)
         self._engine.reset(start)
@@ -272,7 +262,7 @@ class Simulator:
         one_by_one = callable(until) or self.pace is not None
         if self.pace is not None and not self.pace.running:
             self.pace.start(self.time)
-        self._counts[STOP] = 1 if event else 0
+        self._counts[marks.STOP] = 1 if event else 0
         try:
             while left > 0:
                 before, seen = self.steps, len(self.events)
@@ -285,21 +275,13 @@ class Simulator:
                 if callable(until) and until(self):
                     return True
         finally:
-            self._counts[STOP] = 0
+            self._counts[marks.STOP] = 0
         return timed
 
     def save(self) -> SavedState:
         """All that changes, to come back to by `restore`: bit for bit."""
-        engine = self._engine
-        return SavedState(
-            engine.of,
-            self._live.copy(),
-            self._counts.copy(),
-            engine.delay.copy(),
-            self._loads,
-            self._mass,
-            self.machine,
-        )
+        live, counts, delay = (kept.copy() for kept in (self._live, self._counts, self._engine.delay))
+        return SavedState(self._engine.of, live, counts, delay, self._loads, self._mass, self.machine)
 
     def restore(self, saved: SavedState) -> None:
         """Go back to what was saved, of this simulator or of one that is built alike.
@@ -356,9 +338,9 @@ class Simulator:
             piece = min(piece, _PIECE)
             made = self._engine.run(piece)
             left -= made
-            if counts[CHANGES]:
+            if counts[marks.CHANGES]:
                 self._note_events()
-                if counts[STOP]:
+                if counts[marks.STOP]:
                     return
             elif made < piece:
                 self._fail()
@@ -380,8 +362,8 @@ class Simulator:
 
     def _note_events(self) -> None:
         """Keep the pairs of rows that the last call has left: to name their events takes longer than many steps."""
-        self._noted.append(self._engine.changes[: self._counts[CHANGES]].copy())
-        self._counts[CHANGES] = 0
+        self._noted.append(self._engine.changes[: self._counts[marks.CHANGES]].copy())
+        self._counts[marks.CHANGES] = 0
         if len(self._noted) == _MOST_NOTED:
             self._name_events()
 
@@ -398,8 +380,8 @@ class Simulator:
 
     def _fail(self) -> None:
         """Say why steps have not been made."""
-        if self._counts[STATUS] == REFUSED:
-            place = int(self._counts[WHICH])
+        if self._counts[marks.STATUS] == marks.REFUSED:
+            place = int(self._counts[marks.WHICH])
             value = float(self._levers[place])
             self._levers[:] = 0.0
             raise refused(self.machine.functions[place], value)
@@ -410,6 +392,6 @@ class Simulator:
     def _forget(self) -> None:
         """Nothing of the calls before."""
         self._no_events()
-        self._counts[CHANGES] = self._counts[STOP] = 0
+        self._counts[marks.CHANGES] = self._counts[marks.STOP] = 0
         if self.pace is not None:
             self.pace.stop()

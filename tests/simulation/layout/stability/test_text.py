@@ -11,7 +11,7 @@ from polydraulic.export.machine import machine_parts
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.layout.chassis import Slope
 from polydraulic.simulation.layout.runs import step_inputs
-from polydraulic.simulation.layout.stability.columns import watched_columns
+from polydraulic.simulation.layout.stability.columns import margin_columns
 from polydraulic.simulation.layout.stability.text import SLOPE
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
@@ -34,7 +34,7 @@ def test_the_c_code_has_the_bits_of_the_columns(loader, tmp_path):
     """A random operator who meets end stops, on level ground and on a slope that is an input."""
     c = c_machine.CMachine(loader, "exact", tmp_path, stability=True)
     outputs = [name for name, _ in machine_parts(loader, "exact", stability=True).outputs]
-    margins = [name for name, _ in watched_columns(loader.chassis)]
+    margins = [name for name, _ in margin_columns(loader.chassis)]
     assert outputs[-len(margins) :] == margins
     for pitch, roll in ((0.0, 0.0), (0.2, -0.1)):
         operator = random_operator(3, 4.0, functions=loader.names)

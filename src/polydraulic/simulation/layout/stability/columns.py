@@ -49,7 +49,7 @@ def stability_columns(
     """
     found = row_margins(machine, module, plant, rows, columns, forces)
     assert machine.chassis is not None
-    for (name, unit), values in zip(watched_columns(machine.chassis), found.T, strict=True):
+    for (name, unit), values in zip(margin_columns(machine.chassis), found.T, strict=True):
         yield AddedColumn(name, unit, values)
 
 
@@ -72,7 +72,7 @@ def row_margins(
     return found
 
 
-def watched_columns(chassis: Chassis) -> list[tuple[str, str]]:
+def margin_columns(chassis: Chassis) -> list[tuple[str, str]]:
     """Names and units of the numbers of a row of `row_margins`."""
     edges = [*(f".{name.replace(' ', '_')}" for name in edge_names(chassis)), ""]
     found = [(f"{_NAME}{edge}.{measure}", unit) for measure, unit in SHOWN for edge in edges]
