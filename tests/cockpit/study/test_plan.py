@@ -1,6 +1,7 @@
 """What a study asks of whom: order of blocks and modes, and files that are none."""
 
 from collections import Counter
+from pathlib import Path
 
 import pytest
 
@@ -96,3 +97,11 @@ def test_a_machine_must_have_what_is_asked_for(written, tmp_path):
             check_study(study, machine, has, why)
     with pytest.raises(InputError, match="none.toml"):
         read_study(tmp_path / "none.toml")
+
+
+def test_the_study_of_the_documentation_is_one(written):
+    page = (Path(__file__).parents[3] / "docs" / "cockpit.md").read_text(encoding="utf-8")
+    text = page.partition("```toml\n")[2].partition("```")[0]
+    study = read_study(written(text))
+    firsts = [tasks_of(study, code)[2].mode for code in study.subjects]
+    assert firsts == ["joint", "coordinated", "joint", "coordinated"]
