@@ -153,3 +153,13 @@ def test_a_cockpit_is_ended_by_an_interrupt_and_what_is_recorded_is_whole(tmp_pa
     drive = read_drive(tmp_path / f"{name}{ENDING}")
     assert drive.whole
     assert drive.end > 100
+
+
+def test_a_study_or_networks_that_cannot_be_are_named(call, tmp_path):
+    pytest.importorskip("aiohttp")
+    code, _, err = call("cockpit", "--no-browser", "--port", 0, "--study", tmp_path / "none.toml")
+    assert code == 2
+    assert "none.toml: cannot be read" in err
+    code, _, err = call("cockpit", "--no-browser", "--port", 0, "--machine", "wheel_loader", "--model", "own.json")
+    assert code == 2
+    assert "model files go with one flow model of networks: flow is 'exact' and shadow None" in err
