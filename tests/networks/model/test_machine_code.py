@@ -11,14 +11,14 @@ from polydraulic import _kernel_cache
 from polydraulic._kernel import driver
 from polydraulic.networks import Model, Network, Node, Variable
 from polydraulic.networks.model import machine_code
-from polydraulic.networks.model.machine_code import answer_at, network_code
+from polydraulic.networks.model.machine_code import NetworkCode, answer_of, network_code
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="machine code is for compiled kernels")
 
 
 @driver
-def answer(begins, x):
-    return answer_at(begins, x)
+def answer(code, number, x):
+    return answer_of(code, number, x)
 
 
 def model(factor):
@@ -28,7 +28,7 @@ def model(factor):
 
 def asked(factor):
     code = network_code([model(factor)])
-    return answer(code.begins[0], np.array([2.0])) / 2.0
+    return answer(code, 0, np.array([2.0])) / 2.0
 
 
 @pytest.fixture(autouse=True)
@@ -116,14 +116,25 @@ def test_files_that_nobody_has_read_for_longest_go(folder, monkeypatch):
 
 def test_code_lives_as_long_as_its_addresses():
     code = network_code([model(3), model(4)])
-    seen = code.begins[1:]
+    seen = NetworkCode(code.begins[1:], code.constants[1:])
     del code
     gc.collect()
-    assert answer(seen[0], np.array([1.0])) == 4.0
+    assert answer(seen, 0, np.array([1.0])) == 4.0
     assert len(machine_code._in_memory) == 2
     del seen
     gc.collect()
     assert not machine_code._in_memory
+
+
+def test_a_constant_needs_no_code(compiled):
+    models = [
+        Model((Variable("x"),), Variable("y"), (Network((), (0.0,), (1.0,), (0.0,), (1.0,), 7.0, 1.0, 0.0, high),))
+        for high in (10.0, 5.0)
+    ]
+    code = network_code([models[0], model(3), models[1]])
+    assert code.begins.astype(bool).tolist() == [False, True, False]
+    assert [answer(code, k, np.array([2.0])) for k in range(3)] == [7.0, 6.0, 5.0]
+    assert len(compiled) == 1
 
 
 def test_the_same_model_is_in_memory_once():

@@ -10,7 +10,7 @@ from polydraulic._kernel import driver
 from polydraulic.flow.polynomial import shipped_models
 from polydraulic.networks import Model, Network, Node, Split, Variable
 from polydraulic.networks.model import machine_code
-from polydraulic.networks.model.machine_code import answer_at, network_code
+from polydraulic.networks.model.machine_code import answer_of, network_code
 from polydraulic.networks.model.model import pack_models
 from polydraulic.networks.model.nodes import LINEAR, RAMP, SIGMOID, TRIPLE
 from polydraulic.networks.model.partition import choose
@@ -27,11 +27,11 @@ def folder(tmp_path_factory):
 
 
 @driver
-def by_code(begins, X, work, y):
+def by_code(code, X, work, y):
     for row in range(X.shape[0]):
         for i in range(X.shape[1]):
             work[i] = X[row, i]
-        y[row] = answer_at(begins, work)
+        y[row] = answer_of(code, 0, work)
 
 
 @driver
@@ -47,7 +47,7 @@ def assert_same_bits(model, X):
     code, found, expected = network_code([model]), np.empty(len(X)), np.empty(len(X))
     by_table(table, regions, X, np.zeros(work_size(table)), expected)
     work = np.zeros(work_size(table))
-    by_code(code.begins[0], X, work, found)
+    by_code(code, X, work, found)
     assert np.array_equal(work[: X.shape[1]], X[-1], equal_nan=True)  # inputs stay
     numbers = ~np.isnan(expected)
     assert np.array_equal(np.isnan(found), ~numbers)

@@ -13,7 +13,7 @@ from numba.extending import overload
 
 from polydraulic._kernel import INLINED_OPTIONS, kernel
 from polydraulic.machine.pump import Pump
-from polydraulic.networks.model.machine_code import NetworkCode, answer_at, network_code
+from polydraulic.networks.model.machine_code import NetworkCode, answer_of, network_code
 from polydraulic.networks.model.model import Model, pack_models
 from polydraulic.networks.model.partition import Regions, choose
 from polydraulic.networks.model.table import NetworkTable, evaluate
@@ -112,7 +112,7 @@ def network_value(table: Any, which: Any, memory: Any) -> Any:
 @overload(network_value, jit_options=INLINED_OPTIONS)
 def _compiled_value(table: Any, which: Any, memory: Any) -> Any:
     def called(table: Any, which: Any, memory: Any) -> Any:  # numba wants the same annotations
-        return answer_at(table.begins[which], memory)
+        return answer_of(table, which, memory)
 
     return called
 

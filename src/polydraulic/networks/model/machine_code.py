@@ -23,7 +23,7 @@ from numba import types
 from numba.core.registry import cpu_target
 from numba.extending import intrinsic
 
-from polydraulic._kernel import cache_folder
+from polydraulic._kernel import cache_folder, kernel
 from polydraulic._kernel_cache import warn_uncached
 from polydraulic.errors import InputError
 from polydraulic.files import replacing
@@ -42,27 +42,43 @@ class NetworkCode(NamedTuple):
     Attributes
     ----------
     begins : (n_model,) array of int64
-        Addresses. The code lives as long as this array does, or a view of it; a copy does not keep it.
+        Addresses; 0 for a model that is a constant. The code lives as long as this array does, or a view of it; a copy does not keep it.
+    constants : (n_model,) array of float
+        Outputs of those.
     """
 
     begins: np.ndarray
+    constants: np.ndarray
 
 
 def network_code(models: Sequence[Model]) -> NetworkCode:
-    """Machine code of models, compiled or read from where it is kept; called by `answer_at`."""
+    """Machine code of models, compiled or read from where it is kept; called by `answer_of`."""
+    constants = [_constant(model) for model in models]
     with _lock:
-        loaded = [_loaded(model) for model in models]
-    held = _Addresses(len(loaded))(*(code.begins for code in loaded))
+        loaded = [_loaded(model) if y is None else None for model, y in zip(models, constants, strict=True)]
+    held = _Addresses(len(loaded))(*(code.begins if code else 0 for code in loaded))
     held.loaded = loaded
-    return NetworkCode(np.frombuffer(held, dtype=np.int64))
+    return NetworkCode(np.frombuffer(held, dtype=np.int64), np.array([y or 0.0 for y in constants]))
+
+
+def _constant(model: Model) -> float | None:
+    """Output of a model that is one network without nodes, as `table.evaluate` computes it."""
+    if len(model.networks) > 1 or model.networks[0].nodes:
+        return None
+    network = model.networks[0]
+    return min(max(network.y_mean + network.y_scale * 0.0, network.y_low), network.y_high)
+
+
+@kernel
+def answer_of(code: NetworkCode, number: int, x: np.ndarray) -> float:
+    """Output of a model, by its number, for inputs in the first places of `x`, which stay as they are; the bits of `table.evaluate`."""
+    begins = code.begins[number]
+    return _answer_at(begins, x) if begins != 0 else code.constants[number]
 
 
 @intrinsic
-def answer_at(typing: Any, begins: Any, x: Any) -> Any:
-    """``answer_at(address, x)``: output of the model whose code is there, for inputs in the first places of `x`, which stay as they are.
-
-    The bits are those of `table.evaluate`.
-    """
+def _answer_at(typing: Any, begins: Any, x: Any) -> Any:
+    """``_answer_at(address, x)``: output of the model whose code is there."""
     found = types.float64(types.int64, types.Array(types.float64, 1, "C"))
 
     def call(context: Any, builder: Any, signature: Any, values: Any) -> Any:
