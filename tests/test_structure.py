@@ -58,6 +58,10 @@ TESTED_ELSEWHERE = {
         "runs of both estimators that stand on it",
     ),
     "networks/dynamic/signal_names.py": ("networks/dynamic/test_joint_regressor.py", "models under other names"),
+    "networks/growth/checked_settings.py": (
+        "networks/growth/test_regressor.py",
+        "estimators refuse settings when they are fitted",
+    ),
     "parameters/entries.py": ("parameters/test_load.py", "entries are read as parts of files"),
     "parameters/layout/conditions.py": ("parameters/layout/test_load.py", "conditions refuse files"),
     "parameters/layout/reader.py": ("parameters/layout/test_load.py", "parts are read as parts of files"),

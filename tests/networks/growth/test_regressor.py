@@ -6,6 +6,8 @@ from hypothesis import strategies as st
 from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.errors import InputError
 from polydraulic.networks import AbductiveClassifier, PerceptronRegressor, Variable
+from polydraulic.networks.growth import regressor
+from polydraulic.networks.growth.refine import refine
 
 RNG = np.random.default_rng(11)
 X = RNG.uniform(-1.0, 1.0, size=(200, 2))
@@ -236,3 +238,38 @@ def test_what_cannot_be_learnt_is_named():
     AbductiveRegressor().fit(X, np.where(Y.mean() < Y, 0.1, np.nextafter(0.1, 1.0)))  # a constant and its last digit
     with pytest.warns(UserWarning, match="the target varies by"):
         AbductiveRegressor().fit(X, 1e-4 * Y + 1e12)
+
+
+def test_of_very_many_rows_a_sample_does_all_but_the_last_steps(monkeypatch):
+    rng = np.random.default_rng(4)
+    X = rng.uniform(-1.0, 1.0, (6000, 3))
+    truth = np.sin(2.0 * X[:, 0]) * X[:, 1] + X[:, 2] ** 2
+    y = truth + 0.1 * rng.normal(size=6000)
+    whole = AbductiveRegressor(max_layers=2).fit(X, y)
+    monkeypatch.setattr(regressor, "_MANY", 5000)
+    monkeypatch.setattr(regressor, "_SAMPLE", 2000)
+    sampled = AbductiveRegressor(max_layers=2).fit(X, y)
+    assert sampled.network_ != whole.network_
+    errors = [float(np.sqrt(np.mean((model.predict(X) - truth) ** 2))) for model in (sampled, whole)]
+    assert errors[0] < 1.15 * errors[1] < 0.03
+    weighted = AbductiveRegressor(max_layers=2).fit(X, y, np.full(6000, 2.0))
+    assert weighted.fse_ == pytest.approx(whole.fse_, rel=0.05)
+
+
+def test_a_refinement_that_only_fits_its_sample_is_made_again_with_all_rows(monkeypatch):
+    rng = np.random.default_rng(4)
+    X = rng.uniform(-1.0, 1.0, (6000, 3))
+    y = np.sin(2.0 * X[:, 0]) * X[:, 1] + X[:, 2] ** 2
+    monkeypatch.setattr(regressor, "_MANY", 5000)
+    monkeypatch.setattr(regressor, "_SAMPLE", 2000)
+    calls = []
+
+    def spoilt(nodes, rows, bounds, **options):
+        calls.append(rows.scaling.n_row)
+        found, fse = refine(nodes, rows, bounds, **options)
+        return found, fse if len(calls) != 2 else 1.0
+
+    monkeypatch.setattr(regressor, "refine", spoilt)
+    model = AbductiveRegressor(max_layers=2).fit(X, y)
+    assert calls == [2000, 6000, 6000]
+    assert model.fse_ < 1e-4

@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from polydraulic import AbductiveRegressor
-from polydraulic.networks.growth.training_rows import ParquetBlocks, rows_from_blocks, rows_in_memory
+from polydraulic.networks.growth.training_rows import ParquetBlocks, rows_from_blocks, rows_in_memory, sample_of
 
 RNG = np.random.default_rng(0)
 X = RNG.uniform(-1.0, 1.0, size=(900, 3)) * [1.0, 100.0, 1e-3] + [0.0, 1e4, 0.0]
@@ -69,3 +69,23 @@ def test_bad_blocks_are_named(blocks, message):
 def test_blocks_offer_no_calibration():
     with pytest.raises(ValueError, match="fit_blocks takes"):
         AbductiveRegressor(calibration=0.2).fit_blocks([(X, Y)])
+
+
+def test_a_sample_has_rows_from_all_over_and_the_scaling_of_all():
+    X = np.arange(1000.0)[:, None]
+    rows = rows_from_blocks([(X[:300], 2.0 * X[:300, 0]), (X[300:], 2.0 * X[300:, 0])])
+    sample = sample_of(rows, 50)
+    drawn = np.concatenate([x[:, 0] for x, _, _ in sample.blocks()])
+    assert np.array_equal(drawn // 20, np.arange(50))  # one of each stretch of twenty
+    assert len(set((drawn % 20).tolist())) > 10
+    assert np.array_equal(np.concatenate([y for _, y, _ in sample.blocks()]), 2.0 * drawn)
+    assert sample.scaling == rows.scaling._replace(weight=50.0, n_row=50)
+    assert sample_of(rows, 1000) is rows
+
+
+def test_a_sample_keeps_weights():
+    weight = np.linspace(1.0, 2.0, 100)
+    sample = sample_of(rows_in_memory(weight[:, None], weight, weight), 10)
+    ((x, _, w),) = sample.blocks()
+    assert np.array_equal(x[:, 0], w)
+    assert sample.scaling.weight == w.sum()

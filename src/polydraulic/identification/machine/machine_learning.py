@@ -23,7 +23,7 @@ CELL = 60  # rows that a part of an outlet's curve needs
 _LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
 
-class NetworkTask(NamedTuple):
+class NetworkToLearn(NamedTuple):
     """A network that is to be learnt, and all that it is learnt from."""
 
     learner: RegionRegressor
@@ -36,7 +36,7 @@ class NetworkTask(NamedTuple):
 
 def tasks_of(
     machine: LayoutMachine, log: Table, *, max_regions: int = REGIONS, max_rows: int = ROWS
-) -> list[NetworkTask]:
+) -> list[NetworkToLearn]:
     """Networks of all circuits, to be learnt from measurements; what must be known is each pump's flow and relief setting, and where valves open.
 
     Parameters
@@ -50,7 +50,7 @@ def tasks_of(
         That a network learns from.
     """
     rng = np.random.default_rng(_SEED)
-    tasks: list[NetworkTask] = []
+    tasks: list[NetworkToLearn] = []
     for circuit, f in ((c, machine.function(name)) for c in machine.circuits for name in c.functions):
         output, inputs = inlet(circuit, f.name)[0]
         # a flow model lets nothing in at relief, whatever a network says
@@ -61,16 +61,16 @@ def tasks_of(
         )  # holds where it has seen rows
         learner = RegionRegressor(settings, max_regions=max_regions, min_rows=min(150, max(20, len(rows) // 40)))
         X = log.matrix([variable.name for variable in inputs])[rows]
-        tasks.append(NetworkTask(learner, inputs, output, X, log[output.name][rows], None))
+        tasks.append(NetworkToLearn(learner, inputs, output, X, log[output.name][rows], None))
     return tasks + [_outlet_task(f, log, max_rows, rng) for f in machine.functions]
 
 
-def learn(tasks: Sequence[NetworkTask], told: Callable[[int], object] = lambda done: None) -> list[Model]:
+def learn(tasks: Sequence[NetworkToLearn], told: Callable[[int], object] = lambda done: None) -> list[Model]:
     """Networks of tasks, side by side where they are long.
 
     Parameters
     ----------
-    tasks : sequence of NetworkTask
+    tasks : sequence of NetworkToLearn
     told : function of int
         Told how many are done.
     """
@@ -78,11 +78,11 @@ def learn(tasks: Sequence[NetworkTask], told: Callable[[int], object] = lambda d
     return (in_processes if work >= _LONG else one_after_the_other)(_learn, tasks, told)
 
 
-def _learn(task: NetworkTask) -> Model:
+def _learn(task: NetworkToLearn) -> Model:
     return task.learner.fit(task.X, task.y, task.weight).to_model(task.inputs, task.output)
 
 
-def _outlet_task(f: MachineFunction, log: Table, max_rows: int, rng: np.random.Generator) -> NetworkTask:
+def _outlet_task(f: MachineFunction, log: Table, max_rows: int, rng: np.random.Generator) -> NetworkToLearn:
     """Conductance of an outlet over the spool: a cubic in each part of its travel that was visited."""
     rows = rng.permutation(np.flatnonzero(log[f"{f.name}.root_p_out"] > ROOT_LEAST))[:max_rows]
     spool, y = log[f"{f.name}.spool"][rows], log[f"{f.name}.k_out"][rows]
@@ -97,7 +97,7 @@ def _outlet_task(f: MachineFunction, log: Table, max_rows: int, rng: np.random.G
     opening = np.maximum(np.abs(spool) - opens, 0.0) / (end - opens)
     learner = RegionRegressor(settings, edges={0: edges} if edges else None, max_regions=1)
     output, inputs = outlet(f.name)[0]
-    return NetworkTask(learner, inputs, output, spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
+    return NetworkToLearn(learner, inputs, output, spool[:, None], y, 1.0 / (_SMALL + opening) ** 2)
 
 
 def visited(borders: Sequence[float], values: np.ndarray) -> list[float]:

@@ -17,7 +17,7 @@ _PAIRS = 200_000  # scored at a time
 def promising_inputs(rows: TrainingRows, n_chosen: int) -> np.ndarray:
     """Indices of the `n_chosen` inputs that explain most in a Single or a Double, in rising order."""
     n = len(rows.scaling.x_mean)
-    m = moments_of_blocks(sample_of(rows, BLOCK), n, triples=False)
+    m = moments_of_blocks(iter(sample_of(rows, BLOCK)), n, triples=False)
     single = squared_errors(m, SINGLE, np.arange(n)[:, None])
     # a pair counts for both its inputs by what it explains beyond its better half
     best = single.copy()
