@@ -153,7 +153,7 @@ def tables(folder, minutes):
     for name, n in (("valve", 20_000), ("valve_short", 500)):
         x = rng.uniform(size=(n, 3)) * (0.564, 4000.0, 1.0)
         y = place["flow"](x) * (1.0 + 0.3 * np.sin(5.0 * x[:, 2]))
-        write_table(Table({"x": x[:, 0], "p": x[:, 1], "s": x[:, 2], "q": y}), folder / f"{name}.parquet")
+        write_table(Table({"x": x[:, 0], "p": x[:, 1], "s": x[:, 2], "q": y}, {}), folder / f"{name}.parquet")
 
 
 def stated(file, *names):
