@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n auto --dist loadfile
 
-.PHONY: report docs test test-browser coverage test-all bench bench-joints bench-peers mutants lint surface build changes clean
+.PHONY: report docs test test-browser coverage test-all bench bench-history bench-joints bench-peers mutants lint surface build changes clean
 
 report: .venv/ready
 	$(BIN)/polydraulic report --out report
@@ -62,11 +62,17 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py gym
 	$(BIN)/python benchmarks/keep.py tip_loads
 	$(BIN)/python benchmarks/keep.py methods
+	$(BIN)/python benchmarks/keep.py waits $(if $(OLD),--old $(OLD))
+	$(BIN)/python benchmarks/keep.py worst_step
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
 	$(BIN)/python benchmarks/keep.py importing
 	$(BIN)/python benchmarks/keep.py identify
 	$(BIN)/python benchmarks/keep.py control --figure docs/images/control.svg
+
+# A few figures, appended to benchmarks/history.jsonl with commit and processor; says which is slower than before.
+bench-history: .venv/ready
+	$(BIN)/python benchmarks/history.py
 
 # The learners people would use instead, some of which need NumPy 1; DATA=folder adds its CSV files.
 bench-peers: .venv/ready .venv-peers/ready
