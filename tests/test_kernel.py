@@ -69,9 +69,25 @@ def test_the_digest_follows_every_source_of_kernels(tmp_path):
     with (copy / "cli" / "app.py").open("a") as file:
         file.write("# edited\n")
     assert digest() == edited
+    with (copy / "simulation" / "layout" / "pages" / "step.py.txt").open("a") as file:
+        file.write("# edited\n")
+    assert digest() not in (before, edited)
 
 
 def test_other_packages_keep_their_cache_folder():
     before = numba.config.CACHE_DIR
     _kernel.driver(lambda x: x)
     assert before == numba.config.CACHE_DIR
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is kept in plain Python")
+def test_a_warm_run_imports_neither_pandas_nor_what_only_compiling_needs(tmp_path):
+    code = (
+        "import sys; from polydraulic import simulate; from polydraulic.tables import write_table; "
+        "write_table(simulate('cat215b', 'exact', 'task', t_end=0.05), sys.argv[1]); "
+        "print([name for name in ('pandas', 'scipy.linalg') if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "run.parquet")]
+    for _ in range(2):
+        run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

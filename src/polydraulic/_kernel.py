@@ -54,10 +54,10 @@ _COMPILED = (
 
 
 def source_digest() -> str:
-    """Digest of every Python source that can stand in a kernel: names the cache folder."""
+    """Digest of every Python source, and page of one, that can stand in a kernel: names the cache folder."""
     root = Path(__file__).parent
     digest = hashlib.sha256()
-    for path in sorted(root.rglob("*.py")):
+    for path in sorted([*root.rglob("*.py"), *root.rglob("*.py.txt")]):
         if path.relative_to(root).with_suffix("").parts[0] not in _COMPILED:
             continue
         digest.update(path.relative_to(root).as_posix().encode())

@@ -109,11 +109,17 @@ class KernelCache(caching.FunctionCache):
         self._cache_file = _Files(begin, (numba.__version__, locator.get_source_stamp(), compiled_with))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load a compiled function, or None: whatever cannot be used is compiled again."""
+        """Load a compiled function, or None: whatever cannot be used is compiled again.
+
+        numba would first import all that it compiles with, SciPy's linear algebra among it, which takes longer than all that is
+        loaded. Machine code that allocates nothing needs none of it, and a compilation does it by itself.
+        """
         try:
-            return super().load_overload(sig, target_context)
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(sig, target_context)
         except Exception:
             return None
+        return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Save a compiled function, or warn."""

@@ -52,8 +52,6 @@ class Table:
     Table of 2 rows and 2 columns
       time [s]  0 ... 0.1
       p [Pa]    200000 ... 300000
-    >>> list(table), "p" in table, table["p"].max()
-    (['time', 'p'], True, np.float64(300000.0))
     """
 
     columns: dict[str, np.ndarray]
@@ -248,11 +246,7 @@ def table_writer(
         if ending == ".csv":
             with temporary.open("w", encoding="utf-8") as file:
                 file.write(",".join(_quoted(_head(name, unit)) for name, unit in units.items()) + "\n")
-
-                def write_rows(columns: Sequence[np.ndarray]) -> None:
-                    np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
-
-                yield write_rows
+                yield lambda columns: np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
         else:
             import pyarrow.parquet as pq
 

@@ -10,7 +10,7 @@ import pytest
 
 from polydraulic import build_flow
 from polydraulic.flow.layout import text_module
-from polydraulic.flow.layout.text_module import loaded, written_name
+from polydraulic.flow.layout.text_module import kept_text, loaded, written_name
 from polydraulic.simulation.layout.prepare import prepare_layout
 
 TEXT = '"""A text."""\n\n\ndef answer():\n    return {number}\n'
@@ -63,3 +63,26 @@ def test_the_compiler_tells_named_tuples_of_two_texts_apart_at_once(machine):
     assert plants[0] == plants[1]
     assert compute_fingerprint(plants[0]) != compute_fingerprint(plants[1])
     assert {written_name(type(plant)) for plant in plants} == {"Plant"}
+
+
+def test_a_text_is_written_once_and_a_damaged_file_counts_for_nothing(monkeypatch, caplog, tmp_path):
+    monkeypatch.setattr(text_module, "cache_folder", lambda: str(tmp_path))
+    written = []
+
+    def write():
+        written.append(1)
+        return TEXT.format(number=49)
+
+    assert kept_text("a key", write) == kept_text("a key", write) == TEXT.format(number=49)
+    assert len(written) == 1
+    assert kept_text("another", lambda: "other\n") == "other\n"
+    (path,) = [path for path in tmp_path.glob("text_*.txt") if "answer" in path.read_text(encoding="utf-8")]
+    path.write_text(path.read_text(encoding="utf-8").replace("49", "50"), encoding="utf-8")
+    assert kept_text("a key", write) == TEXT.format(number=49)
+    assert len(written) == 2
+    assert "50" not in path.read_text(encoding="utf-8")
+    blocked = tmp_path / "file"
+    blocked.write_text("", encoding="utf-8")
+    monkeypatch.setattr(text_module, "cache_folder", lambda: str(blocked))
+    assert kept_text("a key", write) == TEXT.format(number=49)
+    assert "written anew in each run" in caplog.text

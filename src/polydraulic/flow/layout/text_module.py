@@ -11,6 +11,8 @@ import hashlib
 import linecache
 import logging
 import sys
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -48,6 +50,32 @@ def loaded(text: str) -> ModuleType:
 def written_name(cls: type) -> str:
     """Name under which a text defines a class."""
     return cls.__qualname__.rpartition(".")[2]
+
+
+def kept_text(key: str, write: Callable[[], str]) -> str:
+    """A text that was written in another process for the same key, or that is written now; a damaged file counts for nothing.
+
+    Parameters
+    ----------
+    key : str
+        All that the text depends on beside the sources of this package, by which the folder is named.
+    write : function
+        Writes it: that takes longer than to compile many a function.
+    """
+    folder = cache_folder()
+    if folder is None:
+        return write()
+    path = Path(folder) / f"text_{hashlib.sha256(key.encode()).hexdigest()[:24]}.txt"
+    with suppress(OSError, UnicodeDecodeError):
+        digest, _, text = path.read_text(encoding="utf-8").partition("\n")
+        if hashlib.sha256((key + text).encode()).hexdigest() == digest:
+            return text
+    text = write()
+    try:
+        write_text(path, f"{hashlib.sha256((key + text).encode()).hexdigest()}\n{text}")
+    except (OSError, InputError) as error:
+        _log.warning("%s cannot be written (%s): the text of a layout is written anew in each run", path, error)
+    return text
 
 
 def _file(text: str, name: str) -> Path:

@@ -6,10 +6,12 @@ in it, so that machines that differ in numbers alone share it, and what has been
 
 import ast
 from collections.abc import Hashable, Mapping, Sequence
+from functools import partial
 from importlib.resources import files
 
 from polydraulic.flow.lanes import LANES
 from polydraulic.flow.layout.model import STORING
+from polydraulic.flow.layout.text_module import kept_text
 from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -85,7 +87,7 @@ def layout_text(machine: LayoutMachine, *, flow: str = "exact", force: bool = Fa
     """
     key = layout_of(machine), flow, force
     if key not in _written:
-        _written[key] = _text(machine, flow, force)
+        _written[key] = kept_text(repr(key), partial(_text, machine, flow, force))
     return _written[key]
 
 
