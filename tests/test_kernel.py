@@ -91,3 +91,23 @@ def test_a_warm_run_imports_neither_pandas_nor_what_only_compiling_needs(tmp_pat
     for _ in range(2):
         run = subprocess.run(command, capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+@_kernel.kernel
+def twice(x):
+    return 2.0 * x
+
+
+@_kernel.kernel
+def twice_more(x):
+    return twice(x) + 1.0
+
+
+def test_a_kernel_in_plain_python_leaves_the_compiler_alone():
+    plain = _kernel.in_plain_python(twice_more)
+    assert plain(2.0) == twice_more(2.0) == 5.0
+    if not numba.config.DISABLE_JIT:
+        before = len(twice_more.signatures), len(twice.signatures)
+        assert plain(np.float32(2.0)) == 5.0
+        assert before == (len(twice_more.signatures), len(twice.signatures))
+    assert _kernel.in_plain_python(len) is len

@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar
 
 import numba
@@ -130,3 +131,21 @@ def kernel(function: F) -> F:
 def driver(function: F) -> F:
     """Compile a function that loops over arrays it is given; other threads run meanwhile."""
     return _compiled(function, {**_DRIVER_OPTIONS, "nogil": True})
+
+
+def in_plain_python(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A kernel, and all that it calls, without the compiler: the same bits, for what is asked once and takes longer to compile."""
+    plain: dict[int, Callable[..., Any]] = {}
+
+    def without(value: Any) -> Any:
+        own = getattr(value, "py_func", None)
+        if own is None:
+            return value
+        if id(own) not in plain:
+            names: dict[str, Any] = dict(own.__globals__)
+            plain[id(own)] = FunctionType(own.__code__, names, own.__name__, own.__defaults__, own.__closure__)
+            names.update({name: without(names[name]) for name in own.__code__.co_names if name in names})
+        return plain[id(own)]
+
+    found: Callable[..., Any] = without(function)
+    return found

@@ -4,10 +4,9 @@ The semi-implicit step is stable while omega dt < 2. On cat215b_bucket, a random
 omega dt = 0.76, and six times as much at 1.51: `DOUBTFUL` lies between.
 """
 
-from typing import Any
-
 import numpy as np
 
+from polydraulic._kernel import in_plain_python
 from polydraulic.display import amount
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.prepare import ReadyMachine
@@ -28,16 +27,13 @@ def fastest_oscillation(machine: LayoutMachine, ready: ReadyMachine) -> float:
         The machine, prepared for a step; locked functions count for nothing.
     """
     module, n = ready.module, len(machine.names)
-
-    def plain(name: str) -> Any:
-        return getattr(getattr(module, name), "py_func", getattr(module, name))
-
     free = [k for k, locked in enumerate(ready.plant.locked) if not locked]
     if not free:
         return 0.0
     angles = module.Functions(*(f.initial.angle for f in machine.functions))
-    here = plain("position")(angles, module.Functions(*[0.0] * n), ready.plant)
-    columns = [plain("times")(here.motion.mass, module.Functions(*row)) for row in np.eye(n).tolist()]
+    position, times = (in_plain_python(kernel) for kernel in (module.position, module.times))
+    here = position(angles, module.Functions(*[0.0] * n), ready.plant)
+    columns = [times(here.motion.mass, module.Functions(*row)) for row in np.eye(n).tolist()]
     mass = np.array(columns)[np.ix_(free, free)]
     levers = zip(here.levers.a, here.levers.b, machine.functions, strict=True)
     stiffness = np.array([a**2 / f.line.compliance_a + b**2 / f.line.compliance_b for a, b, f in levers])[free]
