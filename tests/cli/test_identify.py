@@ -20,8 +20,12 @@ def silent(tmp_path, monkeypatch):
     [
         ("silent.csv --machine wheel_loader --out m.json", "m.json: a machine file ends in .toml"),
         ("silent.csv --machine wheel_loader --out m.toml --card c.pdf", "c.pdf: a card ends in .html"),
+        ("silent.csv --machine wheel_loader --out m.toml --residuals r.csv", "r.csv"),
         ("silent.csv --machine wheel_loader", "an identification needs --out MACHINE.toml; --plan says"),
-        ("silent.csv --machine wheel_loader --plan --out m.toml", "--plan writes nothing; --out and --card go with"),
+        (
+            "silent.csv --machine wheel_loader --plan --out m.toml",
+            "--plan writes nothing; --out, --card and --residuals go with",
+        ),
         ("silent.csv --machine wheel_loader --plan", "the log has no column 'lift.voltage'"),
         ("silent.csv --machine none --out m.toml", "unknown parameter set 'none'"),
         ("none.csv --machine wheel_loader --out m.toml", "none.csv"),

@@ -36,6 +36,12 @@ def identify(
         bool,
         typer.Option("--plan", help="Fit nothing; say which further sensor or motion would narrow which number most."),
     ] = False,
+    residuals: Annotated[
+        Path | None,
+        typer.Option(
+            help="Model file to write, .json: networks of what circuits leave of measured flows, where they hold on blocks of time held out; for --flow residual."
+        ),
+    ] = None,
     units: UnitsOption = METRIC,
 ) -> None:
     """Identify curves of valves, pumps, pilots, masses and friction from a log, inside the equations that are known, as a machine file.
@@ -45,6 +51,9 @@ def identify(
     asked for. With pressures and joints of all functions: masses and friction that are marked. With voltages and joints of all functions alone: what
     is left, through simulation. What the log does not determine keeps its value and is named. A log that determines nothing ends with exit
     code 2, and says why.
+
+    With --residuals, networks learn what the circuits leave of measured flows (flow forces, friction of spools). Those that hold on blocks of time
+    held out are written; `simulate --flow residual --model FILE` adds them to the circuits.
 
     With --plan it says, before anything is fitted, what each further sensor or motion would add. It wants voltages and joints of all functions.
 
@@ -65,10 +74,12 @@ def identify(
     from polydraulic.identification.equations.identify import identify as run
     from polydraulic.identification.equations.identify import toml_ending
     from polydraulic.identification.equations.plan import plan_identification
+    from polydraulic.identification.equations.residuals import learn_residuals
+    from polydraulic.networks.model.model_file import model_ending, save_models
 
     if plan:
-        if out is not None or card is not None:
-            raise InputError("--plan writes nothing; --out and --card go with an identification")
+        if out is not None or card is not None or residuals is not None:
+            raise InputError("--plan writes nothing; --out, --card and --residuals go with an identification")
         with progress_bar("plan") as progress:
             print(plan_identification(log, machine, free=free or [], progress=progress))
         return
@@ -79,10 +90,18 @@ def identify(
     toml_ending(out)
     if card is not None:
         identification_card_ending(card)
+    if residuals is not None:
+        model_ending(residuals)
     with progress_bar("identify") as progress:
         found = run(log, machine, free=free or [], parts=out.with_name(f"{out.stem}.parts"), progress=progress)
         found.write(out)
         if card is not None:
             write_identification_card(found, card, units=units, progress=progress)
+        left = learn_residuals(found, progress=progress) if residuals is not None else None
     print(found.text(units))
     print(f"{out}: written")
+    if residuals is not None and left is not None:
+        print(left)
+        if left.models:
+            save_models(left.models, residuals)
+        print(f"{residuals}: {'written' if left.models else 'not written, no network holds on blocks held out'}")

@@ -226,7 +226,7 @@ def replay(
     ],
     flow: Annotated[str, typer.Option(help="Flow model, as for simulate.")] = "polynomial",
     model: Annotated[
-        list[Path] | None, typer.Option(help="Model file for polynomial or neural; repeat for more.")
+        list[Path] | None, typer.Option(help="Model file for polynomial, neural or residual; repeat for more.")
     ] = None,
     seconds: Annotated[float, typer.Option(help="Length of a window in s.")] = 10.0,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 0.005,
@@ -255,8 +255,8 @@ def replay(
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.plotting.run_figure import picture_ending, save_figure
 
-    if model and flow not in ("polynomial", "neural"):
-        raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
+    if model and flow not in ("polynomial", "neural", "residual"):
+        raise InputError(f"--model goes with --flow polynomial, neural or residual, not with {flow!r}")
     if plot is not None:
         picture_ending(plot)
     models = [found for path in model for found in load_models(path)] if model else None

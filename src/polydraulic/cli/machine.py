@@ -23,7 +23,7 @@ def _flow_names() -> list[str]:
     return list(FLOW_KINDS)
 
 
-FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, or pressure (historical)."
+FLOWS = "exact, iterative, stiff, tlm, polynomial, neural, lookup, residual, or pressure (historical)."
 OwnMachineOption = Annotated[
     str | None,
     typer.Option(help="Machine by name, or a TOML file; if not given, the one that the scenario is for, else cat215b."),
@@ -44,7 +44,8 @@ def simulate(
     scenario: ScenarioArgument,
     flow: Annotated[str, typer.Option(help=FLOWS, autocompletion=_flow_names)] = "exact",
     model: Annotated[
-        list[Path] | None, typer.Option(help="Model file for polynomial, neural or pressure; repeat for more.")
+        list[Path] | None,
+        typer.Option(help="Model file for polynomial, neural, residual or pressure; repeat for more."),
     ] = None,
     arrangement: Annotated[
         str | None, typer.Option(help="Of the package's polynomial networks: cascade (if not given) or direct.")
@@ -112,8 +113,8 @@ def simulate(
     from polydraulic.simulation.trajectory import compare
     from polydraulic.tables import table_ending, write_table
 
-    if model and flow not in ("polynomial", "neural", "pressure"):
-        raise InputError(f"--model goes with --flow polynomial, neural or pressure, not with {flow!r}")
+    if model and flow not in ("polynomial", "neural", "residual", "pressure"):
+        raise InputError(f"--model goes with --flow polynomial, neural, residual or pressure, not with {flow!r}")
     if arrangement and (flow != "polynomial" or model):
         raise InputError("--arrangement goes with --flow polynomial and the package's own networks")
     if out is not None:

@@ -14,10 +14,10 @@ from polydraulic.terminal import progress_bar
 def export_machine(
     out: Annotated[Path, typer.Option(help="Folder to write C to, or an .fmu file.")],
     to: Annotated[str, typer.Option(help="c, fmi2 or fmi3.")] = "fmi3",
-    flow: Annotated[str, typer.Option(help="exact, polynomial, neural, iterative, stiff or tlm.")] = "exact",
+    flow: Annotated[str, typer.Option(help="exact, polynomial, neural, residual, iterative, stiff or tlm.")] = "exact",
     model: Annotated[
         list[Path] | None,
-        typer.Option(help="Model file for polynomial or neural; repeat for more."),
+        typer.Option(help="Model file for polynomial, neural or residual; repeat for more."),
     ] = None,
     name: Annotated[
         str | None, typer.Option(help="Name of the export, a C identifier; that of the machine if not given.")
@@ -63,8 +63,8 @@ def export_machine(
     plant, name = load_machine(machine), export_name(machine) if name is None else name
     chosen: str | FlowModel = flow
     if model:
-        if flow not in ("polynomial", "neural"):
-            raise InputError(f"--model goes with --flow polynomial or neural, not with {flow!r}")
+        if flow not in ("polynomial", "neural", "residual"):
+            raise InputError(f"--model goes with --flow polynomial, neural or residual, not with {flow!r}")
         chosen = build_flow(flow, plant, models=[found for path in model for found in load_models(path)])
     with progress_bar("export-machine") as progress:
         progress(f"translate the kernels, write {out}", 0, 1)

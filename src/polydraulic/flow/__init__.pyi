@@ -6,6 +6,7 @@ from .layout.model import LayoutFlow, exact_flow
 from .lookup import lookup_flow, table_bytes
 from .polynomial import neural_flow, polynomial_flow
 from .pressure import pressure_flow
+from .residual import residual_flow
 from .stiff import stiff_flow
 from .tlm import tlm_flow
 from .training.layout_models import TrainingEffort, train_layout
@@ -25,6 +26,7 @@ __all__ = [
     "neural_flow",
     "polynomial_flow",
     "pressure_flow",
+    "residual_flow",
     "sample_circuit",
     "stiff_flow",
     "table_bytes",

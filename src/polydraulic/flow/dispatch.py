@@ -14,6 +14,7 @@ from polydraulic.flow.layout.model import LayoutFlow, check_machine, exact_flow
 from polydraulic.flow.lookup import lookup_flow
 from polydraulic.flow.polynomial import neural_flow, polynomial_flow
 from polydraulic.flow.pressure import pressure_flow
+from polydraulic.flow.residual import residual_flow
 from polydraulic.flow.stiff import stiff_flow
 from polydraulic.flow.tlm import tlm_flow
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -30,6 +31,7 @@ FLOW_KINDS: dict[str, Callable[..., FlowModel]] = {
     "polynomial": polynomial_flow,
     "neural": neural_flow,
     "pressure": pressure_flow,
+    "residual": residual_flow,
 }
 
 

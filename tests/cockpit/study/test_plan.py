@@ -103,5 +103,5 @@ def test_the_study_of_the_documentation_is_one(written):
     page = (Path(__file__).parents[3] / "docs" / "cockpit.md").read_text(encoding="utf-8")
     text = page.partition("```toml\n")[2].partition("```")[0]
     study = read_study(written(text))
-    firsts = [tasks_of(study, code)[2].mode for code in study.subjects]
+    firsts = [study_tasks(study, code)[2].mode for code in study.subjects]
     assert firsts == ["joint", "coordinated", "joint", "coordinated"]

@@ -21,7 +21,7 @@ def test_a_crossover_is_refused_by_name_and_what_serves_it_is_said(name):
 
 @pytest.mark.parametrize("name", ["iterative", "stiff", "lookup"])
 def test_longer_circuits_are_refused_by_those_that_know_two_valves(name):
-    able = r"\['exact', 'tlm', 'polynomial', 'neural', 'pressure'\]"
+    able = r"\['exact', 'tlm', 'polynomial', 'neural', 'pressure', 'residual'\]"
     words = rf"'{name}' is for circuits of at most 2 valves in series; circuit 'arm' has 3 \(swing, stick, bucket\): use one of {able}"
     with pytest.raises(InputError, match=words):
         build_flow(name, "excavator_22t")
@@ -30,7 +30,7 @@ def test_longer_circuits_are_refused_by_those_that_know_two_valves(name):
 @pytest.mark.parametrize("machine", ["wheel_loader", "cat215b_bucket", "excavator_22t"])
 def test_what_is_said_to_know_the_circuits_does(machine):
     for name in flows_for(load_machine(machine)):
-        if name in ("polynomial", "neural", "pressure"):
+        if name in ("polynomial", "neural", "pressure", "residual"):
             with pytest.raises(InputError, match="models"):
                 build_flow(name, machine)
         else:

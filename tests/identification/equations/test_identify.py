@@ -12,7 +12,7 @@ from polydraulic import InputError, load_machine
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.identification import identify
 from polydraulic.identification.equations.finished import Finished
-from polydraulic.identification.equations.shooting.fit import Reached
+from polydraulic.identification.equations.shooting.fit import ShootingStage
 from polydraulic.machine.pump import limited_pump
 from polydraulic.tables import Table
 
@@ -250,7 +250,7 @@ def test_finished_circuits_are_read_as_they_were(found, tmp_path):
 def test_how_far_simulation_has_come_is_read_as_it_was(tmp_path):
     kept, reached = (
         Finished(tmp_path, "digest"),
-        Reached(2, 3, np.array([0.1, 1 / 3]), np.ones((4, 8)), np.array([1e-4])),
+        ShootingStage(2, 3, np.array([0.1, 1 / 3]), np.ones((4, 8)), np.array([1e-4])),
     )
     assert kept.runs() is None
     kept.keep_runs(reached)

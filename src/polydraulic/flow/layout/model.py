@@ -30,6 +30,7 @@ KNOWN_CIRCUITS = {
     "polynomial": KnownCircuits(MOST_IN_SERIES),
     "neural": KnownCircuits(MOST_IN_SERIES),
     "pressure": KnownCircuits(MOST_IN_SERIES),
+    "residual": KnownCircuits(MOST_IN_SERIES),
 }
 
 

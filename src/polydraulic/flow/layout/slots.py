@@ -71,3 +71,8 @@ def outlet(function: str) -> list[Place]:
         (Variable(f"{function}.k_out", "m3/s/Pa^0.5"), (spool,)),
         (Variable(f"{function}.q_out", "m3/s"), (spool, Variable(f"{function}.root_p_out", "Pa^0.5"))),
     ]
+
+
+def residual(circuit: SupplyCircuit, function: str) -> Place:
+    """What an exact circuit leaves of the flow into a function."""
+    return Variable(f"{function}.q_in_residual", "m3/s"), everything(circuit.functions)

@@ -8,7 +8,7 @@ import numpy as np
 
 from polydraulic.files import write_text
 from polydraulic.identification.equations.circuits import CircuitFound, ValveFound
-from polydraulic.identification.equations.shooting.fit import Reached
+from polydraulic.identification.equations.shooting.fit import ShootingStage
 from polydraulic.parameters.layout.parts import ValveCurves
 
 _RUNS = "simulation-so-far"  # no circuit can be called so
@@ -44,7 +44,7 @@ class Finished:
         if self.folder is not None:
             write_text(self.folder / f"{name}.json", json.dumps({"digest": self.digest, **_plain(found)}))
 
-    def runs(self) -> Reached | None:
+    def runs(self) -> ShootingStage | None:
         """How far simulation had come, None if it was not begun."""
         if self.folder is None:
             return None
@@ -53,11 +53,11 @@ class Finished:
             if data["digest"] != self.digest:
                 return None
             parts = (np.array(data[key], dtype=np.float64) for key in ("u", "states", "noise"))
-            return Reached(int(data["passes"]), int(data["steps"]), *parts)
+            return ShootingStage(int(data["passes"]), int(data["steps"]), *parts)
         except (OSError, ValueError, KeyError, TypeError):  # absent, or of another version: it begins anew
             return None
 
-    def keep_runs(self, reached: Reached) -> None:
+    def keep_runs(self, reached: ShootingStage) -> None:
         """Keep how far simulation has come."""
         if self.folder is not None:
             write_text(self.folder / f"{_RUNS}.json", json.dumps({"digest": self.digest, **_plain(reached)}))

@@ -150,6 +150,7 @@ def _flow_fields(machine: LayoutMachine, flow: str) -> list[tuple[str, str]]:
         "tlm": [("tlm_lines", "TlmLines")],
         "lookup": [(f"lookup_{c.name}", f"FlowTable{len(c.functions)}") for c in machine.circuits],
         "pressure": [("table", "NetworkTable"), *((f"pressure_{f}", "PressureNetwork") for f in machine.names)],
+        "residual": [("table", "NetworkTable"), *((f"residual_{f}", "ResidualNetwork") for f in machine.names)],
         "networks": [
             ("table", "NetworkTable"),
             *((f"networks_{f}", "ValveNetworks") for f in machine.names),

@@ -26,12 +26,13 @@ _FLOWS = {
     "exact": ("flow", "flow_exact"),
     "networks": ("flow_inputs", "flow_networks"),
     "pressure": ("flow_inputs", "flow_pressure"),
+    "residual": ("flow", "flow_inputs", "flow_residual"),
     "iterative": ("flow_iterative",),
     "lookup": ("flow_lookup",),
     "stiff": ("flow_stiff",),
     "tlm": ("flow_tlm",),
 }  # pages of flows, by what circuits get
-_EXACT = ("exact", "tlm")  # that solve circuits of any length exactly, at each step or at the first
+_EXACT = ("exact", "tlm", "residual")  # that solve circuits of any length exactly, at each step or at the first
 _LANES = {
     "exact": ("lanes", "lanes_circuits", "crossover"),
     "networks": ("lanes", "lanes_networks"),
@@ -62,6 +63,7 @@ _IMPORTS = (
     "from polydraulic.machine.circuits.torque_limit import LIMIT_PASSES, Limited, limit_begin_1, limit_begin_2, limit_pass_1, limit_pass_2",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.flow.pressure import PressureNetwork",
+    "from polydraulic.flow.residual import ResidualNetwork, corrected",
     "from polydraulic.machine.valve import Orifices, orifice_flow",
     "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",

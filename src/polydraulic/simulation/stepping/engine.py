@@ -15,7 +15,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.simulation.layout.prepare import ReadyMachine
 from polydraulic.simulation.stepping.levers import hand_of
-from polydraulic.simulation.stepping.marks import FLAGS, MOST_CHANGES, STEPS, Hand
+from polydraulic.simulation.stepping.marks import BEYOND, FLAGS, MOST_CHANGES, OUTSIDE, STEPS, Hand
 from polydraulic.simulation.stepping.packed import pack_tree
 from polydraulic.simulation.stepping.setup import Setup, loaded_machine, readied
 from polydraulic.simulation.stepping.text import Places, places_of, single_module
@@ -73,6 +73,10 @@ class Engine:
     def run(self, n: int) -> int:
         """Make up to `n` steps; how many were made, and `counts` says why no more."""
         return self.advance(self.numbers, self.whole, self.live, self.counts, self.delay, self.changes, n)
+
+    def outside(self) -> int:
+        """Steps outside the flow model's domain, or beyond the log that the machine was identified from, whichever are more."""
+        return int(max(self.counts[OUTSIDE], self.counts[BEYOND]))
 
     def weigh(self, setup: Setup, mass: float) -> None:
         """Hang another mass at the tip; the flow model meets the state once more, as where a run of `simulate` goes on."""

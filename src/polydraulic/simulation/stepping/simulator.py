@@ -154,7 +154,7 @@ class Simulator:
     @property
     def steps_out_of_domain(self) -> int:
         """Of these, steps outside the flow model's domain, or beyond the log that the machine was identified from, whichever are more."""
-        return int(max(self._counts[marks.OUTSIDE], self._counts[marks.BEYOND]))
+        return self._engine.outside()
 
     @property
     def steps_beyond_log(self) -> int:

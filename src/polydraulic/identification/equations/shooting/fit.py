@@ -12,12 +12,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
-from polydraulic.identification.equations.numbers.estimates import (
-    Estimates,
-    correlation_of,
-    estimates_of,
-    unhidden,
-)
+from polydraulic.identification.equations.numbers.estimates import Estimates, correlation_of, estimates_of, unhidden
 from polydraulic.identification.equations.numbers.unbounded import (
     Unbounded,
     from_unbounded,
@@ -93,7 +88,7 @@ class ShootingFit(NamedTuple):
     travel: dict[str, float]
 
 
-class Reached(NamedTuple):
+class ShootingStage(NamedTuple):
     """How far a search has come: what it can go on from.
 
     Attributes
@@ -122,8 +117,8 @@ def fit_by_shooting(
     sensors: Sequence[str] | None = None,
     seconds: float = SECONDS,
     most: int = MOST_WINDOWS,
-    begun: Reached | None = None,
-    keep: Callable[[Reached], object] = lambda reached: None,
+    begun: ShootingStage | None = None,
+    keep: Callable[[ShootingStage], object] = lambda reached: None,
     progress: Progress = quiet,
 ) -> ShootingFit:
     """Find numbers of a machine such that its runs read what sensors read.
@@ -143,9 +138,9 @@ def fit_by_shooting(
         Length of a window.
     most : int
         Windows at most, spread over the log; the time that it takes grows with them.
-    begun : Reached, optional
+    begun : ShootingStage, optional
         What the same search had come to when it was interrupted.
-    keep : function (Reached)
+    keep : function (ShootingStage)
         Told after every step what the search has come to.
     progress : Progress, optional
 
@@ -173,13 +168,12 @@ def fit_by_shooting(
     u, first, made = to_unbounded(numbers, numbers.start), 0, 0
     if begun is not None and search.goes_on_from(begun):
         u, first, made = begun.u, begun.passes, begun.steps
-    total = sum(steps for _, steps in _PASSES)
-    done = sum(steps for _, steps in _PASSES[:first])
+    total, done = (sum(steps for _, steps in passes) for passes in (_PASSES, _PASSES[:first]))
     for number, (looser, steps) in enumerate(_PASSES[first:], first):
 
         def told(own: int, u: np.ndarray, number: int = number, done: int = done, steps: int = steps) -> None:
             assert search.here is not None
-            keep(Reached(number, own, u, search.here.states, search.noise))
+            keep(ShootingStage(number, own, u, search.here.states, search.noise))
             progress("identify", done + min(own, steps), total)
 
         u = search.lowered(u, looser, steps, made, told)
@@ -240,7 +234,7 @@ class _Search:
         least = np.array([channel.noise for channel in self.windows.channels])
         return np.maximum(1.4826 * np.median(np.abs(off), axis=(0, 1)), least)
 
-    def goes_on_from(self, begun: Reached) -> bool:
+    def goes_on_from(self, begun: ShootingStage) -> bool:
         """Take states and noise of a search that was interrupted; not those of other numbers, windows or sensors."""
         fits = [part.shape for part in begun[2:]] == [self.numbers.start.shape, self.first.shape, self.noise.shape]
         if fits and self._possible(begun.u) is not None:
@@ -397,9 +391,8 @@ class _Search:
         seen, prior, count = reduced.gram.sum(0), np.diag(1.0 / spread**2), len(reduced.gradient)
         scatter = reduced.gradient - reduced.gradient.mean(0)
         scatter = scatter.T @ scatter * unhidden(count, 1.0 + float(np.trace(np.linalg.solve(seen + prior, seen))))
-        share = len(spread) / (
-            len(spread) + count
-        )  # few windows say little of their scatter: then the noise alone says as much
+        # few windows say little of their scatter: then the noise alone says as much
+        share = len(spread) / (len(spread) + count)
         inverse = np.linalg.inv(seen + prior)
         covariance = inverse @ ((1.0 - share) * scatter + share * seen + prior) @ inverse
         return estimates_of(

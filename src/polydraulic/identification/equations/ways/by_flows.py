@@ -16,7 +16,7 @@ from polydraulic.parameters.layout.parts import MachineFunction, Seen, SupplyCir
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 LEAST_ROWS = 500
-_STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
+STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
 _KNOWN = 0.5  # of its spread, or of itself: a number whose standard error is larger is not determined
 
 
@@ -110,7 +110,7 @@ def _free_pump(circuit: SupplyCircuit, may: Freedom) -> dict[str, float]:
 
 def _pilot_changes(f: MachineFunction, found: PilotFit, may: Freedom, from_log: str) -> dict[str, Identified]:
     source = f"{from_log}: spool after voltage, {found.rows} rows, {amount(found.rms, 'm')} rms left"
-    late = max(found.pilot.dead_time - _STEP_LAG, 0.0)
+    late = max(found.pilot.dead_time - STEP_LAG, 0.0)
     dead = told_dead_time(late, found.errors.dead_time)
     # what is not told from no dead time is a little more of the lag, which trades against it
     values = found.pilot._replace(dead_time=dead, time_constant=found.pilot.time_constant + late - dead)

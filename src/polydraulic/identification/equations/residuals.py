@@ -1,0 +1,197 @@
+"""What identified circuits leave of measured flows, as bounded networks, kept only where blocks of time held out get better.
+
+A run has no measured spool: its pilots drive the spools. What flow forces, friction and whatever else put between the driven spool and the
+measured one is a flow that the circuit does not have at the driven spool. It is that flow which a network learns, from travels and pressures as a
+run has them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.errors import InputError
+from polydraulic.flow.layout.slots import residual
+from polydraulic.identification.equations.fit.circuit_fit import CircuitModel, flows_of
+from polydraulic.identification.equations.fit.valve_curves import Curves
+from polydraulic.identification.equations.identify import Identification
+from polydraulic.identification.equations.log_pieces import raster_within
+from polydraulic.identification.equations.observations import blocks_of_time
+from polydraulic.identification.equations.pilot_fit import driven_spool, pieces_of
+from polydraulic.identification.equations.ways.by_flows import STEP_LAG
+from polydraulic.machine.pump import limited_pump
+from polydraulic.machine.valve import spool_edges
+from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.model.model import Model
+from polydraulic.networks.proof.bounds import model_bounds
+from polydraulic.pages.text import text_table
+from polydraulic.parameters.layout.parts import SupplyCircuit
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.progress import Progress, quiet
+from polydraulic.tables import Table
+
+ROWS = 8000  # that a network learns from
+RESIDUAL_HEADS = ("function", "left before, of the pump", "with a network", "proved range", "kept")
+_LEAST_ROWS, _LEAST_PIECES = 200, 4
+_PIECE = 5.0  # s: what is left of one hardly depends on another
+_BELOW = 0.95  # of the relief setting: above, noise of the pressure decides what flows
+_SURE = 2.0  # standard errors, over pieces, by which the squares held out must fall
+_TAIL = 1e-3  # share of residuals on either side beyond the bounds of a network
+
+
+class Residual(NamedTuple):
+    """What is left of the flow into a function, as a share of its pump's flow, root mean square over blocks held out.
+
+    Attributes
+    ----------
+    function : str
+    before, after : float
+        Without the network and with it.
+    low, high : float
+        Proved range of the network, as a share, too.
+    kept : bool
+    """
+
+    function: str
+    before: float
+    after: float
+    low: float
+    high: float
+    kept: bool
+
+
+class Residuals(NamedTuple):
+    """Networks for `residual_flow`, and how good each is.
+
+    Attributes
+    ----------
+    models : list of Model
+        Those that are kept.
+    judged : list of Residual
+    lacks : list of str
+        Circuits that have none, and why.
+    """
+
+    models: list[Model]
+    judged: list[Residual]
+    lacks: list[str]
+
+    def __str__(self) -> str:
+        """What was learnt, in lines."""
+        rows = [
+            [r.function, f"{r.before:.2%}", f"{r.after:.2%}", f"{r.low:.1%} to {r.high:.1%}", "yes" if r.kept else "no"]
+            for r in self.judged
+        ]
+        head = "flows that circuits do not have at the driven spools, on blocks of time held out:"
+        return "\n".join([*([head, *text_table(RESIDUAL_HEADS, rows)] if rows else []), *self.lacks])
+
+
+def learn_residuals(found: Identification, *, progress: Progress = quiet) -> Residuals:
+    """Learn what identified circuits leave of measured flows.
+
+    A network is judged on every fifth block of time, and kept where it lowers the squares there by more than two standard errors; what is kept
+    has learnt from all rows. It never gives more than residuals of its log were, but for a thousandth on either side.
+
+    Parameters
+    ----------
+    found : Identification
+    progress : Progress, optional
+
+    Raises
+    ------
+    InputError
+        A log of which no circuit has voltages, spools, pressures and flows of all functions.
+    """
+    machine, models, judged, lacks = found.machine, list[Model](), list[Residual](), list[str]()
+    total = len(machine.functions)
+    for circuit in machine.circuits:
+        missing = _missing(circuit, found.table)
+        if missing:
+            lacks.append(f"circuits.{circuit.name}: no network of what is left; {missing}")
+            continue
+        at, off = residual_rows(machine, circuit, found.table)
+        time = found.table["time"]
+        for place, name in enumerate(circuit.functions):
+            progress(f"{name}: what is left", len(judged), total)
+            rows = np.flatnonzero(np.isfinite(off[:, place]))
+            made = _learnt(machine, circuit, name, at[rows], off[rows, place], time[rows])
+            if made is None:
+                lacks.append(f"functions.{name}: no network of what is left; too few rows with an open valve")
+                continue
+            judged.append(made[0])
+            models += [made[1]] if made[0].kept else []
+    if not judged:
+        raise InputError("; ".join(lacks))
+    progress("residuals", total, total)
+    return Residuals(models, judged, lacks)
+
+
+def residual_rows(machine: LayoutMachine, circuit: SupplyCircuit, log: Table) -> tuple[np.ndarray, np.ndarray]:
+    """What networks of a circuit read, and flows that it does not have at the driven spools.
+
+    Returns
+    -------
+    (n_row, 2 n) array
+        Travels that voltages drive the spools to, m, and pressures at the ports that they pressurise, Pa.
+    (n_row, n) array, m3/s
+        Measured flow less that of the circuit; nan where the circuit lets nothing in, or near relief.
+    """
+    time = log["time"]
+    segment = np.concatenate([[0], np.cumsum(_jumps(log))])
+    pieces, step = pieces_of(segment), raster_within(time, segment)
+    travel, p_in = (np.empty((len(time), len(circuit.functions))) for _ in range(2))
+    for k, name in enumerate(circuit.functions):
+        f = machine.function(name)
+        pilot = f.pilot._replace(dead_time=f.pilot.dead_time + STEP_LAG)
+        voltage, spool = log[f"{name}.voltage"], log[f"{name}.spool"]
+        driven = driven_spool(pilot, f.valve.knots[-1], time, pieces, voltage, spool, step)
+        travel[:, k] = np.abs(driven)
+        p_in[:, k] = np.maximum(np.where(driven > 0.0, log[f"{name}.p_a"], log[f"{name}.p_b"]), 0.0)
+    valves = [machine.function(name).valve for name in circuit.functions]
+    curves = tuple(Curves(*(np.array(part) for part in (v.knots, v.inlet, v.bypass))) for v in valves)
+    pump = limited_pump(circuit.pump.flow, circuit.pump.relief, machine.tank.return_pressure, circuit.pump)
+    flows = flows_of(CircuitModel(curves, pump), travel, p_in)
+    measured = np.column_stack([log[f"{name}.q_in"] for name in circuit.functions])
+    opens = np.array([spool_edges(v)[0] for v in valves])
+    told = (travel > opens) & (flows > 0.0) & (p_in < _BELOW * circuit.pump.relief)
+    return np.hstack([travel, p_in]), np.where(told, measured - flows, np.nan)
+
+
+def _jumps(log: Table) -> np.ndarray:
+    step = np.diff(log["time"])
+    own = np.diff(log["segment"]) != 0.0 if "segment" in log.names else False
+    return np.asarray((np.abs(step - np.median(step)) > 0.05 * np.median(step)) | own)
+
+
+def _missing(circuit: SupplyCircuit, log: Table) -> str:
+    wanted = [f"{name}.{what}" for name in circuit.functions for what in ("voltage", "spool", "p_a", "p_b", "q_in")]
+    lacks = [name for name in wanted if name not in log.names]
+    return f"the log has no {', '.join(lacks)}" if lacks else ""
+
+
+def _learnt(
+    machine: LayoutMachine, circuit: SupplyCircuit, name: str, at: np.ndarray, off: np.ndarray, time: np.ndarray
+) -> tuple[Residual, Model] | None:
+    """How good a network is on blocks held out, and one of all rows."""
+    hold, rng, flow = blocks_of_time(time) % 5 == 4, np.random.default_rng(0), circuit.pump.flow
+    piece = time[hold] // _PIECE
+    if min(hold.sum(), (~hold).sum()) < _LEAST_ROWS or len(np.unique(piece)) < _LEAST_PIECES:
+        return None
+    low, high = np.quantile(off, (_TAIL, 1.0 - _TAIL)).tolist()
+
+    def grown(rows: np.ndarray) -> AbductiveRegressor:
+        some = rng.permutation(rows)[:ROWS]
+        return AbductiveRegressor(output_bounds=(low, high)).fit(at[some], off[some])
+
+    left = off[hold] - grown(np.flatnonzero(~hold)).predict(at[hold])
+    saved = _piece_means(off[hold] ** 2 - left**2, piece)
+    kept = bool(saved.mean() > _SURE * saved.std(ddof=1) / np.sqrt(len(saved)))
+    output, inputs = residual(circuit, name)
+    model = grown(np.arange(len(off))).to_model(inputs, output)
+    proved = model_bounds(model)
+    before, after = (float(np.sqrt(np.mean(values**2)) / flow) for values in (off[hold], left))
+    return Residual(name, before, after, proved.low / flow, proved.high / flow, kept), model
+
+
+def _piece_means(values: np.ndarray, piece: np.ndarray) -> np.ndarray:
+    _, number = np.unique(piece, return_inverse=True)
+    return np.asarray(np.bincount(number, values) / np.bincount(number))
