@@ -1,6 +1,6 @@
 """Faults watched for in logs of simulated machines: how many are found, how soon, how they are named, and how often there is nothing to find.
 
-``python benchmarks/watch.py [MACHINE ...] [--seeds N] [--hours H] [--quick] [--keep FOLDER]``: it prints Markdown tables and asserts nothing.
+``python benchmarks/watch.py [MACHINE ...] [--seeds N] [--hours H] [--every N] [--keep FOLDER]``: it prints Markdown tables and asserts nothing.
 The machine that is watched is identified from 15 min of its own healthy log, with noise as `record --example` has it, beginning from a file that
 is off as in `benchmarks/identify.py`; what is to be expected is learnt from the same log. ``MACHINE+`` has hysteresis of 2 % of each spool's travel,
 flow forces and friction that holds, which the watched machine has not; ``MACHINE~`` is watched by pressures, positions and levers alone. Every fault of the catalogue, in its smallest size, begins at 30 s
@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -26,9 +27,11 @@ from polydraulic.measure import example_sensors, load_sensors
 from polydraulic.measure.bench.sensors import Reading
 from polydraulic.parameters.fault_catalogue import fault_catalogue, timed_faults
 from polydraulic.parameters.layout.parts import Effects, FlowForce
+from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.tables import Table
 from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.expected import whitened
+from polydraulic.watch.flat import RESTS, flat_blocks
 from polydraulic.watch.watch import FaultWatch, block_scores, watched
 from show import table
 
@@ -99,15 +102,13 @@ def judged(watch, of, expected, log, fault):
         shows = white.information[:, place] / expected.together[place] >= 1.0
     else:  # of a sensor that stays: wherever its function works
         column = fault.rpartition(".")[0]
-        name = column.partition(".")[0]
-        by = "voltage" if column.endswith(".spool") else "spool"
-        values = readings.get(f"{name}.{by}")
-        shows = np.ones(len(begins), dtype=bool) if values is None else (np.abs(values).mean(axis=1) > 0.0)
+        states = flat_blocks(of.machine, readings, of.shape, expected.noise)[column]
+        shows = states != RESTS
     return begins, np.cumsum(shows & (begins >= BEGIN))
 
 
-def study(name, options, rows, confused, healthy_rows):
-    """One machine."""
+def study(name, options):
+    """Rows of one machine: of faults, healthy work and unusual work; and what was named otherwise, by fault and name."""
     true = truth(name)
     began = time.perf_counter()
     log = log_of(true, IDENTIFIED_SEED, 300.0 if options.quick else LEARNT)
@@ -126,9 +127,9 @@ def study(name, options, rows, confused, healthy_rows):
 
     names = {d.name for d in of.directions} | {f"{c}.freeze" for c in columns}
     kinds = [k for k in fault_catalogue(true) if k.name in names]
-    found = Counter()
+    found, confused = Counter(), Counter()
     delays, clock = [], []
-    for kind in kinds:
+    for kind in kinds[:: options.every]:
         for seed in range(FIRST_SEED, FIRST_SEED + options.seeds):
             size = f" {kind.shown(min(map(abs, kind.sizes)))}" if kind.sizes else ""
             faulty = log_of(true, seed, BEGIN + LASTS, [f"{kind.name}{size} from {BEGIN:g} s"])
@@ -139,41 +140,57 @@ def study(name, options, rows, confused, healthy_rows):
             alarms = [a for a in watch.alarms if a.seen > BEGIN]
             if alarms:
                 at = int(np.searchsorted(begins, alarms[0].seen)) - 1
-                seconds, named = int(shown[min(at, len(shown) - 1)]), alarms[0].suspects[0].name
+                seconds, suspects = int(shown[min(at, len(shown) - 1)]), [s.name for s in alarms[0].suspects]
+                named = suspects[0] if suspects else "unknown"
                 delays.append(seconds)
                 clock.append(alarms[0].seen - BEGIN)
                 found["in time" if seconds <= WITHIN else "late"] += 1
                 found["named"] += named == kind.name
                 found["kind"] += named.rpartition(".")[2] == kind.name.rpartition(".")[2]
-                found["second"] += kind.name in [s.name for s in alarms[0].suspects]
                 if named != kind.name:
-                    confused[(name, kind.name, named)] += 1
+                    confused[kind.name, named] += 1
             elif shown[-1] < WITHIN:
                 found["no occasion"] += 1
             else:
                 found["missed"] += 1
-                confused[(name, kind.name, "nothing")] += 1
+                confused[kind.name, "nothing"] += 1
             print(
-                f"  {kind.name} {seed}: {alarms[0].suspects[0].name if alarms else '-'} {alarms[0].seen if alarms else ''} {shown[-1]}",
+                f"  {name} {kind.name} {seed}: {alarms[0].suspects[0].name if alarms else '-'} {alarms[0].seen if alarms else ''} {shown[-1]}",
                 file=sys.stderr,
                 flush=True,
             )
     could = found["in time"] + found["late"] + found["missed"]
     alarmed = max(found["in time"] + found["late"], 1)
-    rows.append(
-        [name, str(could), str(found["no occasion"]), f"{found['in time'] / max(could, 1):.1%}", f"{np.median(delays):.0f}",
-         f"{np.percentile(delays, 95):.0f}", f"{np.median(clock):.1f}", f"{found['named'] / alarmed:.1%}", f"{found['kind'] / alarmed:.1%}"]
-    )  # fmt: skip
-    print(rows[-1], file=sys.stderr, flush=True)
-    false, hours = found["early"], could * BEGIN / 3600.0
+    faults = [
+        name, str(could), str(found["no occasion"]), f"{found['in time'] / max(could, 1):.1%}", f"{np.median(delays):.0f}",
+        f"{np.percentile(delays, 95):.0f}", f"{np.median(clock):.1f}", f"{found['named'] / alarmed:.1%}", f"{found['kind'] / alarmed:.1%}",
+    ]  # fmt: skip
+    print(faults, file=sys.stderr, flush=True)
+    false, hours = found["early"], len(kinds[:: options.every]) * options.seeds * BEGIN / 3600.0
     for number in range(round(options.hours * 6.0)):
         watch = FaultWatch(of, expected)
         begins, _ = judged(watch, of, expected, log_of(true, FIRST_SEED + 500 + number, 600.0), None)
         false, hours = false + len(watch.alarms), hours + len(begins) / 3600.0
         for alarm in watch.alarms:
-            print(f"  false alarm: {alarm}", file=sys.stderr, flush=True)
-    healthy_rows.append([name, f"{hours:.1f}", str(false), f"{false / hours:.2f}"])
-    print(healthy_rows[-1], file=sys.stderr, flush=True)
+            print(f"  false alarm of {name}: {alarm}", file=sys.stderr, flush=True)
+    healthy = [name, f"{hours:.1f}", str(false), f"{false / hours:.2f}"]
+    print(healthy, file=sys.stderr, flush=True)
+    unusual = [[name, *row] for row in unusual_work(true, of, expected)]
+    return faults, healthy, unusual, confused
+
+
+def unusual_work(true, of, expected):
+    """Cold oil and payloads: what they are named, over a minute and a half each."""
+    thick = {f"functions.{f.name}.friction.viscous": 2.0 * f.friction.viscous for f in true.functions}
+    mass = next(k for k in fault_catalogue(true) if k.name == "tip.payload_unknown").sizes[0]
+    for what, machine in (
+        ("oil cold, viscous friction doubled", true.with_values(thick)),
+        (f"payload of {mass:.0f} kg", with_payload(true, mass)),
+        (f"payload of {4.0 * mass:.0f} kg", with_payload(true, 4.0 * mass)),
+    ):
+        watch = FaultWatch(of, expected)
+        judged(watch, of, expected, log_of(machine, FIRST_SEED + 900, 90.0), None)
+        yield what, "; ".join(dict.fromkeys(a.suspects[0].name for a in watch.alarms if a.suspects)) or "no alarm"
 
 
 def main():
@@ -183,12 +200,13 @@ def main():
     )
     parser.add_argument("--seeds", type=int, default=1, help="operators for each fault")
     parser.add_argument("--hours", type=float, default=2.0, help="healthy hours of each machine")
+    parser.add_argument("--every", type=int, default=1, help="of the catalogue's faults every so many only")
+    parser.add_argument("--jobs", type=int, default=2, help="machines at once")
     parser.add_argument("--keep", type=Path, help="folder of machines that were identified, for the next time")
     parser.add_argument("--quick", action="store_true", help="5 minutes of log to learn from")
     options = parser.parse_args()
-    rows, confused, healthy = [], Counter(), []
-    for name in options.machines:
-        study(name, options, rows, confused, healthy)
+    with ProcessPoolExecutor(options.jobs) as pool:
+        found = list(pool.map(study, options.machines, [options] * len(options.machines)))
     heads = [
         "machine",
         "faults",
@@ -200,13 +218,15 @@ def main():
         "named",
         "kind named",
     ]
-    table("Faults in their smallest sizes; seconds in which they can show until they are found", heads, rows)
-    table("Healthy work", ["machine", "hours", "false alarms", "per hour"], healthy)
     table(
-        "Named otherwise",
-        ["machine", "fault", "named", "times"],
-        [[*key, str(n)] for key, n in sorted(confused.items())],
+        "Faults in their smallest sizes; seconds in which they can show until they are found",
+        heads,
+        [f[0] for f in found],
     )
+    table("Healthy work", ["machine", "hours", "false alarms", "per hour"], [f[1] for f in found])
+    table("Unusual work", ["machine", "work", "named"], [row for f in found for row in f[2]])
+    other = [[m, *key, str(n)] for m, f in zip(options.machines, found, strict=True) for key, n in sorted(f[3].items())]
+    table("Named otherwise", ["machine", "fault", "named", "times"], other)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ PUBLIC = {
 NAVIGATION = {
     "index": ["guides", "examples", "api", "background"],
     "guides": [
-        "your_machine", "simulation", "stepping", "control", "cockpit", "gym", "stability", "faults", "flow_models", "export_machine", "extending", "measured_logs", "identify", "machine_from_a_log", "guide", "networks",
+        "your_machine", "simulation", "stepping", "control", "cockpit", "gym", "stability", "faults", "diagnosis", "flow_models", "export_machine", "extending", "measured_logs", "identify", "machine_from_a_log", "guide", "networks",
         "dynamic_models", "export",
     ],
     "background": ["equations", "figures", "benchmarks", "architecture"],

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.watch.expected import Whitened
 
 LEAST_BLOCKS = 8  # that decide together
@@ -44,7 +45,15 @@ class Since(NamedTuple):
 
 
 def threshold_for(rate: float, tests: int, seconds: float) -> float:
-    """Threshold at which so many tests give together at most `rate` false alarms per hour, of blocks of so many seconds."""
+    """Threshold at which so many tests give together at most `rate` false alarms per hour, of blocks of so many seconds.
+
+    Raises
+    ------
+    InputError
+        A rate that is not above 0.
+    """
+    if not 0.0 < rate < np.inf:
+        raise InputError(f"rate = {rate:g} false alarms per hour: must be above 0")
     return float(np.log(max(tests * 3600.0 / seconds / rate, np.e)))
 
 

@@ -185,8 +185,6 @@ class FaultWatch:
     MOST_ALARMS = 1000
 
     def __init__(self, of: Watched, expected: Expected, rate: float = FALSE_ALARMS) -> None:
-        if not 0.0 < rate < np.inf:
-            raise InputError(f"rate = {rate:g} false alarms per hour: must be above 0")
         self.of, self.expected, self.rate = of, expected, rate
         threshold = threshold_for(rate, tests_of(of.directions), of.shape.seconds)
         self.evidence = EvidenceSums(Limits(threshold, expected.together, ways_of(of.directions)))
