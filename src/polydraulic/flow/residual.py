@@ -13,11 +13,11 @@ import numpy as np
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
+from polydraulic.flow.layout.network_parts import NumberedNetworks, Which
 from polydraulic.flow.layout.networks import NOTHING
 from polydraulic.flow.layout.slots import residual
 from polydraulic.flow.network_slots import choose_model
-from polydraulic.networks.model.model import Model, pack_models
-from polydraulic.networks.model.partition import Regions
+from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.table import work_size
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -26,7 +26,7 @@ from polydraulic.parameters.load import as_machine
 class ResidualNetwork(NamedTuple):
     """A network of a residual flow, and how far it knows travel and pressure."""
 
-    flow: Regions
+    flow: Which
     travel_high: float
     p_high: float
 
@@ -62,14 +62,15 @@ def residual_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model
             f"flow 'residual' needs models=[...], one at least of {[output.name for output, _ in places.values()]}; given are {sorted(given)}"
         )
     chosen = [NOTHING, *(choose_model(models or (), places[f]) for f in served)]
-    regions, table = pack_models(chosen)
-    parts: dict[str, object] = {"table": table}
+    numbered: dict[str, object] = {}
     for c in machine.circuits:
         for place, f in enumerate(c.functions):
             number = served.index(f) + 1 if f in served else 0
             high = chosen[number].domain()[:, 1] if number else np.full(2 * len(c.functions), np.inf)
-            parts[f"residual_{f}"] = ResidualNetwork(
-                regions[number], float(high[place]), float(high[len(c.functions) + place])
+            numbered[f"residual_{f}"] = ResidualNetwork(
+                number, float(high[place]), float(high[len(c.functions) + place])
             )
-    scratch = max(*(2 * len(c.functions) for c in machine.circuits), work_size(table))
-    return LayoutFlow("residual", "residual", circuits_of(machine), machine.names, parts, scratch, True)
+    networks = NumberedNetworks(chosen, numbered)
+    parts = networks.in_table()
+    scratch = max(*(2 * len(c.functions) for c in machine.circuits), work_size(parts["table"]))
+    return LayoutFlow("residual", "residual", circuits_of(machine), machine.names, parts, scratch, True, networks)
