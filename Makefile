@@ -54,7 +54,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py machine_c
 	$(BIN)/python benchmarks/keep.py tree_motion
 	$(BIN)/python benchmarks/keep.py flows
-	$(BIN)/python benchmarks/keep.py straight_line
+	$(BIN)/python benchmarks/keep.py straight_line $(if $(OTHER),--other $(OTHER))
 	$(BIN)/python benchmarks/keep.py exports
 	$(BIN)/python benchmarks/keep.py series
 	$(BIN)/python benchmarks/keep.py layouts

@@ -7,6 +7,7 @@ version of llvmlite. One that is damaged, or of something else, is replaced; whe
 
 import hashlib
 import os
+from array import array
 from collections.abc import Sequence
 from contextlib import suppress
 from ctypes import Array, c_int64
@@ -30,7 +31,6 @@ from polydraulic.files import replacing
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.partition import flatten
 from polydraulic.networks.model.straight_line import ENTRY, network_text
-from polydraulic.networks.model.table import pack
 
 _MOST_KEPT = 500  # files; of more, those that nobody has read for longest are removed
 _DIGEST = hashlib.sha256().digest_size
@@ -140,11 +140,21 @@ def _target() -> _Target:
 
 
 def _key(model: Model, target: _Target) -> bytes:
-    digest = hashlib.sha256(repr((*target, llvmlite.__version__)).encode())
-    for part in (*pack(list(model.networks)), *flatten(model.partition)):
-        values = np.asarray(part)
-        digest.update(repr((values.dtype.str, values.shape)).encode())
-        digest.update(values.tobytes())
+    """Digest of all numbers of a model, with how many of each there are, and of what its code is compiled for and by."""
+    whole, numbers = array("q"), array("d")
+    for network in model.networks:
+        whole.extend((network.n_inputs, len(network.nodes)))
+        for node in network.nodes:
+            whole.extend((node.kind, len(node.inputs), *node.inputs, len(node.coef)))
+            numbers.extend(node.coef)
+        for of_inputs in (network.x_mean, network.x_scale, network.x_low, network.x_high):
+            numbers.extend(of_inputs)
+        numbers.extend((network.y_mean, network.y_scale, network.y_low, network.y_high))
+    regions = (np.asarray(part) for part in flatten(model.partition))
+    parts = [whole.tobytes(), numbers.tobytes(), *(part.tobytes() for part in regions)]
+    digest = hashlib.sha256(repr((*target, llvmlite.__version__, [len(part) for part in parts])).encode())
+    for part in parts:
+        digest.update(part)
     return digest.digest()
 
 
