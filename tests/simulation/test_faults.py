@@ -177,9 +177,10 @@ def test_a_low_relief_valve_is_seen_to_open_at_its_own_pressure():
 def test_what_a_run_does_not_know_is_said():
     machine = load_machine("wheel_loader")
     scenario = random_operator(7, 0.1, functions=machine.names)
-    run = simulate(machine, "exact", scenario, faults=["lift.angle.bias"])
+    run = simulate(machine, "exact", scenario, faults=["lift.angle.bias", "work.pump_worn from 0.1 s"])
     assert run.info["doubtful_inputs"] == [
-        "fault lift.angle.bias: sensors are no part of a run; `record` lets them err"
+        "fault lift.angle.bias: sensors are no part of a run; `record` lets them err",
+        "fault work.pump_worn: begins at 0.1 s, and the run ends at 0.1 s",
     ]
     with pytest.raises(InputError, match="made for the valves and pumps as they were"):
         simulate(machine, stiff_flow(machine), scenario, faults=["work.pump_worn from 0.05 s"])

@@ -1,10 +1,11 @@
 """What is doubtful in the inputs of a run, though it can be run: levers far beyond their ends, parts that come after the end."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
 from polydraulic.display import amount
+from polydraulic.parameters.deviations import TimedFault
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 
@@ -58,3 +59,14 @@ def _late(scenario: Scenario) -> Iterator[str]:
     payload = scenario.loads.payload
     if payload is not None and payload.time[-1] >= scenario.duration:
         yield "the payload changes"
+
+
+def fault_warnings(faults: Iterable[TimedFault], end: float) -> list[str]:
+    """Faults that do not act in a run that ends at a time, s."""
+    found = []
+    for one in faults:
+        if one.fault.readings:
+            found.append(f"fault {one.fault.name}: sensors are no part of a run; `record` lets them err")
+        elif one.begin >= end:
+            found.append(f"fault {one.fault.name}: begins at {one.begin:g} s, and the run ends at {end:g} s")
+    return found

@@ -165,4 +165,6 @@ def test_a_fault_of_a_sensor_that_is_not_there_is_refused(tmp_path, machine, ben
         InputError, match=r"a fault is of 'boom.p_b', which no sensor reads; there are sensors of boom.spool"
     ):
         record(machine, ["random:1:2"], bench, tmp_path / "log.csv", faults=["boom.p_b.bias"])
+    with pytest.raises(InputError, match=r"'boom.pump_worn' begins at 60 s, and the log ends at 2 s"):
+        record(machine, ["random:1:2"], bench, tmp_path / "log.csv", faults=["boom.pump_worn from 1 min"])
     assert not (tmp_path / "log.csv").exists()

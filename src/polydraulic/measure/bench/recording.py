@@ -84,6 +84,12 @@ def record(
         raise InputError(
             f"a fault is of {unread[0]!r}, which no sensor reads; there are sensors of {', '.join(columns)}"
         )
+    end = sum(scenario.duration for scenario in runs) + bench.pause * (len(runs) - 1)
+    late = [one for one in timed if one.begin >= end]
+    if late:
+        raise InputError(
+            f"fault {late[0].fault.name!r} begins at {late[0].begin:g} s, and the log ends at {end:g} s: let it begin sooner, or record longer"
+        )
     begin = 0.0
     for number, scenario in enumerate(runs):
         progress(scenario.name, number, len(runs))

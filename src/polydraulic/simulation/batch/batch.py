@@ -138,7 +138,7 @@ def simulate_batch(
     threads : int, optional
         By default as many as there are processors. Results do not depend on it.
     faults : sequence of str, Fault or ScheduledFault, or sequence of such sequences
-        As for `simulate`, besides those of scenarios: one list for all machines, or a list of lists, one for each.
+        As for `simulate`, besides those of scenarios: one list for all machines, or a list of lists, one for each. Faults of sensors do not act.
     progress : Progress, optional
         Told how many machines are done.
 

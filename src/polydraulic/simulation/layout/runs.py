@@ -21,7 +21,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import Payload
 from polydraulic.parameters.scenario import Scenario, as_scenario
 from polydraulic.simulation.changed_flow import changed_flow
-from polydraulic.simulation.input_check import input_warnings
+from polydraulic.simulation.input_check import fault_warnings, input_warnings
 from polydraulic.simulation.layout.columns import (
     EFFECTOR,
     AddedColumn,
@@ -113,11 +113,7 @@ def simulate_layout(
     doubts = input_warnings(scenario, full_lever, t_end)
     if method == "semi-implicit":
         doubts += step_warnings(machine, prepare_layout(machine, dt, scenario.locked, flow=model), dt)
-    doubts += [
-        f"fault {one.fault.name}: sensors are no part of a run; `record` lets them err"
-        for one in timed
-        if one.fault.readings
-    ]
+    doubts += fault_warnings(timed, n_step * dt)
     if doubts:
         info["doubtful_inputs"] = doubts
     if timed:
