@@ -20,6 +20,8 @@ from polydraulic.watch.sequential import KEPT, EvidenceSums, Limits, highest, th
 FALSE_ALARMS = 0.1  # per hour
 QUIET = 30  # blocks without an alarm after which it is over
 DIAGNOSED = 60  # blocks since the beginning that a diagnosis is made of
+ALONE = 3  # times as long a sensor stays until that alone is an alarm
+FREEZE = ".freeze"
 _CHUNK = 64  # blocks whose residuals are found at once
 _LEAST_BLOCKS = 60
 _ROOM = 0.5  # of the threshold that healthy blocks may come to
@@ -245,7 +247,7 @@ class FaultWatch:
                     each()
         return now
 
-    def _block(self, white: Whitened, k: int, begin: float, frozen: list[str]) -> Alarm | None:
+    def _block(self, white: Whitened, k: int, begin: float, frozen: list[tuple[str, bool]]) -> Alarm | None:
         evidence = self.evidence
         self._times[self.blocks % len(self._times)] = begin
         evidence.add(white.pull[k], white.information[k])
@@ -254,7 +256,7 @@ class FaultWatch:
         seconds = self.of.shape.seconds
         if self._opened >= 0 and self.blocks - self._last > QUIET:
             self._opened = -1
-        if not (beyond.any() or frozen):
+        if not (beyond.any() or any(alone for _, alone in frozen)):
             return None
         if self._opened < 0:
             where = np.unravel_index(int(np.argmax(np.where(beyond, evidence.sums, -1.0))), beyond.shape)
@@ -266,17 +268,18 @@ class FaultWatch:
         self._last = self.blocks
         alarm = self.alarms[-1]
         suspects = alarm.suspects
-        if frozen:
-            suspects = tuple(_frozen_sensor(name) for name in frozen)
-        elif self.blocks - self._opened <= DIAGNOSED or not suspects:
-            if not (suspects and suspects[0].name.endswith(".freeze")):
+        if not (suspects and suspects[0].name.endswith(FREEZE)):
+            if self.blocks - self._opened <= DIAGNOSED or not suspects:
                 suspects = tuple(suspects_of(self.of.directions, evidence.since(self._opened), self._common))
+            owners = {s.name.partition(".")[0] for s in suspects}
+            still = [name for name, alone in frozen if alone or owners & self._owners(name)]
+            suspects = tuple(map(_frozen_sensor, still)) or suspects
         self.alarms[-1] = alarm._replace(until=begin + seconds, suspects=suspects)
         return self.alarms[-1]
 
-    def _frozen(self, readings: Readings) -> list[list[str]]:
-        """Sensors of each block that have not moved for longer than they ever did."""
-        found: list[list[str]] = [[] for _ in range(len(readings[self.of.columns[0]]))]
+    def _frozen(self, readings: Readings) -> list[list[tuple[str, bool]]]:
+        """Sensors of each block that have not moved for longer than they ever did; whether for so long that this alone is an alarm."""
+        found: list[list[tuple[str, bool]]] = [[] for _ in range(len(readings[self.of.columns[0]]))]
         states = flat_blocks(self.of.machine, readings, self.of.shape, self.expected.noise)
         for place, column in enumerate(self.of.columns):
             limit = too_long(self.expected.longest[column])
@@ -285,8 +288,13 @@ class FaultWatch:
                     self._flat[place] + 1 if state == FLAT else 0 if state == MOVES else self._flat[place]
                 )
                 if self._flat[place] >= limit:
-                    found[k].append(column)
+                    found[k].append((column, bool(self._flat[place] >= ALONE * limit)))
         return found
+
+    def _owners(self, column: str) -> set[str]:
+        """Names that faults begin with which a sensor that stays looks like: its function, and the circuit of that."""
+        function = column.partition(".")[0]
+        return {function, *(c.name for c in self.of.machine.circuits if function in c.functions)}
 
     def findings(self) -> list[Outlook]:
         """Of each fault that is watched, whether it would have shown by now."""
@@ -298,4 +306,4 @@ class FaultWatch:
 
 
 def _frozen_sensor(column: str) -> Suspect:
-    return Suspect(f"{column}.freeze", f"sensor of {column} stays at what it reads", 1.0, np.nan, np.nan, False)
+    return Suspect(f"{column}{FREEZE}", f"sensor of {column} stays at what it reads", 1.0, np.nan, np.nan, False)
