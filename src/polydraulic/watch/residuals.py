@@ -251,8 +251,8 @@ class Residuals:
             leak = line.leakage * (a - b)
             found = []
             for volume, p, compliance, through in (
-                (volumes[0], a, line.compliance_a, np.where(ahead, into, -out) - leak),
-                (volumes[1], b, line.compliance_b, np.where(ahead, -out, into) + leak),
+                (volumes[0], a, line.compliance_a, np.where(ahead, into, -out) - leak - line.external_leakage * a),
+                (volumes[1], b, line.compliance_b, np.where(ahead, -out, into) + leak - line.external_leakage * b),
             ):
                 moved, passing = self._ends(volume) / seconds, self._means(through)
                 pressed = compliance * self._ends(p) / seconds
