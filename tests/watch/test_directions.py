@@ -15,7 +15,9 @@ def test_every_fault_that_sensors_may_show_is_watched_for(name):
     found = directions_of(machine, frozenset(f"{f}.spool" for f in machine.names))
     names = {d.name for d in found}
     assert {f"{c.name}.pump_worn" for c in machine.circuits} <= names
-    assert {f"{f}.{what}" for f in machine.names for what in ("leak_across", "leak_out", "spool_slow", "spool_sticks")} <= names
+    assert {
+        f"{f}.{what}" for f in machine.names for what in ("leak_across", "leak_out", "spool_slow", "spool_sticks")
+    } <= names
     assert {n for n in names if n.endswith(".bias")} == {f"{f}.spool.bias" for f in machine.names}
     assert {d.name for d in found if d.harmless} == {"tip.payload_unknown", "oil.cold"}
 

@@ -2,7 +2,7 @@ from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic, f
 from .equations.card import write_identification_card
 from .equations.identify import Identification, identify
 from .equations.plan import IdentificationPlan, plan_identification
-from .equations.residuals import Residual, Residuals, learn_residuals
+from .equations.residuals import Residual, ResidualModels, learn_residuals
 from .judging import Errors, HeldOut, OutputFit
 from .loads.payload_figure import plot_payload
 from .loads.tip_loads import PayloadEstimate, TipForceEstimate, estimate_payload, estimate_tip_force
@@ -35,7 +35,7 @@ __all__ = [
     "PayloadEstimate",
     "Replay",
     "Residual",
-    "Residuals",
+    "ResidualModels",
     "RunErrors",
     "TableFit",
     "TipForceEstimate",

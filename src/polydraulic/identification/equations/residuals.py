@@ -59,7 +59,7 @@ class Residual(NamedTuple):
     kept: bool
 
 
-class Residuals(NamedTuple):
+class ResidualModels(NamedTuple):
     """Networks for `residual_flow`, and how good each is.
 
     Attributes
@@ -85,7 +85,7 @@ class Residuals(NamedTuple):
         return "\n".join([*([head, *text_table(RESIDUAL_HEADS, rows)] if rows else []), *self.lacks])
 
 
-def learn_residuals(found: Identification, *, progress: Progress = quiet) -> Residuals:
+def learn_residuals(found: Identification, *, progress: Progress = quiet) -> ResidualModels:
     """Learn what identified circuits leave of measured flows.
 
     A network is judged on every fifth block of time, and kept where it lowers the squares there by more than two standard errors; what is kept
@@ -122,7 +122,7 @@ def learn_residuals(found: Identification, *, progress: Progress = quiet) -> Res
     if not judged:
         raise InputError("; ".join(lacks))
     progress("residuals", total, total)
-    return Residuals(models, judged, lacks)
+    return ResidualModels(models, judged, lacks)
 
 
 def residual_rows(machine: LayoutMachine, circuit: SupplyCircuit, log: Table) -> tuple[np.ndarray, np.ndarray]:
