@@ -46,10 +46,10 @@ def states_of(machine, flow, scenario):
 
 
 def errors(true, machine, flow, scenarios):
-    """Largest distance of the tip, mm; rms errors of angles, deg, and of pressures, bar; a row each."""
+    """Largest distance of the tip, mm; rms errors of angles, deg, and of pressures, bar; a row each. `true` are its states."""
     found = []
-    for scenario in scenarios:
-        ours, exact = states_of(machine, flow, scenario), states_of(true, "exact", scenario)
+    for scenario, exact in zip(scenarios, true, strict=True):
+        ours = states_of(machine, flow, scenario)
         far = 1e3 * np.linalg.norm(ours[0] - exact[0], axis=1).max()
         found.append([far, *(np.sqrt(np.mean((a - b) ** 2)) for a, b in zip(ours[1:], exact[1:], strict=True))])
     return np.array(found)
@@ -89,8 +89,9 @@ def main():
             pairs.append(("and networks of what is left", found.machine, flow))
         if true is not nominal:
             pairs.append(("true curves, no effects", nominal, "exact"))
+        exact = [[states_of(true, "exact", scenario) for scenario in of] for of in (scenarios, operators)]
         for name, machine, flow in pairs:
-            planned, by_chance = errors(true, machine, flow, scenarios), errors(true, machine, flow, operators)
+            planned, by_chance = errors(exact[0], machine, flow, scenarios), errors(exact[1], machine, flow, operators)
             middle = np.median(by_chance, axis=0)
             rows.append(
                 [truth, name, *(f"{mm:.0f}" for mm in planned[:, 0]), f"{middle[0]:.0f}", f"{by_chance[:, 0].max():.0f}",

@@ -31,10 +31,12 @@ from polydraulic.tables import Table
 
 ROWS = 8000  # that a network learns from
 RESIDUAL_HEADS = ("function", "left before, of the pump", "with a network", "proved range", "kept")
-_LEAST_ROWS, _LEAST_PIECES = 200, 4
-_PIECE = 5.0  # s: what is left of one hardly depends on another
+_LEAST_ROWS, _LEAST_BLOCKS = 200, 3
 _BELOW = 0.95  # of the relief setting: above, noise of the pressure decides what flows
-_SURE = 2.0  # standard errors, over pieces, by which the squares held out must fall
+_WORTH, _MOST = (
+    0.1,
+    0.5,
+)  # share of the squares held out that a network must save, and of blocks held out that must get better
 _TAIL = 1e-3  # share of residuals on either side beyond the bounds of a network
 
 
@@ -88,8 +90,8 @@ class ResidualModels(NamedTuple):
 def learn_residuals(found: Identification, *, progress: Progress = quiet) -> ResidualModels:
     """Learn what identified circuits leave of measured flows.
 
-    A network is judged on every fifth block of time, and kept where it lowers the squares there by more than two standard errors; what is kept
-    has learnt from all rows. It never gives more than residuals of its log were, but for a thousandth on either side.
+    A network is judged on every fifth block of time, and kept where it saves a tenth of the squares there and most blocks get better; what is kept has
+    learnt from all rows. It never gives more than residuals of its log were, but for a thousandth on either side.
 
     Parameters
     ----------
@@ -172,9 +174,9 @@ def _learnt(
     machine: LayoutMachine, circuit: SupplyCircuit, name: str, at: np.ndarray, off: np.ndarray, time: np.ndarray
 ) -> tuple[Residual, Model] | None:
     """How good a network is on blocks held out, and one of all rows."""
-    hold, rng, flow = blocks_of_time(time) % 5 == 4, np.random.default_rng(0), circuit.pump.flow
-    piece = time[hold] // _PIECE
-    if min(hold.sum(), (~hold).sum()) < _LEAST_ROWS or len(np.unique(piece)) < _LEAST_PIECES:
+    block, rng, flow = blocks_of_time(time), np.random.default_rng(0), circuit.pump.flow
+    hold = block % 5 == 4
+    if min(hold.sum(), (~hold).sum()) < _LEAST_ROWS or len(np.unique(block[hold])) < _LEAST_BLOCKS:
         return None
     low, high = np.quantile(off, (_TAIL, 1.0 - _TAIL)).tolist()
 
@@ -183,8 +185,9 @@ def _learnt(
         return AbductiveRegressor(output_bounds=(low, high)).fit(at[some], off[some])
 
     left = off[hold] - grown(np.flatnonzero(~hold)).predict(at[hold])
-    saved = _piece_means(off[hold] ** 2 - left**2, piece)
-    kept = bool(saved.mean() > _SURE * saved.std(ddof=1) / np.sqrt(len(saved)))
+    blocks = [_block_squares(values, block[hold]) for values in (off[hold], left)]
+    better = np.mean(blocks[1] < blocks[0])
+    kept = bool(np.sum(left**2) < (1.0 - _WORTH) * np.sum(off[hold] ** 2) and better > _MOST)
     output, inputs = residual(circuit, name)
     model = grown(np.arange(len(off))).to_model(inputs, output)
     proved = model_bounds(model)
@@ -192,6 +195,6 @@ def _learnt(
     return Residual(name, before, after, proved.low / flow, proved.high / flow, kept), model
 
 
-def _piece_means(values: np.ndarray, piece: np.ndarray) -> np.ndarray:
-    _, number = np.unique(piece, return_inverse=True)
-    return np.asarray(np.bincount(number, values) / np.bincount(number))
+def _block_squares(values: np.ndarray, block: np.ndarray) -> np.ndarray:
+    _, number = np.unique(block, return_inverse=True)
+    return np.asarray(np.bincount(number, values * values))
