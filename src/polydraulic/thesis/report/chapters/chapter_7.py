@@ -196,11 +196,12 @@ def _text(study: ThreeLinkStudy) -> list[Paragraph]:
             "How to read the table of steps.",
         ),
         Paragraph(
-            "Not in speed: in compiled code the closed form of the circuit is exact, needs no training and costs less than networks that "
+            "Not in speed: in compiled code the closed form of the circuit is exact, needs no training and costs about as much as networks that "
             f"come close to it. A time step with polydraulic's networks takes {cost['ours'].time.median:.2f} times as long as with the closed form "
             f"(with the small networks of the thesis' setting {cost['polynomial'].time.median:.2f} times); the iteration that the thesis replaced is "
-            f"faster still where it converges. A lookup table of {cost['lookup'].memory / 1e6:.1f} MB, filled from the exact flow, is "
-            "faster than the networks, and more accurate where no relief valve opens. Without limits on its output a polynomial leaves the physical range, and by far, at "
+            f"fast where it converges. With a lookup table of {cost['lookup'].memory / 1e6:.1f} MB, filled from the exact flow, it takes "
+            f"{cost['lookup'].time.median:.2f} times as long, and "
+            "the table is more accurate than the networks where no relief valve opens. Without limits on its output a polynomial leaves the physical range, and by far, at "
             "corners of its domain (last table): nobody should use one without them.",
             "Where polynomial networks do not pay.",
         ),
