@@ -108,6 +108,7 @@ def test_tipping_is_shown_as_a_bar_and_on_the_ground(page):
     """The weight of a heavy load outward of the tracks: the alarm, and the edge over which it would tip."""
     page.js("cockpit.send({type: 'payload', mass: 6000})")
     page.until("return (cockpit.readings.flags & 256) !== 0")
+    page.until("return document.querySelector('#tipping h2 b').textContent === 'forward'")  # by its weight alone, too
     page.until("return document.getElementById('tipping').classList.contains('alarm')")
     page.until("return [...document.querySelectorAll('#events li')].some((one) => one.textContent.includes('tip'))")
     edge, least, corners, weight, lamp = page.js(
