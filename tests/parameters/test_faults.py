@@ -73,7 +73,24 @@ def test_a_frozen_sensor_holds_its_last_reading():
     np.testing.assert_array_equal(faulty_column("a", time, values, [of], held), [0.0, 10.0, 10.0, 10.0, 40.0])
     np.testing.assert_array_equal(faulty_column("b", time, values, [of], held), values)
     np.testing.assert_array_equal(faulty_column("a", time, values, [of.after(4.0)], held), values)
+    assert held == {}
+    faulty_column("a", time, values, [TimedFault(frozen, 2.0)], held)
     np.testing.assert_array_equal(faulty_column("a", time, values, [TimedFault(frozen, -4.0)], held), np.full(5, 10.0))
+
+
+def test_a_sensor_that_freezes_again_holds_what_it_reads_then():
+    frozen = Fault("frozen", "frozen", readings=(Deviation("a", "holds", (0.0,)),))
+    times, time, values, held = (
+        [TimedFault(frozen, 2.0, 4.0), TimedFault(frozen, 6.0)],
+        np.arange(8.0),
+        np.arange(8.0),
+        {},
+    )
+    assert faulty_column("a", time, values, times, held).tolist() == [0.0, 1.0, 1.0, 1.0, 4.0, 5.0, 5.0, 5.0]
+    later = [one.after(10.0) for one in times]
+    assert faulty_column("a", time, 20.0 + values, later, held).tolist() == [5.0] * 8
+    anew = [TimedFault(frozen, 0.0, 1.0)]
+    assert faulty_column("a", time, 40.0 + values, anew, held).tolist() == [40.0 + k for k in range(8)]
 
 
 def test_a_column_that_is_off_is_off_while_the_fault_is_there():

@@ -152,7 +152,7 @@ def faulty_column(
     time, values : (n_time,) arrays
     faults : sequence of TimedFault
     held : mapping from names of a fault and a column to value
-        What frozen sensors hold, their last reading before; kept here from call to call.
+        What frozen sensors hold, their last reading before; kept here from call to call, for faults that began before the first time.
     """
     found = values
     for timed in faults:
@@ -175,8 +175,13 @@ def _deviating(
     if not there.any():
         return values
     if deviation.how == "holds":
-        last = float(values[max(int(np.argmax(there)) - 1, 0)])
-        return np.where(there, held.setdefault((timed.fault.name, column), last), values)
+        key, last = (timed.fault.name, column), float(values[max(int(np.argmax(there)) - 1, 0)])
+        if timed.begin >= 0.0:
+            held.pop(key, None)  # what the same sensor held at another time
+        value = held.setdefault(key, last)
+        if not there[-1]:
+            del held[key]
+        return np.where(there, value, values)
     amount = np.array(deviation.amount)[np.maximum(stage, 1) - 1]
     changed = amount if deviation.how == "is" else values * amount if deviation.how == "times" else values + amount
     return np.where(there, changed, values)
