@@ -74,3 +74,32 @@ def test_what_cannot_be_watched_is_refused():
         learn_expected(of, readings, {})
     with pytest.raises(InputError, match="must be above 0"):
         FaultWatch(of, expected, 0.0)
+
+
+def test_rows_that_are_not_those_of_the_machine_are_refused():
+    of, expected = known()
+    log = healthy_log()
+    row = log.matrix(list(of.columns))[0]
+    watch = FaultWatch(of, expected)
+    with pytest.raises(InputError, match=r"row at 1 s: its shape is \(1,\); it must have one value for each of"):
+        watch.update(1.0, row[:1])
+    unread = np.where(np.arange(len(row)) == 1, np.nan, row)
+    with pytest.raises(InputError, match=f"row at 1 s: {of.columns[1]} is no finite number; leave the row out"):
+        watch.update(1.0, unread)
+    with pytest.raises(InputError, match="row at nan s: time is no finite number"):
+        watch.update(np.nan, row)
+    assert watch.blocks == 0
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [(0.5, "are 0.01 s apart, those that were learnt from 0.02 s"), (2.0, "none of the last 100 rows")],
+)
+def test_rows_at_another_raster_are_refused(share, words):
+    of, expected = known()
+    row = healthy_log().matrix(list(of.columns))[0]
+    watch = FaultWatch(of, expected)
+    with pytest.raises(InputError, match=words):
+        for k in range(of.shape.rows + 1):
+            watch.update(share * of.shape.raster * k, row)
+    assert watch.blocks == 0

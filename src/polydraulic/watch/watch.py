@@ -1,6 +1,7 @@
 """`FaultWatch`: a machine's log looked at block by block, from memory that does not grow."""
 
 from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,8 @@ FREEZE = ".freeze"
 _CHUNK = 64  # blocks whose residuals are found at once
 _LEAST_BLOCKS = 60
 _ROOM = 0.5  # of the threshold that healthy blocks may come to
+_JITTER = 0.05  # of the raster, by which rows of a block may be nearer or farther apart in the mean
+_MOST_GAPS = 100  # in succession, after which rows do not come at the raster
 
 
 class Alarm(NamedTuple):
@@ -197,7 +200,7 @@ class FaultWatch:
         self._last = 0  # block at which a test was last beyond its threshold
         self._times = np.zeros(KEPT + 1)  # of the beginnings of blocks
         self._rows = np.empty((of.shape.rows, 1 + len(of.columns)))
-        self._filled = 0
+        self._filled = self._gaps = 0
         self._flat = np.zeros(len(of.columns), dtype=np.int64)
 
     def update(self, time: float, row: np.ndarray) -> Alarm | None:
@@ -209,19 +212,48 @@ class FaultWatch:
             A gap begins a new block.
         row : (n_column,) array
             Values in SI, in the order of the columns.
+
+        Raises
+        ------
+        InputError
+            Values that are not one finite number per column; rows that do not come at the raster that was learnt.
         """
-        shape = self.of.shape
+        shape, values = self.of.shape, np.asarray(row, dtype=np.float64)
+        self._check_row(time, values)
         if self._filled and not 0.0 < time - self._rows[self._filled - 1, 0] < 1.5 * shape.raster:
-            self._filled = 0
-        self._rows[self._filled, 0], self._rows[self._filled, 1:] = time, row
+            self._filled, self._gaps = 0, self._gaps + 1
+        elif self._filled:
+            self._gaps = 0
+        self._rows[self._filled, 0], self._rows[self._filled, 1:] = time, values
         self._filled += 1
+        if self._gaps > _MOST_GAPS:
+            raise InputError(
+                f"row at {time:g} s: none of the last {_MOST_GAPS} rows came {shape.raster:g} s after the one before it, the raster that was learnt"
+            )
         if self._filled < shape.rows:
             return None
+        apart = (time - float(self._rows[0, 0])) / (shape.rows - 1)
+        if abs(apart / shape.raster - 1.0) > _JITTER:
+            raise InputError(
+                f"rows until {time:g} s are {apart:.4g} s apart, those that were learnt from {shape.raster:g} s: give rows at that raster"
+            )
         block = {c: self._rows[None, :, k].copy() for k, c in enumerate(self.of.columns, 1)}
         begin = float(self._rows[shape.before, 0])
         self._rows[: shape.rows - shape.inside] = self._rows[shape.inside :]
         self._filled = shape.rows - shape.inside
         return self.judge(block, np.array([begin]))
+
+    def _check_row(self, time: float, values: np.ndarray) -> None:
+        columns = self.of.columns
+        if values.shape != (len(columns),):
+            raise InputError(
+                f"row at {time:g} s: its shape is {values.shape}; it must have one value for each of {', '.join(columns)}"
+            )
+        if not (isfinite(time) and np.isfinite(values).all()):
+            which = next((c for c, v in zip(columns, values.tolist(), strict=True) if not isfinite(v)), "time")
+            raise InputError(
+                f"row at {time:g} s: {which} is no finite number; leave the row out, a gap begins a new block"
+            )
 
     def judge(self, readings: Readings, begins: np.ndarray, each: Callable[[], None] | None = None) -> Alarm | None:
         """Take blocks that follow each other; the alarm that is there after them.
