@@ -64,6 +64,11 @@ TEXTS = {
         "a line of kinds of data below the units": (PLAIN.replace("time,p\n", "time,p\ns,bar\nfloat,double\n"), READ),
         "units in a line above the names": ("s,bar\n" + PLAIN, READ),
         "a header that comes again": (PLAIN.replace("0.30,", "time,p\n0.30,"), ("no time",)),
+        "a header with units that comes again after two rows": (
+            PLAIN.replace("time,p\n", "time,p\ns,bar\n").replace("0.02,", "time,p\ns,bar\n0.02,"), ("no time",)),
+        "a header that comes again after rows with gaps, and words for numbers": (
+            "time,p,x\n" + "".join(("time,p,x\n" if i == 9 else "") + f"{t:.2f},{p},{('', 'open', 1)[i % 3]}\n"
+                                   for i, (t, p) in enumerate(zip(TIME, PRESSURE, strict=True))), ("no time",)),
         "names in a comment, as NumPy writes them": (lines("{t:.2f} {p}\n", "# time p\n"), READ),
         "a block of metadata above the header": ("Device,ABC\nDate,2024-01-01\nRate,100\n\n" + PLAIN, READ),
         "units in a line below the header": (PLAIN.replace("time,p\n", "time,p\ns,bar\n"), READ),

@@ -204,10 +204,20 @@ def _heads(row: Sequence[str]) -> bool:
 
 
 def _amid(place: int, plain: Sequence[int], cells: dict[int, list[str]], row: Sequence[str]) -> bool:
-    """Whether a line of words stands between rows: a header that comes again, the rest of a cell of two lines."""
-    pattern = [_value(cell) for cell in row]
-    before = [[_value(cell) for cell in cells[n]] for n in plain[max(0, place - 3) : place]]
-    return len(before) == 3 and all(values == pattern for values in before)
+    """Whether a line of words stands between rows: a header or its units that come again, the rest of a cell of two lines."""
+    line, before = cells[plain[place]], [cells[n] for n in plain[:place]]
+    return line in before or (len(before) >= 3 and all(_alike(cells, row) for cells in before[-3:]))
+
+
+def _alike(cells: Sequence[str], row: Sequence[str]) -> bool:
+    """Whether a line is a row as another is: both begin with a value, or neither, and so it is at most places where both say something."""
+    said = [
+        _value(a) == _value(b)
+        for a, b in zip(cells, row, strict=False)
+        if a.lower() not in _MISSING and b.lower() not in _MISSING
+    ]
+    begins = bool(cells and row) and _value(cells[0]) == _value(row[0])
+    return begins and abs(len(_trimmed(cells)) - len(_trimmed(row))) <= len(row) // 2 and 2 * sum(said) > len(said)
 
 
 def _torn(body: Sequence[Sequence[str]], width: int, named: int) -> bool:
