@@ -1,9 +1,13 @@
 import math
+import os
+import signal
 from threading import current_thread
 
 import numpy as np
+import pytest
 from threadpoolctl import threadpool_info
 
+from polydraulic.errors import InputError
 from polydraulic.networks.growth.workers import in_processes, in_threads, one_after_the_other, one_blas_thread
 
 
@@ -25,6 +29,17 @@ def test_processes_give_what_one_after_the_other_gives_and_tell_how_many_are_don
     assert in_processes(math.sqrt, [4.0, 9.0, 16.0], told.append) == [2.0, 3.0, 4.0]
     assert one_after_the_other(math.sqrt, [4.0, 9.0, 16.0], told_here.append) == [2.0, 3.0, 4.0]
     assert told == told_here == [0, 1, 2, 3]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="ends a process by a signal")
+def test_a_process_that_is_ended_from_outside_is_one_error_that_says_what_to_do():
+    with pytest.raises(InputError, match=r"memory ran out.*LOKY_MAX_CPU_COUNT=1"):
+        in_processes(end_this_process, [signal.SIGKILL, signal.SIGKILL], lambda done: None)
+    assert in_processes(math.sqrt, [4.0, 9.0], lambda done: None) == [2.0, 3.0]  # others take their place
+
+
+def end_this_process(by):
+    os.kill(os.getpid(), by)
 
 
 def test_blas_keeps_to_one_thread_and_gets_its_own_back():

@@ -5,6 +5,7 @@ Results do not depend on the number of workers: each piece is computed as if it 
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager
 from functools import cache
 from typing import Any, TypeVar
@@ -12,6 +13,8 @@ from typing import Any, TypeVar
 import joblib
 from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
+
+from polydraulic.errors import InputError
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -55,6 +58,11 @@ def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int
         Sent to them.
     told : function of int
         Told how many are done, from none on, in the caller's thread.
+
+    Raises
+    ------
+    InputError
+        If one of the processes is ended from outside, as a system does that runs out of memory.
     """
     work = list(items)
     n_worker = min(joblib.cpu_count(), len(work))
@@ -62,7 +70,13 @@ def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int
         return one_after_the_other(call, work, told)
     with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
         results = joblib.Parallel(n_jobs=n_worker, return_as="generator")(joblib.delayed(call)(item) for item in work)
-    return one_after_the_other(lambda found: found, results, told)
+    try:
+        return one_after_the_other(lambda found: found, results, told)
+    except BrokenProcessPool as error:
+        raise InputError(
+            f"one of {n_worker} processes that learnt side by side was ended from outside, most likely since memory ran out; nothing was "
+            "kept: learn from fewer rows, or in one process, by the environment variable LOKY_MAX_CPU_COUNT=1"
+        ) from error
 
 
 def one_after_the_other(call: Callable[[A], B], items: Iterable[A], told: Callable[[int], object]) -> list[B]:
