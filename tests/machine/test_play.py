@@ -11,7 +11,7 @@ from polydraulic.machine.play import actuator_rate, felt_torque, followed, jet, 
 from polydraulic.parameters.layout.parts import FlowForce
 
 DT = 5e-3
-LINE = LineStep(DT / 3e-12, DT / 2e-12, 0.0, 3e7, 0.0, 3e5)
+LINE = LineStep(DT / 3e-12, DT / 2e-12, 0.0, 0.0, 3e7, 0.0, 3e5)
 
 
 def test_a_follower_lags_by_half_a_width_either_way_and_rests_in_between():
