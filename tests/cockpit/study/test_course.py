@@ -9,6 +9,7 @@ from polydraulic.cockpit.beat import Beat
 from polydraulic.cockpit.exercises.results import read_results
 from polydraulic.cockpit.keeper import Keeper
 from polydraulic.cockpit.protocol import read_message
+from polydraulic.cockpit.study.course import Course
 from polydraulic.cockpit.study.plan import Block, Study
 from polydraulic.cockpit.study.table import study_rows, table_path
 from polydraulic.cockpit.web.seat import Seat
@@ -151,3 +152,16 @@ def test_without_a_study_there_is_none(cab, tmp_path):
     assert seat.status(page)["study"] is None
     with pytest.raises(InputError, match="--study FILE"):
         seat.hear(page, read_message('{"type": "study", "action": "start"}'))
+
+
+def test_results_of_a_study_that_was_changed_are_not_counted():
+    said = {"title": STUDY.title, "task": 2, "block": "measured", "practice": False, "repetition": 1}
+    done = {"subject": "A2", "exercise": "pick and place", "mode": "coordinated", "finished": True, "study": said}
+    course = Course(STUDY, [done])
+    course.choose("A2")
+    assert course.task.number == 1
+    changed = STUDY._replace(subjects=("A2", "A1"))  # who begins with which mode follows from the order
+    with pytest.raises(InputError, match="task 2 of A2 was block measured, .*mode coordinated.*another title"):
+        Course(changed, [done])
+    with pytest.raises(InputError, match="task 9 of A2 was"):
+        Course(STUDY, [done | {"study": said | {"task": 9}}])

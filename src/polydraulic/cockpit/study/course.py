@@ -23,6 +23,11 @@ class Course:
     study : Study
     subject : str
         Empty before one is chosen.
+
+    Raises
+    ------
+    InputError
+        Results of a study of this title that asked for something else.
     """
 
     def __init__(self, study: Study, results: Sequence[Mapping[str, Any]]) -> None:
@@ -42,7 +47,15 @@ class Course:
         if ANSWER in of:
             self._answers[str(subject)] = str(of[ANSWER])
         elif result.get("finished") or of.get("skipped"):
-            self._done[str(subject)].add(of.get("task"))  # type: ignore[arg-type]
+            asked = {key: result.get(key, of.get(key)) for key in ("block", "exercise", "mode", "repetition")}
+            tasks = study_tasks(self.study, str(subject))
+            task = next((task for task in tasks if task.number == of.get("task")), None)
+            if task is None or any(value != getattr(task, key) for key, value in asked.items()):
+                raise InputError(
+                    f"the results in the folder are of another study {self.study.title!r}: task {briefly(of.get('task'))} of {subject} was "
+                    f"{', '.join(f'{key} {value}' for key, value in asked.items())}; a study that was changed needs another title, or another folder"
+                )
+            self._done[str(subject)].add(task.number)
 
     @property
     def task(self) -> StudyTask | None:
