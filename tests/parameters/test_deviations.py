@@ -67,6 +67,24 @@ def test_a_fault_of_ones_own_has_its_size_in_its_numbers():
         ScheduledFault(own, 0.1)
 
 
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"begin": "3"}, "begin = '3'"),
+        ({"size": "10 %"}, "size = '10 %'"),
+        ({"end": None, "growth": True}, "growth = True"),
+    ],
+)
+def test_what_is_no_number_is_refused_in_a_schedule(given, says):
+    with pytest.raises(InputError, match=f"'boom.pump_worn': {says}: must be a number in SI"):
+        ScheduledFault("boom.pump_worn", **({"end": 5.0} | {k: v for k, v in given.items() if v is not None}))
+
+
+def test_one_amount_alone_is_a_tuple_too():
+    with pytest.raises(InputError, match=r"amounts and times must be tuples, for example \(0.5,\)"):
+        Deviation(FLOW, "times", 0.5)
+
+
 def test_a_timed_fault_changes_at_its_stages_until_it_is_over():
     grown = Fault("grown", "grown", (Deviation(FLOW, "times", (0.9, 0.8), (1.0, 3.0)),))
     timed = TimedFault(grown, 10.0, 12.5)

@@ -2,9 +2,10 @@
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
+from numbers import Real
 from typing import Any, Literal, NamedTuple
 
 from polydraulic.display import amount, readable
@@ -53,6 +54,8 @@ class Deviation:
         where = f"fault of {self.of}"
         if self.how not in _HOWS:
             raise InputError(f"{where}: how = {self.how!r}: must be one of {list(_HOWS)}")
+        if not (isinstance(self.amount, Sequence) and isinstance(self.time, Sequence)):
+            raise InputError(f"{where}: amounts and times must be tuples, for example ({self.amount},)")
         if len(self.time) != len(self.amount) or not self.time:
             raise InputError(f"{where}: needs one amount per time; got {len(self.time)} and {len(self.amount)}")
         if not all(map(isfinite, (*self.time, *self.amount))):
@@ -136,7 +139,7 @@ class ScheduledFault:
     Raises
     ------
     InputError
-        Times that cannot be; a size or growth of a fault of your own.
+        Times that cannot be; what is no number; a size or growth of a fault of your own.
 
     Examples
     --------
@@ -155,6 +158,9 @@ class ScheduledFault:
 
     def __post_init__(self) -> None:
         where = f"fault {self.name!r}"
+        for key, given in (("size", self.size), ("begin", self.begin), ("end", self.end), ("growth", self.growth)):
+            if given is not None and (isinstance(given, bool) or not isinstance(given, Real)):
+                raise InputError(f"{where}: {key} = {briefly(given)}: must be a number in SI, without a unit")
         for key, value in (("begin", self.begin), ("growth", 0.0 if self.growth is None else self.growth)):
             if not 0.0 <= value <= LATEST:
                 raise InputError(f"{where}: {key} = {value} s: must lie in [0, {LATEST:g}] s")
