@@ -44,6 +44,12 @@ class Since(NamedTuple):
     blocks: int
 
 
+def check_rate(rate: float) -> None:
+    """Refuse false alarms per hour that are not above 0."""
+    if not 0.0 < rate < np.inf:
+        raise InputError(f"rate = {rate:g} false alarms per hour: must be above 0")
+
+
 def threshold_for(rate: float, tests: int, seconds: float) -> float:
     """Threshold at which so many tests give together at most `rate` false alarms per hour, of blocks of so many seconds.
 
@@ -52,8 +58,7 @@ def threshold_for(rate: float, tests: int, seconds: float) -> float:
     InputError
         A rate that is not above 0.
     """
-    if not 0.0 < rate < np.inf:
-        raise InputError(f"rate = {rate:g} false alarms per hour: must be above 0")
+    check_rate(rate)
     return float(np.log(max(tests * 3600.0 / seconds / rate, np.e)))
 
 

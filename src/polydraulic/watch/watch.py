@@ -125,7 +125,8 @@ def learn_expected(of: Watched, readings: Readings, noise: Mapping[str, float], 
     n_block = len(readings[of.columns[0]])
     if n_block < _LEAST_BLOCKS:
         raise InputError(
-            f"{n_block} blocks of {of.shape.seconds:g} s without a gap are healthy; what is to be expected takes {_LEAST_BLOCKS}"
+            f"healthy work has {n_block} blocks of {of.shape.seconds:g} s without a gap, and what is to be expected takes {_LEAST_BLOCKS}: "
+            "give more healthy work, five minutes or more are good"
         )
     healthy = case_of(of.machine)
     whole = Residuals(readings, of.shape, of.channels)

@@ -52,6 +52,7 @@ def test_fewer_sensors_watch_fewer_faults():
         (lambda log: part(log, [n for n in log.names if n != "time"]), "no column 'time'"),
         (lambda log: part(log, ["time", "lift.q_in"]), "nothing of the machine can be watched"),
         (lambda log: Table({**log.columns, "lift.p_a": log["lift.p_a"]}, {**log.units, "lift.p_a": "bar"}), "in 'bar'"),
+        (lambda log: part(log, ["time"]), "no column is of a sensor of .* such as lift.spool, .*; it has time"),
         (lambda log: Table({n: v[:60] for n, v in log.columns.items()}, log.units), "no piece of"),
     ],
 )
@@ -72,3 +73,13 @@ def test_healthy_work_must_be_read_by_the_same_sensors():
     with pytest.raises(InputError, match="no column of table is called so|is called so"):
         watch_log(log, "wheel_loader", healthy=healthy_log(), sensors=["*.torque"])
     assert np.isfinite(log.matrix(log.names)).all()
+
+
+def test_arguments_are_checked_before_anything_is_learnt():
+    log = log_of(load_machine("wheel_loader"), 34, 10.0)
+    with pytest.raises(InputError, match="rate = nan false alarms per hour"):
+        watch_log(log, "wheel_loader", rate=np.nan)
+    with pytest.raises(InputError, match=r"sensors = '\*.spool': must be a list, for example \['\*.spool'\]"):
+        watch_log(log, "wheel_loader", sensors="*.spool")
+    with pytest.raises(InputError, match="its first 3 s, taken for healthy: healthy work has .*give more healthy work"):
+        watch_log(log, "wheel_loader")

@@ -20,6 +20,7 @@ from polydraulic.tables import Table
 from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.expected import Expected
+from polydraulic.watch.sequential import check_rate
 from polydraulic.watch.watch import FALSE_ALARMS, Alarm, FaultWatch, Outlook, Watched, learn_expected, watched
 
 ALARM_HEADS = ("since", "seen", "until", "what", "sure", "or else")
@@ -143,6 +144,7 @@ def watch_log(
         Columns that are missing, not in SI or of no such machine; too little healthy work; another raster; sensors by which nothing can be
         watched.
     """
+    check_rate(rate)
     plant = as_machine(machine)
     table, source = _checked(log, plant)
     columns = watched_columns(plant, table, source, sensors)
@@ -166,7 +168,10 @@ def watch_log(
         own = table["time"] - begin < min(_OWN_SHARE * (float(table["time"][-1]) - begin), _OWN_MOST)
         first = int(own.sum())
         words = f"its first {table['time'][max(first - 1, 0)] - begin:.0f} s, taken for healthy"
-    expected = learnt_from(of, known, own, rate)
+    try:
+        expected = learnt_from(of, known, own, rate)
+    except InputError as error:
+        raise InputError(f"{words}: {error}") from error
     starts = starts_of(table["time"][first:], _segment(table)[first:], of.shape) + first
     if not len(starts):
         raise InputError(f"{source}: no piece of {of.shape.rows * raster:.3g} s without a gap is left to be watched")
@@ -201,8 +206,14 @@ def watched_columns(
         place = position_of(machine, f)
         known += [f"{f.name}.{what}" for what in UNITS if what not in ("angle", "position")] + [place]
     found = [name for name in known if name in table.names]
+    if not found:
+        raise InputError(
+            f"{source}: no column is of a sensor of {machine.title!r}, such as {', '.join(known[:_NAMED])}; it has {', '.join(table.names)}"
+        )
     if sensors is None:
         return tuple(found)
+    if isinstance(sensors, str):
+        raise InputError(f"sensors = {sensors!r}: must be a list, for example [{sensors!r}]")
     for pattern in sensors:
         if not any(fnmatchcase(name, pattern) for name in found):
             raise InputError(
