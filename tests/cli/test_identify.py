@@ -1,9 +1,12 @@
 """`polydraulic identify`: what is refused before any work, and a log that determines nothing, one that lacks most sensors."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from polydraulic import load_machine
+from polydraulic.identification.equations.residuals import ResidualModels
 from polydraulic.tables import Table, write_table
 
 
@@ -79,9 +82,12 @@ def test_a_recording_of_commands_and_angles_alone_gives_pilot_and_pump(call, tmp
     )
     assert call("import log.parquet --channels map.toml --out table.parquet")[0] == 0
     code, out, err = call(
-        "identify table.parquet --machine guess.toml --out found.toml --free *.pump.flow --free functions.lift.pilot.gain"
+        "identify table.parquet --machine guess.toml --out found.toml --free *.pump.flow --free functions.lift.pilot.gain --residuals left.json"
     )
-    assert (code, err) == (0, "")
+    assert (code, err.count("\n")) == (2, 1)  # of a log without flows; what was identified is told
+    assert err.startswith("error: circuits.work: no network of what is left; the log has no ")
+    assert "found.toml: written" in out
+    assert not (tmp_path / "left.json").exists()
     assert "windows of 2 s against sensors" in out
     assert "circuits.work: not by regression; the log has no" in out
     found, true = load_machine(tmp_path / "found.toml"), load_machine("wheel_loader")
@@ -91,3 +97,14 @@ def test_a_recording_of_commands_and_angles_alone_gives_pilot_and_pump(call, tmp
     assert (code, err) == (0, "")
     assert "best further sensor" in out
     assert "all functions, full stroke" in out
+
+
+def test_networks_of_an_earlier_machine_are_named(call, silent, tmp_path, monkeypatch):
+    found = SimpleNamespace(write=lambda path: None, text=lambda units: "found")
+    monkeypatch.setattr("polydraulic.identification.equations.identify.identify", lambda *_, **__: found)
+    nothing = ResidualModels((), (), ())
+    monkeypatch.setattr("polydraulic.identification.equations.residuals.learn_residuals", lambda *_, **__: nothing)
+    line = "identify silent.csv --machine wheel_loader --out m.toml --residuals left.json"
+    assert call(line)[1].endswith("left.json: not written, no network holds on blocks held out\n")
+    (tmp_path / "left.json").write_text("{}")
+    assert call(line)[1].endswith("held out; the file of that name belongs to an earlier machine\n")

@@ -97,11 +97,15 @@ def identify(
         found.write(out)
         if card is not None:
             write_identification_card(found, card, units=units, progress=progress)
-        left = learn_residuals(found, progress=progress) if residuals is not None else None
     print(found.text(units))
     print(f"{out}: written")
-    if residuals is not None and left is not None:
+    if residuals is not None:  # what was identified is told whatever comes of these
+        with progress_bar("residuals") as progress:
+            left = learn_residuals(found, progress=progress)
         print(left)
         if left.models:
             save_models(left.models, residuals)
-        print(f"{residuals}: {'written' if left.models else 'not written, no network holds on blocks held out'}")
+            print(f"{residuals}: written")
+        else:
+            stale = "; the file of that name belongs to an earlier machine" if residuals.exists() else ""
+            print(f"{residuals}: not written, no network holds on blocks held out{stale}")
