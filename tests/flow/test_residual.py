@@ -72,7 +72,8 @@ def test_nothing_is_added_in_the_deadband_or_against_a_load(machine, models):
 
 def test_what_does_not_fit_is_refused(machine, models):
     with pytest.raises(
-        InputError, match=r"flow 'residual' needs models=\[\.\.\.\], one at least of .*'boom.q_in_residual'"
+        InputError,
+        match=r"flow 'residual' needs models=\[\.\.\.\] \(--model FILE\), one at least of .*'boom.q_in_residual'",
     ):
         build_flow("residual", machine)
     other = AbductiveRegressor(max_layers=1).fit(np.arange(40.0)[:, None], np.arange(40.0))

@@ -59,7 +59,7 @@ def residual_flow(machine: LayoutMachine | str | Path, *, models: Sequence[Model
     served = [f for f, (output, _) in places.items() if output.name in given]
     if not served:
         raise InputError(
-            f"flow 'residual' needs models=[...], one at least of {[output.name for output, _ in places.values()]}; given are {sorted(given)}"
+            f"flow 'residual' needs models=[...] (--model FILE), one at least of {[output.name for output, _ in places.values()]}; given are {sorted(given)}"
         )
     chosen = [NOTHING, *(choose_model(models or (), places[f]) for f in served)]
     numbered: dict[str, object] = {}
