@@ -1,6 +1,7 @@
 import math
 import os
 import signal
+import warnings
 from threading import current_thread
 
 import numpy as np
@@ -40,6 +41,20 @@ def test_a_process_that_is_ended_from_outside_is_one_error_that_says_what_to_do(
 
 def end_this_process(by):
     os.kill(os.getpid(), by)
+
+
+def test_warnings_of_processes_are_the_callers_to_hear_or_to_refuse():
+    with pytest.warns(UserWarning, match="item") as heard:
+        assert in_processes(warned, [1, 2], lambda done: None) == [1, 2]
+    assert {str(warning.message) for warning in heard} == {"item 1", "item 2"}
+    with warnings.catch_warnings(), pytest.raises(UserWarning, match="item 1"):
+        warnings.simplefilter("error")
+        in_processes(warned, [1, 2], lambda done: None)
+
+
+def warned(item):
+    warnings.warn(f"item {item}", stacklevel=1)
+    return item
 
 
 def test_blas_keeps_to_one_thread_and_gets_its_own_back():

@@ -3,6 +3,7 @@
 Results do not depend on the number of workers: each piece is computed as if it were alone.
 """
 
+import warnings
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -18,6 +19,8 @@ from polydraulic.errors import InputError
 
 A = TypeVar("A")
 B = TypeVar("B")
+_Warning = tuple[str, type[Warning], str, int]  # message, category, file, line
+_said: dict[str | tuple[str, type[Warning], int], int] = {}  # as Python keeps it, so that each is shown once
 
 
 @cache
@@ -69,14 +72,29 @@ def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int
     if n_worker < 2 or get_active_backend()[0].nesting_level:  # in a process that is a worker itself
         return one_after_the_other(call, work, told)
     with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
-        results = joblib.Parallel(n_jobs=n_worker, return_as="generator")(joblib.delayed(call)(item) for item in work)
+        results = joblib.Parallel(n_jobs=n_worker, return_as="generator")(
+            joblib.delayed(_heard)(call, item) for item in work
+        )
     try:
-        return one_after_the_other(lambda found: found, results, told)
+        found = one_after_the_other(lambda result: result, results, told)
     except BrokenProcessPool as error:
         raise InputError(
             f"one of {n_worker} processes that learnt side by side was ended from outside, most likely since memory ran out; nothing was "
             "kept: learn from fewer rows, or in one process, by the environment variable LOKY_MAX_CPU_COUNT=1"
         ) from error
+    for message, category, file, line in (warning for _, heard in found for warning in heard):
+        warnings.warn_explicit(
+            message, category, file, line, registry=_said
+        )  # after all: one may be raised as an error
+    return [result for result, _ in found]
+
+
+def _heard(call: Callable[[A], B], item: A) -> tuple[B, list[_Warning]]:
+    """Result of a call, and its warnings, of which the caller's process is to decide."""
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        found = call(item)
+    return found, [(str(w.message), w.category, w.filename, w.lineno) for w in heard]
 
 
 def one_after_the_other(call: Callable[[A], B], items: Iterable[A], told: Callable[[int], object]) -> list[B]:
