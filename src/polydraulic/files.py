@@ -13,12 +13,8 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from polydraulic.errors import InputError
-
-if TYPE_CHECKING:
-    pass
 
 _MARK = ".unfinished-"
 _UNFINISHED = re.compile(rf"\..*{re.escape(_MARK)}[a-z0-9_]{{8}}(\.[^.]*)?")
