@@ -83,6 +83,10 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     cells = {n: fields(texts[n], delimiter) for n in plain}
     first = _first_row(plain, cells)
     if first is None:
+        if len(plain) < 2 and len(head) >= HEAD:
+            raise InputError(
+                f"{path}: the names of the columns and a first row must stand in the first {HEAD} bytes; leave columns out, or write Parquet"
+            )
         if len(plain) < 2:
             raise InputError(f"{path}: the log has no rows")
         first = plain[1]  # words in all columns: the first line is the header

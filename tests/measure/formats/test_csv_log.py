@@ -50,6 +50,13 @@ def test_a_suggested_map_is_one_that_imports(tmp_path, given):
     assert import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.parquet").n_row >= 58
 
 
+def test_a_file_whose_header_is_too_long_is_not_said_to_have_no_rows(tmp_path):
+    names = ["time", *(f"channel_{n}" for n in range(8000))]
+    (tmp_path / "log.csv").write_text("\n".join([",".join(names), *(",".join(["0.5"] * len(names)) for _ in range(3))]))
+    with pytest.raises(InputError, match=r"log\.csv: the names .* first 65536 bytes.*Parquet"):
+        open_log(tmp_path / "log.csv")
+
+
 def test_a_whole_column_is_read_in_one_way(tmp_path):
     (tmp_path / "log.csv").write_text("time;p\n" + "".join(f"{i};{'999,5' if i % 2 else '1.002'}\n" for i in range(60)))
     found, table = import_of(tmp_path / "log.csv", "ms", "1 ms", p_unit="kPa")
