@@ -1,5 +1,7 @@
 """The page of a watched log, and its picture."""
 
+from dataclasses import replace
+
 import pytest
 
 from helpers.watched_logs import healthy_log, log_of
@@ -28,3 +30,11 @@ def test_the_picture_names_the_fault_beyond_the_threshold(found):
     axis = plot_watch(found).axes[0]
     assert "work.pump_worn" in [text.get_text() for text in axis.get_legend().get_texts()]
     assert len(axis.patches) == len(found.alarms)
+
+
+def test_times_are_dates_where_the_log_has_dates(found):
+    dated = replace(found, began=1.7e9)
+    assert "2023-11-14 22:13:" in str(dated)
+    assert " s  " not in str(dated).splitlines()[2]
+    assert plot_watch(dated).axes[0].get_xlabel() == "time of day, 2023-11-14"
+    assert plot_watch(found).axes[0].get_xlabel() == "time [s]"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from polydraulic.display import dated, moment
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.log_pieces import raster_of
@@ -16,7 +17,7 @@ from polydraulic.pages.text import text_table
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
-from polydraulic.tables import Table
+from polydraulic.tables import Table, began
 from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.expected import Expected
@@ -52,6 +53,8 @@ class WatchedLog:
         When each block ends.
     evidence : (n_block, n_direction) array
         Of each direction, as a share of the threshold.
+    began : float, s since 1970
+        When the log's time was zero; 0 if that is not known, or its times are dates themselves.
     """
 
     of: Watched
@@ -63,6 +66,7 @@ class WatchedLog:
     rate: float
     time: np.ndarray = field(repr=False)
     evidence: np.ndarray = field(repr=False)
+    began: float = 0.0
 
     @property
     def faulty(self) -> bool:
@@ -77,7 +81,7 @@ class WatchedLog:
             f"{len(self.findings)} faults; what is to be expected from {self.healthy}"
         ]
         if self.alarms:
-            lines += text_table(ALARM_HEADS, alarm_rows(self.alarms))
+            lines += text_table(ALARM_HEADS, alarm_rows(self.alarms, self.began))
         else:
             lines.append(f"no alarm (set to {self.rate:g} false ones per hour)")
         shown = [f for f in self.findings if f.could_show]
@@ -91,19 +95,21 @@ class WatchedLog:
         return self.text()
 
 
-def alarm_rows(alarms: Sequence[Alarm]) -> list[list[str]]:
-    """Texts under `ALARM_HEADS`."""
+def alarm_rows(alarms: Sequence[Alarm], zero: float = 0.0) -> list[list[str]]:
+    """Texts under `ALARM_HEADS`; times are dates where time zero, in s since 1970, is known."""
+
+    def times(alarm: Alarm) -> list[str]:
+        return [moment(t + zero) if dated(t + zero) else f"{t:.1f} s" for t in alarm[:3]]
+
     rows = []
     for alarm in alarms:
         if not alarm.suspects:
-            rows.append(
-                [*(f"{t:.1f} s" for t in alarm[:3]), "something that no fault of the catalogue explains", "-", "-"]
-            )
+            rows.append([*times(alarm), "something that no fault of the catalogue explains", "-", "-"])
             continue
         first, *others = alarm.suspects
         what = f"{first.title} (no fault: unusual work)" if first.harmless else first.title
         more = "; ".join(f"{s.name} ({s.probability:.0%})" for s in others) or "-"
-        rows.append([*(f"{t:.1f} s" for t in alarm[:3]), what, f"{min(first.probability, 0.99):.0%}", more])
+        rows.append([*times(alarm), what, f"{min(first.probability, 0.99):.0%}", more])
     return rows
 
 
@@ -185,7 +191,7 @@ def watch_log(
         part = starts[k : k + _AT_ONCE]
         watch.judge(log_blocks(of, table, part), table["time"][part + of.shape.before], note)
     ends = table["time"][starts + of.shape.before] + of.shape.seconds
-    return WatchedLog(of, watch.alarms, watch.findings(), expected, words, source, rate, ends, seen)
+    return WatchedLog(of, watch.alarms, watch.findings(), expected, words, source, rate, ends, seen, began(table))
 
 
 def _checked(log: Table | str | Path | Sequence[Table | str | Path], machine: LayoutMachine) -> tuple[Table, str]:

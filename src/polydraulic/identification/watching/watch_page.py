@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polydraulic.display import time_axis
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
 from polydraulic.identification.watching.watch_log import ALARM_HEADS, WatchedLog, alarm_rows
@@ -60,7 +61,7 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
         f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
         f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
         "<h2>Alarms</h2>",
-        html_table("", ALARM_HEADS, alarm_rows(found.alarms)) if found.alarms else "<p>None.</p>",
+        html_table("", ALARM_HEADS, alarm_rows(found.alarms, found.began)) if found.alarms else "<p>None.</p>",
         "<h2>Evidence</h2>",
         "<p>Of each fault since it may have begun, as a share of what makes an alarm.</p>",
         f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="Evidence over time"></figure>',
@@ -92,14 +93,16 @@ def plot_watch(found: WatchedLog) -> "Figure":
     for k in np.argsort(-most).tolist():
         if len(drawn) < _LINES and most[k] > 0.5 and first[k] not in [first[j] for j in drawn]:
             drawn.append(k)
-    axis.plot(found.time, found.evidence.max(axis=1), color="#bbb", linewidth=1.0, label="the most of all faults")
+    time, label = time_axis(found.time, found.began)
+    axis.plot(time, found.evidence.max(axis=1), color="#bbb", linewidth=1.0, label="the most of all faults")
     for colour, k in zip(_COLOURS, drawn, strict=False):
-        axis.plot(found.time, found.evidence[:, k], color=colour, linewidth=1.3, label=first[k])
+        axis.plot(time, found.evidence[:, k], color=colour, linewidth=1.3, label=first[k])
     for alarm in found.alarms:
-        axis.axvspan(alarm.since, alarm.until, color="#c0392b", alpha=0.10, linewidth=0.0)
+        (since, until), _ = time_axis(np.array([alarm.since, alarm.until]), found.began)
+        axis.axvspan(since, until, color="#c0392b", alpha=0.10, linewidth=0.0)
     axis.axhline(1.0, color="#222", linewidth=1.0, linestyle="--", label="alarm")
     axis.set_ylim(0.0, 2.1)
-    axis.set_xlabel("time [s]")
+    axis.set_xlabel(label)
     axis.set_ylabel("evidence / threshold")
     axis.grid(alpha=0.25)
     axis.legend(loc="upper left", fontsize=8)
