@@ -185,6 +185,7 @@ def test_a_log_that_determines_nothing_says_why(true, log, tmp_path):
         ("q_in", 6e4, "swing.q_in.* must be in m3/s;"),
         ("angle", 180.0 / np.pi, "boom.angle.* must be in rad"),
         ("p_", 1e-5, "pressures must be in Pa"),
+        ("p_a", 1e-5, "swing.p_a.* comes to .* Pa at most, others to .* bar: it must be in Pa"),
         ("voltage", 100.0, "swing.voltage.* gives full travel: it must be in V, not in per cent"),
     ],
 )

@@ -27,6 +27,7 @@ UNITS = {
 }
 _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
+_LEAST_OF_ONE = 1e4  # Pa, which even the port of a returning line passes; 10,000 psi and more nobody has
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
 _LEVERS = 10.0  # times the voltage of full travel
 _MANY = 0.05  # share of rows that are no outliers
@@ -80,8 +81,8 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
     Raises
     ------
     InputError
-        Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, or no pressure
-        of the log comes to one bar; or levers go many times beyond the voltage of full travel.
+        Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, no pressure
+        of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go many times beyond the voltage of full travel.
     """
     most_flow = _FLOWS * max(circuit.pump.flow for circuit in machine.circuits)
     for f in machine.functions:
@@ -107,13 +108,19 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
                 name,
                 f"and by the file's pilot {amount(full, 'V')} gives full travel: it must be in V, not in per cent of a lever's way",
             )
-    pressures = [table[name] for name in table.names if name.split(".")[-1] in ("p_a", "p_b")]
-    most = max((float(values.max()) for values in pressures), default=0.0)
+    highest = {name: float(table[name].max()) for name in table.names if name.split(".")[-1] in ("p_a", "p_b")}
+    most = max(highest.values(), default=0.0)
     if 0.0 < most < _LEAST_PRESSURE:
         raise InputError(
             f"the largest pressure at a port of the log is {most:.4g} Pa, and oil that works has more than 1 bar, {_LEAST_PRESSURE:g} Pa: pressures "
             "must be in Pa; import the log with the sensors' unit"
         )
+    for name, largest in highest.items():
+        if 0.0 < largest < _LEAST_OF_ONE and np.ptp(table[name]) > 0.0:
+            raise InputError(
+                f"column {name!r} comes to {largest:.4g} Pa at most, others to {amount(most, 'Pa')}: it must be in Pa; import the log with that "
+                "sensor's unit, or leave the column out if the sensor is dead"
+            )
 
 
 def _not_si(table: Table, name: str, why: str) -> InputError:
