@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from identify import recorded, rough
+from identify import recorded
 from polydraulic import build_flow, load_machine
 from polydraulic.control import (
     ControlSettings,
@@ -31,6 +31,7 @@ from polydraulic.control.arm import arm_pose, arm_rates, planar_arm
 from polydraulic.control.coordinated import servo_of
 from polydraulic.identification import fit_machine, identify
 from polydraulic.simulation.stepping.levers import full_lever
+from polydraulic.thesis.rough_machine import rough_machine
 from show import table
 
 DELAY, NOISE, PRESSURE = 0.04, np.radians(0.03), 1e5
@@ -138,7 +139,7 @@ def learnt(name, seed, seconds):
     with tempfile.TemporaryDirectory() as folder:
         log = recorded(true, Path(folder), seed, seconds, FULL[name])
     began = time.perf_counter()
-    found = identify(log, rough(true, np.random.default_rng(seed))).machine
+    found = identify(log, rough_machine(true, np.random.default_rng(seed))).machine
     print(f"  {name}: identified in {time.perf_counter() - began:.0f} s", file=sys.stderr, flush=True)
     networks = fit_machine(log, true, max_regions=6, max_rows=5000).models
     print(f"  {name}: networks, {time.perf_counter() - began:.0f} s", file=sys.stderr, flush=True)

@@ -20,6 +20,7 @@ from polydraulic.identification.log_replay import joints_of
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.measure import example_sensors, import_log, load_channels, load_sensors, record
 from polydraulic.tables import Table
+from polydraulic.thesis.rough_machine import rough_machine
 from show import table
 
 SCENARIOS = ("task", "sine", "step", "pulse")
@@ -27,30 +28,6 @@ LIMITED = ("task", "step")
 UNITS = {"spool": "mm", "p_a": "bar", "p_b": "bar", "q_in": "l/min", "q_out": "l/min", "voltage": "V", "angle": "deg"}
 RANGES = {"mm": [-16, 16], "bar": [-10, 500], "l/min": [-400, 800], "V": [-1.2, 1.2], "deg": [-99999, 99999]}
 FULL, JUDGED = 1.1, 0.8  # V: full travel of all spools, and of the operators who judge
-
-
-def rough(machine, rng):
-    """What is known before: see above."""
-    values = {}
-    for f in machine.functions:
-        v, where = f.valve, f"functions.{f.name}"
-        opens, closes = v.knots[1], v.knots[-2]
-        knots = (0.0, opens, closes, v.knots[-1])
-        values[f"{where}.valve.knots"] = knots
-        for key in ("inlet", "bypass", "outlet_positive", "outlet_negative"):
-            off = rng.uniform(0.6, 1.5, 2)
-            at = np.interp(knots, v.knots, getattr(v, key))
-            shape = (
-                [at[0] * off[0], at[1] * off[1], 0.0, 0.0]
-                if key == "bypass"
-                else [0.0, 0.0, at[2] * off[0], at[3] * off[1]]
-            )
-            values[f"{where}.valve.{key}"] = shape
-        values[f"{where}.pilot.gain"] = 1.1 * f.pilot.gain
-        values[f"{where}.pilot.time_constant"] = 0.8 * f.pilot.time_constant
-    for c in machine.circuits:
-        values[f"{c.pump_path}.flow"] = 1.05 * c.pump.flow
-    return machine.with_values(values)
 
 
 def recorded(machine, folder, seed, seconds, limit):
@@ -93,7 +70,7 @@ def main():
     options = parser.parse_args()
     seconds, judges = (300.0, range(4000, 4002)) if options.quick else (1800.0, range(4000, 4010))
     true = load_machine("cat215b")
-    start = rough(true, np.random.default_rng(options.seed))
+    start = rough_machine(true, np.random.default_rng(options.seed))
     operators = [random_operator(seed, 60.0, limit=JUDGED) for seed in judges]
     rows = []
     for name, limit, flows in (

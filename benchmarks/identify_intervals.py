@@ -10,7 +10,6 @@ import argparse
 
 import numpy as np
 
-from identify import rough
 from identify_sensors import JOINTS, begun, log_of
 from polydraulic import load_machine
 from polydraulic.errors import InputError
@@ -21,6 +20,7 @@ from polydraulic.identification.equations.mechanics.inertia import inertial_valu
 from polydraulic.identification.equations.numbers.estimates import COVERED
 from polydraulic.identification.equations.shooting.fit import fit_by_shooting
 from polydraulic.identification.equations.shooting.windows import sensors_of
+from polydraulic.thesis.rough_machine import rough_machine
 from show import table
 
 FREE = ("pilot.gain", "pilot.time_constant", "pump.flow")
@@ -31,7 +31,7 @@ SPREAD, OFF, OFF_INERTIA = 0.3, 0.15, 0.05
 def by_flows(machine, seed):
     """Kind, error and standard error of pilots, pumps and curves."""
     log = log_of(machine, seed, 300.0)
-    found = identify(log, rough(machine, np.random.default_rng(seed)))
+    found = identify(log, rough_machine(machine, np.random.default_rng(seed)))
     truth = {number.path: number.value for number in machine.numbers}
     for path, new in found.changes.items():
         if path in truth:

@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from identify import FULL, JUDGED, SCENARIOS, recorded, rough
+from identify import FULL, JUDGED, SCENARIOS, recorded
 from polydraulic import build_flow, load_machine, load_scenario, random_operator, simulate
 from polydraulic.identification import identify, learn_residuals
 from polydraulic.identification.log_replay import joints_of
 from polydraulic.machine.frames import link_frames, placed
 from polydraulic.parameters.layout.parts import Effects, FlowForce
+from polydraulic.thesis.rough_machine import rough_machine
 from show import table
 
 SECONDS, JUDGES = 600.0, range(4000, 4010)
@@ -62,7 +63,7 @@ def main():
     options = parser.parse_args()
     seconds, judges = (180.0, JUDGES[:2]) if options.quick else (SECONDS, JUDGES)
     nominal = load_machine("cat215b")
-    start = rough(nominal, np.random.default_rng(options.seed))
+    start = rough_machine(nominal, np.random.default_rng(options.seed))
     scenarios = [load_scenario(name) for name in SCENARIOS]
     operators = [random_operator(seed, 60.0, limit=JUDGED) for seed in judges]
     rows, left = [], []

@@ -1,0 +1,209 @@
+"""Faults watched for in logs of simulated machines: when they are found, how they are named, and what healthy work is taken for.
+
+The machine that is watched was identified from a noisy log of its own healthy work, and what is to be expected of it was learnt from the
+same log. Each fault begins in the log of another operator. It has an occasion to show in a second in which its smallest size would move
+what is read by a standard deviation at least.
+"""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.identification.equations.sensors import UNITS
+from polydraulic.identification.watching.watch_log import learnt_from, log_blocks, watched_columns
+from polydraulic.measure.bench.sensors import Reading, example_sensors, load_sensors
+from polydraulic.parameters.fault_catalogue import FaultKind, fault_catalogue, timed_faults
+from polydraulic.parameters.layout.payload import with_payload
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.scenario import random_operator
+from polydraulic.simulation.runs import simulate
+from polydraulic.tables import Table
+from polydraulic.watch.blocks import starts_of
+from polydraulic.watch.expected import Expected, whitened
+from polydraulic.watch.flat import RESTS, flat_blocks
+from polydraulic.watch.watch import FALSE_ALARMS, FREEZE, FaultWatch, Watched, block_scores, watched
+
+RASTER = 0.02  # s, of all sensors
+BEGINS, LASTS = 30.0, 120.0  # s into a log after which a fault begins, and for which it lasts
+WITHIN = 60  # s in which a fault could show, after which it counts as late
+_LIMIT = 1.1  # V: full travel of all spools
+_STEP, _SHORT_STEP = 5e-3, 2.5e-3  # s; flow forces of worn edges want the shorter one
+_UNUSUAL_LASTS = 90.0  # s
+
+
+class WatchedCase(NamedTuple):
+    """A true machine, what is watched of the one identified from it, and what is to be expected of that."""
+
+    true: LayoutMachine
+    of: Watched
+    expected: Expected
+
+
+class WatchedFault(NamedTuple):
+    """What became of a fault.
+
+    Attributes
+    ----------
+    fault, title : str
+    named : str
+        The first suspect of the first alarm since the fault began; empty if there was none.
+    could_show : int, s
+        Of the whole log.
+    delay : int, s
+        In which it could show, until the alarm.
+    clock : float, s
+        Until the alarm, by the clock; both of no meaning where there was none.
+    judged_before, alarms_before : int
+        Seconds that were judged until it began, and alarms in them, which are false.
+    """
+
+    fault: str
+    title: str
+    named: str
+    could_show: int
+    delay: int
+    clock: float
+    judged_before: int
+    alarms_before: int
+
+    @property
+    def outcome(self) -> str:
+        """``"in time"``, ``"late"``, ``"no occasion"`` or ``"missed"``."""
+        if self.named:
+            return "in time" if self.delay <= WITHIN else "late"
+        return "no occasion" if self.could_show < WITHIN else "missed"
+
+
+class Healthy(NamedTuple):
+    """Seconds of healthy work that were judged, and what its false alarms were named."""
+
+    seconds: int
+    named: list[str]
+
+
+def fault_kind(fault: str) -> str:
+    """What a fault is, whatever it is of: ``leak_across`` of ``boom.leak_across``."""
+    return fault.rpartition(".")[2]
+
+
+def work_log(machine: LayoutMachine, seed: int, seconds: float, faults: Sequence[str] = ()) -> Table:
+    """What sensors read of a random operator's work, with noise as `example_sensors` has it: rows in which all of them are known."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "sensors.toml"
+        path.write_text(example_sensors(machine=machine), encoding="utf-8")
+        bench = load_sensors(path)
+    timed = timed_faults(machine, faults)
+    dt = _SHORT_STEP if machine.functions[0].effects.declared else _STEP
+    work = random_operator(seed, seconds, limit=_LIMIT, functions=machine.names)
+    run = simulate(machine, "exact", work, dt=dt, faults=timed)
+    columns, time = {}, np.empty(0)
+    for number, sensor in enumerate(bench.sensors):
+        reading = Reading(sensor, np.random.default_rng([seed, number]))
+        time, value = reading.of(run, timed)
+        columns[sensor.column] = reading.conversion.to_si(value)
+    known = np.flatnonzero(np.all([np.isfinite(v) for v in columns.values()], axis=0))
+    segment = np.concatenate([[0], np.cumsum(np.diff(known) > 1)]).astype(float)
+    rows = {"time": time[known], "segment": segment, **{name: v[known] for name, v in columns.items()}}
+    return Table(rows, {"time": "s", "segment": "", **{name: UNITS[name.rpartition(".")[2]] for name in columns}})
+
+
+def case_of_log(
+    true: LayoutMachine, identified: LayoutMachine, log: Table, sensors: Sequence[str] | None = None
+) -> WatchedCase:
+    """What there is to watch of an identified machine by these sensors (all if not given), and what to expect by its healthy log."""
+    of = watched(identified, watched_columns(identified, log, "log", sensors), RASTER)
+    return WatchedCase(true, of, learnt_from(of, log, np.ones(len(log), dtype=bool), FALSE_ALARMS))
+
+
+def faults_watched(case: WatchedCase) -> list[FaultKind]:
+    """Faults of the catalogue that are watched for."""
+    names = {d.name for d in case.of.directions} | {f"{c}{FREEZE}" for c in case.of.columns}
+    return [kind for kind in fault_catalogue(case.true) if kind.name in names]
+
+
+def schedule(kind: FaultKind) -> tuple[str, str]:
+    """A fault in its smallest size from `BEGINS` on, as logs take it; and its title."""
+    smallest = min(map(abs, kind.sizes)) if kind.sizes else None
+    size = "" if smallest is None else f" {kind.shown(smallest)}"
+    return f"{kind.name}{size} from {BEGINS:g} s", kind.title(smallest)
+
+
+def watch_fault(case: WatchedCase, kind: FaultKind, seed: int) -> WatchedFault:
+    """A fault in its smallest size, watched for in the log of an operator."""
+    text, title = schedule(kind)
+    readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + LASTS, [text]))
+    watch = FaultWatch(case.of, case.expected)
+    watch.judge(readings, begins)
+    shown = np.cumsum(_shows(case, readings, kind.name) & (begins >= BEGINS))
+    before = int(np.sum(begins < BEGINS))
+    early = sum(alarm.seen <= BEGINS for alarm in watch.alarms)
+    alarm = next((alarm for alarm in watch.alarms if alarm.seen > BEGINS), None)
+    if alarm is None:
+        return WatchedFault(kind.name, title, "", int(shown[-1]), 0, 0.0, before, early)
+    named = alarm.suspects[0].name if alarm.suspects else "unknown"
+    at = min(int(np.searchsorted(begins, alarm.seen)) - 1, len(shown) - 1)
+    return WatchedFault(kind.name, title, named, int(shown[-1]), int(shown[at]), alarm.seen - BEGINS, before, early)
+
+
+def watch_healthy(case: WatchedCase, machine: LayoutMachine, seed: int, seconds: float) -> Healthy:
+    """Work without a fault of `machine` (the true one, or that in unusual work), watched."""
+    readings, begins = _blocks(case, work_log(machine, seed, seconds))
+    watch = FaultWatch(case.of, case.expected)
+    watch.judge(readings, begins)
+    return Healthy(len(begins), [a.suspects[0].name if a.suspects else "unknown" for a in watch.alarms])
+
+
+def watch_unusual(case: WatchedCase, seed: int) -> list[tuple[str, str]]:
+    """Cold oil and payloads of a minute and a half each, in words; and what they are named."""
+    true = case.true
+    thick = {f"functions.{f.name}.friction.viscous": 2.0 * f.friction.viscous for f in true.functions}
+    mass = next(k for k in fault_catalogue(true) if k.name == "tip.payload_unknown").sizes[0]
+    machines = {
+        "oil cold, viscous friction doubled": true.with_values(thick),
+        f"payload of {mass:.0f} kg": with_payload(true, mass),
+        f"payload of {4.0 * mass:.0f} kg": with_payload(true, 4.0 * mass),
+    }
+    named = {what: watch_healthy(case, machine, seed, _UNUSUAL_LASTS).named for what, machine in machines.items()}
+    return [(what, "; ".join(dict.fromkeys(names)) or "no alarm") for what, names in named.items()]
+
+
+def evidence_over_time(case: WatchedCase, kind: FaultKind, seed: int) -> Table:
+    """Evidence of a fault, as a share of what makes an alarm, over the same work with it and without, and the most of all faults.
+
+    Columns ``time``, ``faulty.own``, ``faulty.most``, ``healthy.own``, ``healthy.most``.
+    """
+    own = [d.name == kind.name for d in case.of.directions]
+    columns: dict[str, np.ndarray] = {}
+    for name, faults in (("faulty", [schedule(kind)[0]]), ("healthy", [])):
+        readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + LASTS, faults))
+        watch, seen = FaultWatch(case.of, case.expected), list[np.ndarray]()
+        watch.judge(readings, begins, _keep(watch, seen))
+        columns["time"] = begins + case.of.shape.seconds
+        columns[f"{name}.own"] = np.array(seen)[:, own].max(axis=1)
+        columns[f"{name}.most"] = np.array(seen).max(axis=1)
+    return Table(columns, {"time": "s"})
+
+
+def _keep(watch: FaultWatch, seen: list[np.ndarray]) -> Callable[[], None]:
+    return lambda: seen.append(watch.evidence.sums.max(axis=1) / watch.evidence.limits.threshold)
+
+
+def _blocks(case: WatchedCase, log: Table) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Readings of the blocks of a log, and when each begins."""
+    starts = starts_of(log["time"], log["segment"], case.of.shape)
+    return log_blocks(case.of, log, starts), log["time"][starts + case.of.shape.before]
+
+
+def _shows(case: WatchedCase, readings: dict[str, np.ndarray], fault: str) -> np.ndarray:
+    """In which blocks a fault has an occasion to show, (n_block,) of bool."""
+    of, expected = case.of, case.expected
+    names = [d.name for d in of.directions]
+    if fault in names:
+        white = whitened(block_scores(of, readings, expected.noise, expected.scales), expected.offset, expected.jitter)
+        place = names.index(fault)
+        return np.asarray(white.information[:, place] / expected.together[place] >= 1.0)
+    column = fault.removesuffix(FREEZE)  # of a sensor that stays: wherever its function works
+    return flat_blocks(of.machine, readings, of.shape, dict(expected.noise))[column] != RESTS
