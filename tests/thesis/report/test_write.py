@@ -115,5 +115,5 @@ def test_one_figure_alone(machine, tmp_path):
 
 
 def test_unknown_chapters_are_named(machine, tmp_path):
-    with pytest.raises(InputError, match="no chapter 9 in the report"):
-        write_report(machine, tmp_path, chapters=[9])
+    with pytest.raises(InputError, match="no chapter 10 in the report"):
+        write_report(machine, tmp_path, chapters=[10])

@@ -12,13 +12,21 @@ from polydraulic.progress import Progress, quiet
 from polydraulic.tables import write_table
 from polydraulic.thesis.cache import Lab, open_lab
 from polydraulic.thesis.report.catalog import Chapter, Computed, Content, Figure, Grid, Paragraph, results
-from polydraulic.thesis.report.chapters import chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8
+from polydraulic.thesis.report.chapters import (
+    chapter_3,
+    chapter_4,
+    chapter_5,
+    chapter_6,
+    chapter_7,
+    chapter_8,
+    chapter_9,
+)
 from polydraulic.thesis.report.front import front_page
 from polydraulic.thesis.report.page import Shown, chapter_page, data_name
 
 CHAPTERS: dict[int, Chapter] = {
     module.CHAPTER.number: module.CHAPTER
-    for module in (chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8)
+    for module in (chapter_3, chapter_4, chapter_5, chapter_6, chapter_7, chapter_8, chapter_9)
 }
 
 
