@@ -191,7 +191,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
         ("replay silent.csv", "no column 'swing.voltage'"),
         ("replay later.parquet --seconds 60", "later.parquet: no piece of 60 s without a gap; choose shorter windows"),
         ("replay later.parquet --plot r.txt", "a picture ends in one of"),
-        ("replay later.parquet --flow exact --model m.json", "--model goes with --flow polynomial or neural"),
+        ("replay later.parquet --flow exact --model m.json", "--model goes with --flow polynomial, neural or residual"),
     ],
 )
 def test_bad_machine_logs_are_one_line_and_exit_code_2(call, machine_files, line, message):
