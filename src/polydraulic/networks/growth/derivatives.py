@@ -60,7 +60,8 @@ def forward(free: FreeTerms, coef: np.ndarray, x: np.ndarray) -> tuple[np.ndarra
     values = np.empty((n_input + len(free.ends), len(x)))
     values[0], values[1 : 1 + n_input] = 1.0, x.T
     products = np.empty((len(coef), len(x)))
-    _forward(free, coef, values, products)
+    with np.errstate(over="ignore", invalid="ignore"):  # as compiled: who asks looks whether all is finite
+        _forward(free, coef, values, products)
     return values, products
 
 
@@ -70,7 +71,8 @@ def jacobian(
     """Derivatives of the output by the coefficients (n_row, n_term), each row times the root of its weight; they overwrite the products."""
     gain = np.zeros((len(free.ends) - 1, len(root)))
     gain[-1] = root
-    _backward(free, coef, values, products, gain)
+    with np.errstate(over="ignore", invalid="ignore"):
+        _backward(free, coef, values, products, gain)
     return products.T
 
 
