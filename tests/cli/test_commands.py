@@ -338,7 +338,7 @@ def test_the_machine_leaves_python(call, tmp_path):
             "--to 'onnx': the machine can be written as c, fmi2 or fmi3",
         ),
         (("verify", "{0}/bad.json"), "bad.json: not a model file"),
-        (("report", "--chapter", "9", "--out", "{0}/r"), "no chapter 9"),
+        (("report", "--chapter", "10", "--out", "{0}/r"), "no chapter 10"),
         (("report", "--out", "{0}/good.csv/r"), "cannot write"),
     ],
 )

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.files import write_text
 from polydraulic.identification.equations.sensors import UNITS
 from polydraulic.identification.watching.watch_log import learnt_from, log_blocks, watched_columns
 from polydraulic.measure.bench.sensors import Reading, example_sensors, load_sensors
@@ -93,7 +94,7 @@ def work_log(machine: LayoutMachine, seed: int, seconds: float, faults: Sequence
     """What sensors read of a random operator's work, with noise as `example_sensors` has it: rows in which all of them are known."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sensors.toml"
-        path.write_text(example_sensors(machine=machine), encoding="utf-8")
+        write_text(path, example_sensors(machine=machine))
         bench = load_sensors(path)
     timed = timed_faults(machine, faults)
     dt = _SHORT_STEP if machine.functions[0].effects.declared else _STEP

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
+from helpers.worker_tasks import end_this_process, warned
 from polydraulic.errors import InputError
 from polydraulic.networks.growth.workers import in_processes, in_threads, one_after_the_other, one_blas_thread
 
@@ -39,10 +40,6 @@ def test_a_process_that_is_ended_from_outside_is_one_error_that_says_what_to_do(
     assert in_processes(math.sqrt, [4.0, 9.0], lambda done: None) == [2.0, 3.0]  # others take their place
 
 
-def end_this_process(by):
-    os.kill(os.getpid(), by)
-
-
 def test_warnings_of_processes_are_the_callers_to_hear_or_to_refuse():
     with pytest.warns(UserWarning, match="item") as heard:
         assert in_processes(warned, [1, 2], lambda done: None) == [1, 2]
@@ -50,11 +47,6 @@ def test_warnings_of_processes_are_the_callers_to_hear_or_to_refuse():
     with warnings.catch_warnings(), pytest.raises(UserWarning, match="item 1"):
         warnings.simplefilter("error")
         in_processes(warned, [1, 2], lambda done: None)
-
-
-def warned(item):
-    warnings.warn(f"item {item}", stacklevel=1)
-    return item
 
 
 def test_blas_keeps_to_one_thread_and_gets_its_own_back():

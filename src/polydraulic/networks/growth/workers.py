@@ -6,12 +6,12 @@ Results do not depend on the number of workers: each piece is computed as if it 
 import warnings
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager
 from functools import cache
 from typing import Any, TypeVar
 
 import joblib
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
 
@@ -77,7 +77,7 @@ def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int
         )
     try:
         found = one_after_the_other(lambda result: result, results, told)
-    except BrokenProcessPool as error:
+    except TerminatedWorkerError as error:
         raise InputError(
             f"one of {n_worker} processes that learnt side by side was ended from outside, most likely since memory ran out; nothing was "
             "kept: learn from fewer rows, or in one process, by the environment variable LOKY_MAX_CPU_COUNT=1"
