@@ -12,12 +12,13 @@ from polydraulic.parameters.faults import Since, faulty_readings
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.stepping.simulator import Simulator
 
+# as `CoordinatedControl.velocity` has them
 AXES = {
     "swing": (0, -1.0),
     "reach": (1, 1.0),
     "pitch": (2, 1.0),
     "height": (3, -1.0),
-}  # as `CoordinatedControl.velocity` has them
+}
 
 
 class Coordination:
@@ -44,9 +45,8 @@ class Coordination:
         pressures = [f"{name}.{quantity}" for quantity in ("p_a", "p_b") for name in machine.names]
         self._columns = [*position_columns(machine), *pressures]
         self._held: dict[tuple[str, str], float] = {}
-        self._places = np.concatenate(
-            [np.arange(3 * n, 4 * n), np.arange(n, 2 * n), np.arange(2 * n, 3 * n)]
-        )  # of a state
+        # of a state
+        self._places = np.concatenate([np.arange(3 * n, 4 * n), np.arange(n, 2 * n), np.arange(2 * n, 3 * n)])
         self._left, self._volts = 0, np.zeros(n)
 
     def begin(self) -> None:

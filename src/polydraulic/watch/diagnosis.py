@@ -57,9 +57,8 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
         return []
     probability = np.exp(evidence - best)
     probability /= probability.sum()
-    scatter = np.maximum(
-        (seen.squares - pull**2 / known) / max(seen.blocks - 1, 1), together
-    )  # of blocks about the amount
+    # of blocks about the amount
+    scatter = np.maximum((seen.squares - pull**2 / known) / max(seen.blocks - 1, 1), together)
     found: dict[str, Suspect] = {}
     for k in np.argsort(-probability).tolist():
         d = directions[k]

@@ -9,6 +9,7 @@ from polydraulic.watch.residuals import Case, Residuals
 
 _NEAR = 2.0  # standard deviations by which a sensor is moved to see what its noise does
 _NORMAL = 0.6745  # median of the absolute value of a standard normal variable
+# SI, if nothing is noisy
 _LEAST = {
     "spool": 1e-8,
     "q_in": 1e-9,
@@ -16,7 +17,7 @@ _LEAST = {
     "volume_a": 1e-9,
     "volume_b": 1e-9,
     "torque": 1e-3,
-}  # SI, if nothing is noisy
+}
 _FEW = 20  # residuals of a channel, below which nothing is learnt
 
 

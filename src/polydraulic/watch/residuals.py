@@ -20,13 +20,10 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.watch.blocks import MOTION_STRIDE, SMOOTH, BlockShape, filtered, motion_filters, smoothing
 from polydraulic.watch.channels import WatchChannel, position_of
 
-_NEAR_STOP = (
-    0.1  # rad or m, or a smaller share of the way, within which a joint may be at its stop whatever its sensor is off
-)
-_FROM_FLOOR, _FROM_RELIEF = (
-    15e5,
-    10e5,
-)  # Pa within which a make-up valve, or a relief valve, may be open, whatever a sensor is off
+# rad or m, or a smaller share of the way, within which a joint may be at its stop whatever its sensor is off
+_NEAR_STOP = 0.1
+# Pa within which a make-up valve, or a relief valve, may be open, whatever a sensor is off
+_FROM_FLOOR, _FROM_RELIEF = 15e5, 10e5
 _RELIEF_BAND = 5e5  # Pa on either side of its setting in which a line's relief valve may be open
 _LEAST_LOSS = 5e-5  # m3/s
 _FLOWS = 0.03  # of the pump's flow

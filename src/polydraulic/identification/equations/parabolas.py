@@ -4,9 +4,8 @@ import numpy as np
 
 ROWS = 5
 _PLACES = np.arange(ROWS) - ROWS // 2
-_FIT = np.linalg.pinv(
-    np.vander(_PLACES, 3, increasing=True).astype(np.float64)
-)  # value, slope, curvature at the middle
+# value, slope, curvature at the middle
+_FIT = np.linalg.pinv(np.vander(_PLACES, 3, increasing=True).astype(np.float64))
 
 
 def local_parabolas(values: np.ndarray, segment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

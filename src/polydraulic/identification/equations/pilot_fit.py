@@ -16,15 +16,12 @@ from polydraulic.parameters.schema import Pilot
 
 _SETTLED = 3.0  # time constants after the start of a piece, from which on the measured start does not matter
 _LONGEST_DEAD = 0.5  # s
-_SURE, _LEAST_DEAD = (
-    3.0,
-    1e-3,
-)  # standard errors and s, below which a dead time counts as none: what lies between rows is not known better
+# standard errors and s, below which a dead time counts as none: what lies between rows is not known better
+_SURE, _LEAST_DEAD = 3.0, 1e-3
 _LEAST_ROWS = 200
 _BLOCK = 5.0  # s, after which errors are independent
-_ROUGHNESS = np.geomspace(
-    1e-3, 1.0, 25
-)  # what drives the spool besides the pilot, as a share of the sensor's noise in a row
+# what drives the spool besides the pilot, as a share of the sensor's noise in a row
+_ROUGHNESS = np.geomspace(1e-3, 1.0, 25)
 
 
 class PilotFit(NamedTuple):

@@ -33,10 +33,8 @@ ROWS = 8000  # that a network learns from
 RESIDUAL_HEADS = ("function", "left before, of the pump", "with a network", "proved range", "kept")
 _LEAST_ROWS, _LEAST_BLOCKS = 200, 3
 _BELOW = 0.95  # of the relief setting: above, noise of the pressure decides what flows
-_WORTH, _MOST = (
-    0.1,
-    0.5,
-)  # share of the squares held out that a network must save, and of blocks held out that must get better
+# share of the squares held out that a network must save, and of blocks held out that must get better
+_WORTH, _MOST = 0.1, 0.5
 _TAIL = 1e-3  # share of residuals on either side beyond the bounds of a network
 
 

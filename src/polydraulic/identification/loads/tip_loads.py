@@ -21,9 +21,9 @@ from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.tables import Table
+from polydraulic.watch.blocks import FAR, FILTER, motion_filters
 
 WINDOW = 2.0  # s, over which a load is constant
-_WIDTH, _FAR = 0.07, 4.0  # s, of the filter, and widths after which it ends
 _BLOCK = 0.25  # s, of which means are taken: what is left of a noisy acceleration in them is little
 _CORRELATED = 2.0  # blocks that one independent block stands for
 _NEAR_STOP = 0.02  # rad or m
@@ -154,16 +154,16 @@ def _windows(machine: LayoutMachine, log: Table, window: float, payload: float) 
     found = [rows for piece in pieces for rows in _of_piece(machine, piece, window, payload)]
     if not found:
         raise InputError(
-            f"no piece of the log lasts {window + 2.0 * _FAR * _WIDTH + _BLOCK:g} s without a gap; give a shorter window"
+            f"no piece of the log lasts {window + 2.0 * FAR * FILTER + _BLOCK:g} s without a gap; give a shorter window"
         )
     return found
 
 
 def _of_piece(machine: LayoutMachine, piece: Piece, window: float, payload: float) -> list[_Rows]:
     raster = float(np.median(np.diff(piece.time))) if len(piece.time) > 1 else np.inf
-    if len(piece.time) * raster < window + 2.0 * _FAR * _WIDTH + _BLOCK:
+    if len(piece.time) * raster < window + 2.0 * FAR * FILTER + _BLOCK:
         return []
-    smooth, slope, curve = _filters(raster)
+    smooth, slope, curve = motion_filters(raster)
     q, qd, qdd = (_passed(piece.position, weights) for weights in (smooth, slope, curve))
     oil = _passed(oil_torques(machine, piece.position, piece.p_a, piece.p_b), smooth)
     time = piece.time[len(smooth) // 2 :][: len(q)]
@@ -189,18 +189,6 @@ def _means(values: np.ndarray, count: int) -> np.ndarray:
     """Means of so many rows each."""
     whole = len(values) // count
     return np.asarray(values[: whole * count].reshape(whole, count, *values.shape[1:]).mean(axis=1))
-
-
-def _filters(raster: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Weights over samples that smooth, and that give first and second derivative of what is smoothed; cubics pass as they are."""
-    half = max(3, int(np.ceil(_FAR * _WIDTH / raster)))
-    at = np.arange(-half, half + 1) * raster
-    s2 = (at / _WIDTH) ** 2
-    bell = np.exp(-0.5 * s2)
-    smooth, slope = bell * (1.5 - 0.5 * s2), at * bell * (2.5 - 0.5 * s2)
-    curve = bell * (-2.5 + 4.0 * s2 - 0.5 * s2**2)
-    curve = curve - curve.mean()
-    return smooth / smooth.sum(), slope / (slope @ at), curve / (curve @ (0.5 * at**2))
 
 
 def _passed(values: np.ndarray, weights: np.ndarray) -> np.ndarray:

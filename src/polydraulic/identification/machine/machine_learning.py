@@ -56,9 +56,8 @@ def tasks_of(
         # a flow model lets nothing in at relief, whatever a network says
         below = np.flatnonzero(log[f"{f.name}.p_in"] < BELOW_RELIEF * circuit.pump.relief)
         rows = below[_chosen(log[f"{f.name}.travel"][below] > spool_edges(f.valve)[0], max_rows, rng)]
-        settings = AbductiveRegressor(
-            max_layers=3, output_bounds=(0.0, circuit.pump.flow)
-        )  # holds where it has seen rows
+        # holds where it has seen rows
+        settings = AbductiveRegressor(max_layers=3, output_bounds=(0.0, circuit.pump.flow))
         learner = RegionRegressor(settings, max_regions=max_regions, min_rows=min(150, max(20, len(rows) // 40)))
         X = log.matrix([variable.name for variable in inputs])[rows]
         tasks.append(NetworkToLearn(learner, inputs, output, X, log[output.name][rows], None))
@@ -89,9 +88,8 @@ def _outlet_task(f: MachineFunction, log: Table, max_rows: int, rng: np.random.G
     (opens, shut), end = spool_edges(f.valve), f.valve.knots[-1]
     shut = shut if shut < end else 0.5 * (opens + end)  # of a bypass that never shuts
     borders = [opens, 0.5 * (opens + shut), shut, 0.5 * (shut + end)]
-    settings = AbductiveRegressor(
-        max_layers=1, kinds=("single",), output_bounds=(0.0, float(np.quantile(y, 0.9999)))
-    )  # beyond the travel that was seen, the last value holds
+    # beyond the travel that was seen, the last value holds
+    settings = AbductiveRegressor(max_layers=1, kinds=("single",), output_bounds=(0.0, float(np.quantile(y, 0.9999))))
     edges = visited([-border for border in reversed(borders)] + borders, spool)
     # a conductance spans three decades, and near the deadband a small one decides as much as a large one does elsewhere
     opening = np.maximum(np.abs(spool) - opens, 0.0) / (end - opens)

@@ -156,9 +156,8 @@ def _write_mdf(samples: Samples, units: dict[str, str], path: Path) -> None:
     for name, (time, _) in samples.items():
         groups.setdefault(time.tobytes(), []).append(name)
     with library.MDF(version="4.10") as file:
-        file.start_time = datetime(
-            1970, 1, 1, tzinfo=UTC
-        )  # what is simulated has no date, and the same seed gives the same log
+        # what is simulated has no date, and the same seed gives the same log
+        file.start_time = datetime(1970, 1, 1, tzinfo=UTC)
         for names in groups.values():
             signals = []
             for name in names:

@@ -73,9 +73,8 @@ class Clock:
         self.last = -np.inf
         self.gaps, self.lost = 0, 0.0
         self._behind = False
-        self._alone = np.zeros(
-            0, dtype=np.int64
-        )  # the last row, if it lies behind: the next ones say whether it is alone
+        # the last row, if it lies behind: the next ones say whether it is alone
+        self._alone = np.zeros(0, dtype=np.int64)
         self._n_interval = self._n_irregular = 0
         self._irregular: list[int] = []
 

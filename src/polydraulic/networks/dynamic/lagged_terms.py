@@ -15,11 +15,8 @@ from polydraulic.networks.dynamic.refine_free_run import spread
 from polydraulic.networks.dynamic.spans import Span, lagged, rows_of
 
 _BATCH = 4_000_000  # derivatives in memory at a time
-_LANES, _FEW_LANES, _MANY_SLOPES = (
-    64,
-    16,
-    64,
-)  # windows side by side at most; with more slopes than this, which then stay in the cache
+# windows side by side at most; with more slopes than this, which then stay in the cache
+_LANES, _FEW_LANES, _MANY_SLOPES = 64, 16, 64
 
 
 class Frame(NamedTuple):

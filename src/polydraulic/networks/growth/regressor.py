@@ -37,10 +37,8 @@ from polydraulic.networks.model.table import UNBOUNDED, Network, Node
 
 _log = logging.getLogger(__name__)
 _MAX_REFINEMENTS = 100  # passes over the rows
-_MANY, _SAMPLE = (
-    150_000,
-    65_536,
-)  # rows above which a sample of so many does what no row decides: scores, steps of refinement but the last
+# rows above which a sample of so many does what no row decides: scores, steps of refinement but the last
+_MANY, _SAMPLE = 150_000, 65_536
 _LAST_REFINEMENTS = 2  # with all rows, after those with a sample
 _MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
 

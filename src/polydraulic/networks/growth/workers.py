@@ -83,9 +83,8 @@ def in_processes(call: Callable[[A], B], items: Iterable[A], told: Callable[[int
             "kept: learn from fewer rows, or in one process, by the environment variable LOKY_MAX_CPU_COUNT=1"
         ) from error
     for message, category, file, line in (warning for _, heard in found for warning in heard):
-        warnings.warn_explicit(
-            message, category, file, line, registry=_said
-        )  # after all: one may be raised as an error
+        # after all: one may be raised as an error
+        warnings.warn_explicit(message, category, file, line, registry=_said)
     return [result for result, _ in found]
 
 

@@ -158,9 +158,8 @@ def learn_from(
     base = AbductiveRegressor(max_layers=3) if estimator is None else estimator
     random = check_random_state(random_state)
     asked, grid_points = 0, _grid(len(limits))
-    price = (
-        rows + 2 ** len(limits) + len(grid_points) + _CONFIRM + 2 * _ROUNDS * _WORST * _AROUND
-    )  # of one region at most
+    # of one region at most
+    price = rows + 2 ** len(limits) + len(grid_points) + _CONFIRM + 2 * _ROUNDS * _WORST * _AROUND
 
     def ask(X: np.ndarray) -> _Points:
         nonlocal asked

@@ -22,6 +22,7 @@ from polydraulic.simulation.layout.page_lists import page_lists
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
 _PAGES = ("joints", "step", "loop", "points", "energy", "forces")
+# pages of flows, by what circuits get
 _FLOWS = {
     "exact": ("flow", "flow_exact"),
     "networks": ("flow_inputs", "flow_networks"),
@@ -31,13 +32,14 @@ _FLOWS = {
     "lookup": ("flow_lookup",),
     "stiff": ("flow_stiff",),
     "tlm": ("flow_tlm",),
-}  # pages of flows, by what circuits get
+}
 _EXACT = ("exact", "tlm", "residual")  # that solve circuits of any length exactly, at each step or at the first
+# of flows that keep nothing from step to step
 _LANES = {
     "exact": ("lanes", "lanes_circuits", "crossover"),
     "networks": ("lanes", "lanes_networks"),
     "pressure": ("lanes", "lanes_networks"),
-}  # of flows that keep nothing from step to step
+}
 _EFFECT_PAGES = {"stops": "NONE_STICKING", "stiction": "ANY_STICKING", "spools": "ANY_VALVE_EFFECT"}  # before "step"
 _IMPORTS = (
     "from typing import NamedTuple",

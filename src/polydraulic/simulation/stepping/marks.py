@@ -21,12 +21,8 @@ WHICH = 6  # function whose lever was refused
 BEYOND = 7  # steps beyond the log that the machine was identified from
 FLAGS = 8  # conditions that hold; then those of the step before
 
-DONE, REFUSED, LOST, NOTED = (
-    0,
-    1,
-    2,
-    3,
-)  # all steps made; a lever's voltage; a rate diverged; `changes` is full, or stopped
+# all steps made; a lever's voltage; a rate diverged; `changes` is full, or stopped
+DONE, REFUSED, LOST, NOTED = 0, 1, 2, 3
 MOST_CHANGES = 64  # pairs of rows that a call may leave
 
 

@@ -19,10 +19,8 @@ from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.tables import Table
 
 FRICTION = ("coulomb", "static", "viscous")
-_FILTER, _WEIGHT = (
-    0.045,
-    0.08,
-)  # s, widths of the filter, whose bias grows with its fourth power, and of the weight, which sets the noise
+# s, widths of the filter, whose bias grows with its fourth power, and of the weight, which sets the noise
+_FILTER, _WEIGHT = 0.045, 0.08
 _FAR = 4.0  # widths after which they end
 _NEAR_STOP = 0.02  # rad or m
 _STEP = 1e-4  # s, of the difference along a motion
