@@ -38,6 +38,26 @@ def test_a_fault_is_found_and_named(fault):
     assert alarm.suspects[0].harmless == (fault == "tip.payload_unknown")
 
 
+def test_a_fault_that_begins_during_unusual_work_is_an_alarm_of_its_own():
+    of, expected = known()
+    faults = ["tip.payload_unknown from 10 s", "lift.leak_across 10 % from 100 s"]
+    watch = watched_by(of, expected, log_of(of.machine, 25, 180.0, faults))
+    first, second = watch.alarms
+    assert first.suspects[0].name == "tip.payload_unknown"
+    assert second.suspects[0].name == "lift.leak_across"
+    assert 85.0 < second.since < second.seen < 180.0
+    assert not second.suspects[0].harmless
+    (alone,) = watched_by(of, expected, log_of(of.machine, 25, 180.0, faults[:1])).alarms
+    assert alone.suspects[0].harmless
+
+
+def test_a_sensor_that_stays_stays_since_it_did():
+    of, expected = known()
+    log = log_of(of.machine, 22, 120.0, ["lift.voltage.freeze from 20 s"])
+    alarm = next(a for a in watched_by(of, expected, log).alarms if a.suspects[0].name == "lift.voltage.freeze")
+    assert 15.0 < alarm.since < 30.0 < alarm.seen
+
+
 def test_rows_one_by_one_are_as_blocks():
     of, expected = known()
     log = log_of(of.machine, 23, 30.0, ["work.pump_worn from 8 s"])
@@ -103,3 +123,14 @@ def test_rows_at_another_raster_are_refused(share, words):
         for k in range(of.shape.rows + 1):
             watch.update(share * of.shape.raster * k, row)
     assert watch.blocks == 0
+    if share < 1.0:
+        watch.update(1e3, row)  # a block begins anew, and whoever watches can go on
+
+
+def test_rows_that_come_too_seldom_are_refused():
+    of, _ = known()
+    with pytest.raises(
+        InputError, match=r"rows come every 0.2 s; a machine is watched by rows every 0.1 s or more often"
+    ):
+        watched(of.machine, of.columns, 0.2)
+    assert watched(of.machine, of.columns, 0.1).shape.raster == 0.1

@@ -8,8 +8,6 @@ import typer
 from polydraulic.cli.application import app
 from polydraulic.terminal import progress_bar
 
-_RATE = 0.1  # false alarms per hour
-
 
 @app.command()
 def watch(
@@ -36,8 +34,9 @@ def watch(
         Path | None, typer.Option(help="Page to write, .html: alarms, evidence over time, what can be told.")
     ] = None,
     false_alarms: Annotated[
-        float, typer.Option("--false-alarms", help="Per hour, that all tests together are set to.")
-    ] = _RATE,
+        float | None,
+        typer.Option("--false-alarms", help="Per hour, that all tests together are set to; 0.1 if not given."),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if there is an alarm that is no unusual work.")
     ] = False,
@@ -60,11 +59,13 @@ def watch(
     """
     from polydraulic.identification.watching.watch_log import watch_log
     from polydraulic.identification.watching.watch_page import watch_page_ending, write_watch_page
+    from polydraulic.watch.watch import FALSE_ALARMS
 
     if out is not None:
         watch_page_ending(out)
+    rate = FALSE_ALARMS if false_alarms is None else false_alarms
     with progress_bar("watch") as progress:
-        found = watch_log(log, machine, healthy=healthy, sensors=sensors, rate=false_alarms, progress=progress)
+        found = watch_log(log, machine, healthy=healthy, sensors=sensors, rate=rate, progress=progress)
         if out is not None:
             write_watch_page(found, out)
     print(found)

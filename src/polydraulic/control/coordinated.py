@@ -18,7 +18,7 @@ from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.simulation.layout.columns import function_column
-from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.simulation.layout.prepare import prepare_layout, valves_of
 from polydraulic.simulation.stepping.packed import pack_tree
 from polydraulic.simulation.steps import check_time_step
 
@@ -179,8 +179,7 @@ class CoordinatedControl:
         self._module = controller_module(self.machine, ready.module, parts, model.kernels)
         self._numbers, self._whole = pack_tree(tuple(parts.values()))
         self._valves = ready.valves  # which keep the machine code of networks
-        tables = prepare_layout(self.machine, settings.dt, flow=model, in_tables=True)
-        exported = parts | {"valves": tables.valves}
+        exported = parts | {"valves": valves_of(self.machine, ready.module, model, in_tables=True)}
         n, places = len(self.names), live_places(self.machine, guarded="body" in parts)
         self._live = np.zeros(places["RING"] + n * (self.servo.ring + 1))
         self._scratch = np.zeros(max(ready.n_memory, 1))

@@ -18,7 +18,7 @@ from polydraulic.parameters.load import as_machine
 TASKS = ("Reach", "Grade", "PickPlace")
 STEPS = {"Reach": 300, "Grade": 400, "PickPlace": 600}
 """Steps after which an episode is cut off: 15 s, 20 s and 30 s of 50 ms."""
-FIRST_TIME = "{}: compiles, once for each machine and version; takes up to a minute"
+FIRST_TIME = "{}: is being made ready; the first time, its machine is compiled, which takes up to a minute"
 RENDER_MODES = ("rgb_array",)
 
 

@@ -136,7 +136,8 @@ def fit_table(
         if done < len(wanted):
             progress(": ".join(wanted[done]), done, len(wanted))
 
-    work = [(clone(regressor), X[kept[what]], rows[output][kept[what]]) for output, what in wanted]
+    inputs_of = {what: X[own] for what, own in kept.items()}
+    work = [(clone(regressor), inputs_of[what], rows[output][kept[what]]) for output, what in wanted]
     long = len(rows) * len(by_index or range(max_regions)) >= _LONG
     learnt = iter((in_processes if long else one_after_the_other)(_fitted, work, tell))
     fits: list[OutputFit] = []

@@ -12,6 +12,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 
 Since = Sequence[tuple[Fault, float]]  # how long each of them has been there, s; negative where it is not
 _SAME = 1e-9  # s
+_SAME_STEP = 1e-9  # of a step
 
 
 class FaultyPart(NamedTuple):
@@ -103,7 +104,7 @@ def faulty_parts(machine: LayoutMachine, faults: Sequence[TimedFault], t_end: fl
 
 def first_step(t: float, dt: float, n_step: int) -> int:
     """The first of so many steps that what happens at a time acts in."""
-    return min(ceil(t / dt - _SAME), n_step)
+    return min(ceil(t / dt - _SAME_STEP), n_step)
 
 
 def faulty_readings(

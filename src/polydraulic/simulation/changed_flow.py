@@ -24,9 +24,11 @@ def changed_flow(flow: str | FlowModel, model: LayoutFlow, before: LayoutMachine
     InputError
         A flow model that does not know the machine's numbers.
     """
+    if valves_and_pumps(after) == valves_and_pumps(before):
+        return model
     if isinstance(flow, str):
         return layout_flow(flow, after)
-    if model.parts and valves_and_pumps(after) != valves_and_pumps(before):
+    if model.parts:
         raise InputError(
             f"the flow model {model.name!r} was made for the valves and pumps as they were; build the simulator with one for these, or "
             "with its name"

@@ -14,8 +14,9 @@ class LaneBlock(NamedTuple):
 
     Attributes
     ----------
-    rows : (N_ROW * LANES,) array
-        The first 15 rows hold the states at the start, then at the end; row STEPS the steps made.
+    rows : (n_row * LANES,) array
+        The first rows hold the states at the start, then at the end; row STEPS the steps made. Behind those of a step stand scratch of
+        networks, and three rows for the place of the tip.
     machine : (n <= LANES,) array of int
         Places of the lanes' machines in the results; lanes beyond are filled up and not kept.
     signal : (LANES,) array of int

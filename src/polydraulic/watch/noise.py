@@ -52,11 +52,9 @@ def first_variances(residuals: Residuals, healthy: Case, noise: Mapping[str, flo
         variance = whole[place]
         if what in ("spool", "q_in"):
             variance = variance + noise.get(channel.name, 0.0) ** 2
-        elif what == "p_out":
-            pass
         elif what == "torque":
             variance = variance + residuals.friction_unsure(channel, healthy) ** 2
-        else:
+        elif what.startswith("volume"):
             variance = variance + _of_windows(residuals, healthy, name, what, noise, gain)
         fine = counts[place] & np.isfinite(own[place]) & np.isfinite(variance)
         found.append(np.where(fine, variance + _LEAST[what] ** 2, np.inf))

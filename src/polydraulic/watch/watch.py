@@ -16,7 +16,7 @@ from polydraulic.watch.expected import Expected, Whitened, joined_scores, learn_
 from polydraulic.watch.flat import FLAT, MOVES, flat_blocks, longest_flat, too_long
 from polydraulic.watch.noise import channel_scales, first_variances, whole_variances
 from polydraulic.watch.residuals import Readings, Residuals, case_of
-from polydraulic.watch.sequential import KEPT, EvidenceSums, Limits, highest, threshold_for
+from polydraulic.watch.sequential import KEPT, LEAST_BLOCKS, EvidenceSums, Limits, highest, threshold_for
 
 FALSE_ALARMS = 0.1  # per hour
 QUIET = 30  # blocks without an alarm after which it is over
@@ -28,6 +28,7 @@ _LEAST_BLOCKS = 60
 _ROOM = 0.5  # of the threshold that healthy blocks may come to
 _JITTER = 0.05  # of the raster, by which rows of a block may be nearer or farther apart in the mean
 _MOST_GAPS = 100  # in succession, after which rows do not come at the raster
+_SLOWEST = 0.1  # s between rows: filters of motion want some on both sides of a block
 
 
 class Alarm(NamedTuple):
@@ -92,8 +93,12 @@ def watched(machine: LayoutMachine, columns: Sequence[str], raster: float) -> Wa
     Raises
     ------
     InputError
-        If that is nothing.
+        If that is nothing, or rows come too seldom.
     """
+    if raster > _SLOWEST * (1.0 + _JITTER):
+        raise InputError(
+            f"rows come every {raster:g} s; a machine is watched by rows every {_SLOWEST:g} s or more often"
+        )
     known = frozenset(columns)
     channels = channels_of(machine, known)
     if not channels:
@@ -169,6 +174,14 @@ def block_scores(
     return scores_of(residuals, healthy, of.directions, whole_variances(residuals, healthy, noise, scales))
 
 
+class Frozen(NamedTuple):
+    """A sensor that stays at one value: for how many blocks, and whether for so long that this alone is an alarm."""
+
+    column: str
+    blocks: int
+    alone: bool
+
+
 class FaultWatch:
     """A machine that is watched, row by row or block by block.
 
@@ -235,6 +248,7 @@ class FaultWatch:
             return None
         apart = (time - float(self._rows[0, 0])) / (shape.rows - 1)
         if abs(apart / shape.raster - 1.0) > _JITTER:
+            self._filled = 0
             raise InputError(
                 f"rows until {time:g} s are {apart:.4g} s apart, those that were learnt from {shape.raster:g} s: give rows at that raster"
             )
@@ -280,7 +294,7 @@ class FaultWatch:
                     each()
         return now
 
-    def _block(self, white: Whitened, k: int, begin: float, frozen: list[tuple[str, bool]]) -> Alarm | None:
+    def _block(self, white: Whitened, k: int, begin: float, frozen: list[Frozen]) -> Alarm | None:
         evidence = self.evidence
         self._times[self.blocks % len(self._times)] = begin
         evidence.add(white.pull[k], white.information[k])
@@ -289,11 +303,14 @@ class FaultWatch:
         seconds = self.of.shape.seconds
         if self._opened >= 0 and self.blocks - self._last > QUIET:
             self._opened = -1
-        if not (beyond.any() or any(alone for _, alone in frozen)):
+        if not (beyond.any() or any(sensor.alone for sensor in frozen)):
             return None
+        if self._opened >= 0 and (later := self._behind_unusual_work(beyond)).any():
+            self._opened, beyond = -1, later
         if self._opened < 0:
             where = np.unravel_index(int(np.argmax(np.where(beyond, evidence.sums, -1.0))), beyond.shape)
-            began = int(evidence.began[where]) if beyond.any() else self.blocks - 1
+            stays = max((sensor.blocks for sensor in frozen if sensor.alone), default=1)
+            began = int(evidence.began[where]) if beyond.any() else self.blocks - stays
             self._opened = max(began, self.blocks - len(self._times) + 1, 0)
             since = float(self._times[self._opened % len(self._times)])
             self.alarms.append(Alarm(since, begin + seconds, begin + seconds, ()))
@@ -305,14 +322,26 @@ class FaultWatch:
             if self.blocks - self._opened <= DIAGNOSED or not suspects:
                 suspects = tuple(suspects_of(self.of.directions, evidence.since(self._opened), self._common))
             owners = {s.name.partition(".")[0] for s in suspects}
-            still = [name for name, alone in frozen if alone or owners & self._owners(name)]
+            still = [sensor.column for sensor in frozen if sensor.alone or owners & self._owners(sensor.column)]
             suspects = tuple(map(_frozen_sensor, still)) or suspects
         self.alarms[-1] = alarm._replace(until=begin + seconds, suspects=suspects)
         return self.alarms[-1]
 
-    def _frozen(self, readings: Readings) -> list[list[tuple[str, bool]]]:
-        """Sensors of each block that have not moved for longer than they ever did; whether for so long that this alone is an alarm."""
-        found: list[list[tuple[str, bool]]] = [[] for _ in range(len(readings[self.of.columns[0]]))]
+    def _behind_unusual_work(self, beyond: np.ndarray) -> np.ndarray:
+        """Of an alarm that is no fault: the tests that began when it was diagnosed, and that something else explains."""
+        suspects, began = self.alarms[-1].suspects, self.evidence.began
+        later = beyond & (began > self._opened + DIAGNOSED)
+        if not (later.any() and suspects and suspects[0].harmless):
+            return np.zeros_like(beyond)
+        first = int(began[later].min())
+        found = suspects_of(self.of.directions, self.evidence.since(first), self._common)
+        known = {suspect.name for suspect in suspects}
+        other = self.blocks - first >= LEAST_BLOCKS and bool(found) and found[0].name not in known
+        return later if other else np.zeros_like(beyond)
+
+    def _frozen(self, readings: Readings) -> list[list[Frozen]]:
+        """Sensors of each block that have not moved for longer than they ever did."""
+        found: list[list[Frozen]] = [[] for _ in range(len(readings[self.of.columns[0]]))]
         states = flat_blocks(self.of.machine, readings, self.of.shape, self.expected.noise)
         for place, column in enumerate(self.of.columns):
             limit = too_long(self.expected.longest[column])
@@ -321,7 +350,7 @@ class FaultWatch:
                     self._flat[place] + 1 if state == FLAT else 0 if state == MOVES else self._flat[place]
                 )
                 if self._flat[place] >= limit:
-                    found[k].append((column, bool(self._flat[place] >= ALONE * limit)))
+                    found[k].append(Frozen(column, int(self._flat[place]), bool(self._flat[place] >= ALONE * limit)))
         return found
 
     def _owners(self, column: str) -> set[str]:

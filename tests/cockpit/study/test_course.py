@@ -165,3 +165,9 @@ def test_results_of_a_study_that_was_changed_are_not_counted():
         Course(changed, [done])
     with pytest.raises(InputError, match="task 9 of A2 was"):
         Course(STUDY, [done | {"study": said | {"task": 9}}])
+
+
+def test_studies_of_other_titles_have_tables_of_their_own(tmp_path):
+    titles = ["Modes A B", "Modes A/B", "Modes A_B", "m" * 61, "m" * 62]
+    assert len({table_path(STUDY._replace(title=title), tmp_path) for title in titles}) == len(titles)
+    assert table_path(STUDY._replace(title="Modes A B"), tmp_path).name == "study-modes_a_b.csv"

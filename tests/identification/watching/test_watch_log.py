@@ -6,7 +6,11 @@ import pytest
 from helpers.watched_logs import healthy_log, log_of
 from polydraulic import InputError, load_machine
 from polydraulic.identification import watch_log
+from polydraulic.identification.watching import watch_log as watch_log_module
+from polydraulic.identification.watching.watch_log import alarm_rows, learnt_from
 from polydraulic.tables import Table
+from polydraulic.watch import Alarm, Suspect
+from polydraulic.watch.watch import watched
 
 
 def part(log, names):
@@ -83,3 +87,28 @@ def test_arguments_are_checked_before_anything_is_learnt():
         watch_log(log, "wheel_loader", sensors="*.spool")
     with pytest.raises(InputError, match="its first 3 s, taken for healthy: healthy work has .*give more healthy work"):
         watch_log(log, "wheel_loader")
+
+
+def test_sensors_that_stay_are_told_together():
+    """Each for itself: one is no explanation of the other."""
+    stays = [
+        Suspect(f"{c}.freeze", f"sensor of {c} stays at what it reads", 1.0, np.nan, np.nan, False)
+        for c in ("lift.p_b", "tilt.p_b")
+    ]
+    ((*_, what, sure, more),) = alarm_rows([Alarm(1.0, 2.0, 3.0, tuple(stays))])
+    assert what == "sensor of lift.p_b stays at what it reads and sensor of tilt.p_b stays at what it reads"
+    assert (sure, more) == ("99%", "-")
+
+
+def test_of_much_healthy_work_runs_from_all_over_are_learnt_from(monkeypatch):
+    log = healthy_log()
+    of = watched(load_machine("wheel_loader"), [n for n in log.names if n != "time"], 0.02)
+    asked = []
+    monkeypatch.setattr(watch_log_module, "learn_expected", lambda of, readings, *more: asked.append(readings))
+    many = Table(
+        {name: np.tile(values, 20) for name, values in log.columns.items() if name != "time"}
+        | {"time": 0.02 * np.arange(20 * len(log))},
+        log.units,
+    )
+    learnt_from(of, many, np.ones(len(many), dtype=bool), 0.1)
+    assert 1700 < len(asked[0]["lift.angle"]) <= 1900

@@ -55,3 +55,14 @@ def test_blas_keeps_to_one_thread_and_gets_its_own_back():
     with one_blas_thread():
         assert blas_threads() == {1}
     assert blas_threads() == before
+
+
+def test_contexts_that_overlap_leave_blas_as_it_was():
+    np.ones((2, 2)) @ np.ones((2, 2))
+    before, one, other = blas_threads(), one_blas_thread(), one_blas_thread()
+    one.__enter__()
+    other.__enter__()
+    one.__exit__(None, None, None)
+    assert blas_threads() == {1}
+    other.__exit__(None, None, None)
+    assert blas_threads() == before

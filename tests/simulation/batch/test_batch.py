@@ -7,11 +7,23 @@ import numba
 import numpy as np
 import pytest
 
+from helpers.small_crane import with_effects
 from helpers.valves import changed
-from polydraulic import build_flow, load_machine, load_scenario, simulate, simulate_batch
+from polydraulic import (
+    AbductiveRegressor,
+    build_flow,
+    load_machine,
+    load_scenario,
+    simulate,
+    simulate_batch,
+)
 from polydraulic.errors import InputError
 from polydraulic.flow.lanes import LANES
+from polydraulic.flow.layout.database import sample_circuit
+from polydraulic.flow.layout.slots import pressure_before
 from polydraulic.flow.polynomial import shipped_models
+from polydraulic.networks import Variable
+from polydraulic.parameters.layout.parts import FlowForce
 from polydraulic.parameters.scenario import Scenario, scenario_names
 from polydraulic.parameters.schema import Stops
 from polydraulic.parameters.signals import Constant
@@ -21,6 +33,7 @@ from polydraulic.simulation.batch.family import tips_of
 from polydraulic.simulation.lane_blocks import Kept
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
+from polydraulic.thesis.boom_models import fit_columns
 from polydraulic.thesis.excavator import LINKS, with_pumps
 
 PLAIN = bool(numba.config.DISABLE_JIT)
@@ -149,6 +162,64 @@ def test_networks_have_the_bits_of_simulate(machine, name):
             table = simulate(one, flow, scenario, t_end=seconds)
             assert_same(batch, place, table)
             assert batch.out_of_domain[place] == table.info["steps_out_of_domain"]
+
+
+def outlets_by_flow(machine):
+    """Networks of the package, outlets as flows of spool and root of the pressure drop instead of conductances of the spool alone."""
+    rng, found = np.random.default_rng(3), []
+    for f in machine.functions:
+        spool, root = rng.uniform(-f.valve.knots[-1], f.valve.knots[-1], 300), rng.uniform(0.0, 5e3, 300)
+        k = np.interp(spool, f.valve.knots, f.valve.outlet_positive, left=0.0)
+        names = (Variable(f"{f.name}.spool", "m"), Variable(f"{f.name}.root_p_out", "Pa^0.5"))
+        fitted = AbductiveRegressor(max_layers=2).fit(np.column_stack([spool, root]), k * root)
+        found.append(fitted.to_model(names, Variable(f"{f.name}.q_out", "m3/s")))
+    return [*(m for m in shipped_models() if not m.output.name.endswith(".k_out")), *found]
+
+
+@pytest.mark.parametrize("keep", [[], ["rows"], ["range"]])
+def test_outlets_that_read_pressures_have_the_bits_of_simulate(machine, keep):
+    flow = build_flow("polynomial", machine, models=outlets_by_flow(machine))
+    batch = simulate_batch([machine, machine], flow, "task", t_end=0.1, keep=keep)
+    table = simulate(machine, flow, "task", t_end=0.1)
+    last = {name: table[name][-1] for name in batch.names}
+    assert len(last) > 20
+    for place in range(2):
+        assert {name: batch.final[place, batch.place(name)] for name in last} == last
+
+
+def test_flow_forces_beside_networks_of_pressure_have_the_bits_of_simulate():
+    plain = load_machine("wheel_loader")
+    loader = with_effects(plain, flow_force=FlowForce(2e4, 870.0, np.radians(69.0)))
+    (c,), rng, models = plain.circuits, np.random.default_rng(2), []
+    table = sample_circuit(plain, c.name, 300, rng=rng, pressure=(0.0, 2e7))
+    for place in range(len(c.functions)):
+        output, inputs = pressure_before(c, place)
+        names = [variable.name for variable in inputs]
+        models.append(fit_columns(AbductiveRegressor(max_layers=1), table, names, output.name, {}))
+    no_limit = loader.with_values({f"{c.pump_path}.torque_limit_enabled": False})
+    flow = build_flow("pressure", no_limit, models=models)
+    work = Scenario("both", 0.12, dict.fromkeys(loader.names, Constant(0.6)))
+    batch = simulate_batch([no_limit, no_limit], flow, work, keep=["rows"])
+    table = simulate(no_limit, flow, work)
+    assert np.any(table["tilt.flow_shift"] != 0.0)
+    for name in ("lift.flow_shift", "tilt.flow_shift", "lift.q_in", "tilt.spool", "lift.angle"):
+        assert np.array_equal(batch[name][1], table[name]), name
+
+
+def test_what_would_break_after_the_end_breaks_nothing(machine):
+    """A model that is given does not know other pumps: `simulate` never needs it to, and neither does a batch."""
+    flow = build_flow("polynomial", machine)
+    late = ["boom.pump_worn 10 % from 100 s"]
+    batch = simulate_batch([machine] * 2, flow, "task", t_end=0.02, faults=late)
+    table = simulate(machine, flow, "task", t_end=0.02, faults=late)
+    assert batch.final[1, batch.place("boom.angle")] == table["boom.angle"][-1]
+
+
+def test_equal_faults_are_one_kind_however_they_are_listed(machine):
+    listed = iter([["boom.friction_high from 0.01 s"] for _ in range(5)])
+    cases = arrange_cases(machine, "exact", "task", dt=5e-3, t_end=0.02, x0=None, every=1, faults=listed)
+    assert len(cases.kind) == 5
+    assert len(cases.kinds) == 2
 
 
 @pytest.mark.parametrize("name", ["iterative", "lookup"])

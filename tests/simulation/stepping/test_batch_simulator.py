@@ -246,7 +246,7 @@ def test_doubtful_restarts_are_refused(pair, arguments, words):
         ({"machines": []}, "0 machines"),
         ({"machines": ["wheel_loader"]}, "n = 3: there are 1 machines"),
         ({"machines": ["wheel_loader", "loader_crane"], "n": None}, "has another layout than"),
-        ({"flow": "iterative"}, "flow 'iterative' has no form for machines side by side"),
+        ({"flow": "iterative"}, "flow 'iterative' cannot be stepped side by side"),
         ({"columns": ["lift"]}, "columns = .*: must be a list of some of"),
         (
             {"load": {"payload": [1.0, -1.0, 0.0]}},

@@ -5,6 +5,7 @@ import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 from polydraulic.cockpit.study.course import ANSWER
 from polydraulic.cockpit.study.plan import Study
@@ -12,12 +13,16 @@ from polydraulic.files import write_text
 
 _OF_STUDY = ("task", "block", "practice", "repetition")
 _OF_ATTEMPT = ("exercise", "mode", "pattern", "machine", "flow", "when", "finished")
-_LETTERS = "abcdefghijklmnopqrstuvwxyz0123456789-_"
+_LETTERS = "abcdefghijklmnopqrstuvwxyz0123456789-"
+_LONGEST = 60
 
 
 def table_path(study: Study, folder: Path) -> Path:
     """Where the table of a study stands in the folder of results."""
-    name = "".join(c if c in _LETTERS else "_" for c in study.title.lower())[:60]
+    title = study.title.lower()
+    name = "".join(c if c in _LETTERS else "_" for c in title)[:_LONGEST]
+    if name.replace("_", " ") != title:  # another title may have become the same
+        name += f"-{crc32(title.encode()):08x}"
     return folder / f"study-{name}.csv"
 
 

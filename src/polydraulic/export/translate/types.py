@@ -13,6 +13,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from polydraulic.errors import InputError
+from polydraulic.flow.layout.text_module import written_name
 
 LARGE = 4  # structs of more numbers are handed over by pointer
 
@@ -92,7 +93,7 @@ class Layouts:
             if hint not in self.fields:
                 hints = get_type_hints(hint)
                 self.fields[hint] = {
-                    name: self.of_annotation(hints[name], f"{hint.__name__}.{name}") for name in hint._fields
+                    name: self.of_annotation(hints[name], f"{written_name(hint)}.{name}") for name in hint._fields
                 }
             return Struct(hint)
         raise InputError(f"{where}: annotated {hint}; must be float, int, bool or a named tuple of these")

@@ -93,7 +93,7 @@ class NumberedNetworks:
 
 
 def _with_regions(part: Any, regions: Sequence[Regions]) -> Any:
-    which = [name for name, kind in part.__annotations__.items() if kind == Which]
+    which = [name for name, kind in type(part).__annotations__.items() if kind == Which]
     return part._replace(**{name: regions[getattr(part, name)] for name in which})
 
 

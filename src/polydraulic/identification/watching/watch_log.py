@@ -22,8 +22,9 @@ from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.sequential import check_rate
-from polydraulic.watch.watch import FALSE_ALARMS, Alarm, FaultWatch, Outlook, Watched, learn_expected, watched
+from polydraulic.watch.watch import FALSE_ALARMS, FREEZE, Alarm, FaultWatch, Outlook, Watched, learn_expected, watched
 
+_MOST_LEARNT, _RUN = 1800, 60  # blocks that are learnt from, since memory grows with them; of a run
 ALARM_HEADS = ("since", "seen", "until", "what", "sure", "or else")
 _OWN_SHARE, _OWN_MOST = 1.0 / 3.0, 600.0  # of a log that is taken for healthy if none is given, and s
 _AT_ONCE = 64  # blocks between two words of progress
@@ -108,6 +109,8 @@ def alarm_rows(alarms: Sequence[Alarm], zero: float = 0.0) -> list[list[str]]:
             continue
         first, *others = alarm.suspects
         what = f"{first.title} (no fault: unusual work)" if first.harmless else first.title
+        if first.name.endswith(FREEZE):  # each for itself, whatever the others do
+            what, others = " and ".join(s.title for s in alarm.suspects), []
         more = "; ".join(f"{s.name} ({s.probability:.0%})" for s in others) or "-"
         rows.append([*times(alarm), what, f"{min(first.probability, 0.99):.0%}", more])
     return rows
@@ -243,6 +246,10 @@ def learnt_from(of: Watched, table: Table, rows: np.ndarray, rate: float) -> Exp
     values = {name: table[name][rows] for name in of.columns}
     time, segment = table["time"][rows], _segment(table)[rows]
     starts = starts_of(time, segment, of.shape)
+    if len(starts) > _MOST_LEARNT:  # whole runs from all over, so that what goes together in time stays together
+        runs = np.array_split(starts, len(starts) // _RUN)
+        chosen = np.linspace(0.0, len(runs) - 1.0, _MOST_LEARNT // _RUN).astype(int)
+        starts = np.concatenate([runs[k] for k in chosen])
     at = starts[:, None] + np.arange(of.shape.rows)
     noise = {name: noise_level(column, segment) for name, column in values.items()}
     return learn_expected(of, {name: column[at] for name, column in values.items()}, noise, rate)

@@ -4,10 +4,11 @@ Results do not depend on the number of workers: each piece is computed as if it 
 """
 
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager
+from contextlib import contextmanager
 from functools import cache
+from threading import Lock
 from typing import Any, TypeVar
 
 import joblib
@@ -28,10 +29,25 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def one_blas_thread() -> AbstractContextManager[Any]:
-    """Context in which BLAS keeps to one thread: with matrices as small as here, several wait for each other more than they compute."""
-    limited: AbstractContextManager[Any] = _libraries().limit(limits=1, user_api="blas")
-    return limited
+_limited = Lock()
+_limits: list[Any] = []  # what the first context has set, once for each that is inside
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Context in which BLAS keeps to one thread: with matrices as small as here, several wait for each other more than they compute.
+
+    Contexts of several threads may overlap: the first sets, the last gives back.
+    """
+    with _limited:
+        _limits.append(_limits[0] if _limits else _libraries().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _limited:
+            before = _limits.pop()
+            if not _limits:
+                before.restore_original_limits()
 
 
 def in_threads(call: Callable[[A], B], items: Iterable[A]) -> list[B]:

@@ -51,7 +51,7 @@ class Batch:
     steps : (n_machine,) array of int
         Steps made. Fewer than `info` says where a run diverged: later rows, final values and ranges are nan there.
     not_converged, out_of_domain : (n_machine,) array of int
-        Steps that did not converge, and those outside the flow model's domain.
+        Steps that did not converge, and those outside the flow model's domain; steps beyond the log of an identified machine are not counted.
     info : dict
     """
 
@@ -108,9 +108,8 @@ def simulate_batch(
 ) -> Batch:
     """Simulate many machines with the loop of `simulate`; the results have the same bits.
 
-    Flow models with a lane form (``exact`` and networks) run 64 machines side by side as vector instructions, of which networks are
-    asked one after the other; the others (``iterative``: they keep memory, or loop as long as their data ask) run machine by machine.
-    Both use all `threads`.
+    Flow models with a lane form (``exact``, ``polynomial``, ``neural``, ``pressure``) run 64 machines side by side as vector instructions, of
+    which networks are asked one after the other; all others run machine by machine. Both use all `threads`.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.layout.runs import check_served, segments, step_inputs
 from polydraulic.simulation.layout.text import layout_of
-from polydraulic.simulation.steps import MOST_STEPS, n_steps
+from polydraulic.simulation.steps import n_steps
 
 
 class Kind(NamedTuple):
@@ -110,10 +110,16 @@ def arrange_cases(
         (given[i % len(given)], scenarios[i % len(scenarios)] if scenarios else None, broken[i % len(broken)])
         for i in range(n)
     ]
-    numbers: dict[tuple[int, int, int], int] = {}
-    kind = np.array([numbers.setdefault((id(m), id(s), id(f)), len(numbers)) for m, s, f in pairs])
+    if voltage is None:
+        n_step = _scenario_steps(scenarios, dt, t_end, every)
+    else:
+        n_step = _array_steps(voltage.shape[1], dt, t_end, every)
+    numbers: dict[tuple[int, int, tuple[Any, ...]], int] = {}
+    kind = np.array([numbers.setdefault((id(m), id(s), f), len(numbers)) for m, s, f in pairs])
     first = np.unique(kind, return_index=True)[1]
-    all_of = [_kinds(machine, scenario, flow, dt, wrong) for machine, scenario, wrong in (pairs[i] for i in first)]
+    all_of = [
+        _kinds(machine, scenario, flow, dt, wrong, n_step) for machine, scenario, wrong in (pairs[i] for i in first)
+    ]
     kinds = [found[0] for found in all_of]
     later: dict[int, dict[int, int]] = {}
     every_kind = list(kinds)
@@ -123,10 +129,10 @@ def arrange_cases(
             every_kind.append(changed)
 
     if voltage is None:
-        voltage, signal_of_kind = _scenario_voltages(kinds, [pairs[i][1] for i in first], dt, t_end, every)
+        voltage, signal_of_kind = _scenario_voltages(kinds, [pairs[i][1] for i in first], np.arange(n_step) * dt)
         signal = signal_of_kind[kind]
     else:
-        voltage = voltage[:, : _array_steps(voltage.shape[1], dt, t_end, every)]
+        voltage = voltage[:, :n_step]
         signal = np.arange(n) % len(voltage)
     if starts is None:
         starts = np.array([k.start for k in kinds])[kind]
@@ -162,16 +168,22 @@ def _functions(machines: Sequence[LayoutMachine]) -> tuple[str, ...]:
     return machines[0].names
 
 
-def _faults(faults: Any) -> list[list[Any]]:
+def _faults(faults: Any) -> list[tuple[Any, ...]]:
     """Lists of faults: one for all, or one for each machine."""
-    each = [isinstance(one, Sequence) and not isinstance(one, str | TimedFault) for one in as_list(faults)]
+    given: list[Any] = as_list(faults)
+    each = [isinstance(one, Sequence) and not isinstance(one, str | TimedFault) for one in given]
     if any(each) and not all(each):
         raise InputError("faults must be one list for all machines, or a list of lists, one for each")
-    return [as_list(one) for one in faults] if any(each) else [as_list(faults)]
+    return [tuple(as_list(one)) for one in given] if any(each) else [tuple(given)]
 
 
 def _kinds(
-    machine: LayoutMachine, scenario: Scenario | None, flow: str | FlowModel, dt: float, faults: list[Any]
+    machine: LayoutMachine,
+    scenario: Scenario | None,
+    flow: str | FlowModel,
+    dt: float,
+    faults: tuple[Any, ...],
+    n_step: int,
 ) -> dict[int, Kind]:
     """What a machine is from which step on, the first being 0."""
     model = layout_flow(flow, machine)
@@ -186,7 +198,7 @@ def _kinds(
     machine = adapted(machine, scenario) if scenario else machine
     timed = timed_faults(machine, (*(scenario.faults if scenario else ()), *faults))
     locked, found = scenario.locked if scenario else (), dict[int, Kind]()
-    for part in segments(machine, loads.payload, timed, dt, MOST_STEPS):
+    for part in segments(machine, loads.payload, timed, dt, n_step):
         late = [
             f.name
             for f, g in zip(part.plain.functions, machine.functions, strict=True)
@@ -237,15 +249,16 @@ def _starts(x0: np.ndarray, n_state: int) -> np.ndarray:
     return starts
 
 
-def _scenario_voltages(
-    kinds: Sequence[Kind], scenarios: Sequence[Any], dt: float, t_end: float | None, every: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Voltages that differ, and which of them each kind gets."""
+def _scenario_steps(scenarios: Sequence[Scenario], dt: float, t_end: float | None, every: int) -> int:
     durations = {scenario.duration: scenario.name for scenario in scenarios}
     if t_end is None and len(durations) > 1:
         found = ", ".join(f"{name} {duration:g} s" for duration, name in durations.items())
         raise InputError(f"the scenarios end at different times ({found}); give t_end")
-    t = np.arange(n_steps(scenarios[0], dt, t_end, every)) * dt
+    return n_steps(scenarios[0], dt, t_end, every)
+
+
+def _scenario_voltages(kinds: Sequence[Kind], scenarios: Sequence[Any], t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Voltages that differ, of steps that begin at the times `t`, and which of them each kind gets."""
     numbers: dict[tuple[object, ...], int] = {}
     voltages: list[np.ndarray] = []
     which: list[int] = []

@@ -104,7 +104,7 @@ class BatchSimulator:
         self._setup = set_up(given[0], flow, dt, locked, loads)
         if self._setup.flow.kernels != "exact":
             raise InputError(
-                f"flow {self._setup.flow.name!r} has no form for machines side by side; use 'exact', or a `Simulator` for each machine"
+                f"flow {self._setup.flow.name!r} cannot be stepped side by side; use 'exact', `simulate_batch`, or a `Simulator` for each machine"
             )
         self.machine, self.names, self.dt = self._setup.machine, self._setup.machine.names, dt
         self._machines = [self.machine] * self.n if alike else [self._alike(item) for item in given]

@@ -14,8 +14,6 @@ from polydraulic.identification.equations.mechanics.motion_rows import Piece, mo
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.parameters.layout.schema import LayoutMachine
 
-_HELPINGS = 1
-
 
 def sensor_noise(pieces: Sequence[Piece]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Standard deviations of positions and of pressures at A and B, (n_function,) each."""
@@ -40,13 +38,12 @@ def noise_pull(
         Solution of the normal equations of these rows.
     """
     rng, levels, found = np.random.default_rng(0), sensor_noise(pieces), np.zeros(len(at))
-    for _ in range(_HELPINGS):
-        more = [[level * rng.normal(size=piece.position.shape) for level in levels] for piece in pieces]
-        for way in (1.0, -1.0):
-            noisy = [
-                Piece(piece.time, *(v + way * n for v, n in zip(piece[1:], own, strict=True)))
-                for piece, own in zip(pieces, more, strict=True)
-            ]
-            rows = motion_rows(machine, numbers, noisy)
-            found += np.einsum("tkc,tk->c", rows.regressor, weight * (rows.torque - rows.regressor @ at))
-    return found / (2.0 * _HELPINGS)
+    more = [[level * rng.normal(size=piece.position.shape) for level in levels] for piece in pieces]
+    for way in (1.0, -1.0):
+        noisy = [
+            Piece(piece.time, *(v + way * n for v, n in zip(piece[1:], own, strict=True)))
+            for piece, own in zip(pieces, more, strict=True)
+        ]
+        rows = motion_rows(machine, numbers, noisy)
+        found += np.einsum("tkc,tk->c", rows.regressor, weight * (rows.torque - rows.regressor @ at))
+    return found / 2.0

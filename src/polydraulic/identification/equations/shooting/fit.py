@@ -239,8 +239,9 @@ class _Search:
         """Take states and noise of a search that was interrupted; not those of other numbers, windows or sensors."""
         fits = [part.shape for part in begun[2:]] == [self.numbers.start.shape, self.first.shape, self.noise.shape]
         if fits and self._possible(begun.u) is not None:
-            self.noise = begun.noise
+            before, self.noise = self.noise, begun.noise
             self.here = self._at(begun.u, begun.states)
+            self.noise = before if self.here is None else begun.noise
         return self.here is not None
 
     def lowered(

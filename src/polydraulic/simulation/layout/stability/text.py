@@ -5,7 +5,7 @@ from types import ModuleType
 from typing import Any
 
 from polydraulic.flow.layout.text_module import loaded
-from polydraulic.machine.stability.body import N_LINK
+from polydraulic.machine.stability.watched import watched_room
 from polydraulic.machine.stability.whole_body import body_of
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.expand import expanded
@@ -66,5 +66,4 @@ def watched_numbers(machine: LayoutMachine, ready: ReadyMachine, module: ModuleT
 
 def n_room(machine: LayoutMachine) -> int:
     """Numbers behind those of the flow model that margins need."""
-    n = len(machine.names)
-    return 5 * n + N_LINK * (n + 1)
+    return len(watched_room(machine))
