@@ -179,8 +179,9 @@ def outlets_by_flow(machine):
 @pytest.mark.parametrize("keep", [[], ["rows"], ["range"]])
 def test_outlets_that_read_pressures_have_the_bits_of_simulate(machine, keep):
     flow = build_flow("polynomial", machine, models=outlets_by_flow(machine))
-    batch = simulate_batch([machine, machine], flow, "task", t_end=0.1, keep=keep)
-    table = simulate(machine, flow, "task", t_end=0.1)
+    work = Scenario("all", 0.12, dict.fromkeys(machine.names, Constant(0.6)))
+    batch = simulate_batch([machine, machine], flow, work, keep=keep)
+    table = simulate(machine, flow, work)
     last = {name: table[name][-1] for name in batch.names}
     assert len(last) > 20
     for place in range(2):
