@@ -17,7 +17,8 @@ def test_faults_are_listed_by_their_owners(call):
 
 def test_a_run_breaks_as_it_is_told(call, tmp_path):
     run = ("simulate", "random:1:2", "--machine", "wheel_loader", "--out", tmp_path / "run.csv", "--fault")
-    code, _, _ = call(*run, "work.pump_worn 20 % from 1 s")
+    code, out, _ = call(*run, "work.pump_worn 20 % from 1 s")
+    assert "fault: work.pump_worn from 1 s: pump of work worn: its flow is 20 % low" in out
     worn, healthy = read_table(tmp_path / "run.csv"), simulate("wheel_loader", "exact", "random:1:2")
     assert code == 0
     before = healthy["time"] <= 1.0
@@ -31,7 +32,8 @@ def test_a_log_holds_what_sensors_read_of_it(call, tmp_path):
     (tmp_path / "s.toml").write_text('[[sensor]]\ncolumn = "lift.angle"\nunit = "deg"\nraster = "10 ms"\n')
     record = ("record", "random:1:2", "--machine", "wheel_loader", "--sensors", tmp_path / "s.toml", "--out")
     assert call(*record, tmp_path / "log.csv")[0] == 0
-    assert call(*record, tmp_path / "off.csv", "--fault", "lift.angle.freeze from 1 s")[0] == 0
+    code, out, _ = call(*record, tmp_path / "off.csv", "--fault", "lift.angle.freeze from 1 s")
+    assert (code, "fault: lift.angle.freeze from 1 s: sensor of lift.angle stays at what it reads" in out) == (0, True)
     log, off = (read_table(tmp_path / name)["lift.angle"] for name in ("log.csv", "off.csv"))
     assert (log[:100] == off[:100]).all()
     assert len(set(off[100:])) == 1 < len(set(log[100:]))

@@ -135,6 +135,7 @@ def record(
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
+    from polydraulic.parameters.fault_catalogue import timed_faults
     from polydraulic.parameters.layout.adapt import at_full_stroke
     from polydraulic.parameters.load import load_machine
     from polydraulic.parameters.scenario import load_scenario
@@ -163,6 +164,8 @@ def record(
         progress("compile (once after an installation)", 0, len(what))
         n = write_log(plant, what, bench, out, dt=dt, faults=fault or (), progress=progress)
     print(f"{out}: {n} samples of {len(bench.sensors)} sensors")
+    for one in timed_faults(plant, fault or ()):
+        print(f"fault: {one}")
 
 
 @app.command()

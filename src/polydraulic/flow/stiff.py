@@ -71,9 +71,8 @@ def stiff_flow(
     machine = as_machine(machine)
     check_circuits(machine, "stiff")
     parts = {"volumes": compliances(volume, volume_between, bulk_modulus)}
-    n_memory = (
-        sum(len(c.functions) for c in machine.circuits) + 1
-    )  # a pressure before each valve, and whether there are any
+    # a pressure before each valve, and whether there are any
+    n_memory = sum(len(c.functions) for c in machine.circuits) + 1
     return LayoutFlow("stiff", "stiff", circuits_of(machine), machine.names, parts, n_memory, True)
 
 

@@ -249,9 +249,10 @@ def replayed(
         state = _state(log, begin, own, joints)
         x0.append(start_from(machine, state))
     columns = [joint.column for joint in joints]
+    # after the dead time
     batch = simulate_batch(
         machine, flow, voltage, dt=dt, x0=np.array(x0), keep=["rows"], columns=columns, progress=progress
-    )  # after the dead time
+    )
     windows = []
     for number, begin in enumerate(begins):
         inside = slice(begin, int(np.searchsorted(time, time[begin] + seconds - 0.5 * dt)))

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
+# what becomes of what, differentiated
 RATES = {
     "m": "m/s",
     "rad": "rad/s",
     "m/s": "m/s2",
     "rad/s": "rad/s2",
     "m3": "m3/s",
-}  # what becomes of what, differentiated
+}
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,8 @@ from math import inf
 from numbers import Real
 from typing import Any, NamedTuple, get_args
 
-SMALLEST, LARGEST = (
-    1e-30,
-    1e20,
-)  # in SI: far beyond any machine, while products and quotients of several are still numbers
+# in SI: far beyond any machine, while products and quotients of several are still numbers
+SMALLEST, LARGEST = 1e-30, 1e20
 
 
 @dataclass(frozen=True)

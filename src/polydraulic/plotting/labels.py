@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.transforms import Bbox
 
+# px at 100 dpi, from a point to the middle of a text's near edge
 _DISTANCES = (
     11.0,
     18.0,
@@ -18,7 +19,7 @@ _DISTANCES = (
     55.0,
     75.0,
     100.0,
-)  # px at 100 dpi, from a point to the middle of a text's near edge
+)
 _DIRECTIONS = 20
 _RASTER = np.stack(np.meshgrid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5)), axis=-1).reshape(-1, 2)  # of a text
 

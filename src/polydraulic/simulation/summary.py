@@ -36,11 +36,13 @@ def run_summary(run: Table, units: str = DEFAULT) -> list[str]:
     Returns
     -------
     list of str
-        Largest pressures with their times, events with their numbers and first times, end position, and lines that begin with
+        Faults, largest pressures with their times, events with their numbers and first times, end position, and lines that begin with
         ``warning:``.
     """
     events: Any = run.info.get("events", [])
-    lines = [f"largest pressures: {', '.join(_pressures(run, units))}"] if "time" in run.names else []
+    faults: Any = run.info.get("faults", [])
+    lines = [f"fault: {one}" for one in faults]
+    lines += [f"largest pressures: {', '.join(_pressures(run, units))}"] if "time" in run.names else []
     counts = list(_counts(events))
     lines += [f"events{_raster(run)}:", *(f"  {line}" for line in counts)] if counts else []
     lines += _stands(run, units)

@@ -38,3 +38,12 @@ def test_times_are_dates_where_the_log_has_dates(found):
     assert " s  " not in str(dated).splitlines()[2]
     assert plot_watch(dated).axes[0].get_xlabel() == "time of day, 2023-11-14"
     assert plot_watch(found).axes[0].get_xlabel() == "time [s]"
+
+
+def test_what_is_beyond_the_line_but_not_named_is_no_sign_of_nothing(found, tmp_path):
+    evidence = found.evidence.copy()
+    evidence[5, [d.name for d in found.of.directions].index("lift.leak_out")] = 1.5
+    write_watch_page(replace(found, evidence=evidence), tmp_path / "watch.html")
+    page = (tmp_path / "watch.html").read_text(encoding="utf-8")
+    row = page[page.index("lines of lift leak to the tank") :].partition("</tr>")[0]
+    assert "what an alarm named explains the same evidence better" in row

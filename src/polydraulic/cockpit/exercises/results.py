@@ -24,9 +24,8 @@ def add_result(folder: Path, result: Mapping[str, Any]) -> None:
     handle = os.open(folder / NAME, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
     try:
         size = os.fstat(handle).st_size
-        torn = (
-            size > 0 and os.pread(handle, 1, size - 1) != b"\n"
-        )  # by a crash: what follows stands on a line of its own
+        # by a crash: what follows stands on a line of its own
+        torn = size > 0 and os.pread(handle, 1, size - 1) != b"\n"
         line = json.dumps(result, allow_nan=False) + "\n"
         content = memoryview(("\n" + line if torn else line).encode())
         while content:

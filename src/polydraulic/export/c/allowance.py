@@ -25,9 +25,8 @@ from polydraulic.networks.proof.taylor import Form, enclose_gains, enclose_slots
 _BOXES = (500, 4000, 32000)  # for each region, at most: more for those that fewer do not do for
 _ALL_BOXES = 100000  # for all regions of a model
 _CLOSE = 0.1  # of what a point needs: what the proof may lie above it
-_UP = (
-    1.0 + 2.0**-20
-)  # covers the rounding of the package's own double precision, which the same analysis bounds by 2^-29 of this
+# covers the rounding of the package's own double precision, which the same analysis bounds by 2^-29 of this
+_UP = 1.0 + 2.0**-20
 
 
 class Allowance(NamedTuple):

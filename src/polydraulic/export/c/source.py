@@ -96,7 +96,7 @@ def _header(whole: Bundle, real: Real, prove: bool) -> str:
 
 /* What the functions return. */
 #define {macro}_INSIDE 0
-#define {macro}_OUTSIDE 1 /* an input lies outside of the domain and was moved to its border */
+#define {macro}_OUTSIDE 1 /* an input lies outside of the domain of the network that answers (of its region), and was moved to its border */
 #define {macro}_NOT_A_NUMBER 2 /* an input is not a number, and so are all outputs and slopes */
 
 #ifdef __cplusplus

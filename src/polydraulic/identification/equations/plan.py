@@ -40,6 +40,7 @@ from polydraulic.simulation.runs import simulate
 from polydraulic.tables import Table
 
 SECONDS, MOST_WINDOWS = 2.0, 24  # of windows, of the log and of each motion
+# as `record --example` has it
 NOISE = {
     "spool": 4e-5,
     "p_a": 1e5,
@@ -47,7 +48,7 @@ NOISE = {
     "q_in": 8e-6,
     "q_out": 8e-6,
     "p_pump": 1e5,
-}  # as `record --example` has it
+}
 _MOTION = LEAD + SECONDS * MOST_WINDOWS + 2.0  # s
 _SEED = 1
 _GAINS = 0.7  # a number counts as narrowed if less than this share of what was unsure is left

@@ -174,9 +174,8 @@ def _of_piece(machine: LayoutMachine, piece: Piece, window: float, payload: floa
     pushed = -np.swapaxes(tip_jacobian(machine, q), -1, -2)  # torques for each newton at the tip
     stops = np.array([f.stops for f in machine.functions])
     away = (piece.position > stops[:, 0] + _NEAR_STOP) & (piece.position < stops[:, 1] - _NEAR_STOP)
-    used = np.lib.stride_tricks.sliding_window_view(away, len(smooth), axis=0).all(
-        axis=-1
-    )  # no row that has seen a stop
+    # no row that has seen a stop
+    used = np.lib.stride_tricks.sliding_window_view(away, len(smooth), axis=0).all(axis=-1)
     block = max(1, round(_BLOCK / raster))
     made = [_means(values, block) for values in (time, left, more, pushed, unsure)]
     made.append(_means(used.astype(float), block) == 1.0)

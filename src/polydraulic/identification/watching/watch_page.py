@@ -14,6 +14,7 @@ from polydraulic.files import write_text
 from polydraulic.identification.watching.watch_log import ALARM_HEADS, WatchedLog, alarm_rows
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
+from polydraulic.watch.watch import Outlook
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,24 +47,23 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
     minutes = len(found.time) * found.of.shape.seconds / 60.0
     picture = base64.b64encode(_svg(plot_watch(found)).encode()).decode()
     named = {alarm.suspects[0].name for alarm in found.alarms if alarm.suspects}
-    rows = [
-        [
-            f.title,
-            "named in an alarm"
-            if f.name in named
-            else "no sign of it"
-            if f.could_show
-            else f"cannot tell: {f.share:.0%} of the evidence",
-        ]
-        for f in found.findings
-    ]
+    beyond = {d.name for d, most in zip(found.of.directions, found.evidence.max(axis=0), strict=True) if most >= 1.0}
+
+    def told(f: Outlook) -> str:
+        if f.name in named:
+            return "named in an alarm"
+        if f.name in beyond:
+            return "what an alarm named explains the same evidence better"
+        return "no sign of it" if f.could_show else f"cannot tell: {f.share:.0%} of the evidence"
+
+    rows = [[f.title, told(f)] for f in found.findings]
     parts = [
         f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
         f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
         "<h2>Alarms</h2>",
         html_table("", ALARM_HEADS, alarm_rows(found.alarms, found.began)) if found.alarms else "<p>None.</p>",
         "<h2>Evidence</h2>",
-        "<p>Of each fault since it may have begun, as a share of what makes an alarm.</p>",
+        "<p>Of each fault since it may have begun, as a share of what makes an alarm; no more than twice that is counted.</p>",
         f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="Evidence over time"></figure>',
         "<h2>What was watched</h2>",
         "<p>Each in the smallest size that counts. Where the machine's work gave a fault no occasion to show, nothing is said of it.</p>",

@@ -60,11 +60,12 @@ def _cut_along(
     x: np.ndarray, axis: int, columns: np.ndarray, weight: np.ndarray, n_output: int, min_rows: float
 ) -> Cut | None:
     order = np.argsort(x, kind="stable")
+    # a cut at i has weight below[i - 1] below it
     x, columns, below = (
         x[order],
         columns[order],
         np.cumsum(weight[order]),
-    )  # a cut at i has weight below[i - 1] below it
+    )
     low, high = min_rows, below[-1] - min_rows
     best: Cut | None = None
     for _ in range(_ZOOMS):

@@ -29,6 +29,7 @@ AXES = ("x", "y", "z", "-x", "-y", "-z")
 COORDINATES = ("x", "y", "z")
 MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 JOINTS = ("revolute", "prismatic")
+# of functions, for those who hold levers
 ROLES = (
     "swing",
     "boom",
@@ -37,7 +38,7 @@ ROLES = (
     "front_bucket",
     "extension",
     "auxiliary",
-)  # of functions, for those who hold levers
+)
 
 Point = Mapping[str, float]  # coordinates that the file declares, m; the others are zero whatever the numbers are
 

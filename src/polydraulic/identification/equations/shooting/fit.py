@@ -38,12 +38,7 @@ from polydraulic.tables import Table
 SECONDS = 2.0
 MOST_WINDOWS = 128
 # how much larger noise is taken, so that priors hold while states are far off; steps at most
-_PASSES = (
-    (8.0, 4),
-    (3.0, 4),
-    (1.0, 5),
-    (1.0, 12),
-)
+_PASSES = ((8.0, 4), (3.0, 4), (1.0, 5), (1.0, 12))
 _ROBUST = 3.0  # standard deviations
 _SHARES = 1.0, 0.3, 0.0  # of a window's own step of its states that are tried
 _SETTLING = 3  # steps of the states before numbers move
