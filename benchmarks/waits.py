@@ -1,6 +1,6 @@
-"""What a user waits for: `verify` of a model of many regions, batches that keep their rows, start-up, the first compilation.
+"""What a user waits for: steps, `verify` of a model of many regions, batches that keep their rows, start-up, the first compilation.
 
-``python benchmarks/waits.py [verify] [kept] [start] [compile] [--old FOLDER] [--rounds N]``: parts by name, all if there is none.
+``python benchmarks/waits.py [steps] [verify] [kept] [start] [compile] [--old FOLDER] [--rounds N]``: parts by name, all if there is none.
 `--old` is a checkout of an earlier commit with an environment of its own in ``.venv``, which takes its turns in processes of their own.
 Processes are compared by the processor time that they and their children took, which neighbours do not add to; rounds are interleaved,
 and a ratio is the median of those within a round, with quartiles. Nothing is asserted but that both builds find the same.
@@ -22,6 +22,26 @@ from polydraulic.flow.polynomial import shipped_models
 from polydraulic.thesis.timing import ratio_of
 
 HERE = Path(__file__).parent
+_STEPS = """
+import json
+from time import process_time
+from polydraulic import load_machine, load_scenario, simulate, simulate_batch
+from polydraulic.parameters.scenario import random_operator
+machine, long, batch = load_machine("cat215b"), random_operator(1, 600.0), [load_scenario("task")] * 256
+def timed(run):
+    took, total = [], run()
+    for _ in range(15):
+        start = process_time()
+        assert run() == total
+        took.append(process_time() - start)
+    return sorted(took)[7], total.hex()
+def alone():
+    run = simulate(machine, "exact", long)
+    return float(sum(run[name].sum() for name in run.names))
+def lanes():
+    return float(simulate_batch(machine, "exact", batch, threads=1).final.sum())
+print(json.dumps([timed(alone), timed(lanes)]))
+"""
 _VERIFY = """
 import json, sys
 from pathlib import Path
@@ -83,6 +103,23 @@ def shown(name, seconds, base=None, base_name=""):
     """A line with median and ratio."""
     ratio = f"  {base_name} takes {ratio_of(base, seconds)} times as long" if base is not None else ""
     print(f"  {name:44s} {np.median(seconds):8.3f} s{ratio}", flush=True)
+
+
+def steps(builds, rounds, folder):
+    """Steps of cat215b with exact circuits: ten minutes of a random operator in one run, and 256 tasks in lanes."""
+    found, totals = {b.name: [] for b in builds}, set()
+    for _ in range(rounds):
+        for build in builds:
+            runs = json.loads(build("-c", _STEPS)[1])
+            found[build.name].append([took for took, _ in runs])
+            totals.add((build.name, *(total for _, total in runs)))
+    print("\nsteps of cat215b, exact circuits: medians of 15 runs in a process, processor time")
+    for build in builds:
+        times = np.array(found[build.name]).T
+        old = [None, None] if build is builds[-1] else np.array(found[builds[-1].name]).T
+        for what, mine, other in zip(("120,000 single steps, recorded", "256 tasks in lanes"), times, old, strict=True):
+            shown(f"{build.name}: {what}", mine, other, builds[-1].name)
+    assert len(totals) == len(builds)  # the same in each of its runs
 
 
 def verify(builds, rounds, folder):
@@ -174,7 +211,7 @@ def compilation(builds, rounds, folder):
             )
 
 
-PARTS = {"verify": verify, "kept": kept, "start": start, "compile": compilation}
+PARTS = {"steps": steps, "verify": verify, "kept": kept, "start": start, "compile": compilation}
 
 
 def main():

@@ -189,7 +189,21 @@ def test_check_reads_and_prints_units(call, tmp_path):
     assert same[0] == same[1]
     assert "q cannot leave [0, 63] l/min anywhere in the box" in same[0]
     code, _, err = call("check", model, "--range", "0,170 bar")
-    assert (code, "--range '0,170 bar': is in 'bar', the model in 'm3/s'; give a unit of that kind" in err) == (2, True)
+    assert (code, "--range '0,170 bar': is in 'bar', the column in 'm3/s'; give a unit of that kind" in err) == (
+        2,
+        True,
+    )
+
+
+def test_fit_reads_edges_and_bounds_with_units(call, tmp_path):
+    x = np.linspace(0.0, 0.01, 200)
+    write_table(Table({"x": x, "q": np.where(x > 0.004, x, 0.0)}, {"x": "m", "q": "m3/s"}), tmp_path / "t.parquet")
+    fitted = ("fit", tmp_path / "t.parquet", "--inputs", "x", "--outputs", "q", "--layers", 1, "--out")
+    assert call(*fitted, tmp_path / "si.json", "--edges", "x=0.004", "--bounds", "0,0.5")[0] == 0
+    assert call(*fitted, tmp_path / "units.json", "--edges", "x=4 mm", "--bounds", "0,30000 l/min")[0] == 0
+    si, units = (load_models(tmp_path / name)[0] for name in ("si.json", "units.json"))
+    assert si.predict(x[:, None]).tolist() == units.predict(x[:, None]).tolist()
+    assert len(units.networks) == 2
 
 
 @pytest.fixture
@@ -321,6 +335,8 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("fit", "{0}/good.csv", *FIT, "--bounds", "1"), "--bounds '1'"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "a=x"), "--edges a"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "q=1"), "edges name the column 'q'"),
+        (("fit", "{0}/good.csv", *FIT, "--edges", "q=1 mm"), "no column 'q'"),
+        (("fit", "{0}/good.csv", *FIT, "--bounds", "1,2 l/min"), "is in 'l/min', the column in ''"),
         (("check", "{0}/bad.json"), "bad.json: not a model file"),
         (("check", "{0}/c.json", "--box", "z=0,1"), "the model of 'c' reads ['a']"),
         (("check", "{0}/c.json", "--box", "a=1"), "--box a"),

@@ -32,7 +32,7 @@ FIT = "--inputs u --outputs y --dynamic --longest-lag 1 --layers 1 --out m.json"
 def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     code, out, _ = call(f"fit log.parquet {FIT} --card m.html")
     assert code == 0
-    assert out.startswith("y [bar]\n  free run, 4 of up to 29 rows (0.58 s) that were held out: R2 0.99")
+    assert out.startswith("y [bar]\n  4 free runs of up to 29 rows (0.58 s) that were held out: R2 0.99")
     assert re.search(r"reads u [01, ]+; y 1 rows ago", out)
     assert "free run" in (files / "m.html").read_text()
     assert (files / "m.card.json").is_file()

@@ -1,5 +1,7 @@
 """Commands of networks: fit, check, export, verify."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,7 +29,9 @@ def fit(
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
     edges: Annotated[
         list[str] | None,
-        typer.Option(help="Regions: COLUMN=EDGE,EDGE,... in the unit of the table; repeat for more."),
+        typer.Option(
+            help="Regions: COLUMN=EDGE,EDGE,... in the unit of the table, or with one: 'COLUMN=5,10 mm'; repeat for more."
+        ),
     ] = None,
     regions: Annotated[
         int, typer.Option(help="Without edges: find regions in the data, at most this many; 1 for a single network.")
@@ -42,7 +46,9 @@ def fit(
     ] = None,
     bounds: Annotated[
         str | None,
-        typer.Option(help="Physical bounds of the output: LOW,HIGH; the data's range widened by a tenth if not given."),
+        typer.Option(
+            help="Physical bounds of the output: LOW,HIGH, as for --edges; the data's range widened by a tenth if not given."
+        ),
     ] = None,
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: data, errors, intervals, proofs, equations.")
@@ -73,7 +79,7 @@ def fit(
     With `--dynamic` the table is a log (columns `time`, `segment`, as `polydraulic import` writes it). The model predicts the next row from
     rows before it, or runs on its own predictions; lags and complexity are chosen by runs, and the errors of both are stated.
 
-    Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges boom.travel=0.0047752,0.0095504`
+    Example: `polydraulic fit boom.parquet --inputs boom.travel,boom.p_in --outputs boom.q_in --out q_in.json --edges "boom.travel=4.8,9.6 mm"`
 
     - From a log, with all that an engineer asks before trusting a model: `polydraulic fit log.parquet --inputs boom.spool,boom.p_in
     --outputs boom.q_in --regions 12 --out q_in.json --card q_in.html`; `polydraulic check q_in.json --data new.parquet` later
@@ -102,8 +108,8 @@ def fit(
     if prior is not None:
         words = prior in ("adaptive", "half-variance")
         settings["prior_variance"] = prior if words else _numbers(prior, "--prior", 1)[0]
-    limits = None if bounds is None else _ends(bounds, "--bounds")
-    borders = _edges(edges or [])
+    limits = None if bounds is None else _ends(bounds, "--bounds", partial(_units_of, table, targets))
+    borders = _edges(edges or [], table)
     if dynamic:
         given = {"--edges": borders, "--regions": regions != 1, "--bounds": limits, "--deadbands": deadbands}
         if static := [option for option in given if given[option]]:
@@ -178,7 +184,7 @@ def check(
         raise InputError("--data judges a model by measurements; --range and --box go with a proof")
     models = load_models(model)
     outputs = dict.fromkeys(found.output.unit for found in models)
-    limits = None if within is None else _in_unit(within, "--range", list(outputs))
+    limits = None if within is None else _ends(within, "--range", partial(list, outputs))
     read = {variable.name: variable.unit for found in models for variable in found.inputs}
     with progress_bar("check") as progress:
         found = check_models(
@@ -287,31 +293,41 @@ def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
     return values
 
 
-def _ends(text: str, option: str) -> tuple[float, float]:
-    low, high = _numbers(text, option, 2)
-    return low, high
-
-
-def _in_unit(text: str, option: str, own: list[str]) -> tuple[float, float]:
-    """Two numbers in the unit of a model file, `own`, from numbers in it or from numbers with a unit of the same kind."""
+def _in_unit(text: str, option: str, own: Callable[[], list[str]], count: int | None = None) -> list[float]:
+    """Numbers in a column's unit, which `own` finds, from numbers in it or from numbers with a unit of the same kind."""
     from polydraulic.units import si_unit, to_si
 
     numbers, _, unit = text.strip().partition(" ")
-    low, high = _ends(numbers, option)
+    values = _numbers(numbers, option, count)
     if not unit:
-        return low, high
-    if len(own) > 1:
-        raise InputError(f"{option} {text!r}: the models of the file are in {own}; give numbers without a unit")
-    if own[0] not in (unit, si_unit(unit)):
-        raise InputError(f"{option} {text!r}: is in {unit!r}, the model in {own[0]!r}; give a unit of that kind")
-    return (low, high) if own[0] == unit else (to_si(low, unit), to_si(high, unit))
+        return values
+    units = own()
+    if len(units) > 1:
+        raise InputError(f"{option} {text!r}: the outputs are in {units}; give numbers without a unit")
+    if units[0] not in (unit, si_unit(unit)):
+        raise InputError(f"{option} {text!r}: is in {unit!r}, the column in {units[0]!r}; give a unit of that kind")
+    return values if units[0] == unit else [to_si(value, unit) for value in values]
 
 
-def _edges(texts: list[str]) -> dict[str, list[float]]:
+def _ends(text: str, option: str, own: Callable[[], list[str]]) -> tuple[float, float]:
+    low, high = _in_unit(text, option, own, 2)
+    return low, high
+
+
+def _units_of(tables: list[str], columns: list[str]) -> list[str]:
+    """Units of columns, each once."""
+    from polydraulic.identification.arguments import table_of
+
+    of, _ = table_of(tables, columns)
+    return list(dict.fromkeys(map(of.unit, columns)))
+
+
+def _edges(texts: list[str], tables: list[str]) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for text in texts:
         name, _, cuts = text.partition("=")
-        found[name.strip()] = _numbers(cuts, f"--edges {name}")
+        name = name.strip()
+        found[name] = _in_unit(cuts, f"--edges {name}", partial(_units_of, tables, [name]))
     return found
 
 
@@ -319,5 +335,6 @@ def _box(texts: list[str], read: dict[str, str]) -> dict[str, tuple[float, float
     found = {}
     for text in texts:
         name, _, ends = text.partition("=")
-        found[name.strip()] = _in_unit(ends, f"--box {name}", [read.get(name.strip(), "")])
+        units = [read.get(name.strip(), "")]
+        found[name.strip()] = _ends(ends, f"--box {name}", partial(list, units))
     return found

@@ -288,7 +288,8 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     model, (free, one) = fit.model, fit.errors
     raster = model.dynamics.raster if model.dynamics else None
     seconds = "" if raster is None else f" ({fit.held.longest * raster:.3g} s)"
-    found = [f"free run, {fit.held.n_run} of up to {fit.held.longest} rows{seconds} that were held out"]
+    runs = f"{fit.held.n_run} free runs" if fit.held.n_run > 1 else "a free run"
+    found = [f"{runs} of up to {fit.held.longest} rows{seconds} that were held out"]
     if np.isfinite(fit.half_width):
         few = ": the blocks differ too much to rely on them" if fit.covered < LEVEL - _FEWER else ""
         found.append(
@@ -307,7 +308,9 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     judged: Any = model.training["choice_held_out"]
     if chosen != judged:
         lags = f"lags of inputs {judged['input_lags']}, of outputs {judged['output_lags']}"
-        found.append(f"all rows led to another choice than the one these errors are of: {lags}, {_how(judged)}")
+        found.append(
+            f"these errors are of the choice without the rows held out: {lags}, {_how(judged)}; all rows led to another"
+        )
     response: Any = model.training.get("response")
     found += [response_in_words(response)] if response else []
     return [*found, f"reads {lags_in_words(dynamics_of(model))}; {model.n_coefficients} coefficients, {_how(chosen)}"]

@@ -151,13 +151,13 @@ def _judged(
     if covered is not None and isinstance(level, float):
         before = model.training.get("interval_covered")
         reached = before if isinstance(before, float) else level
-        few = covered < min(level, reached) - _FEWER
-        holds &= not few
-        as_before = f"no fewer than the {reached:.0%} when it was fitted"
-        verdict = "the intervals hold" if covered >= level - _FEWER else as_before
+        least = min(level, reached) - _FEWER
+        holds &= covered >= least
+        once = f"{before:.0%} did when it was fitted, " if isinstance(before, float) else ""
+        verdict = "the intervals hold" if covered >= level - _FEWER else "about as many as when it was fitted"
         statements.append(
-            f"{covered:.0%} of the rows lie in their {level:.0%} intervals: "
-            f"{'the intervals no longer hold' if few else verdict}"
+            f"{covered:.0%} of the rows lie in their {level:.0%} intervals ({once}{least:.0%} must): "
+            f"{verdict if covered >= least else 'the intervals no longer hold'}"
         )
     if outside > 0.0:
         known = "inputs were moved to the border of what it knows" if outside > _OUTSIDE else "few"

@@ -61,7 +61,7 @@ KINDS = {
     "infinite": ("error", "infinite values; taken as missing"),
     "empty": ("error", "no value at all"),
     "constant": ("warning", "one value throughout: the sensor is dead, or nothing moved"),
-    "dropout": ("warning", "no value for longer than samples may be apart; these rows are not in the table"),
+    "dropout": ("warning", "no value for longer than samples may be apart; the table has no rows there"),
     "implausible": ("error", "values beyond the plausible range; taken as missing"),
     "unit by values": ("error", "most values are beyond the plausible range, and would fit in another unit"),
     "sign": ("error", "most values are beyond the plausible range, and would fit with the other sign"),
@@ -85,9 +85,9 @@ class Finding:
     channel : str
         Source name; empty for the log as a whole.
     count : int
-        Rows concerned; 0 where it is not about rows.
+        Rows concerned, of dropouts gaps; 0 where it is not about rows.
     rows : list of (first, last)
-        Spans of rows, the first `SHOWN` of them. Rows of data are counted from 1, in an MDF file within their group.
+        Spans of rows, the first `SHOWN` of them; of dropouts the row after each gap. Rows of data are counted from 1, in an MDF file within their group.
     detail : str
         What else there is to say.
     """
@@ -105,9 +105,11 @@ class Finding:
 
     def __str__(self) -> str:
         spans = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in self.rows[:5])
-        where = f" in row{'s' if self.count > 1 else ''} {spans}" if self.rows else ""
+        many = "s" if self.count > 1 else ""
+        what, place = ("gap", "before") if self.kind == "dropout" else ("row", "in")
+        where = f" {place} row{many} {spans}" if self.rows else ""
         more = ", ..." if len(self.rows) > 5 else ""
-        rows = f" ({self.count} row{'s' if self.count > 1 else ''})" if self.count else ""
+        rows = f" ({self.count} {what}{many})" if self.count else ""
         detail = f"; {self.detail}" if self.detail else ""
         of = f" {self.channel!r}" if self.channel else ""
         return f"{self.kind}{of}{rows}{where}{more}: {KINDS[self.kind][1]}{detail}"

@@ -45,7 +45,7 @@ _HEAD = """\
 # - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out.
 # - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; from bar(a), psia and the like an
 #   atmosphere is taken: put atmosphere = "1.013 bar" at the top.
-# - range: as seen in the log; widen or narrow it to what is physically possible.
+# - range: what was seen in the log, and half as much on either side; values beyond it are taken as missing, so put what is physically possible.
 # - between: "linear" or "hold", what is true between two samples. sign = -1 turns a channel round.
 # - name: the column in the table, such as "boom.p_a"; the source if not given.
 """
@@ -238,10 +238,10 @@ def _span(seconds: float) -> str:
 
 
 def _round_range(low: float, high: float) -> tuple[float, float]:
-    """A little more than what was seen, on round numbers."""
+    """What was seen and half as much on either side, on round numbers: another day reaches further."""
     step = 10.0 ** floor(log10((high - low) / 10.0))
     step = next(s * step for s in (*_ROUND, 10.0) if s * step * 20.0 >= high - low)
-    margin = 0.05 * (high - low)
+    margin = 0.5 * (high - low)
     return step * floor((low - margin) / step), step * ceil((high + margin) / step)
 
 

@@ -124,7 +124,7 @@ class ChannelCheck:
             lost = far & same & np.isfinite(steps)
             if lost.any():
                 self.lost += float(steps[lost].sum())
-                detail = f"{self.lost:.4g} s in all; the row after each is named"
+                detail = f"{self.lost:.4g} s in all"
                 self.findings.add_rows("dropout", self.channel.source, rows.rows[there[lost]], detail)
         self._last = float(time[-1])
         self._gaps_seen = self.clock.gaps - int(rows.after_gap[there[-1] + 1 :].sum())

@@ -12,6 +12,7 @@ from polydraulic.simulation.layout.columns import cross_name, fed_functions
 
 Column = Callable[[str], np.ndarray]
 Limit = float | np.ndarray
+_Crossed = tuple[np.ndarray, Limit]  # travel, and the edge that it crosses
 
 
 def layout_events(
@@ -39,8 +40,8 @@ def layout_events(
     names = [machine.names[place] for place in moving]
     conditions = [_conditions(name, limit, column) for name, limit in zip(names, limits, strict=True)]
     for alike in zip(*conditions, strict=True):  # ties stand in this order
-        for name, ((begins, ends), holds, share) in zip(names, alike, strict=True):
-            found += _changes(name, begins, ends, holds, share, time)
+        for name, ((begins, ends), holds, crossed) in zip(names, alike, strict=True):
+            found += _changes(name, begins, ends, holds, crossed, time)
     for c in machine.circuits:
         if not fed_functions(machine, c.name) <= set(locked):
             open_ = column(f"{c.name}.q_relief") > 1e-12  # below is rounding
@@ -78,11 +79,11 @@ def _limits(place: int, parts: Sequence[tuple[LayoutMachine, int]], n_time: int)
 
 def _conditions(
     name: str, limit: _Limits, column: Column
-) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray | None]]:
-    """Words, where the condition holds, and the part of the way to the next row at which it changes."""
+) -> Iterator[tuple[tuple[str, str], np.ndarray, _Crossed | None]]:
+    """Words, where the condition holds, and what is crossed on the way to the next row where the condition changes."""
     travel, angle = np.abs(column(f"{name}.spool")), column(f"{name}.angle")
-    yield ("valve opens", "valve closes"), travel > limit.valve, _share(travel, limit.valve)
-    yield ("bypass closes", "bypass opens"), travel >= limit.bypass, _share(travel, limit.bypass)
+    yield ("valve opens", "valve closes"), travel > limit.valve, (travel, limit.valve)
+    yield ("bypass closes", "bypass opens"), travel >= limit.bypass, (travel, limit.bypass)
     yield ("low stop met", "low stop left"), angle <= limit.low, None
     yield ("high stop met", "high stop left"), angle >= limit.high, None
     sides = [("A", column(f"{name}.p_a")), ("B", column(f"{name}.p_b"))]
@@ -92,15 +93,17 @@ def _conditions(
         yield (f"line {side} runs empty", f"line {side} fills"), p <= limit.floor, None
 
 
-def _share(travel: np.ndarray, edge: Limit) -> np.ndarray:
-    step, edges = np.diff(travel), np.broadcast_to(np.minimum(edge, 1e9), travel.shape)[1:]
-    return np.clip(np.divide(edges - travel[:-1], step, out=np.ones_like(step), where=step != 0.0), 0.0, 1.0)
-
-
 def _changes(
-    where: str, begins: str, ends: str, holds: np.ndarray, share: np.ndarray | None, time: np.ndarray
+    where: str, begins: str, ends: str, holds: np.ndarray, crossed: _Crossed | None, time: np.ndarray
 ) -> list[list[Any]]:
     rows = np.flatnonzero(holds[1:] != holds[:-1])
-    parts = np.ones(len(rows)) if share is None else share[rows]
+    parts = np.ones(len(rows)) if crossed is None else _share(*crossed, rows)
     at = time[rows] + (time[rows + 1] - time[rows]) * parts
     return [[float(t), where, begins if holds[k + 1] else ends] for t, k in zip(at, rows, strict=True)]
+
+
+def _share(travel: np.ndarray, edge: Limit, rows: np.ndarray) -> np.ndarray:
+    """The part of the way from rows to the next ones at which travel is at an edge."""
+    step = travel[rows + 1] - travel[rows]
+    edges = np.broadcast_to(np.minimum(edge, 1e9), travel.shape)[rows + 1]
+    return np.clip(np.divide(edges - travel[rows], step, out=np.ones_like(step), where=step != 0.0), 0.0, 1.0)
