@@ -68,6 +68,7 @@ def kinks(at):
     for c in at.machine.circuits:
         circuit = getattr(r.flows, f"circuit_{c.name}")
         found += [circuit.q_relief > 0.0, circuit.q_bypass > 0.0, circuit.p_pump > c.pump.torque_limit_start]
+    found += [getattr(r.flows, f"cross_{x.name}") > 0.0 for x in at.machine.crossovers]
     return found
 
 

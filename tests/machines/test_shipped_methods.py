@@ -10,14 +10,14 @@ import pytest
 
 from helpers.layout_states import check_jacobian, random_state, rates_of
 from helpers.mechanical_energy import joint_columns
-from polydraulic import InputError, compare, load_machine, reference, simulate
+from polydraulic import compare, load_machine, reference, simulate
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import machine_names
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 
 MACHINES = {name: load_machine(name) for name in machine_names()}
-LAYOUTS = [name for name, m in MACHINES.items() if isinstance(m, LayoutMachine) and not m.crossovers]
+LAYOUTS = [name for name, m in MACHINES.items() if isinstance(m, LayoutMachine)]
 QUICK = "wheel_loader"  # each layout is compiled once, for a minute
 EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
 OPERATOR = "random:2:2"
@@ -69,17 +69,11 @@ def test_the_equations_are_the_limit_of_short_steps(plant):
 
 @pytest.mark.parametrize("options", [{}, {"locked": True}])
 def test_steps_solve_with_the_true_jacobian(plant, options):
-    if plant.crossovers:
-        pytest.skip("slopes of crossovers are not known")
     options = {"locked": plant.names[-1:]} if options else {}
     assert check_jacobian(plant, np.random.default_rng(5), 15, **options) > 7
 
 
-def test_the_rosenbrock_method_keeps_its_tolerance_or_refuses_a_crossover(plant, tight):
-    if plant.crossovers:
-        with pytest.raises(InputError, match="of the kind 'crossover', whose slopes method 'rosenbrock' does not have"):
-            simulate(plant, "exact", OPERATOR, method="rosenbrock")
-        return
+def test_the_rosenbrock_method_keeps_its_tolerance(plant, tight):
     for rtol in (1e-3, 1e-5, 1e-7):
         found = simulate(plant, "exact", OPERATOR, method="rosenbrock", rtol=rtol)
         assert found.names == tight.names
@@ -115,7 +109,7 @@ for number, method in enumerate(sys.argv[3:]):
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 def test_plain_python_has_the_bits_of_compiled_code(name, plant, tmp_path):
-    found, methods = [], ["rk4"] if plant.crossovers else ["rk4", "rosenbrock"]
+    found, methods = [], ["rk4", "rosenbrock"]
     for plain in ("0", "1"):
         path = tmp_path / plain
         environment = {**os.environ, "NUMBA_DISABLE_JIT": plain}

@@ -18,18 +18,6 @@ def test_a_plain_machine_has_all_methods(crane):
     assert method_lines(crane) == ["methods of simulate: semi-implicit, rk4, rosenbrock, reference"]
 
 
-def test_a_circuit_without_slopes_is_refused_by_name(crane):
-    other = crane._replace(circuits=(crane.circuits[0], crane.circuits[1]._replace(kind="crossover")))
-    with pytest.raises(
-        InputError, match="circuit 'second' is of the kind 'crossover', whose slopes method 'rosenbrock'"
-    ):
-        check_method(other, "rosenbrock")
-    check_method(other, "reference")
-    served, refused = method_lines(other)
-    assert served == "methods of simulate: semi-implicit, rk4, reference"
-    assert refused.startswith("  not rosenbrock: circuit 'second'")
-
-
 def test_effects_leave_one_method_and_are_named(crane):
     sticky = with_effects(crane, sticks=True)
     check_method(sticky, STEPPED)

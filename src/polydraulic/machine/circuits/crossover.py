@@ -29,7 +29,7 @@ from polydraulic.machine.valve import Orifices
 _STEPS = 180  # the first ones along chords, every eighth halves; from `_HALVE` on all do, down to twice the machine's precision
 _HALVE = 48
 _REST = 4e-15  # share of both pumps' flows; a smaller surplus is rounding
-_TO_TANK = 1e3  # m3/s/Pa^0.5; instead of a valve that is not there
+TO_TANK = 1e3  # m3/s/Pa^0.5; instead of a valve that is not there
 
 
 class CrossoverOrifice(NamedTuple):
@@ -303,7 +303,7 @@ def crossover_3(
     takes: Pump,
 ) -> Crossed3:
     """One actuator on a pump that also feeds the second of two on another pump; see `crossover_4`."""
-    tank = Orifices(0.0, _TO_TANK, 0.0)
+    tank = Orifices(0.0, TO_TANK, 0.0)
     s = _found(JoinedPumps(cross, k_1, tank, k_2, k_3, p_1, gives.p_return, p_2, p_3, gives, takes))
     giving = Series1(s.q_1, s.giving, s.status)
     return Crossed3(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)

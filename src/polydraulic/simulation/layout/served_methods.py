@@ -5,7 +5,6 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 
 STEPPED = "semi-implicit"
 CONTINUOUS = ("rk4", "rosenbrock", "reference")
-_SLOPED = ("series",)  # kinds of circuits whose slopes are known
 
 
 def check_method(machine: LayoutMachine, method: str) -> None:
@@ -20,19 +19,13 @@ def check_method(machine: LayoutMachine, method: str) -> None:
     Raises
     ------
     InputError
-        Naming the effect or circuit that the method does not know, and what to do.
+        Naming the effect that the method does not know, and what to do.
     """
     if method == STEPPED:
         return
     declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
     if declared:
         raise InputError(f"{declared[0]}: method {method!r} does not know it; use {STEPPED!r}, or leave it out")
-    for c in machine.circuits:
-        if method == "rosenbrock" and c.kind not in _SLOPED:
-            raise InputError(
-                f"circuit {c.name!r} is of the kind {c.kind!r}, whose slopes method 'rosenbrock' does not have; "
-                "use 'semi-implicit', 'rk4' or 'reference'"
-            )
 
 
 def method_lines(machine: LayoutMachine) -> list[str]:

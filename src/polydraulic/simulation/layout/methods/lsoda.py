@@ -1,7 +1,7 @@
 """Reference solution of a machine of any layout: SciPy's LSODA with tight tolerances, the yardstick of the other methods.
 
 It takes the place of the Rosenbrock method, nothing else: inputs are known in closed form, and the integration stops at the corners of
-inputs and orifice tables and where lines, joints and relief valves change their conditions.
+inputs and orifice tables and where lines, joints, relief valves and crossovers change their conditions.
 """
 
 import itertools

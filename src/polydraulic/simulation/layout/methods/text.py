@@ -11,10 +11,11 @@ from polydraulic.flow.layout.text_module import loaded
 from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
 from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.motion_slopes_text import MOTION_SLOPES_IMPORTS, motion_slopes_text
+from polydraulic.parameters.layout.parts import Crossover
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.expand import Rows, expanded
 from polydraulic.simulation.layout.module import layout_module
-from polydraulic.simulation.layout.page_lists import page_lists
+from polydraulic.simulation.layout.page_lists import crossover_rows, page_lists
 from polydraulic.simulation.layout.text import fields_of, joined_imports, layout_of, layout_text, valve_letters
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
@@ -41,6 +42,10 @@ _IMPORTS = (
     "from polydraulic.simulation.solvers.small_system import factorise_system, solve_system",
     "from polydraulic.simulation.solvers.spools import SpoolMotion, inputs_at",
     "from polydraulic.simulation.solvers.stop_conditions import BLINK, CREEP, between_stops, joint_changes, rests, stands, strikes",
+)
+_CROSSED_IMPORTS = (
+    "from polydraulic.machine.circuits.crossover import Crossed3, Crossed4",
+    "from polydraulic.machine.circuits.crossover_slopes import CrossedSlopes3, CrossedSlopes4, crossover_3_slopes, crossover_4_slopes",
 )
 _SLOW = ("p_a", "p_b", "angle", "rate")  # all of a state that is integrated: spools are known
 # of the text of the step
@@ -80,8 +85,10 @@ def _text(machine: LayoutMachine, force: bool) -> str:
     lengths = sorted({len(f.valve.knots) for f in machine.functions})
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
     imports = [*_IMPORTS, *MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
+    imports += _CROSSED_IMPORTS if machine.crossovers else ()
     of_step = [*_STEP, *(f"{name}_{n}" for n in lengths for name in ("Segments", "ValveTables", "orifices"))]
     of_step += [f"Series{n}" for n in longer]
+    of_step += sorted({f"opened_{row['K']}" for row in crossover_rows(machine)})
     parts = [
         f'"""A machine with the functions {", ".join(machine.names)} in continuous time; written out from its layout."""',
         "\n".join(joined_imports(imports)),
@@ -95,6 +102,11 @@ def _text(machine: LayoutMachine, force: bool) -> str:
         *(expanded(_page(name), lists) for name in _PAGES),
     ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _joined(machine: LayoutMachine, x: Crossover) -> tuple[str, ...]:
+    """Functions of both circuits that a crossover joins, the giving one's first."""
+    return (*machine.circuit(x.giving).functions, *machine.circuit(x.taking).functions)
 
 
 def _page(name: str) -> str:
@@ -115,11 +127,14 @@ def _lists(machine: LayoutMachine, masses: Sequence[str]) -> dict[str, Rows]:
     by_field = {entry_name(i, j, n): (i, j) for i in range(n) for j in range(i, n)}
     entries = [(field, *by_field[field]) for field in masses]
     both = [*entries, *((field, j, i) for field, i, j in entries if i != j)]
+    joined = {x.name: _joined(machine, x) for x in machine.crossovers}
+    plain = {c.name: c.functions for c in machine.circuits if c.kind != "crossover"}
+    fed = [(supply, f, k) for supply, of in (plain | joined).items() for k, f in enumerate(of, 1)]
     pairs: list[dict[str, str | int]] = [
-        {"C": c.name, "F": f, "G": g, "I": str(k), "O": str(m), "P": names.index(f), "R": names.index(g)}
-        for c in machine.circuits
-        for k, f in enumerate(c.functions, 1)
-        for m, g in enumerate(c.functions, 1)
+        {"C": c, "F": f, "G": g, "I": str(k), "O": str(m), "P": names.index(f), "R": names.index(g)}
+        for c, f, k in fed
+        for other, g, m in fed
+        if c == other
     ]
     lists: dict[str, Rows] = {
         "SLOW_QUANTITIES": [{"Q": q} for q in _SLOW],
@@ -129,11 +144,20 @@ def _lists(machine: LayoutMachine, masses: Sequence[str]) -> dict[str, Rows]:
         "ANGLE_PLACES": [{"F": f, "P": 2 * n + k, "R": 3 * n + k} for k, f in enumerate(names)],
         "RELIEFS": [{"C": c.name, "P": k} for k, c in enumerate(machine.circuits)],
         "CROSSINGS": [{"X": x.name, "P": k} for k, x in enumerate(machine.crossovers, len(machine.circuits))],
-        "SLOPES": [
-            {"C": c.name, "N": str(k), "S": f"Slopes{k}", "V": f"Series{k}"}
-            for c in machine.circuits
-            for k in (len(c.functions),)
+        "OPENINGS": [
+            *({"O": c.name} for c in machine.circuits),
+            *({"O": f"cross_{x.name}"} for x in machine.crossovers),
         ],
+        "SUPPLIES": [
+            *({"C": c, "S": f"Slopes{len(of)}"} for c, of in plain.items()),
+            *({"C": x, "S": f"CrossedSlopes{len(of)}"} for x, of in joined.items()),
+        ],
+        "SLOPES": [{"C": c, "N": str(len(of)), "V": f"Series{len(of)}"} for c, of in plain.items()],
+        "CROSSED_SLOPES": [
+            {**row, "V": f"Crossed{row['N']}", "L": f"Series{len(machine.circuit(str(row['G'])).functions)}"}
+            for row in crossover_rows(machine)
+        ],
+        "FED": [{"C": c, "F": f, "I": str(k)} for c, f, k in fed],
         "PAIRS": pairs,
         "OTHERS": [pair for pair in pairs if pair["F"] != pair["G"]],
         "ROWS": [{"F": f, "P": k, "R": n + k} for k, f in enumerate(names)],
