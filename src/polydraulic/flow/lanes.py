@@ -39,7 +39,7 @@ def _filled(form: Any, numbers: Any) -> Any:
     if isinstance(form, np.ndarray):
         return form
     number = next(numbers)
-    return type(form)(number) if isinstance(form, int) else number
+    return type(form)(number) if isinstance(form, int | np.integer) else number
 
 
 def leaves(parameters: Any) -> list[float]:

@@ -256,7 +256,7 @@ def test_both_ways_give_the_same(machine, flow):
             -ends,
             tips_of(cases.family, [machine] * LANES, 0),
         )
-        counts = np.zeros((3, 3), dtype=np.int64)
+        counts = np.zeros((3, 4), dtype=np.int64)
         assert sum(task() for task in work(cases, kept, counts)) == 3
         found.append([kept.rows, kept.final, kept.lowest, kept.highest, counts])
     assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))

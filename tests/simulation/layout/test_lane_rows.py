@@ -25,6 +25,7 @@ def test_every_value_has_a_row_of_its_own_behind_those_of_a_record():
         rows.met,
         rows.outside,
         rows.beyond,
+        rows.beyond_log,
     ]
     assert sorted(others) == list(range(len(columns.columns), rows.n_row))
     assert rows.groups["p_a"] == [columns.place[f"{f}.p_a"] for f in machine.names]

@@ -7,10 +7,22 @@ import numpy as np
 import pytest
 
 from helpers.held_levers import held_scenario, random_levers, random_split
-from polydraulic import BatchSimulator, InputError, Simulator, load_machine, simulate, simulate_batch
+from polydraulic import (
+    AbductiveRegressor,
+    BatchSimulator,
+    InputError,
+    Simulator,
+    build_flow,
+    load_machine,
+    simulate,
+    simulate_batch,
+)
+from polydraulic.flow.layout.slots import residual
+from polydraulic.parameters.layout.parts import Seen
 from polydraulic.parameters.loads import Loads, Payload
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.prepare import start_vector
 
 DT, N = 5e-3, 70  # more than stand side by side
 TIP = ("effector.x", "effector.y", "effector.z")
@@ -173,6 +185,111 @@ def test_forces_and_payloads_of_each_machine(loader):
 
 
 @slowly
+def test_payloads_change_between_steps_and_the_first_ones_come_back(loader):
+    levers, first, later = levers_of(24, 2, n=3), np.array([0.0, 500.0, 0.0]), np.array([0.0, 800.0, 1500.0])
+    mask = np.array([False, True, True])
+    with BatchSimulator(loader, 3, load={"payload": first, "z": -100.0}) as sim:
+        start = {name: values.copy() for name, values in sim.outputs.items()}
+        sim.step(levers[:, 0], n=12)
+        sim.step(levers[:, 12], n=12, load={"payload": later, "x": 50.0})
+        for i in range(3):
+            with Simulator(loader, load={"payload": first[i], "z": -100.0, "x": 0.0}) as one:
+                one.step(levers[i, 0], n=12)
+                one.step(levers[i, 12], n=12, load={"payload": later[i], "x": 50.0})
+                assert all(sim[name][i] == one[name] for name in sim.outputs if name not in TIP)
+        sim.reset(mask)
+        assert all(np.array_equal(sim[name][mask], start[name][mask]) for name in sim.outputs)
+        sim.step(levers[:, 0], n=12)
+        for i, (mass, force) in enumerate([(0.0, 50.0), (500.0, 0.0), (0.0, 0.0)]):
+            with Simulator(loader, load={"payload": mass, "z": -100.0, "x": force}) as one:
+                if i == 0:
+                    one.step(levers[0, 0], n=12, load={"x": 0.0})
+                    one.step(levers[0, 12], n=12, load={"x": 50.0})
+                one.step(levers[i, 0], n=12)
+                assert all(sim[name][i] == one[name] for name in sim.outputs if name not in TIP)
+
+
+def test_steps_beyond_the_log_of_each_are_counted(loader):
+    levers = levers_of(STEPS, 2)
+    seen = [
+        loader._replace(functions=(loader.functions[0]._replace(seen=seen), *loader.functions[1:]))
+        for seen in (Seen(2e-4), Seen(1.0, 1e6))
+    ]
+    batch = simulate_batch(seen[0], "exact", levers, dt=DT)
+    with BatchSimulator(seen[0], N) as sim:
+        play(sim, levers)
+        assert np.array_equal(sim.steps_beyond_log, batch.beyond_log)
+        assert np.array_equal(sim.steps_out_of_domain, batch.out_of_domain)
+        assert np.array_equal(batch.out_of_domain, batch.beyond_log)
+        for i in (0, 64, 69):
+            run = simulate(seen[0], "exact", held_scenario(loader, levers[i], DT))
+            assert sim.steps_beyond_log[i] == run.info["steps_beyond_log"]
+        assert sim.steps_beyond_log.max() > 0
+        sim.reset(np.arange(N) == 0)
+        assert sim.steps_beyond_log[0] == 0
+    mixed = simulate_batch([loader, *seen], "exact", levers[:3], dt=DT)
+    assert mixed.beyond_log[0] == 0
+    assert mixed.beyond_log[1] == batch.beyond_log[1]
+    assert (
+        mixed.beyond_log[2] == simulate(seen[1], "exact", held_scenario(loader, levers[2], DT)).info["steps_beyond_log"]
+    )
+    assert simulate_batch(seen[0], "iterative", levers[:1], dt=DT).beyond_log[0] > 0
+
+
+def left_over(loader):
+    """A flow model with a network of what the exact circuit leaves, of travel and pressure."""
+    rng, (circuit,) = np.random.default_rng(1), loader.circuits
+    n = len(circuit.functions)
+    X = np.hstack([rng.uniform(0.0, 8e-3, (400, n)), rng.uniform(0.0, 1e7, (400, n))])
+    output, inputs = residual(circuit, "lift")
+    network = AbductiveRegressor(max_layers=1, output_bounds=(-5e-4, 5e-4)).fit(X, 2e-2 * X[:, 0] - 1e-11 * X[:, n])
+    return build_flow("residual", loader, models=[network.to_model(inputs, output)])
+
+
+@pytest.mark.slow_to_compile
+@pytest.mark.parametrize("name", ["polynomial", "residual"])
+def test_networks_are_stepped_side_by_side(loader, machine, name):
+    one, n, n_step = machine if name == "polynomial" else loader, 3 if numba.config.DISABLE_JIT else N, 18
+    flow = name if name == "polynomial" else left_over(loader)
+    heavy = one.with_values({f"links.{one.functions[-1].moves}.mass": 900.0})
+    levers = levers_of(n_step, len(one.names), n=n)
+    start = np.tile(start_vector(one), (n, 1))
+    # beyond what networks have seen
+    start[1, len(one.names) : 3 * len(one.names)] = 4e7
+    batch = simulate_batch([one, heavy, *[one] * (n - 2)], flow, levers, dt=DT, x0=start, keep=["rows"])
+    for machines in ([one, heavy, *[one] * (n - 2)], one):
+        with BatchSimulator(machines, n, flow) as sim:
+            same = np.arange(n) != 1 if machines is one else slice(None)
+            sim.reset(state=start)
+            assert_bits(sim, batch.names, batch.rows[:, 0], same)
+            play(sim, levers)
+            assert_bits(sim, batch.names, batch.final, same)
+            assert np.array_equal(sim.steps_out_of_domain[same], batch.out_of_domain[same])
+            assert np.array_equal(sim.steps_not_converged[same], batch.not_converged[same])
+            saved = sim.save()
+            with pytest.raises(InputError, match="what was saved is of other machines"):
+                BatchSimulator(machines, n).restore(saved)
+    with Simulator(heavy, flow) as single:
+        single.reset(start[1])
+        for k in range(0, n_step, 6):
+            single.step(levers[1, k], n=6)
+        assert all(batch.final[1, batch.place(c)] == single[c] for c in batch.names if c not in TIP)
+        assert batch.out_of_domain[1] == single.steps_out_of_domain > 0
+
+
+@pytest.mark.slow_to_compile
+def test_machines_with_other_networks_are_named(machine):
+    limit = machine.with_values({"circuits.boom.pump.torque_limit_enabled": True})
+    with pytest.raises(InputError, match="has other networks of flow 'polynomial' than the first machine"):
+        BatchSimulator([machine, limit], flow="polynomial")
+    with BatchSimulator([machine, machine], flow="polynomial") as sim:
+        before = sim.save()
+        with pytest.raises(InputError, match="has other networks"):
+            sim.reset(machines=[machine, limit])
+        assert all(np.array_equal(was, getattr(sim._engine, key)) for key, was in before.arrays.items())
+
+
+@slowly
 def test_locked_functions_in_lanes(loader):
     with BatchSimulator(loader, 2, locked=["tilt"]) as sim, Simulator(loader, locked=["tilt"]) as one:
         sim.step(np.full((2, 2), 0.5), n=4)
@@ -269,6 +386,6 @@ def test_after_the_end_nothing_moves(loader):
         sim.step()
     with pytest.raises(InputError, match="n = 0: must be a whole number"):
         BatchSimulator(loader, 2).step(n=0)
-    with pytest.raises(InputError, match="a payload changes by `reset`"):
+    with pytest.raises(InputError, match="load: has a payload, for which this simulator was not built"):
         BatchSimulator(loader, 2).step(load={"payload": 1.0})
     assert load_machine("wheel_loader") == loader

@@ -1,3 +1,4 @@
+from polydraulic.flow.layout.model import exact_flow
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.simulation.stepping.engine import engine_of
@@ -15,7 +16,7 @@ def test_machines_that_differ_in_numbers_alone_share_their_drivers(loader):
     for machine in (loader, heavy):
         ready = prepare_layout(machine, 5e-3)
         parts = {"valves": ready.valves, "plant": ready.plant}
-        modules.append(lanes_module(machine, ready.module, parts, force=False))
+        modules.append(lanes_module(machine, ready.module, parts, force=False, flow=exact_flow(machine)))
     assert modules[0] is modules[1]
 
 

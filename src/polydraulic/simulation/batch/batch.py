@@ -26,7 +26,8 @@ from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.batch.batch_inputs import Cases, arrange_cases
 from polydraulic.simulation.batch.family import tips_of
 from polydraulic.simulation.lane_blocks import Kept, LaneBlock
-from polydraulic.simulation.layout.columns import EFFECTOR
+from polydraulic.simulation.layout.columns import EFFECTOR, columns_of
+from polydraulic.simulation.layout.seen import beyond_seen, lane_limits
 from polydraulic.tables import Table
 
 KEEP = ("rows", "range")
@@ -51,7 +52,9 @@ class Batch:
     steps : (n_machine,) array of int
         Steps made. Fewer than `info` says where a run diverged: later rows, final values and ranges are nan there.
     not_converged, out_of_domain : (n_machine,) array of int
-        Steps that did not converge, and those outside the flow model's domain; steps beyond the log of an identified machine are not counted.
+        Steps that did not converge; those outside the flow model's domain, or beyond the log that a machine was identified from, whichever are more.
+    beyond_log : (n_machine,) array of int
+        Steps beyond the travel or pressure of the log that a machine was identified from; 0 if it was not.
     info : dict
     """
 
@@ -65,6 +68,7 @@ class Batch:
     steps: np.ndarray
     not_converged: np.ndarray
     out_of_domain: np.ndarray
+    beyond_log: np.ndarray
     info: dict[str, object]
 
     def __len__(self) -> int:
@@ -108,7 +112,7 @@ def simulate_batch(
 ) -> Batch:
     """Simulate many machines with the loop of `simulate`; the results have the same bits.
 
-    Flow models with a lane form (``exact``, ``polynomial``, ``neural``, ``pressure``) run 64 machines side by side as vector instructions, of
+    Flow models with a lane form (``exact``, ``polynomial``, ``neural``, ``pressure``, ``residual``) run 64 machines side by side as vector instructions, of
     which networks are asked one after the other; all others run machine by machine. Both use all `threads`.
 
     Parameters
@@ -170,7 +174,7 @@ def simulate_batch(
         highest=np.full(shape if "range" in keep else (0, 0), -np.inf),
         tips=tips_of(family, [cases.kinds[0].machine] * LANES, _tip_row(cases) if EFFECTOR[0] in names else 0),
     )
-    counts = np.zeros((n, 3), dtype=np.int64)
+    counts = np.zeros((n, 4), dtype=np.int64)
     work = _blocks(cases, kept, counts) if family.run_block is not None else _singles(cases, kept, counts)
     _share_out(work, threads or _processors(), n, progress)
     for i in np.flatnonzero(counts[:, 0] < n_step):
@@ -187,7 +191,8 @@ def simulate_batch(
         highest=kept.highest if "range" in keep else None,
         steps=counts[:, 0],
         not_converged=counts[:, 1],
-        out_of_domain=counts[:, 2],
+        out_of_domain=counts[:, 2:].max(axis=1),
+        beyond_log=counts[:, 3],
         info={"flow": cases.flow, "dt": dt, "steps": n_step},
     )
 
@@ -238,6 +243,7 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
             own[:n_model].ravel() if differs[:n_model].any() else None,
             first.plant,
             own[n_model:].ravel() if differs.any() else None,
+            lane_limits([cases.kinds[k].machine for k in kinds]),
         ]
 
     def block(machine: np.ndarray) -> int:
@@ -252,7 +258,7 @@ def _blocks(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], i
             of_block = kept._replace(tips=tips_of(family, machines, kept.tips.row))
         for first, end, kinds in _parts(cases, lanes):
             family.run_block(*numbers_at(kinds), cases.voltage, first, end, lane_block, of_block)  # type: ignore[misc]  # there are lanes where there are blocks
-        for place, row in enumerate((family.steps, family.unsettled, family.outside)):
+        for place, row in enumerate((family.steps, family.unsettled, family.outside, family.beyond_log)):
             if row is not None:
                 counts[machine, place] = found[row, : len(machine)]
         return len(machine)
@@ -289,7 +295,11 @@ def _parts(cases: Cases, machines: np.ndarray) -> Iterator[tuple[int, int, np.nd
 def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], int]]:
     """Work machine by machine, with the loop of `simulate`."""
     n_step, family = cases.voltage.shape[1], cases.family
-    n, run = len(family.functions), family.run
+    n, run, columns = (
+        len(family.functions),
+        family.run,
+        columns_of(family.machine, stores_oil=cases.kinds[0].flow.stores_oil),
+    )
 
     def single(i: int) -> int:
         rows, memory = np.empty((n_step + 1, _tip_row(cases) + len(EFFECTOR))), np.zeros(cases.n_memory)
@@ -300,6 +310,8 @@ def _singles(cases: Cases, kept: Kept, counts: np.ndarray) -> list[Callable[[], 
             own = states[first : end + 1]
             made = run(kind.model, memory, kind.plant, x0, voltage[first:end], 1, own, counts[i, 1:])
             counts[i, 0] += made
+            beyond = beyond_seen(kind.machine, columns, own[1 : made + 1])
+            counts[i, 3] += 0 if beyond is None else beyond.sum()
             if first:  # the row before stays that of the machine as it was
                 states[first] = before
             elif made < end:  # the first row holds the step that failed; what it held before is the start

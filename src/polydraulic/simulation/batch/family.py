@@ -32,6 +32,8 @@ class Family(NamedTuple):
         Row of the steps that did not converge, where there can be any.
     outside : int or None
         Row of the steps outside the flow model's domain, where there can be any.
+    beyond_log : int or None
+        Row of the steps beyond the log that a machine was identified from, where there is one.
     run : driver
         Of the generated text: fills the rows of one machine.
     run_block : driver
@@ -54,6 +56,7 @@ class Family(NamedTuple):
     steps: int
     unsettled: int | None
     outside: int | None
+    beyond_log: int | None
     run: Callable[..., int]
     run_block: Callable[..., None] | None
     columns: Callable[[Sequence[str]], Able]
@@ -102,6 +105,7 @@ def family_of(machine: LayoutMachine, flow: LayoutFlow, *, force: bool = False) 
         module.STEPS_ROW // module.LANES if lanes else 0,
         module.UNSETTLED_ROW // module.LANES if lanes else None,
         module.BEYOND_ROW // module.LANES if lanes and flow.networks is not None else None,
+        module.BEYOND_LOG_ROW // module.LANES if lanes else None,
         module.run,
         lanes,
         columns,

@@ -51,6 +51,8 @@ class LaneRows(NamedTuple):
         Steps made; steps whose flows are not to be trusted; whether a stop was met.
     outside, beyond : int
         Whether inputs are outside the domain of the flow model; steps in which they were.
+    beyond_log : int
+        Steps beyond the log that a machine was identified from.
     n_row : int
     """
 
@@ -66,6 +68,7 @@ class LaneRows(NamedTuple):
     met: int
     outside: int
     beyond: int
+    beyond_log: int
     n_row: int
 
 
@@ -105,8 +108,9 @@ def lane_rows(
     limited, still = rows(len(_LIMITED)), rows(1)[0]
     status = {c.name: rows(1)[0] for c in machine.circuits}
     pushes = rows(3) if force else []
-    steps, unsettled, met, outside, beyond = rows(5)
-    return LaneRows(groups, mass, passed, limited, still, status, pushes, steps, unsettled, met, outside, beyond, end)
+    steps, unsettled, met, outside, beyond, beyond_log = rows(6)
+    counts = (steps, unsettled, met, outside, beyond, beyond_log)
+    return LaneRows(groups, mass, passed, limited, still, status, pushes, *counts, end)
 
 
 def lane_lists(

@@ -54,7 +54,7 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact
         {"C": c.name, "W": "q_stored", "P": place[stored_name(c.name)]} for c in machine.circuits if flow in STORING
     ]
     lists["CIRCUIT_PLACES"] = [*lists["CIRCUIT_PLACES"], *stored]
-    lists["ANY_NETWORKS"] = [{"E": ""}] if flow in ("networks", "pressure") else []
+    lists["ANY_NETWORKS"] = [{"E": ""}] if flow in ("networks", "pressure", "residual") else []
     n = len(machine.names)
     lists["TIP"], lists["PUSHED"] = [{"T": tip}], [{"T": tip}] if force else []
     lists["UNPUSHED"] = [] if force else [{"E": ""}]

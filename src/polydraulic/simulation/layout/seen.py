@@ -1,9 +1,11 @@
 """What went beyond the log that a machine was identified from: a spool, or the pressure at the port that an open valve feeds."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic._kernel import kernel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import Columns
 
@@ -34,9 +36,23 @@ def seen_limits(machine: LayoutMachine) -> SeenLimits:
     return SeenLimits(np.array(opens), *np.array(seen).T.copy())
 
 
+@kernel
+def goes_beyond(spool: float, p_a: float, p_b: float, opens: float, most: float, highest: float) -> bool:
+    """Whether a valve's travel, or the pressure at the port that it feeds when it is open, is beyond the log; see `SeenLimits`."""
+    travel, pressure = abs(spool), p_a if spool > 0.0 else p_b
+    return travel > most or (travel > opens and pressure > highest)
+
+
 def is_identified(machine: LayoutMachine) -> bool:
     """Whether a log was seen of any function."""
     return any(f.seen is not None for f in machine.functions)
+
+
+def lane_limits(machines: Sequence[LayoutMachine]) -> np.ndarray:
+    """Limits of machines side by side, (3, n_function, n_machine) in the order of `SeenLimits`; (0, n_function, n_machine) if none was identified."""
+    if not any(is_identified(machine) for machine in machines):
+        return np.zeros((0, len(machines[0].names), len(machines)))
+    return np.stack([np.array(seen_limits(machine)) for machine in machines], axis=-1)
 
 
 def beyond_seen(machine: LayoutMachine, columns: Columns, rows: np.ndarray) -> np.ndarray | None:

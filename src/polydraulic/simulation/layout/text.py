@@ -39,6 +39,7 @@ _LANES = {
     "exact": ("lanes", "lanes_circuits", "crossover"),
     "networks": ("lanes", "lanes_networks"),
     "pressure": ("lanes", "lanes_networks"),
+    "residual": ("lanes", "lanes_networks"),
 }
 _EFFECT_PAGES = {"stops": "NONE_STICKING", "stiction": "ANY_STICKING", "spools": "ANY_VALVE_EFFECT"}  # before "step"
 _IMPORTS = (
@@ -69,6 +70,7 @@ _IMPORTS = (
     "from polydraulic.machine.valve import Orifices, orifice_flow",
     "from polydraulic.networks.model.table import NetworkTable",
     "from polydraulic.parameters.schema import Friction, Stops",
+    "from polydraulic.simulation.layout.seen import goes_beyond",
     "from polydraulic.simulation.steps import DIVERGED, FASTEST",
 )
 _LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
@@ -135,6 +137,7 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
         f"N_FUNCTION, N_RECORD = {len(machine.names)}, {n_record}",
         f"N_ROW, STEPS_ROW, UNSETTLED_ROW, MET_ROW = {rows.n_row}, {rows.steps * LANES}, {rows.unsettled * LANES}, {rows.met * LANES}",
         f"STILL_ROW, OUTSIDE_ROW, BEYOND_ROW = {rows.still * LANES}, {rows.outside * LANES}, {rows.beyond * LANES}",
+        f"BEYOND_LOG_ROW = {rows.beyond_log * LANES}",
         expanded(first, lists),
         "Joints = Functions",
         motion,

@@ -8,17 +8,28 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.flow.lanes import LANES, leaves
-from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.errors import InputError
+from polydraulic.flow.lanes import LANES, arrays_in, leaves
 from polydraulic.simulation.layout.prepare import ReadyMachine
+from polydraulic.simulation.layout.seen import is_identified, seen_limits
 from polydraulic.simulation.stepping.levers import hand_of
+from polydraulic.simulation.stepping.marks import Hand
 from polydraulic.simulation.stepping.packed import pack_tree
 from polydraulic.simulation.stepping.setup import Setup, loaded_machine, readied
-from polydraulic.simulation.stepping.text import MORE_ROWS, lanes_module
+from polydraulic.simulation.stepping.text import MORE_ROWS, lanes_module, rows_before
+
+
+class LaneNumbers(NamedTuple):
+    """Numbers of one machine as it is set up, with a mass at its tip, for its lane."""
+
+    setup: Setup
+    mass: float
+    ready: ReadyMachine
+    hand: Hand
 
 
 @dataclass
@@ -33,6 +44,12 @@ class BatchEngine:
         Packed parameters of the first machine, or of all.
     own_valves, own_plant : (n_block, n_number * LANES) arrays or None
         Parameters of each machine, where they may differ.
+    seen : (n_block, 3, n_function, LANES) array
+        How far the logs went that they were identified from, in the order of `SeenLimits`.
+    logged : bool
+        Whether there are any.
+    valves : named tuple
+        The parameters of which `numbers` and `whole` are a copy: they keep the machine code of networks.
     blocks : (n_block, n_row * LANES) array
     given : (n_lane, n_input) array
         Levers in V, then the force at the tip in N.
@@ -51,6 +68,8 @@ class BatchEngine:
     whole: np.ndarray = field(repr=False)
     own_valves: np.ndarray | None = field(repr=False)
     own_plant: np.ndarray | None = field(repr=False)
+    seen: np.ndarray = field(repr=False)
+    valves: Any = field(repr=False)
     blocks: np.ndarray = field(repr=False)
     given: np.ndarray = field(repr=False)
     taken: np.ndarray = field(repr=False)
@@ -67,6 +86,7 @@ class BatchEngine:
     scratch: np.ndarray = field(repr=False)
     pool: ThreadPoolExecutor | None = None
     clock: int = 0
+    logged: bool = False
 
     def run(self, n: int) -> int:
         """Make `n` steps, or begin anew where `mask` is 1 for n = 0; how many machines have diverged."""
@@ -83,65 +103,84 @@ class BatchEngine:
 
     def _part(self, n: int, k: int, first: int, last: int) -> int:
         return self.advance(
-            self.numbers, self.whole, self.own_valves, self.own_plant, self.blocks, self.given, self.taken, self.moves, self.wait,
-            self.delay, self.scratch[k], self.mask, self.states, self.signal, self.chosen, self.out, self.clock, n, first, last,
+            self.numbers, self.whole, self.own_valves, self.own_plant, self.seen, int(self.logged), self.blocks, self.given,
+            self.taken, self.moves, self.wait, self.delay, self.scratch[k], self.mask, self.states, self.signal, self.chosen, self.out, self.clock, n, first, last,
         )  # fmt: skip
 
-    def place(self, lane: int, setup: Setup, machine: LayoutMachine, mass: float) -> None:
-        """Put another machine, of the same layout, into a lane; it shows from the next start or step on."""
-        setup = setup._replace(machine=machine)
-        ready, hand = readied(setup, loaded_machine(setup, mass)), hand_of(machine, setup.dt, setup.locked)
+    def prepared(self, setup: Setup, mass: float) -> LaneNumbers:
+        """Numbers of another machine, of the same layout, with a mass in kg at its tip.
+
+        Raises
+        ------
+        InputError
+            What cannot be prepared; networks of which machines side by side do not share all.
+        """
+        found = _prepared(setup, mass)
+        shared = zip(arrays_in(self.valves), arrays_in(found.ready.valves), strict=True)
+        if not all(np.array_equal(one, other) for one, other in shared):
+            raise InputError(
+                f"{setup.machine.title!r} has other networks of flow {setup.flow.name!r} than the first machine; machines side by side share "
+                "theirs: give networks that all of them are to have, or use `simulate_batch`"
+            )
+        return found
+
+    def place(self, lane: int, new: LaneNumbers) -> None:
+        """Put another machine into a lane; it shows from the next start or step on."""
         b, at = divmod(lane, LANES)
-        for own, numbers in ((self.own_valves, ready.valves), (self.own_plant, ready.plant)):
+        for own, numbers in ((self.own_valves, new.ready.valves), (self.own_plant, new.ready.plant)):
             if own is not None:
                 own[b].reshape(-1, LANES)[:, at] = leaves(numbers)
-        self.starts[lane], self.most[lane] = ready.start, hand.most
-        self.wait[b, :, at] = hand.wait
+        self.starts[lane], self.most[lane] = new.ready.start, new.hand.most
+        self.wait[b, :, at] = new.hand.wait
+        self.seen[b, :, :, at] = new.hand.seen
+        self.logged = self.logged or is_identified(new.setup.machine)
+
+
+def _prepared(setup: Setup, mass: float) -> LaneNumbers:
+    ready = readied(setup, loaded_machine(setup, mass))
+    return LaneNumbers(setup, mass, ready, hand_of(setup.machine, setup.dt, setup.locked))
 
 
 def batch_engine(
-    setup: Setup,
-    machines: Sequence[LayoutMachine],
-    masses: np.ndarray,
-    rows: Sequence[int],
-    threads: int,
-    *,
-    longest: int,
-    differ: bool,
+    setup: Setup, mass: float, n: int, rows: Sequence[int], threads: int, *, longest: int, differ: bool
 ) -> BatchEngine:
     """Compile, or load, what moves machines side by side.
 
     Parameters
     ----------
     setup : Setup
-        Of the first machine.
-    machines : sequence of LayoutMachine
-        One for each lane that is used, all of one layout.
-    masses : (n,) array, kg
-        At their tips.
+        Of a machine that fills all lanes.
+    mass : float, kg
+        At its tip.
+    n : int
+        Lanes that are used.
     rows : sequence of int
-        Rows of a block that are shown; `tip_row`, `count_rows` give those that no run records.
+        Rows of a block that are shown; `extra_rows` gives those that no run records.
     threads : int
     longest : int
         Dead time in steps that any of them may have.
     differ : bool
-        Whether they have, or can come to have, numbers of their own.
+        Whether lanes can come to have numbers of their own.
     """
-    first: ReadyMachine = readied(setup, loaded_machine(setup, masses[0]))
-    hand, n_block = hand_of(setup.machine, setup.dt, setup.locked), -(-len(machines) // LANES)
+    _, _, first, hand = _prepared(setup, mass)
+    n_block = -(-n // LANES)
     n_lane, n_function = n_block * LANES, len(setup.machine.names)
     parts: dict[str, Any] = {"valves": first.valves, "plant": first.plant}
-    module = lanes_module(loaded_machine(setup, masses[0]), first.module, parts, force=bool(setup.loads.force))
-    n_input, n_row = n_function + (3 if setup.loads.force else 0), first.module.N_ROW + MORE_ROWS
+    module = lanes_module(
+        loaded_machine(setup, mass), first.module, parts, force=bool(setup.loads.force), flow=setup.flow
+    )
+    n_input, n_row = n_function + (3 if setup.loads.force else 0), rows_before(first.module, setup.flow) + MORE_ROWS
 
     def own(numbers: Any) -> np.ndarray:
         return np.repeat(np.tile(leaves(numbers), (n_block, 1)), LANES, axis=1)
 
-    engine = BatchEngine(
+    return BatchEngine(
         module.advance_blocks,
         *pack_tree(tuple(parts.values())),
         own_valves=own(first.valves) if differ else None,
         own_plant=own(first.plant) if differ or setup.loads.payload is not None else None,
+        seen=np.repeat(np.tile(np.array(seen_limits(setup.machine)), (n_block, 1, 1))[..., None], LANES, axis=-1),
+        valves=first.valves,
         blocks=np.zeros((n_block, n_row * LANES)),
         given=np.zeros((n_lane, n_input)),
         taken=np.zeros((n_lane, 1, n_input)),
@@ -157,20 +196,20 @@ def batch_engine(
         mask=np.ones(n_lane, dtype=np.int64),
         scratch=np.zeros((max(min(threads, n_block), 1), n_row * LANES)),
         pool=ThreadPoolExecutor(min(threads, n_block), "polydraulic") if min(threads, n_block) > 1 else None,
+        logged=is_identified(setup.machine),
     )
-    for lane, (machine, mass) in enumerate(zip(machines, masses, strict=True)):
-        if machine is not machines[0] or mass != masses[0]:
-            engine.place(lane, setup, machine, mass)
-    return engine
 
 
 def extra_rows(setup: Setup, mass: float) -> dict[str, int]:
     """Rows of a block that no run records, by what they hold."""
     module = readied(setup, loaded_machine(setup, mass)).module
-    tip = {f"effector.{axis}": module.N_ROW + 1 + k for k, axis in enumerate("xyz")}
+    whole = rows_before(module, setup.flow)
+    tip = {f"effector.{axis}": whole + 1 + k for k, axis in enumerate("xyz")}
     return {
-        "whole": module.N_ROW,
+        "whole": whole,
         "steps": module.STEPS_ROW // LANES,
         "unsettled": module.UNSETTLED_ROW // LANES,
+        "outside": module.BEYOND_ROW // LANES,
+        "beyond_log": module.BEYOND_LOG_ROW // LANES,
         **tip,
     }

@@ -3,32 +3,36 @@
 from collections.abc import Collection, Mapping, Sequence
 from math import ceil
 from pathlib import Path
-from types import MappingProxyType, TracebackType
-from typing import Any, Self
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from polydraulic.errors import InputError, briefly
+from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.loads import DIRECTIONS
 from polydraulic.simulation.batch.family import family_of
 from polydraulic.simulation.layout.columns import EFFECTOR
-from polydraulic.simulation.layout.prepare import start_vector
+from polydraulic.simulation.layout.seen import is_identified
 from polydraulic.simulation.layout.text import layout_of
-from polydraulic.simulation.stepping.batch_engine import batch_engine, extra_rows
-from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
+from polydraulic.simulation.stepping.batch_engine import LaneNumbers, batch_engine, extra_rows
+from polydraulic.simulation.stepping.levers import refused
 from polydraulic.simulation.stepping.per_machine import as_many, count, per_machine
 from polydraulic.simulation.stepping.saved import SavedBatch
-from polydraulic.simulation.stepping.setup import set_up, states_from
-from polydraulic.simulation.stepping.tip_load import PAYLOAD, as_loads
+from polydraulic.simulation.stepping.setup import flow_key, set_up, setup_beside, states_from
+from polydraulic.simulation.stepping.stepped import PIECE, Stepped
+from polydraulic.simulation.stepping.tip_load import PAYLOAD, as_loads, check_kept
+from polydraulic.simulation.steps import MOST_STEPS
 
 _MOST = 1_000_000  # machines
-_COUNTS = ("whole", "steps", "unsettled")
+_MOST_KNOWN = 256  # machines, with masses at their tips, of which prepared numbers are kept
+_COUNTS = ("whole", "steps", "unsettled", "outside", "beyond_log")
 AnyMachine = LayoutMachine | str | Path
 
 
-class BatchSimulator:
+class BatchSimulator(Stepped):
     """Machines of one layout that are moved step by step, side by side; steps have the bits of `simulate_batch` and `simulate`.
 
     Parameters
@@ -38,7 +42,8 @@ class BatchSimulator:
     n : int, optional
         How many, if they are all alike.
     flow : str or flow model
-        ``"exact"``, which has a form for machines side by side.
+        One that has a form for machines side by side: ``"exact"``, ``"polynomial"``, ``"neural"``, ``"pressure"``, ``"residual"``. A name builds
+        the model of each machine, and all of them must share their networks; a model serves all machines.
     dt : float, s
     locked : collection of str
         Functions whose joints are held, in all machines.
@@ -63,7 +68,7 @@ class BatchSimulator:
     Raises
     ------
     InputError
-        What cannot be used, as for `Simulator`; machines of several layouts; a flow model without such a form.
+        What cannot be used, as for `Simulator`; machines of several layouts, or with several networks; a flow model without such a form.
 
     Examples
     --------
@@ -78,7 +83,7 @@ class BatchSimulator:
         self,
         machines: AnyMachine | Sequence[AnyMachine],
         n: int | None = None,
-        flow: str = "exact",
+        flow: str | FlowModel = "exact",
         *,
         dt: float = 5e-3,
         locked: Collection[str] = (),
@@ -101,46 +106,42 @@ class BatchSimulator:
             for name, value in (load or {}).items()
         }
         loads = as_loads({name: float(value[0]) for name, value in values.items()} if values else None)
-        self._setup = set_up(given[0], flow, dt, locked, loads)
-        if self._setup.flow.kernels != "exact":
+        setup = set_up(given[0], flow, dt, locked, loads)
+        super().__init__(setup, flow, (self.n, len(setup.machine.names)))
+        if family_of(self.machine, setup.flow).run_block is None:
             raise InputError(
-                f"flow {self._setup.flow.name!r} cannot be stepped side by side; use 'exact', `simulate_batch`, or a `Simulator` for each machine"
+                f"flow {setup.flow.name!r} cannot be stepped side by side; use 'exact', `simulate_batch`, or a `Simulator` for each machine"
             )
-        self.machine, self.names, self.dt = self._setup.machine, self._setup.machine.names, dt
         self._machines = [self.machine] * self.n if alike else [self._alike(item) for item in given]
         self._masses = values.get(PAYLOAD, np.zeros(self.n))
         dead = max(f.pilot.dead_time for machine in self._machines for f in machine.functions)
         if longest_delay is not None and not longest_delay >= dead:
             raise InputError(f"longest_delay = {longest_delay} s: the machines have dead times of up to {dead:g} s")
         self._longest = ceil((dead if longest_delay is None else longest_delay) / dt - 1e-9)
-        rows = self._shown(columns)
+        rows, first = self._shown(columns), float(self._masses[0])
+        shares = count(threads, "threads", 1024)
         self._engine = batch_engine(
-            self._setup,
-            self._machines,
-            self._masses,
-            list(rows.values()),
-            count(threads, "threads", 1024),
-            longest=self._longest,
-            differ=not alike,
+            setup, first, self.n, list(rows.values()), shares, longest=self._longest, differ=not alike
         )
+        self._known: dict[tuple[int, float], tuple[LayoutMachine, LaneNumbers]] = {}
+        for i, machine in enumerate(self._machines):
+            if machine is not self.machine or self._masses[i] != first:
+                self._engine.place(i, self._numbers(machine, self._masses[i]))
         seen = self._engine.out.view()
         seen.flags.writeable = False
         shown = {name: seen[k, : self.n] for k, name in enumerate(rows)}
         self._counts = {name: shown.pop(name) for name in _COUNTS}
         self.outputs: Mapping[str, np.ndarray] = MappingProxyType(shown)
-        self._shape, self._levers = (self.n, len(self.names)), self._engine.given[: self.n, : len(self.names)]
+        self._levers, self._forces = np.split(self._engine.given[: self.n], [len(self.names)], axis=1)
         self._size, self._within = np.empty(self._shape), np.empty(self._shape, dtype=bool)
-        self._closed = False
-        self._first = {name: value for name, value in values.items() if name in DIRECTIONS}
+        # what episodes begin with
+        self._first, self._first_masses = np.zeros(self._forces.shape), self._masses.copy()
+        for name in [name for name in values if name in DIRECTIONS]:
+            self._first[:, DIRECTIONS.index(name)] = values[name]
         self.reset()
 
     def __len__(self) -> int:
         return self.n
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self.outputs:
-            raise InputError(f"no output {briefly(name)}; there are {list(self.outputs)}")
-        return self.outputs[name]
 
     @property
     def steps(self) -> np.ndarray:
@@ -158,6 +159,16 @@ class BatchSimulator:
         return self._counts["unsettled"].astype(np.int64)
 
     @property
+    def steps_out_of_domain(self) -> np.ndarray:
+        """Steps of each outside the flow model's domain, or beyond the log that it was identified from, whichever are more, (n,) array of int."""
+        return np.maximum(self._counts["outside"], self._counts["beyond_log"]).astype(np.int64)
+
+    @property
+    def steps_beyond_log(self) -> np.ndarray:
+        """Steps of each beyond the log that it was identified from, (n,) array of int."""
+        return self._counts["beyond_log"].astype(np.int64)
+
+    @property
     def diverged(self) -> np.ndarray:
         """Machines of which a rate grew without bound, (n,) array of bool: they stand still until they are reset."""
         return np.asarray(self._counts["whole"] == 0.0)
@@ -170,7 +181,7 @@ class BatchSimulator:
         machines: AnyMachine | Sequence[AnyMachine] | None = None,
         payload: float | np.ndarray | None = None,
     ) -> None:
-        """Begin anew, all machines or some; the others stay as they are, bit for bit.
+        """Begin anew, all machines or some, with centred levers and the load that they were built with; the others stay as they are, bit for bit.
 
         Parameters
         ----------
@@ -181,7 +192,7 @@ class BatchSimulator:
         machines : machine or sequence of n machines, optional
             Other parameters from now on, where the simulator was built with a sequence; some milliseconds for each machine.
         payload : float or (n,) array, kg, optional
-            As `machines`, where the simulator was built with a payload.
+            Instead of the one that they were built with, now and whenever they begin anew.
 
         Raises
         ------
@@ -189,23 +200,23 @@ class BatchSimulator:
             What cannot be used; all machines stay as they are.
         """
         chosen = self._mask(mask)
-        others = self._others(machines, payload, chosen)
-        news, starts = self._machines, self._engine.starts[: self.n]
+        news, masses = self._others(machines, payload)
+        others = {
+            i: self._numbers(news[i], masses[i])
+            for i in np.flatnonzero(chosen).tolist()
+            if news[i] is not self._machines[i] or masses[i] != self._masses[i]
+        }
+        engine, starts = self._engine, self._engine.starts[: self.n]
         if others:
-            news, starts = list(news), starts.copy()
-        for i, (machine, _) in others.items():
-            news[i], starts[i] = machine, start_vector(machine)
+            starts = starts.copy()
+            for i, new in others.items():
+                starts[i] = new.ready.start
         states = states_from(self._setup, news, starts, state, chosen)
-        engine = self._engine
-        for i, (machine, mass) in others.items():
-            engine.place(i, self._setup, machine, mass)
-            self._machines[i], self._masses[i] = machine, mass
+        self._first_masses[chosen] = masses[chosen]
+        self._place(others, news, masses)
         engine.states[: self.n] = engine.starts[: self.n]
         engine.states[: self.n][chosen] = states
-        self._levers[chosen] = 0.0
-        if mask is None:
-            for name, value in self._first.items():
-                self._push(name, value)
+        self._levers[chosen], self._forces[chosen] = 0.0, self._first[chosen]
         engine.mask[:] = 0
         engine.mask[: self.n] = chosen
         if mask is None:
@@ -222,20 +233,20 @@ class BatchSimulator:
             Voltages of the levers, as for `Simulator.step`. Without, levers stay as they are; those of machines that have begun anew are
             centred.
         n : int
-        load : mapping of ``"x"``, ``"y"``, ``"z"`` to a value or (n_machine,) values, N, optional
-            Force at the tips from now on.
+        load : mapping of ``"x"``, ``"y"``, ``"z"`` (N) and ``"payload"`` (kg) to a value or (n_machine,) values, optional
+            What pushes and hangs at the tips from now on; what it leaves out stays. Numbers of a machine with another payload take some
+            milliseconds to prepare, once for machines that are one.
 
         Raises
         ------
         InputError
             What cannot be used; nothing has moved.
         """
-        if self._closed:
-            raise InputError("the simulator is closed; build another one")
-        steps = count(n, "n", 1_000_000)
-        values = {} if load is None else {name: self._force(name, value) for name, value in load.items()}
+        self._check_open()
+        left = count(n, "n", MOST_STEPS)
+        values = {} if load is None else {name: self._load(name, value) for name, value in load.items()}
         if inputs is not None:
-            found = self._read(inputs)
+            found = self._voltages(inputs)
             np.abs(found, out=self._size)
             np.less_equal(self._size, self._engine.most[: self.n], out=self._within)
             if not self._within.all():
@@ -243,16 +254,31 @@ class BatchSimulator:
                 raise refused(
                     self._machines[machine].functions[place], float(found[machine, place]), f" of machine {machine}"
                 )
+        masses = values.pop(PAYLOAD, self._masses)
+        others = np.flatnonzero(masses != self._masses).tolist()
+        self._place({i: self._numbers(self._machines[i], masses[i]) for i in others}, self._machines, masses)
+        if inputs is not None:
             self._levers[:] = found
         for name, value in values.items():
-            self._push(name, value)
-        if self._engine.run(steps):
+            self._forces[:, DIRECTIONS.index(name)] = value
+        while left:
+            piece = min(left, PIECE)
+            lost = self._engine.run(piece)
+            left -= piece
+        if lost:
             self._hide()
 
     def save(self) -> SavedBatch:
         """All that changes, to come back to by `restore`: bit for bit."""
         arrays = {name: None if (own := getattr(self._engine, name)) is None else own.copy() for name in _CHANGING}
-        return SavedBatch(self._of(), arrays, self._engine.clock, tuple(self._machines), self._masses.copy())
+        return SavedBatch(
+            self._of(),
+            arrays,
+            self._engine.clock,
+            tuple(self._machines),
+            self._masses.copy(),
+            self._first_masses.copy(),
+        )
 
     def restore(self, saved: SavedBatch) -> None:
         """Go back to what was saved, of this simulator or of one that is built alike.
@@ -270,20 +296,13 @@ class BatchSimulator:
             if values is not None:
                 getattr(self._engine, name)[:] = values
         self._engine.clock, self._machines, self._masses = saved.clock, list(saved.machines), saved.masses.copy()
+        self._engine.logged, self._first_masses = any(map(is_identified, saved.machines)), saved.first_masses.copy()
 
     def close(self) -> None:
         """End: further steps are refused, outputs can still be read, and threads end."""
-        self._closed = True
+        super().close()
         if self._engine.pool is not None:
             self._engine.pool.shutdown()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _alike(self, machine: Any) -> LayoutMachine:
         """A machine that can stand beside the first one."""
@@ -318,8 +337,8 @@ class BatchSimulator:
             )
         return found
 
-    def _others(self, machines: Any, payload: Any, chosen: np.ndarray) -> dict[int, tuple[LayoutMachine, float]]:
-        """Machines of the lanes that get another one, or another payload."""
+    def _others(self, machines: Any, payload: Any) -> tuple[list[LayoutMachine], np.ndarray]:
+        """Machines of all lanes, and masses at their tips, as they begin."""
         if machines is not None and self._engine.own_valves is None:
             raise InputError(
                 "machines: this simulator was built of one machine; build it of a sequence, of equal ones if need be"
@@ -332,41 +351,36 @@ class BatchSimulator:
             if len(items) != self.n:
                 raise InputError(f"{len(items)} machines: give one for all, or {self.n}")
             news = [self._alike(item) for item in items]
-        masses = self._masses if payload is None else per_machine(payload, "payload", self.n, low=0.0)
-        found = {}
-        for i in np.flatnonzero(chosen) if machines is not None or payload is not None else ():
-            if news[i] is not self._machines[i] or masses[i] != self._masses[i]:
-                dead = max(f.pilot.dead_time for f in news[i].functions)
-                if ceil(dead / self.dt - 1e-9) > self._longest:
-                    raise InputError(
-                        f"machine {i} has a dead time of {dead:g} s; build the simulator with longest_delay={dead:g}"
-                    )
-                found[int(i)] = (news[i], float(masses[i]))
-        return found
+        return news, self._first_masses if payload is None else per_machine(payload, "payload", self.n, low=0.0)
 
-    def _read(self, inputs: Any) -> np.ndarray:
-        if isinstance(inputs, Mapping):
-            named = named_voltages(inputs, self.names, self._setup.locked)
-            return np.column_stack(
-                [as_many(value, name, self.n) for value, name in zip(named, self.names, strict=True)]
-            )
-        if inputs.__class__ is np.ndarray and inputs.shape == self._shape and inputs.dtype == np.float64:
-            return inputs
-        return lever_voltages(inputs, self.names, self._shape)
+    def _numbers(self, machine: LayoutMachine, mass: float) -> LaneNumbers:
+        """Numbers of a machine with a mass at its tip, prepared once."""
+        key = id(machine), float(mass)
+        if key not in self._known:
+            dead = max(f.pilot.dead_time for f in machine.functions)
+            if ceil(dead / self.dt - 1e-9) > self._longest:
+                raise InputError(
+                    f"{machine.title!r} has a dead time of {dead:g} s; build the simulator with longest_delay={dead:g}"
+                )
+            if len(self._known) >= _MOST_KNOWN:
+                self._known.clear()
+            self._known[key] = machine, self._engine.prepared(setup_beside(self._setup, self._flow, machine), key[1])
+        return self._known[key][1]
 
-    def _force(self, name: str, value: Any) -> np.ndarray:
-        if name not in DIRECTIONS:
-            raise InputError(
-                f"load names {briefly(name)}: must be one of {list(DIRECTIONS)}; a payload changes by `reset`"
-            )
-        if not self._setup.loads.force:
-            raise InputError(
-                'load: has a force at the tip, for which this simulator was not built; build it with load={"x": 0.0}'
-            )
-        return per_machine(value, f"load: {name}", self.n)
+    def _place(self, others: Mapping[int, LaneNumbers], machines: Sequence[LayoutMachine], masses: np.ndarray) -> None:
+        """Let other machines, and masses at their tips, be in some lanes."""
+        for i, new in others.items():
+            self._engine.place(i, new)
+            self._machines[i], self._masses[i] = machines[i], masses[i]
 
-    def _push(self, name: str, value: np.ndarray) -> None:
-        self._engine.given[: self.n, len(self.names) + DIRECTIONS.index(name)] = value
+    def _in_order(self, values: list[Any]) -> np.ndarray:
+        return np.column_stack([as_many(value, name, self.n) for value, name in zip(values, self.names, strict=True)])
+
+    def _load(self, name: str, value: Any) -> np.ndarray:
+        if name not in (*DIRECTIONS, PAYLOAD):
+            raise InputError(f"load names {briefly(name)}: must be one of {[*DIRECTIONS, PAYLOAD]}")
+        check_kept(as_loads({name: 0.0}), self._setup.loads)
+        return per_machine(value, f"load: {name}", self.n, low=0.0 if name == PAYLOAD else None)
 
     def _hide(self) -> None:
         """What diverged is no number in any output."""
@@ -378,7 +392,8 @@ class BatchSimulator:
         forced, weighed = bool(self._setup.loads.force), self._setup.loads.payload is not None
         # numbers of machines that have their own are saved with them
         fixed = self.machine if self._engine.own_valves is None else layout_of(self.machine)
-        return fixed, self.n, self.dt, self._setup.locked, forced, weighed, tuple(self.outputs), self._longest
+        flow = flow_key(self._setup.flow)
+        return fixed, flow, self.n, self.dt, self._setup.locked, forced, weighed, tuple(self.outputs), self._longest
 
 
-_CHANGING = ("blocks", "given", "wait", "delay", "most", "starts", "out", "own_valves", "own_plant")
+_CHANGING = ("blocks", "given", "wait", "delay", "most", "starts", "out", "own_valves", "own_plant", "seen")

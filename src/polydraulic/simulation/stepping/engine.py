@@ -17,7 +17,7 @@ from polydraulic.simulation.layout.prepare import ReadyMachine
 from polydraulic.simulation.stepping.levers import hand_of
 from polydraulic.simulation.stepping.marks import BEYOND, FLAGS, MOST_CHANGES, OUTSIDE, STEPS, Hand
 from polydraulic.simulation.stepping.packed import pack_tree
-from polydraulic.simulation.stepping.setup import Setup, loaded_machine, readied
+from polydraulic.simulation.stepping.setup import Setup, flow_key, loaded_machine, readied
 from polydraulic.simulation.stepping.text import Places, places_of, single_module
 
 
@@ -149,13 +149,6 @@ def engine_of(setup: Setup, mass: float) -> Engine:
 
 
 def _digest(setup: Setup, module: ModuleType) -> str:
-    flow = (setup.flow.name, setup.flow.served, *(np.asarray(part).tobytes() for part in _arrays(setup.flow.parts)))
+    flow = flow_key(setup.flow)
     kept = (module.__name__, setup.machine, setup.dt, setup.locked, setup.loads.payload is None, flow)
     return hashlib.sha256(repr(kept).encode()).hexdigest()
-
-
-def _arrays(parts: object) -> list[object]:
-    """All numbers and arrays of a flow model's parts, one after the other."""
-    if isinstance(parts, dict):
-        return [leaf for name in sorted(parts) for leaf in _arrays(parts[name])]
-    return [leaf for part in parts for leaf in _arrays(part)] if isinstance(parts, tuple) else [parts]

@@ -31,3 +31,4 @@ class SavedBatch:
     clock: int
     machines: tuple[LayoutMachine, ...] = field(repr=False)
     masses: np.ndarray = field(repr=False)
+    first_masses: np.ndarray = field(repr=False)

@@ -14,7 +14,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.parameters.loads import Loads
 from polydraulic.simulation.batch.family import family_of
-from polydraulic.simulation.changed_flow import changed_flow
+from polydraulic.simulation.changed_flow import changed_flow, valves_and_pumps
 from polydraulic.simulation.layout.columns import EFFECTOR, columns_of
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.stepping.per_machine import as_many
@@ -93,6 +93,13 @@ def changed_setup(
     return setup._replace(machine=machine, flow=changed_flow(flow, setup.flow, setup.machine, machine))
 
 
+def setup_beside(setup: Setup, flow: str | FlowModel, machine: LayoutMachine) -> Setup:
+    """Another machine beside the first one; a flow model by name is built for it, one that is given serves all."""
+    if isinstance(flow, str) and valves_and_pumps(machine) != valves_and_pumps(setup.machine):
+        return setup._replace(machine=machine, flow=layout_flow(flow, machine))
+    return setup._replace(machine=machine)
+
+
 def loaded_machine(setup: Setup, mass: float) -> LayoutMachine:
     """The machine with what hangs at its tip; without a payload it is left as it is."""
     return setup.machine if setup.loads.payload is None else with_payload(setup.machine, mass)
@@ -101,6 +108,18 @@ def loaded_machine(setup: Setup, mass: float) -> LayoutMachine:
 def readied(setup: Setup, machine: LayoutMachine) -> ReadyMachine:
     """Kernels and numbers of a machine as it is set up."""
     return prepare_layout(machine, setup.dt, setup.locked, force=bool(setup.loads.force), flow=setup.flow)
+
+
+def flow_key(flow: LayoutFlow) -> tuple[Any, ...]:
+    """Tells flow models from others, by their name, what they serve, and all numbers of their parts."""
+    return (flow.name, flow.served, *(np.asarray(part).tobytes() for part in _numbers(flow.parts)))
+
+
+def _numbers(part: object) -> list[object]:
+    """All numbers and arrays of a flow model's parts, one after the other."""
+    if isinstance(part, dict):
+        return [leaf for name in sorted(part) for leaf in _numbers(part[name])]
+    return [leaf for inner in part for leaf in _numbers(inner)] if isinstance(part, tuple) else [part]
 
 
 class Output(NamedTuple):

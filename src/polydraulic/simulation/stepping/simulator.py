@@ -4,11 +4,11 @@ import time as clocks
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
-from polydraulic.errors import InputError, SimulationError, briefly
+from polydraulic.errors import InputError, SimulationError
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.loads import DIRECTIONS, Loads
@@ -17,21 +17,21 @@ from polydraulic.simulation.events import MAX_EVENTS
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.stepping import marks
 from polydraulic.simulation.stepping.engine import engine_of
-from polydraulic.simulation.stepping.levers import lever_voltages, named_voltages, refused
+from polydraulic.simulation.stepping.levers import refused
 from polydraulic.simulation.stepping.noted import events_between
 from polydraulic.simulation.stepping.pace import Pace
 from polydraulic.simulation.stepping.per_machine import count
 from polydraulic.simulation.stepping.saved import SavedState
 from polydraulic.simulation.stepping.setup import Setup, changed_setup, outputs_of, set_up, state_from
+from polydraulic.simulation.stepping.stepped import PIECE, Stepped
 from polydraulic.simulation.stepping.tip_load import as_loads, check_kept, mass_at
 from polydraulic.simulation.stepping.until import steps_until
 from polydraulic.simulation.steps import MOST_STEPS
 
-_PIECE = 20_000  # steps of a call of compiled code, which cannot be interrupted
 _MOST_NOTED = 1000  # calls that wait for the names of their events
 
 
-class Simulator:
+class Simulator(Stepped):
     """A machine that is moved step by step; steps have the bits of `simulate`.
 
     Parameters
@@ -90,20 +90,18 @@ class Simulator:
         clock: Callable[[], float] = clocks.perf_counter,
         sleep: Callable[[float], None] = clocks.sleep,
     ) -> None:
-        self._setup, self._flow = set_up(machine, flow, dt, locked, as_loads(load)), flow
-        self.machine, self.names, self.dt = self._setup.machine, self._setup.machine.names, dt
+        setup = set_up(machine, flow, dt, locked, as_loads(load))
+        super().__init__(setup, flow, (len(setup.machine.names),))
         oil, self._loads = self._setup.flow.stores_oil, self._setup.loads
         self._columns = columns_of(self.machine, stores_oil=oil)
         (self._mass, self._next_mass), self._steady = mass_at(self._loads.payload, 0, dt), True
         self._engine = engine_of(self._setup, self._mass)
         self._counts, self._live, given = self._engine.counts, self._engine.live, self._engine.places.given
-        self._shape = (len(self.names),)
         self._levers, self._push = self._live[given:][: len(self.names)], given + len(self.names)
         self._events: list[list[Any]] = []
         self._noted: list[np.ndarray] = []  # steps of which the events are not yet named
         self._dropped = 0
         self.pace = None if realtime is None else Pace(realtime, clock=clock, sleep=sleep)
-        self._closed = False
         self._views(self._engine.places.n_out)
         self.reset()
 
@@ -118,11 +116,6 @@ class Simulator:
         self.values = seen[: n_out + len(self.names)]
         self.state = seen[: self._columns.n_state]
         self.outputs = MappingProxyType({name: seen[at : at + 1].reshape(()) for name, at in self.place.items()})
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self.outputs:
-            raise InputError(f"no output {briefly(name)}; there are {list(self.outputs)}")
-        return self.outputs[name]
 
     @property
     def events(self) -> list[list[Any]]:
@@ -177,9 +170,8 @@ class Simulator:
         start = state_from(self._setup, state, self._engine.start)
         self._counts[marks.STEPS] = 0
         self._take(self._setup.loads)
-        self._loaded(1)
+        self._hang()
         self._engine.reset(start)
-        self._take(self._setup.loads)
         self._forget()
 
     def change(self, values: Mapping[str, float | Sequence[float]]) -> None:
@@ -301,16 +293,6 @@ class Simulator:
         self._take(saved.loads)
         self._forget()
 
-    def close(self) -> None:
-        """End: further steps are refused, outputs can still be read."""
-        self._closed = True
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
-
     def _become(self, setup: Setup, mass: float) -> None:
         """Let other numbers of the machine act from now on."""
         self._engine.change(setup, mass)
@@ -318,11 +300,7 @@ class Simulator:
 
     def _hold(self, inputs: Any) -> None:
         """Set the levers."""
-        if inputs.__class__ is np.ndarray and inputs.shape == self._shape and inputs.dtype == np.float64:
-            self._levers[:] = inputs
-            return
-        named = named_voltages(inputs, self.names, self._setup.locked) if isinstance(inputs, Mapping) else inputs
-        self._levers[:] = lever_voltages(named, self.names, self._shape)
+        self._levers[:] = self._voltages(inputs)
 
     def _take(self, loads: Loads) -> None:
         """Let other loads act from now on."""
@@ -330,12 +308,11 @@ class Simulator:
 
     def _run(self, n: int) -> None:
         """Make steps; of an event that is waited for, up to it."""
-        if self._closed:
-            raise InputError("the simulator is closed; build another one")
+        self._check_open()
         counts, left = self._counts, n
         while left:
             piece = left if self._steady else self._loaded(left)
-            piece = min(piece, _PIECE)
+            piece = min(piece, PIECE)
             made = self._engine.run(piece)
             left -= made
             if counts[marks.CHANGES]:
@@ -348,17 +325,21 @@ class Simulator:
     def _loaded(self, most: int) -> int:
         """Let the load of the next step act; for how many steps it stays."""
         step = self.steps
-        if self._next_mass is not None and step >= self._next_mass:
-            mass, self._next_mass = mass_at(self._loads.payload, step, self.dt)
-            if mass != self._mass:
-                self._mass = mass
-                self._engine.weigh(self._setup, mass)
+        self._hang()
         if self._setup.loads.force:
             self._live[self._push : self._push + len(DIRECTIONS)] = self._loads.forces(np.array([step * self.dt]))[0]
         if not all(isinstance(signal, Constant) for signal in self._loads.force.values()):
             return 1
         self._steady = self._next_mass is None
         return most if self._next_mass is None else min(most, self._next_mass - step)
+
+    def _hang(self) -> None:
+        """Hang what the loads have at the tip now."""
+        if self._next_mass is not None and self.steps >= self._next_mass:
+            mass, self._next_mass = mass_at(self._loads.payload, self.steps, self.dt)
+            if mass != self._mass:
+                self._mass = mass
+                self._engine.weigh(self._setup, mass)
 
     def _note_events(self) -> None:
         """Keep the pairs of rows that the last call has left: to name their events takes longer than many steps."""

@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from polydraulic.flow.lanes import LANES
+from polydraulic.flow.layout.model import LayoutFlow
 from polydraulic.flow.layout.text_module import loaded
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of, cross_name
@@ -24,6 +25,7 @@ _IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OUT_OF_DOMAIN",
     "from polydraulic.simulation.layout.methods.event_log import fill_flags",
+    "from polydraulic.simulation.layout.seen import goes_beyond",
     "from polydraulic.simulation.stepping.marks import BEYOND, CHANGES, DONE, FLAGS, LOST, NOTED, OUTSIDE, REFUSED, STATUS, STEPS, STOP, UNSETTLED, WHICH",
 )
 # of the text of the step
@@ -36,13 +38,15 @@ _LANE_IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.lanes import LANES, at",
     "from polydraulic.simulation.lane_blocks import LaneBlock",
-    "from polydraulic.simulation.stepping.own_block import Again, Levered",
+    "from polydraulic.simulation.stepping.marks import Again, Levered",
 )
 _LANES = (
-    "N_FUNCTION", "STEPS_ROW", "UNSETTLED_ROW", "Functions", "flow_stage", "get_angle", "get_rate", "hose_stage", "input_stage",
-    "motion_stage", "outlet_stage", "pilot_stage", "position_stage", "put_angle", "put_rate", "reasonable", "see_stage", "stop_stage", "turns",
+    "BEYOND_LOG_ROW", "BEYOND_ROW", "N_FUNCTION", "OUTSIDE_ROW", "STEPS_ROW", "UNSETTLED_ROW", "Functions", "flow_stage", "get_angle",
+    "get_rate", "hose_stage", "input_stage", "lane_beyond", "motion_stage", "outlet_stage", "pilot_stage", "position_stage", "put_angle", "put_rate", "reasonable", "see_stage", "stop_stage", "turns",
 )  # fmt: skip
-MORE_ROWS = 4  # of a block, behind those of the step: whether a machine has not diverged, place of its tip
+MORE_ROWS = (
+    4  # of a block, behind those of the step and its scratch: whether a machine has not diverged, place of its tip
+)
 PORTS = ("p_in", "p_out")
 
 
@@ -109,13 +113,20 @@ def single_module(
     return loaded(_text(machine, step, parts, constants, "single", _IMPORTS, _STEP, _lists(machine, stores_oil)))
 
 
-def lanes_module(machine: LayoutMachine, step: ModuleType, parts: Mapping[str, Any], *, force: bool) -> ModuleType:
+def lanes_module(
+    machine: LayoutMachine, step: ModuleType, parts: Mapping[str, Any], *, force: bool, flow: LayoutFlow
+) -> ModuleType:
     """Module of the driver of many machines side by side; arguments as for `single_module`, parts are ``valves`` and ``plant``."""
-    tip = function_of(machine, machine.tip[0])
-    constants = {"WHOLE_ROW": step.N_ROW * LANES, "TIP_ROW": (step.N_ROW + 1) * LANES}
+    tip, whole = function_of(machine, machine.tip[0]), rows_before(step, flow)
+    constants = {"WHOLE_ROW": whole * LANES, "TIP_ROW": (whole + 1) * LANES}
     of_step = (*_LANES, f"place_{tip}")
-    lists = page_lists(machine, tip, force)
+    lists = page_lists(machine, tip, force, flow.kernels)
     return loaded(_text(machine, step, parts, constants, "lanes", _LANE_IMPORTS, of_step, lists))
+
+
+def rows_before(step: ModuleType, flow: LayoutFlow) -> int:
+    """Rows of a block before those that no step knows: its own, and its scratch."""
+    return int(step.N_ROW) + -(-flow.n_memory // LANES)
 
 
 def _text(
