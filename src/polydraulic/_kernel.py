@@ -15,6 +15,7 @@ import shutil
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar
@@ -56,13 +57,15 @@ _COMPILED = (
 
 def source_digest() -> str:
     """Digest of every Python source, and page of one, that can stand in a kernel: names the cache folder."""
-    root = Path(__file__).parent
+    root = os.path.dirname(__file__)
+    tops = [os.path.join(root, name) for name in _COMPILED]
+    found = [f"{top}.py" for top in tops if os.path.isfile(f"{top}.py")]
+    found += [os.path.join(folder, name) for top in tops for folder, _, names in os.walk(top) for name in names]
     digest = hashlib.sha256()
-    for path in sorted([*root.rglob("*.py"), *root.rglob("*.py.txt")]):
-        if path.relative_to(root).with_suffix("").parts[0] not in _COMPILED:
-            continue
-        digest.update(path.relative_to(root).as_posix().encode())
-        digest.update(path.read_bytes())
+    for path in sorted(path for path in found if path.endswith((".py", ".py.txt"))):
+        digest.update(path[len(root) :].encode())
+        with open(path, "rb") as file:
+            digest.update(file.read())
     return digest.hexdigest()[:16]
 
 
@@ -122,8 +125,10 @@ def kernel(function: F) -> F:
     """
     called: Any = _compiled(function, _KERNEL_OPTIONS)
     if not numba.config.DISABLE_JIT:
-        inlined: Any = _compiled(function, INLINED_OPTIONS)
-        called.get_call_template, called.get_overload = inlined.get_call_template, inlined.get_overload
+        # made when a caller is compiled: a run that finds its callers on disk needs none
+        inlined: Callable[[], Any] = cache(partial(_compiled, function, INLINED_OPTIONS))
+        called.get_call_template = lambda *types: inlined().get_call_template(*types)
+        called.get_overload = lambda signature: inlined().get_overload(signature)
     compiled: F = called
     return compiled
 

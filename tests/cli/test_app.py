@@ -40,6 +40,25 @@ def test_the_package_runs_as_a_module():
     assert found.stdout == f"polydraulic {polydraulic.__version__}\n"
 
 
+def test_at_its_end_the_program_looks_for_no_garbage():
+    """Python looks through all objects twice, which would take as long as numba's import."""
+    code = (
+        "import atexit, gc, sys\n"
+        "atexit.register(lambda: print(gc.get_freeze_count() > 0))\n"
+        "from polydraulic.cli import main\n"
+        "sys.argv = ['polydraulic', '--version']\n"
+        "main()"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": SOURCES},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert found.stdout.splitlines()[1:] == ["True"]
+
+
 def test_the_help_names_first_steps_and_all_commands(call):
     code, out, _ = call("--help")
     assert code == 0
