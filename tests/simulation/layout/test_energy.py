@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polydraulic import simulate, simulate_batch
+from polydraulic import load_machine, simulate, simulate_batch
 from polydraulic.parameters.loads import Loads, Payload
 from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.signals import Constant, Sine
@@ -46,6 +46,32 @@ def test_the_pumps_power_goes_somewhere_and_no_loss_is_negative(crane):
         assert run[f"{f}.outlet_power"].min() >= 0.0
     assert run.unit("main.pump_power") == "W"
     assert run.unit("energy.kinetic") == "J"
+
+
+def stored_gaps(run, p_return):
+    """Energy that the oil before the valves of each circuit loses of what it was given, over what it has moved, and its account's largest flaw."""
+    for name, of in run.info["circuits"].items():
+        energy, power = run[f"{name}.stored_energy"], run[f"{name}.stored_power"]
+        given = np.concatenate([[0.0], np.cumsum(power[1:] * np.diff(run["time"]))])
+        yield np.abs(energy - energy[0] - given).max() / np.ptp(energy)
+        parts = sum(run[f"{name}.{what}_power"] for what in ("relief", "throttling", "stored"))
+        entered = sum(run[f"{f}.q_in"] * run[f"{f}.p_in"] for f in of)
+        back = run[f"{name}.pump_power"] - parts - entered
+        assert np.abs(back - run[f"{name}.q_bypass"] * p_return).max() < 1e-6
+        assert run[f"{name}.throttling_power"].min() > -1e-6
+
+
+@pytest.mark.parametrize("flow", ["stiff", pytest.param("tlm", marks=pytest.mark.slow_to_compile)])
+@pytest.mark.parametrize("name", ["wheel_loader", "cat215b"])
+def test_the_oil_before_the_valves_keeps_its_account(name, flow):
+    p_return = load_machine(name).tank.return_pressure
+    coarse, fine = (
+        [*stored_gaps(simulate(name, flow, "random:3:2", t_end=1.5, dt=dt, energy=True), p_return)]
+        for dt in (5e-3, 1.25e-3)
+    )
+    for far, near in zip(coarse, fine, strict=True):
+        assert far < 0.3
+        assert near < (0.3 if flow == "stiff" else 0.6) * far
 
 
 def test_a_force_is_carried_by_the_pressures(crane):

@@ -76,6 +76,14 @@ class LayoutFlow(NamedTuple):
         """Whether it follows oil between pumps and valves, so that pressures of its own go on from step to step."""
         return self.kernels in STORING
 
+    @property
+    def compliances(self) -> tuple[float, float] | None:
+        """Of that oil before a circuit's first valve, and before each other one, m3/Pa."""
+        if not self.stores_oil:
+            return None
+        of = self.parts["volumes" if self.kernels == "stiff" else "tlm_lines"]
+        return of.compliance, of.compliance_between
+
 
 def circuits_of(machine: LayoutMachine) -> dict[str, tuple[str, ...]]:
     """Functions of each circuit."""

@@ -93,10 +93,6 @@ def simulate_layout(
         raise InputError(
             f"the energy account needs pressures of pumps, which flow {model.name!r} does not give; use 'exact'"
         )
-    if energy and model.stores_oil:
-        raise InputError(
-            f"the energy account does not know oil that is stored before the valves, as flow {model.name!r} does; use 'exact'"
-        )
     scenario = as_scenario(scenario, machine.names)
     machine = adapted(machine, scenario)
     timed = timed_faults(machine, (*scenario.faults, *as_list(faults)))
@@ -157,7 +153,7 @@ def _added(
         machine: LayoutMachine, module: Any, plant: Any, rows: np.ndarray, time: np.ndarray
     ) -> list[AddedColumn]:
         push, of = scenario.loads.forces(time), columns_of(machine, stores_oil=model.stores_oil)
-        account = energy_columns(machine, module, plant, rows, of, push) if energy else ()
+        account = energy_columns(machine, module, plant, rows, of, push, model.compliances) if energy else ()
         begun = plant._replace(dt=dt)  # methods that choose their own steps have none
         pins = force_columns(machine, module, begun, rows, of, push, scenario.locked) if forces else ()
         stands = stability_columns(machine, module, begun, rows, of, push) if stability else ()
