@@ -120,7 +120,7 @@ def show(
 ) -> None:
     """Print the kernels of a machine's layout: the code of a step, written out with the machine's own names.
 
-    `--methods` is for machines that the methods serve: those without declared effects; `polydraulic machine check` says which do.
+    `--methods` is for machines that `rk4` at least serves; `polydraulic machine check` says which methods do.
 
     Example: `polydraulic machine show excavator_22t | less`
     """

@@ -123,11 +123,38 @@ def test_the_step_that_a_flow_force_asks_for_is_followed_by_all_functions(neutra
             prepare_layout(soft, 1.1 * said)
 
 
+@pytest.mark.slow_to_compile
+def test_runge_kutta_is_the_limit_of_short_steps_with_hysteresis_and_flow_forces(crane):
+    """Of first order the steps, of second or better what they come to, with spools that turn back and are pushed."""
+    pushed = with_effects(crane, hysteresis=2e-4, flow_force=FlowForce(4e4, 870.0, np.radians(69.0)))
+    scenario = Scenario("to and fro", 0.48, {"slew": Sine(0.5, 12.0), "lift": Sine(0.6, 10.0), "extend": Sine(0.5, 9.0)})
+
+    def run(method, dt):
+        return simulate(pushed, "exact", scenario, method=method, dt=dt, raster=8e-3)
+
+    def off(found, keys):
+        return max(np.abs(found[key] - tight[key]).max() for key in keys)
+
+    tight = run("rk4", 5e-4)
+    spools, joints = [f"{f}.spool" for f in crane.names], ["slew.angle", "lift.angle", "extend.position"]
+    coarse, fine, rk4 = run("semi-implicit", 4e-3), run("semi-implicit", 1e-3), run("rk4", 2e-3)
+    for keys in (spools, joints):
+        assert 3.0 < off(coarse, keys) / off(fine, keys) < 5.5
+        assert off(rk4, keys) < 0.05 * off(fine, keys)
+    for f in crane.names:
+        assert np.abs(tight[f"{f}.driven"] - tight[f"{f}.spool"]).max() == pytest.approx(1e-4, rel=1e-9)
+        assert tight[f"{f}.flow_shift"].max() > 1e-6
+
+
 def test_what_does_not_know_an_effect_says_which(crane):
     sticky = changed(crane, "lift", {"sticks": True})
     for method in ("rk4", "rosenbrock", "reference"):
         with pytest.raises(InputError, match=rf"functions.lift.friction.sticks: method '{method}' does not know it"):
             simulate(sticky, "exact", "random:1:1", method=method)
+    lagging = changed(crane, "lift", {"hysteresis": 1e-4})
+    for method in ("rosenbrock", "reference"):
+        with pytest.raises(InputError, match="valve.hysteresis: .* use 'semi-implicit' or 'rk4', or leave it out"):
+            simulate(lagging, "exact", "random:1:1", method=method)
     pushed = changed(crane, "extend", {"flow_force": NOTHING})
     networks = exact_flow(pushed)._replace(name="polynomial", kernels="networks")
     with pytest.raises(

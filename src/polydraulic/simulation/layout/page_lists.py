@@ -80,7 +80,8 @@ def _effect_lists(machine: LayoutMachine) -> dict[str, Rows]:
     lists: dict[str, Rows] = {}
     for name, of in holders.items():
         number: dict[str, Mapping[str, Value]] = {
-            f.name: {"F": f.name, "J": j, "K": str(len(f.valve.knots))} for j, f in enumerate(functions)
+            f.name: {"F": f.name, "J": j, "K": str(len(f.valve.knots)), "S": "driven" if has(f, "driven") else "spool"}
+            for j, f in enumerate(functions)
         }
         lists[name] = [number[f.name] for f in of]
         lists[f"NOT_{name}"] = [number[f.name] for f in functions if f not in of]

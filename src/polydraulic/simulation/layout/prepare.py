@@ -40,6 +40,7 @@ def prepare_layout(
     force: bool = False,
     flow: LayoutFlow | None = None,
     in_tables: bool = False,
+    continuous: bool = False,
 ) -> ReadyMachine:
     """Precompute all of a machine that does not change during a run.
 
@@ -55,6 +56,8 @@ def prepare_layout(
         Flow model of this machine; the exact one if not given.
     in_tables : bool
         Whether networks are wanted in tables, which leave as C, and not as compiled kernels read them.
+    continuous : bool
+        Whether rates are wanted, which are what a step of 1 s would change; no flow force is too large for them.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def prepare_layout(
             f"functions.{pushed[0]}.valve.flow_force: flow {flow.name!r} does not know the inlets whose jets push; use 'exact'"
         )
     module = layout_module(machine, flow=flow.kernels, force=force)
-    parts = {f.name: _part(module, f, machine, dt) for f in machine.functions}
+    parts = {f.name: _part(module, f, machine, dt, continuous) for f in machine.functions}
     plant = module.Plant(
         dt=dt,
         **parts,
@@ -141,13 +144,14 @@ def _begin(f: MachineFunction, quantity: str, machine: LayoutMachine) -> float:
     return 0.5 * play * float(np.sign(f.initial.p_a * area_a - f.initial.p_b * area_b))
 
 
-def _part(module: ModuleType, f: MachineFunction, machine: LayoutMachine, dt: float) -> Any:
+def _part(module: ModuleType, f: MachineFunction, machine: LayoutMachine, dt: float, continuous: bool) -> Any:
     pilot = prepare_pilot(f.pilot, f.valve.knots[-1], dt)
     line = prepare_line(f.line, machine.tank, dt)
     drive = prepare_drive(f, machine.link(f.moves))
     more = {"half_play": 0.5 * f.effects.backlash} if f.effects.backlash is not None else {}
     more |= {"half_width": 0.5 * f.effects.hysteresis} if f.effects.hysteresis is not None else {}
-    more |= {"shift": flow_force_shift(f, machine, dt)} if f.effects.flow_force is not None else {}
+    if f.effects.flow_force is not None:
+        more["shift"] = prepare_shift(f.effects.flow_force) if continuous else flow_force_shift(f, machine, dt)
     return getattr(module, f"Part_{f.name}")(pilot, line, drive, f.friction, f.stops, **more)
 
 

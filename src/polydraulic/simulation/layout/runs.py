@@ -247,7 +247,7 @@ def _runge_kutta(
 ) -> Advance:
     force = bool(scenario.loads.force)
     module = methods_module(machine, force=force)
-    plant = prepare_layout(machine, 1.0, scenario.locked, force=force).plant
+    plant = prepare_layout(machine, 1.0, scenario.locked, force=force, continuous=True).plant
     tau = ready.module.Functions(*(f.pilot.time_constant for f in machine.functions))
 
     def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:

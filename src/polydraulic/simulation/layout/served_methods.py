@@ -5,6 +5,8 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 
 STEPPED = "semi-implicit"
 CONTINUOUS = ("rk4", "rosenbrock", "reference")
+# the others know no effects: their spools are known in advance
+_SMOOTH = {"rk4": ("valve.hysteresis", "valve.flow_force")}
 
 
 def check_method(machine: LayoutMachine, method: str) -> None:
@@ -23,9 +25,13 @@ def check_method(machine: LayoutMachine, method: str) -> None:
     """
     if method == STEPPED:
         return
-    declared = [f"functions.{f.name}.{key}" for f in machine.functions for key in f.effects.declared]
-    if declared:
-        raise InputError(f"{declared[0]}: method {method!r} does not know it; use {STEPPED!r}, or leave it out")
+    for f in machine.functions:
+        for key in f.effects.declared:
+            served = [STEPPED, *(one for one, keys in _SMOOTH.items() if key in keys)]
+            if method not in served:
+                raise InputError(
+                    f"functions.{f.name}.{key}: method {method!r} does not know it; use {' or '.join(map(repr, served))}, or leave it out"
+                )
 
 
 def method_lines(machine: LayoutMachine) -> list[str]:

@@ -19,7 +19,9 @@ from polydraulic.simulation.layout.page_lists import crossover_rows, page_lists
 from polydraulic.simulation.layout.text import fields_of, joined_imports, layout_of, layout_text, valve_letters
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
-_PAGES = ("right_hand_side", "runge_kutta", "slow", "switching", "jacobian", "rosenbrock")
+_PAGES = ("right_hand_side", "runge_kutta")
+# of methods that know the spools in advance
+_KNOWN_PAGES = ("slow", "switching", "jacobian", "rosenbrock")
 _IMPORTS = (
     "from math import sqrt",
     "from typing import NamedTuple",
@@ -54,6 +56,8 @@ _STEP = (
     "from_vector", "net_torque", "position", "pushed", "read_force", "read_voltages", "reasonable", "record", "seen_pressures",
     "solve_motion", "stopped", "times", "turns",
 )  # fmt: skip
+# where spools have hysteresis, and flow forces
+_DRIVEN_STEP, _SHIFTED_STEP = ("Driven",), ("FlowShift", "flow_shifts", "inlets")
 
 
 def methods_module(machine: LayoutMachine, *, force: bool = False) -> ModuleType:
@@ -86,9 +90,12 @@ def _text(machine: LayoutMachine, force: bool) -> str:
     longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
     imports = [*_IMPORTS, *MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
     imports += _CROSSED_IMPORTS if machine.crossovers else ()
+    imports += ("from polydraulic.machine.play import followed",) if lists["ANY_DRIVEN"] else ()
     of_step = [*_STEP, *(f"{name}_{n}" for n in lengths for name in ("Segments", "ValveTables", "orifices"))]
     of_step += [f"Series{n}" for n in longer]
     of_step += sorted({f"opened_{row['K']}" for row in crossover_rows(machine)})
+    of_step += _DRIVEN_STEP if lists["ANY_DRIVEN"] else ()
+    of_step += _SHIFTED_STEP if lists["ANY_SHIFTED"] else ()
     parts = [
         f'"""A machine with the functions {", ".join(machine.names)} in continuous time; written out from its layout."""',
         "\n".join(joined_imports(imports)),
@@ -96,11 +103,15 @@ def _text(machine: LayoutMachine, force: bool) -> str:
         + ",\n    ".join(sorted(of_step))
         + ",\n)",
         f"N_SLOW = {len(_SLOW) * len(machine.names)}",
-        motion_slopes_text(tree_of(machine), tip if force else None),
-        *(series_slopes_text(n) for n in longer),
-        *(expanded(_page("valve_slopes"), *valve_letters(n)) for n in lengths),
         *(expanded(_page(name), lists) for name in _PAGES),
     ]
+    if not any(f.effects.declared for f in machine.functions):
+        parts += [
+            motion_slopes_text(tree_of(machine), tip if force else None),
+            *(series_slopes_text(n) for n in longer),
+            *(expanded(_page("valve_slopes"), *valve_letters(n)) for n in lengths),
+            *(expanded(_page(name), lists) for name in _KNOWN_PAGES),
+        ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
 
 
