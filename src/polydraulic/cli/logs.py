@@ -173,11 +173,14 @@ def fit_machine(
     table: Annotated[
         list[str],
         typer.Argument(
-            help="Imported table with LINK.spool, .p_a, .p_b, .q_in, .q_out of all links; several tables, or a pattern in quotes."
+            help="Imported table with NAME.spool, .p_a, .p_b, .q_in, .q_out of all functions; several tables, or a pattern in quotes."
         ),
     ],
     out: Annotated[Path, typer.Option(help="Model file to write, .json.")],
-    machine: Annotated[str, typer.Option(help="Parameter set by name, or a TOML file.")] = "cat215b",
+    machine: MachineOption = "cat215b",
+    circuit: Annotated[
+        list[str] | None, typer.Option(help="A circuit to learn; repeat for more; all if not given.")
+    ] = None,
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: coverage, errors, intervals, proofs, equations.")
     ] = None,
@@ -191,7 +194,8 @@ def fit_machine(
 ) -> None:
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
-    Of the parameter set only pump flows, relief setting, return pressure and the limits of spool travel are used.
+    Of the parameter set only pump flows, relief setting, return pressure and the limits of spool travel are used. It learns any machine whose
+    circuits are valves in series; with `--circuit` those of which a log has the sensors.
 
     Every fifth block of time is held out to state the errors; the models are then learnt from all rows. With the columns
     NAME.voltage and NAME.angle, the machine is also run against the blocks held out, as `replay` does.
@@ -199,6 +203,8 @@ def fit_machine(
     Example: `polydraulic fit-machine table.parquet --out machine.json --card machine.html`
 
     - Drive the machine with it: `polydraulic simulate task --flow polynomial --model machine.json --plot task.svg`
+
+    - Another machine: `polydraulic fit-machine table.parquet --machine wheel_loader --out loader.json`
 
     - Does it hold on another day's log? `polydraulic check machine.json --data later.parquet`
 
@@ -212,7 +218,15 @@ def fit_machine(
     if card is not None:
         card_ending(card)
     with progress_bar("fit-machine") as progress:
-        found = fit(table, machine, max_regions=regions, max_rows=rows, min_blocks=blocks, progress=progress)
+        found = fit(
+            table,
+            machine,
+            circuits=circuit or None,
+            max_regions=regions,
+            max_rows=rows,
+            min_blocks=blocks,
+            progress=progress,
+        )
         save_models(found.models, out)
         if card is not None:
             write_card(found, card, max_boxes=boxes, units=units, progress=progress)

@@ -76,7 +76,7 @@ def fit_table(
 ) -> TableFit:
     """Fit each output column from the input columns.
 
-    A fifth of the rows is held out to state the error; the models are then fitted on all rows.
+    A fifth of the rows is held out to state the error; the models are then fitted on all rows, in the regions that the others gave.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def fit_table(
     estimator : AbductiveRegressor, optional
         Cloned for every fit; one whose outputs are bounded by the data if not given.
     progress : Progress, optional
-        Called as each fit begins, two per output.
+        Called as the fits of each output begin.
 
     Returns
     -------
@@ -129,17 +129,19 @@ def fit_table(
     blocks = BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None
     X, held = rows.matrix(inputs), held_rows(len(rows), blocks, parts_of(rows))
     names = [Variable(name, rows.unit(name)) for name in inputs]
-    kept = {"hold out": ~held, "all rows": np.ones(len(rows), dtype=bool)}
-    wanted = [(output, what) for output in outputs for what in kept]
+    learn, everything = ~held, np.ones(len(rows), dtype=bool)
+    # regions that are given need not wait for each other
+    kept = [(learn,), (everything,)] if by_index else [(learn, everything)]
+    wanted = [(output, parts) for output in outputs for parts in kept]
 
     def tell(done: int) -> None:
         if done < len(wanted):
-            progress(": ".join(wanted[done]), done, len(wanted))
+            progress(wanted[done][0], done, len(wanted))
 
-    inputs_of = {what: X[own] for what, own in kept.items()}
-    work = [(clone(regressor), inputs_of[what], rows[output][kept[what]]) for output, what in wanted]
+    work = [(clone(regressor), X, rows[output], parts) for output, parts in wanted]
     long = len(rows) * len(by_index or range(max_regions)) >= _LONG
-    learnt = iter((in_processes if long else one_after_the_other)(_fitted, work, tell))
+    pieces = (in_processes if long else one_after_the_other)(_fitted, work, tell)
+    learnt = iter([fitted for piece in pieces for fitted in piece])
     fits: list[OutputFit] = []
     for output, without, final in zip(outputs, learnt, learnt, strict=True):
         y, model = rows[output], final.to_model(names, Variable(output, rows.unit(output)))
@@ -147,9 +149,11 @@ def fit_table(
     return TableFit(fits, found, rows, source)
 
 
-def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray]) -> RegionRegressor:
-    regressor, X, y = work
-    return regressor.fit(X, y)
+def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray, tuple[np.ndarray, ...]]) -> list[RegionRegressor]:
+    """Of some rows, and of others in the regions that these gave, so that errors of the first are stated of the same regions."""
+    regressor, X, y, (first, *others) = work
+    fitted = regressor.fit(X[first], y[first])
+    return [fitted, *(fitted.refitted(X[rows], y[rows]) for rows in others)]
 
 
 def _with_deadbands(

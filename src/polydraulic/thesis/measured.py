@@ -132,7 +132,12 @@ def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
 def _made(machine: LayoutMachine, conditions: Conditions) -> list[Any]:
     machine = _machine(machine, conditions)
     log = measured(machine, conditions)
-    return [len(log), *_judged(machine, learn(tasks_of(machine, log)))]
+    return [
+        len(log),
+        *_judged(
+            machine, [model for (model,) in learn([(task,) for task in tasks_of(machine, Known.of(machine), log)])]
+        ),
+    ]
 
 
 def conditions_in_words(conditions: Conditions) -> str:

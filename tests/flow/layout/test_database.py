@@ -80,7 +80,9 @@ def test_what_cannot_be_sampled_is_named(machine):
             sample_circuit(joined, circuit, 5, rng=rng)
     plant = load_machine("wheel_loader")
     other = plant._replace(circuits=(plant.circuits[0]._replace(kind="shared"),))
-    with pytest.raises(InputError, match="circuit 'work' is of the kind 'shared'; learning from samples is for valves"):
+    with pytest.raises(
+        InputError, match="circuit 'work' is of the kind 'shared'; databases and networks are of valves"
+    ):
         series_circuit_of(other, "work")
 
 

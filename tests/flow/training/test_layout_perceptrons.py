@@ -5,25 +5,45 @@ import numpy as np
 import pytest
 
 from polydraulic import InputError, build_flow, load_machine, simulate
-from polydraulic.flow.training.circuit_models import circuit_targets
+from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.training.circuit_models import (
+    BELOW_RELIEF,
+    SERIES,
+    exact_pump,
+    input_flow,
+    pressure_boxes,
+    travels,
+)
 from polydraulic.flow.training.layout_perceptrons import inlet_targets, train_layout_perceptrons
 
 
 @pytest.mark.parametrize("limited", [False, True])
-def test_targets_are_those_of_the_networks_that_come_with_the_package(machine, limited):
+def test_targets_are_the_flows_of_the_circuits_between_marks_that_are_known(machine, limited):
     circuits = tuple(c._replace(pump=c.pump._replace(torque_limit_enabled=limited)) for c in machine.circuits)
-    machine = machine._replace(circuits=circuits)
-    hand, rng = circuit_targets(machine), np.random.default_rng(5)
+    machine, rng = machine._replace(circuits=circuits), np.random.default_rng(5)
     found = {t.place[0].name: t for c in machine.circuits for t in inlet_targets(machine, c)}
     assert list(found) == ["boom.q_in", "swing.q_in", "stick.q_in"]
-    for link in ("boom", "swing", "stick"):
-        ours, wanted = found[f"{link}.q_in"], hand[link]
-        assert ours.place == (wanted.output, wanted.inputs)
-        assert np.array(ours.box) == pytest.approx(np.array(wanted.box), rel=1e-12)
-        names = [variable.name for variable in wanted.inputs]
-        assert ours.edges == {names.index(name): pytest.approx(cuts) for name, cuts in wanted.edges.items()}
-        X = rng.uniform(*np.transpose(wanted.box), size=(300, len(names)))
-        assert np.abs(ours.function(X) - wanted.function(X)).max() < 1e-9 * wanted.high
+    *cuts, end = travels(machine)
+    pressure, pump = pressure_boxes(machine, BELOW_RELIEF), exact_pump(machine, "series")
+    stick, fed = machine.function("stick").valve, pump._replace(log_least=0.0)  # it knows of no torque limit
+    expected = {
+        "boom": (("boom",), lambda X: input_flow(machine, exact_pump(machine, "boom"), X, ("boom",), "boom")),
+        "swing": (SERIES, lambda X: input_flow(machine, pump, X, SERIES, "swing")),
+        "stick": (("stick",), lambda X: sample_valves([stick], fed, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0]),
+    }
+    for link, (seen, flow) in expected.items():
+        target, first = (
+            found[f"{link}.q_in"],
+            int(link == "stick"),
+        )  # which reads the flow that reaches it before all else
+        arriving = [(0.0, pump.flow)] * first
+        box = [*arriving, *((0.0, end) for _ in seen), *(pressure[name] for name in seen)]
+        assert np.array(target.box) == pytest.approx(np.array(box), rel=1e-12)
+        assert target.edges == {first + k: pytest.approx(cuts) for k in range(len(seen))}
+        names = [variable.name for variable in target.place[1]][first:]
+        assert names == [*(f"{name}.travel" for name in seen), *(f"{name}.p_in" for name in seen)]
+        X = rng.uniform(*np.transpose(box), size=(300, len(box)))
+        assert np.abs(target.function(X) - flow(X)).max() < 1e-9 * pump.flow
 
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler to learn in time")
@@ -32,7 +52,7 @@ def test_perceptrons_of_a_machine_run_in_it():
     models = train_layout_perceptrons(
         loader, rows=400, hidden_units=2, regions=9, progress=lambda *piece: told.append(piece)
     )
-    assert [what for what, _, _ in told] == ["tilt.k_out", "lift.k_out", "tilt.q_in", "lift.q_in"]
+    assert [what for what, _, _ in told] == ["tilt.q_in", "lift.q_in", "tilt.k_out", "lift.k_out"]
     assert [done for _, done, _ in told] == [0, 1, 2, 3]
     full = loader.circuits[0].pump.flow
     inlets = [model for model in models if model.output.name.endswith("q_in")]

@@ -15,8 +15,21 @@ def test_rows_at_the_relief_setting_are_not_learnt_from(machine):
     stopped = (log["boom.travel"] > known.deadband["boom"]) & ~rows
     assert stopped.sum() > 0
     other = Table(log.columns | {"boom.q_in": np.where(stopped, 0.5, 1.0) * log["boom.q_in"]}, log.units)
-    here, there = (learn(tasks_of(machine, table, max_regions=1, max_rows=500))[0] for table in (log, other))
+    here, there = (
+        learn([(tasks_of(machine, known, table, max_regions=1, max_rows=500)[0],)]) for table in (log, other)
+    )
     assert here == there
+
+
+def test_valves_behind_others_read_what_reaches_them_only_where_that_is_known(machine):
+    known = Known.of(machine)
+    log = by_port(known, machine_log())
+    names = {task.output.name: [v.name for v in task.inputs] for task in tasks_of(machine, known, log)}
+    assert names["stick.q_in"] == ["series.q_passed", "stick.travel", "stick.p_in"]
+    limited = [c._replace(pump=c.pump._replace(torque_limit_enabled=True)) for c in machine.circuits]
+    found = tasks_of(machine._replace(circuits=tuple(limited)), known, log)
+    names = {task.output.name: [v.name for v in task.inputs] for task in found}
+    assert names["stick.q_in"] == ["swing.travel", "stick.travel", "swing.p_in", "stick.p_in"]
 
 
 def test_borders_keep_enough_values_on_either_side():

@@ -28,6 +28,18 @@ def test_units_are_those_of_si(machine):
         assert np.all(seen[f"{link}.p_in"][forward] == np.maximum(log[f"{link}.p_a"][forward], 0.0))
 
 
+def test_a_closed_bypass_passes_nothing_on_whatever_enters_its_line(machine):
+    known, log = Known.of(machine), machine_log()
+    at = known.circuits["series"]
+    assert at.closes == pytest.approx((0.0095504, 0.0095504))
+    spool = np.where(np.arange(len(log)) % 2 == 0, 0.012, 0.009)
+    seen = by_port(
+        known, Table(log.columns | {"swing.spool": spool, "swing.q_in": np.full(len(log), 0.4 * at.flow)}, log.units)
+    )
+    assert np.all(seen["series.q_passed"][::2] == 0.0)
+    assert seen["series.q_passed"][1::2] == pytest.approx(0.6 * at.flow)
+
+
 def test_rows_with_a_shut_valve_or_at_relief_say_nothing(machine):
     known = Known.of(machine)
     log = by_port(known, machine_log())

@@ -71,6 +71,18 @@ def test_regions_hold_so_many_rows():
     assert sum(rows) == len(X)
 
 
+def test_other_rows_are_learnt_in_the_same_regions():
+    found = RegionRegressor(quick).fit(X, STEP)
+    other = found.refitted(X, 2.0 * STEP)
+    assert other.partition_ == found.partition_
+    assert other.predict(X) == pytest.approx(2.0 * STEP, abs=1e-9)
+    assert found.predict(X) == pytest.approx(STEP, abs=1e-9)
+    with pytest.raises(ValueError, match="1 features"):
+        found.refitted(X[:, :1], STEP)
+    with pytest.raises(InputError, match="no rows with"):
+        found.refitted(X[X[:, 0] < 0.1], STEP[X[:, 0] < 0.1])
+
+
 def test_found_regions_of_several_outputs_are_shared():
     Ys = np.column_stack([STEP, Y])
     found = RegionRegressor(quick).fit(X, Ys)

@@ -1,5 +1,6 @@
 """Training databases of a circuit of any layout: its exact equations at random points of its operating box."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,20 @@ def series_circuits(machine: LayoutMachine) -> list[SupplyCircuit]:
     return [c for c in machine.circuits if c.kind == "series"]
 
 
+def chosen_circuits(machine: LayoutMachine, circuits: Sequence[str] | None) -> list[SupplyCircuit]:
+    """Circuits to learn, all if none are named.
+
+    Raises
+    ------
+    InputError
+        If there is no such circuit, or it is not one of valves in series.
+    """
+    names = [c.name for c in machine.circuits] if circuits is None else list(dict.fromkeys(circuits))
+    if not names:
+        raise InputError(f"circuits = []: name some of {[c.name for c in machine.circuits]}")
+    return [series_circuit_of(machine, name) for name in names]
+
+
 def series_circuit_of(machine: LayoutMachine, name: str) -> SupplyCircuit:
     """The circuit of that name, of valves in series.
 
@@ -132,7 +147,7 @@ def series_circuit_of(machine: LayoutMachine, name: str) -> SupplyCircuit:
     if found[0] not in able:
         use = f"; choose one of {[c.name for c in able]}" if able else ", of which this machine has none"
         raise InputError(
-            f"circuit {name!r} is of the kind {found[0].kind!r}; learning from samples is for valves in series{use}"
+            f"circuit {name!r} is of the kind {found[0].kind!r}; databases and networks are of valves in series{use}"
         )
     return found[0]
 

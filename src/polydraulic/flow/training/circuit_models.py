@@ -13,15 +13,13 @@ import numpy as np
 from polydraulic import units
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.flow.layout.database import outlet_at
-from polydraulic.flow.layout.slots import everything, inlet, outlet
+from polydraulic.flow.layout.slots import everything, outlet
 from polydraulic.flow.network_slots import Place, q_in
 from polydraulic.machine.pump import Pump, limited_pump
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.model.model import Model, Variable
-from polydraulic.networks.perceptron.perceptron_regressor import PerceptronRegressor
 from polydraulic.networks.regions.learn_from import learn_from
-from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.parameters.layout.parts import ValveCurves
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.progress import Progress, quiet
@@ -30,8 +28,6 @@ TOLERANCE = units.to_si(1.0, "in3/s")
 BELOW_RELIEF = units.to_si(30.0, "psi")
 ROWS = 4000  # from which a region learns
 REGIONS = 64  # at most: where the relief valve opens, kinks are curved and would take hundreds
-NEURAL_ROWS = 10_000  # as many as the thesis used
-HIDDEN_UNITS = 15  # thesis 4.3.1
 SEED = 215
 
 
@@ -80,31 +76,15 @@ class Target(NamedTuple):
     high: float  # largest output
 
 
-def circuit_targets(machine: LayoutMachine) -> dict[str, Target]:
-    """Input flows of a machine: ``boom``, ``swing``, ``stick`` (of what the swing leaves), ``stick direct``."""
-    series, (*cuts, travel) = machine.circuit("series"), travels(machine)
-    boom_pump, pump = exact_pump(machine, "boom"), exact_pump(machine, "series")
-    fed = pump._replace(log_least=0.0)  # what reaches a valve knows of no torque limit
+def direct_target(machine: LayoutMachine) -> Target:
+    """Input flow of the stick, of everything in its circuit: all modes of the pump at once."""
+    pump, (*cuts, travel) = exact_pump(machine, "series"), travels(machine)
     pressure = pressure_boxes(machine, BELOW_RELIEF)
-    both = [(0.0, travel), (0.0, travel), pressure["swing"], pressure["stick"]]
-    edges = {"swing.travel": cuts, "stick.travel": cuts}
-    stick = machine.function("stick").valve
-    return {
-        "boom": Target(
-            *BOOM_IN, lambda X: input_flow(machine, boom_pump, X, ("boom",), "boom"), [(0.0, travel), pressure["boom"]],
-            {"boom.travel": cuts}, boom_pump.flow,
-        ),
-        "swing": Target(
-            q_in("swing"), BOTH, lambda X: input_flow(machine, pump, X, SERIES, "swing"), both, edges, pump.flow
-        ),
-        "stick": Target(
-            *inlet(series, "stick")[0], lambda X: sample_valves([stick], fed, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0],
-            [(0.0, pump.flow), (0.0, travel), pressure["stick"]], {"stick.travel": cuts}, pump.flow,
-        ),
-        "stick direct": Target(
-            q_in("stick"), BOTH, lambda X: input_flow(machine, pump, X, SERIES, "stick"), both, edges, pump.flow
-        ),
-    }  # fmt: skip
+    return Target(
+        q_in("stick"), BOTH, lambda X: input_flow(machine, pump, X, SERIES, "stick"),
+        [(0.0, travel), (0.0, travel), pressure["swing"], pressure["stick"]],
+        {"swing.travel": cuts, "stick.travel": cuts}, pump.flow,
+    )  # fmt: skip
 
 
 def learn_direct(machine: LayoutMachine, progress: Progress = quiet) -> list[Model]:
@@ -116,7 +96,7 @@ def learn_direct(machine: LayoutMachine, progress: Progress = quiet) -> list[Mod
     progress : Progress, optional
         Told the output and its largest error so far in m3/s, and how many points have been asked.
     """
-    target = circuit_targets(machine)["stick direct"]
+    target = direct_target(machine)
     found = learn_from(
         target.function, target.box, tolerance=TOLERANCE, edges=target.edges, budget=10_000_000,
         max_regions=REGIONS, rows=ROWS, estimator=AbductiveRegressor(max_layers=3, output_bounds=(0.0, target.high)),
@@ -143,23 +123,6 @@ def learn_outlets(machine: LayoutMachine) -> list[Model]:
             inputs=inputs, output=output, random_state=SEED,
         )  # fmt: skip
         models.append(found.model)
-    return models
-
-
-def train_perceptrons(machine: LayoutMachine) -> list[Model]:
-    """Perceptrons of the input flows, by the known regions, from random points; the stick's reads what the swing leaves."""
-    targets, rng = circuit_targets(machine), np.random.default_rng(SEED)
-    models = []
-    for target in (targets[name] for name in ("boom", "swing", "stick")):
-        low, high = np.transpose(target.box)
-        X = rng.uniform(low, high, size=(NEURAL_ROWS, len(low)))
-        names = [variable.name for variable in target.inputs]
-        edges = {names.index(name): cuts for name, cuts in target.edges.items()}
-        learner = PerceptronRegressor(
-            hidden_units=HIDDEN_UNITS, domain=target.box, output_bounds=(0.0, target.high), random_state=SEED
-        )
-        fitted = RegionRegressor(learner, edges=edges).fit(X, target.function(X))
-        models.append(fitted.to_model(target.inputs, target.output))
     return models
 
 

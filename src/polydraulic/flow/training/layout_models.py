@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from sklearn.base import clone
 
-from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
-from polydraulic.flow.layout.database import outlet_at, series_circuit_of
+from polydraulic.flow.layout.database import chosen_circuits, outlet_at
 from polydraulic.flow.layout.slots import inlet, inlet_limited, outlet, passed_at_relief, passed_limited
 from polydraulic.flow.network_slots import Place, k_in
 from polydraulic.machine.pump import NEVER, Pump, limited_pump
@@ -144,20 +143,6 @@ def learn_target(task: TargetTask, progress: Progress = quiet) -> Model:
     ).model
 
 
-def chosen_circuits(machine: LayoutMachine, circuits: Sequence[str] | None) -> list[SupplyCircuit]:
-    """Circuits to learn, all if none are named.
-
-    Raises
-    ------
-    InputError
-        If there is no such circuit, or it is not one of valves in series.
-    """
-    names = [c.name for c in machine.circuits] if circuits is None else list(circuits)
-    if not names:
-        raise InputError(f"circuits = []: name some of {[c.name for c in machine.circuits]}")
-    return [series_circuit_of(machine, name) for name in names]
-
-
 def affordable(edges: dict[int, list[float]], regions: int) -> dict[int, list[float]]:
     """Known borders of so many inputs, counted from the pump, that their cells are at most `regions`."""
     found: dict[int, list[float]] = {}
@@ -223,11 +208,16 @@ def _inlets(machine: LayoutMachine, c: SupplyCircuit) -> list[NetworkTarget]:
     return found
 
 
-def fed_target(machine: LayoutMachine, c: SupplyCircuit, place: int, highest: float) -> NetworkTarget:
-    """An inlet behind others, counted from 0, from the flow that reaches its valve; pressures up to the `highest` in Pa."""
+def fed_target(
+    machine: LayoutMachine, c: SupplyCircuit, place: int, highest: float, relief: float = NEVER
+) -> NetworkTarget:
+    """An inlet behind others, counted from 0, from the flow that reaches its valve; pressures up to the `highest` in Pa.
+
+    A `relief` setting in Pa takes of that flow where what passes the valves before it knows nothing of the pump's.
+    """
     functions = [machine.function(name) for name in c.functions[place:]]
     valves, rest, flow = [f.valve for f in functions], len(functions), c.pump.flow
-    free = limited_pump(flow, NEVER, machine.tank.return_pressure, c.pump._replace(torque_limit_enabled=False))
+    free = limited_pump(flow, relief, machine.tank.return_pressure, c.pump._replace(torque_limit_enabled=False))
 
     def fed(X: np.ndarray) -> np.ndarray:
         arriving = np.maximum(X[:, 0], _LEAST * flow)

@@ -12,12 +12,12 @@ import numpy as np
 from polydraulic import units
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
+from polydraulic.flow.layout.database import chosen_circuits
 from polydraulic.flow.layout.slots import inlet
 from polydraulic.flow.training.layout_models import (
     SEED,
     NetworkTarget,
     affordable,
-    chosen_circuits,
     cuts_of,
     fed_target,
     learn_target,
@@ -73,27 +73,50 @@ def train_layout_perceptrons(
         If there is no such circuit, it is not one of valves in series, or a number is not positive.
     """
     machine = as_machine(machine)
+    outlets = [machine.function(f) for c in chosen_circuits(machine, circuits) for f in c.functions]
+    n, total = len(outlets), 2 * len(outlets)
+    inlets = inlet_perceptrons(
+        machine,
+        circuits=circuits,
+        rows=rows,
+        hidden_units=hidden_units,
+        regions=regions,
+        progress=lambda what, done, _: progress(what, done, total),
+    )
+    models = list[Model]()
+    for f in outlets:
+        progress(f"{f.name}.k_out", n + len(models), total)
+        models.append(learn_target(outlet_task(f)))
+    return models + inlets
+
+
+def inlet_perceptrons(
+    machine: LayoutMachine,
+    *,
+    circuits: Sequence[str] | None = None,
+    rows: int = ROWS,
+    hidden_units: int = HIDDEN_UNITS,
+    regions: int = REGIONS,
+    progress: Progress = quiet,
+) -> list[Model]:
+    """Those of inlets alone; arguments and errors as `train_layout_perceptrons`."""
     for name, value in (("rows", rows), ("hidden_units", hidden_units), ("regions", regions)):
         if value < 1:
             raise InputError(f"{name} = {value}: must be at least 1")
-    chosen, rng = chosen_circuits(machine, circuits), np.random.default_rng(SEED)
-    outlets = [machine.function(f) for c in chosen for f in c.functions]
+    chosen, rng, others = chosen_circuits(machine, circuits), *map(np.random.default_rng, (SEED, SEED + 1))
     targets = [(target, c.pump.flow) for c in chosen for target in inlet_targets(machine, c)]
-    total, models = len(outlets) + len(targets), list[Model]()
-    for f in outlets:
-        progress(f"{f.name}.k_out", len(models), total)
-        models.append(learn_target(outlet_task(f)))
+    models = list[Model]()
     for target, high in targets:
         output, inputs = target.place
-        progress(output.name, len(models), total)
+        progress(output.name, len(models), len(targets))
         low, up = np.transpose(target.box)
-        X, others = (rng.uniform(low, up, size=(rows, len(low))) for _ in range(2))
+        X, unseen = (points.uniform(low, up, size=(rows, len(low))) for points in (rng, others))
         learner = PerceptronRegressor(
             hidden_units=hidden_units, domain=target.box, output_bounds=(0.0, high), random_state=SEED
         )
         found = RegionRegressor(learner, edges=affordable(target.edges, regions)).fit(X, target.function(X))
         model = found.to_model(inputs, output)
-        largest = float(np.abs(model.predict(others) - target.function(others)).max())
+        largest = float(np.abs(model.predict(unseen) - target.function(unseen)).max())
         models.append(replace(model, training=model.training | {"largest_error": largest}))
     return models
 
@@ -111,4 +134,4 @@ def inlet_targets(machine: LayoutMachine, c: SupplyCircuit) -> list[NetworkTarge
         [*travel, *pressure],
         {k: cuts_of(f) for k, f in enumerate(functions)},
     )
-    return [first, *(fed_target(machine, c, place, highest) for place in range(1, n))]
+    return [first, *(fed_target(machine, c, place, highest, c.pump.relief) for place in range(1, n))]

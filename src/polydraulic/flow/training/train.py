@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from polydraulic.errors import InputError
-from polydraulic.flow.training.circuit_models import learn_direct, learn_outlets, train_perceptrons
+from polydraulic.flow.training.circuit_models import learn_direct, learn_outlets
+from polydraulic.flow.training.layout_perceptrons import inlet_perceptrons
 from polydraulic.flow.training.mode_models import learn_cascade, learn_inlets, learn_limited
 from polydraulic.networks.model.model_file import save_models
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -14,7 +15,7 @@ from polydraulic.progress import Progress, quiet
 # file -> how its networks are learnt, and whether that says how far it has come
 FILES: Mapping[str, tuple[Callable[..., Any], bool]] = {
     "outlets": (learn_outlets, False),
-    "neural": (train_perceptrons, False),
+    "neural": (inlet_perceptrons, False),
     "inlets": (learn_inlets, True),
     "cascade": (learn_cascade, True),
     "limited": (learn_limited, True),

@@ -91,16 +91,18 @@ def machine_coverage(
         Or a parameter set by its name or file.
     """
     plant = as_machine(machine)
-    known = Known.of(plant)
+    given = models_of(models)
+    learnt = {model.output.name.split(".")[0] for model in given}
+    known = Known.of(plant, [c.name for c in plant.circuits if learnt.intersection(c.functions)])
     log, _ = table_of(table, known.measured())
-    return _covered(plant, models_of(models), by_port(known, log))
+    return _covered(plant, known, given, by_port(known, log))
 
 
-def _covered(machine: LayoutMachine, models: Sequence[Model], log: Table) -> list[Covered]:
+def _covered(machine: LayoutMachine, known: Known, models: Sequence[Model], log: Table) -> list[Covered]:
     """The same of what circuits see."""
-    known, found = Known.of(machine), []
+    found = []
     box: dict[str, tuple[float, float]] = {}
-    for c in machine.circuits:
+    for c in (machine.circuit(name) for name in known.circuits):
         for function in c.functions:
             box |= operating_box(machine, c, function)
     for model in models:
@@ -117,7 +119,7 @@ def _covered(machine: LayoutMachine, models: Sequence[Model], log: Table) -> lis
 
 def machine_facts(fit: MachineFit, units: str = DEFAULT) -> tuple[dict[str, Any], str]:
     """What a card says of a machine and its log as a whole: entries of the JSON, in SI but for texts, and HTML."""
-    covered = _covered(fit.machine, fit.models, fit.table)
+    covered = _covered(fit.machine, fit.known, fit.models, fit.table)
     facts = {
         "coverage": [{"output": c.output, "rows": c.rows, "share": c.share, "holes": c.holes(units)} for c in covered],
         "windows": fit.windows,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.display import DEFAULT, as_shown, readable, shown_unit, with_unit
+from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import build_flow
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.judging import OutputFit
@@ -53,6 +54,8 @@ class MachineFit:
     warnings : list of str
         What the log does not show.
     machine : LayoutMachine
+    known : Known
+        What was known of its circuits that were learnt.
     table : Table
         What circuits see, by rows of the log.
     source : str
@@ -66,6 +69,7 @@ class MachineFit:
     drifts: list[Drift]
     warnings: list[str]
     machine: LayoutMachine = field(repr=False)
+    known: Known = field(repr=False)
     table: Table = field(repr=False)
     source: str
 
@@ -97,6 +101,7 @@ def fit_machine(
     table: Table | str | Path | Sequence[Table | str | Path],
     machine: LayoutMachine | str | Path = "cat215b",
     *,
+    circuits: Sequence[str] | None = None,
     max_regions: int = REGIONS,
     max_rows: int = ROWS,
     min_blocks: int = BLOCKS,
@@ -105,7 +110,7 @@ def fit_machine(
     """Learn the pump and valves of a whole machine from a log of its work; orifice areas are not needed.
 
     Every fifth block of time is held out to state the errors: blocks of half a minute, or `min_blocks` of a short log. The networks are
-    then learnt from all rows. With the columns ``NAME.voltage`` and ``NAME.angle`` the machine is also run against the blocks held
+    then learnt from all rows, in the regions that the others gave. With the columns ``NAME.voltage`` and ``NAME.angle`` the machine is also run against the blocks held
     out, on networks learnt without them.
 
     Parameters
@@ -114,8 +119,10 @@ def fit_machine(
         Or its file (several, or a pattern such as ``day*.parquet``, are learnt from together), an imported log: ``time`` and ``NAME.spool``, ``NAME.p_a``, ``NAME.p_b``, ``NAME.q_in``, ``NAME.q_out`` of all
         functions, in SI.
     machine : LayoutMachine, str or Path
-        Or a parameter set by its name or file, with circuits of valves in series. Of it pump flows, relief settings, return pressure and the
+        Or a parameter set by its name or file, whose circuits are 1 to 6 valves in series. Of it pump flows, relief settings, return pressure and the
         borders of spool travel are used; to run the machine, all of it.
+    circuits : sequence of str, optional
+        Which of its circuits; all if not given. Of others the log needs no sensors, and functions that they feed get no flow.
     max_regions : int
         That the network of an inlet may find.
     max_rows : int
@@ -123,7 +130,7 @@ def fit_machine(
     min_blocks : int
         Of time, of which every fifth is held out.
     progress : Progress, optional
-        Called as each network, with and without the rows held out, and the run against the log begin.
+        Called as each network and the run against the log begin.
 
     Returns
     -------
@@ -132,36 +139,49 @@ def fit_machine(
     Raises
     ------
     InputError
-        A column that is missing or in another unit, numbers that cannot be SI, a valve that never opens, too few rows with an open
+        A circuit of another kind, a column that is missing or in another unit, numbers that cannot be SI, a valve that never opens, too few rows with an open
         valve in the blocks held out or in the others.
     """
     plant = as_machine(machine)
-    known, n_output = Known.of(plant), 2 * len(plant.names)
+    known = _known(plant, circuits)
     read, source = table_of(table, ["time", *known.measured()], ["segment", *driven(plant)])
     log = by_port(known, read)
-    check_numbers(plant, log)
+    check_numbers(plant, known, log)
     held = held_out(log, min_blocks)
     check_rows(log, held, known)
-    total = 2 * n_output + 1
-
-    tables = {"hold out": some_rows(log, ~held), "all rows": log}
-    tasks = [
-        (what, task)
-        for what, rows in tables.items()
-        for task in tasks_of(plant, rows, max_regions=max_regions, max_rows=max_rows)
-    ]
+    total = len(known.functions) * 2 + 1
+    tasks = list(
+        zip(
+            *(
+                tasks_of(plant, known, rows, max_regions=max_regions, max_rows=max_rows)
+                for rows in (some_rows(log, ~held), log)
+            ),
+            strict=True,
+        )
+    )
 
     def tell(done: int) -> None:
         if done < len(tasks):
-            what, task = tasks[done]
-            progress(f"{task.output.name}: {what}", done, total)
+            progress(tasks[done][0].output.name, done, total)
 
-    learnt = learn([task for _, task in tasks], tell)
-    without, models = learnt[:n_output], learnt[n_output:]
-    outputs = [judged_network(plant, log, held, *pair) for pair in zip(models, without, strict=True)]
-    progress("run against the log", 2 * n_output, total)
-    windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
-    return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, log, source)
+    learnt = learn(tasks, tell)
+    without = [earlier for earlier, _ in learnt]
+    outputs = [judged_network(known, log, held, model, earlier) for earlier, model in learnt]
+    progress("run against the log", len(tasks), total)
+    if idle := [name for name in plant.names if name not in known.functions]:
+        windows, drifts = f"not run against the log: nothing is learnt of {', '.join(idle)}", list[Drift]()
+    else:
+        windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
+    return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, known, log, source)
+
+
+def _known(machine: LayoutMachine, circuits: Sequence[str] | None) -> Known:
+    try:
+        return Known.of(machine, circuits)
+    except InputError as error:
+        raise InputError(
+            f"{error}; flow 'exact' runs circuits of any kind, and `polydraulic fit-joints` learns how joints move"
+        ) from error
 
 
 def heads(units: str = DEFAULT) -> tuple[str, ...]:

@@ -26,9 +26,9 @@ def held_out(log: Table, min_blocks: int = BLOCKS) -> np.ndarray:
     return held_rows(n, max(min_blocks, round(seconds / _BLOCK)), parts_of(log))
 
 
-def judged_network(machine: LayoutMachine, log: Table, held: np.ndarray, model: Model, earlier: Model) -> OutputFit:
+def judged_network(known: Known, log: Table, held: np.ndarray, model: Model, earlier: Model) -> OutputFit:
     """The network of all rows, with the errors of the earlier one on the rows held out; the earlier one where it is better there."""
-    known, output = Known.of(machine), model.output.name
+    output = model.output.name
     function = output.split(".")[0]
     judging = judging_rows(output, log, known)
     rows = some_rows(log, held & judging)
@@ -67,11 +67,11 @@ def one_sided(log: Table, known: Known) -> list[str]:
     return found
 
 
-def check_numbers(machine: LayoutMachine, log: Table) -> None:
+def check_numbers(machine: LayoutMachine, known: Known, log: Table) -> None:
     """Refuse a log whose numbers cannot be SI."""
-    for function, circuit in ((name, c) for c in machine.circuits for name in c.functions):
-        travel, pump, relief = machine.function(function).valve.knots[-1], circuit.pump.flow, circuit.pump.relief
-        for name, most, unit in ((f"{function}.spool", travel, "m"), (f"{function}.q_in", pump, "m3/s")):
+    for function, circuit in ((name, c) for c in known.circuits.values() for name in c.functions):
+        travel, relief = machine.function(function).valve.knots[-1], circuit.relief
+        for name, most, unit in ((f"{function}.spool", travel, "m"), (f"{function}.q_in", circuit.flow, "m3/s")):
             # one row may be anything, a hundredth of them not
             reached = float(np.quantile(np.abs(log[name]), 0.99))
             if reached > _BEYOND * most:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.flow.layout.slots import inlet, outlet
-from polydraulic.identification.machine.machine_log import BELOW_RELIEF, ROOT_LEAST
+from polydraulic.identification.machine.machine_log import BELOW_RELIEF, ROOT_LEAST, Known
 from polydraulic.machine.valve import spool_edges
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.growth.workers import in_processes, one_after_the_other
@@ -35,13 +35,15 @@ class NetworkToLearn(NamedTuple):
 
 
 def tasks_of(
-    machine: LayoutMachine, log: Table, *, max_regions: int = REGIONS, max_rows: int = ROWS
+    machine: LayoutMachine, known: Known, log: Table, *, max_regions: int = REGIONS, max_rows: int = ROWS
 ) -> list[NetworkToLearn]:
-    """Networks of all circuits, to be learnt from measurements; what must be known is each pump's flow and relief setting, and where valves open.
+    """Networks of circuits, to be learnt from measurements; what must be known is each pump's flow and relief setting, and where valves open.
 
     Parameters
     ----------
     machine : LayoutMachine
+    known : Known
+        Of the circuits.
     log : Table
         From `by_port`.
     max_regions : int
@@ -51,8 +53,10 @@ def tasks_of(
     """
     rng = np.random.default_rng(_SEED)
     tasks: list[NetworkToLearn] = []
-    for circuit, f in ((c, machine.function(name)) for c in machine.circuits for name in c.functions):
-        output, inputs = inlet(circuit, f.name)[0]
+    circuits = [machine.circuit(name) for name in known.circuits]
+    for circuit, f in ((c, machine.function(name)) for c in circuits for name in c.functions):
+        # what reaches a valve follows from measured flows where the pump's is constant, and is not known where torque limits it
+        output, inputs = inlet(circuit, f.name)[-1 if circuit.pump.torque_limit_enabled else 0]
         # a flow model lets nothing in at relief, whatever a network says
         below = np.flatnonzero(log[f"{f.name}.p_in"] < BELOW_RELIEF * circuit.pump.relief)
         rows = below[_chosen(log[f"{f.name}.travel"][below] > spool_edges(f.valve)[0], max_rows, rng)]
@@ -61,24 +65,32 @@ def tasks_of(
         learner = RegionRegressor(settings, max_regions=max_regions, min_rows=min(150, max(20, len(rows) // 40)))
         X = log.matrix([variable.name for variable in inputs])[rows]
         tasks.append(NetworkToLearn(learner, inputs, output, X, log[output.name][rows], None))
-    return tasks + [_outlet_task(f, log, max_rows, rng) for f in machine.functions]
+    return tasks + [_outlet_task(machine.function(name), log, max_rows, rng) for name in known.functions]
 
 
-def learn(tasks: Sequence[NetworkToLearn], told: Callable[[int], object] = lambda done: None) -> list[Model]:
+def learn(
+    tasks: Sequence[tuple[NetworkToLearn, ...]], told: Callable[[int], object] = lambda done: None
+) -> list[tuple[Model, ...]]:
     """Networks of tasks, side by side where they are long.
 
     Parameters
     ----------
-    tasks : sequence of NetworkToLearn
+    tasks : sequence of tuple of NetworkToLearn
+        The same network from several sets of rows; regions that are found in the first are those of the others.
     told : function of int
         Told how many are done.
     """
-    work = sum(len(task.y) * task.learner.max_regions for task in tasks)
+    work = sum(len(task.y) * task.learner.max_regions for task, *_ in tasks)
     return (in_processes if work >= _LONG else one_after_the_other)(_learn, tasks, told)
 
 
-def _learn(task: NetworkToLearn) -> Model:
-    return task.learner.fit(task.X, task.y, task.weight).to_model(task.inputs, task.output)
+def _learn(tasks: tuple[NetworkToLearn, ...]) -> tuple[Model, ...]:
+    first, found = tasks[0].learner, list[Model]()
+    for task in tasks:
+        again = task is not tasks[0] and first.edges is None
+        fitted = (first.refitted if again else task.learner.fit)(task.X, task.y, task.weight)
+        found.append(fitted.to_model(task.inputs, task.output))
+    return tuple(found)
 
 
 def _outlet_task(f: MachineFunction, log: Table, max_rows: int, rng: np.random.Generator) -> NetworkToLearn:

@@ -4,13 +4,14 @@ What must be known is each pump's flow and relief setting, the return pressure a
 areas nor pump pressures.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic import units
 from polydraulic.errors import InputError
-from polydraulic.flow.layout.database import series_circuit_of
+from polydraulic.flow.layout.database import chosen_circuits
 from polydraulic.flow.layout.slots import passed_name
 from polydraulic.identification.log_rows import MACHINE_UNITS
 from polydraulic.machine.valve import spool_edges
@@ -26,11 +27,15 @@ BELOW_RELIEF = 0.98  # above this share of the relief setting the flow falls to 
 
 
 class KnownCircuit(NamedTuple):
-    """What must be known of a pump: its flow in m3/s, its relief setting in Pa, and the functions that it feeds, from the pump on."""
+    """What must be known of a pump: its flow in m3/s, its relief setting in Pa, and the functions that it feeds, from the pump on.
+
+    `closes`, in m, are the travels beyond which the valves of these functions pass nothing on; infinite where one always does.
+    """
 
     flow: float
     relief: float
     functions: tuple[str, ...]
+    closes: tuple[float, ...]
 
 
 class Known(NamedTuple):
@@ -49,24 +54,33 @@ class Known(NamedTuple):
     circuits: dict[str, KnownCircuit]
 
     @classmethod
-    def of(cls, machine: LayoutMachine) -> "Known":
-        """From a machine whose circuits are valves in series.
+    def of(cls, machine: LayoutMachine, circuits: Sequence[str] | None = None) -> "Known":
+        """From circuits of a machine, all if none are named, whose valves are in series.
 
         Raises
         ------
         InputError
-            If one of them is not.
+            If there is no such circuit, or one of another kind.
         """
-        found = [series_circuit_of(machine, c.name) for c in machine.circuits]
+        found = chosen_circuits(machine, circuits)
+        fed = [name for c in found for name in c.functions]
         return cls(
             machine.tank.return_pressure,
-            {f.name: spool_edges(f.valve)[0] for f in machine.functions},
-            {c.name: KnownCircuit(c.pump.flow, c.pump.relief, c.functions) for c in found},
+            {f.name: spool_edges(f.valve)[0] for f in machine.functions if f.name in fed},
+            {
+                c.name: KnownCircuit(
+                    c.pump.flow,
+                    c.pump.relief,
+                    c.functions,
+                    tuple(spool_edges(machine.function(name).valve)[1] for name in c.functions),
+                )
+                for c in found
+            },
         )
 
     @property
     def functions(self) -> tuple[str, ...]:
-        """All functions, in the machine's order."""
+        """All functions of these circuits, in the machine's order."""
         return tuple(self.deadband)
 
     def circuit(self, function: str) -> KnownCircuit:
@@ -75,14 +89,18 @@ class Known(NamedTuple):
 
     def to_data(self) -> dict[str, Any]:
         """For a model file; `from_data` reads it."""
-        circuits = {name: {**c._asdict(), "functions": list(c.functions)} for name, c in self.circuits.items()}
+        circuits = {
+            name: {**c._asdict(), "functions": list(c.functions), "closes": list(c.closes)}
+            for name, c in self.circuits.items()
+        }
         return {**self._asdict(), "circuits": circuits}
 
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> "Known":
         """From what `to_data` gave."""
         circuits = {
-            name: KnownCircuit(c["flow"], c["relief"], tuple(c["functions"])) for name, c in data["circuits"].items()
+            name: KnownCircuit(c["flow"], c["relief"], tuple(c["functions"]), tuple(c["closes"]))
+            for name, c in data["circuits"].items()
         }
         return cls(data["return_pressure"], dict(data["deadband"]), circuits)
 
@@ -123,8 +141,10 @@ def by_port(known: Known, log: Table) -> Table:
     shown = {name: of_columns.get(name.split(".")[-1], "") for name in columns}
     for circuit, c in known.circuits.items():
         left: Any = c.flow
-        for place, function in enumerate(c.functions[:-1], 1):
+        for place, (function, closes) in enumerate(zip(c.functions[:-1], c.closes, strict=False), 1):
             left = np.clip(left - columns[f"{function}.q_in"], 0.0, c.flow)
+            # as the flow model has it: what an actuator at its stop leaves of the pump's flow goes over the relief valve
+            left = np.where(columns[f"{function}.travel"] <= closes, left, 0.0)
             name = passed_name(circuit, len(c.functions), place)
             columns[name], shown[name] = left, "m3/s"
     return Table(columns, shown, dict(log.info))
@@ -203,7 +223,8 @@ def _known_by(model: Model) -> Known | None:
     how: Any = model.training.get("log")
     if not isinstance(how, dict):
         return None
-    if set(how) != set(Known._fields):
+    circuits = how.get("circuits", {}).values()
+    if set(how) != set(Known._fields) or any(set(c) != set(KnownCircuit._fields) for c in circuits):
         raise InputError(
             f"the network of {model.output.name!r} was learnt by an earlier version, which wrote less of how to read a log: learn it again "
             "(polydraulic fit-machine)"

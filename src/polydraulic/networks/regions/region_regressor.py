@@ -107,6 +107,27 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             As for `AbductiveRegressor`; also edges that do not rise, and cells without enough rows.
         """
         self._check_settings()
+        return self._learn(X, y, sample_weight, None)
+
+    def refitted(self, X: Any, y: Any, sample_weight: Any = None) -> "RegionRegressor":
+        """Another one whose networks are learnt from these rows in the regions of this one, which are not sought again.
+
+        Parameters
+        ----------
+        X, y, sample_weight
+            As for `fit`, of as many inputs.
+
+        Raises
+        ------
+        ValueError
+            As for `fit`; also other inputs, and regions without enough rows.
+        """
+        check_is_fitted(self)
+        validate_data(self, X, y, reset=False, y_numeric=True, dtype=np.float64, multi_output=True)
+        return clone(self)._learn(X, y, sample_weight, self.partition_)
+
+    def _learn(self, X: Any, y: Any, sample_weight: Any, regions: Partition | None) -> "RegionRegressor":
+        """Fit in given regions, in the cells of the edges, or in regions that are found."""
         X, y = validate_data(self, X, y, y_numeric=True, dtype=np.float64, multi_output=True, ensure_min_samples=2)
         weight = np.ones(len(X)) if sample_weight is None else _check_sample_weight(
             sample_weight, X, ensure_non_negative=True
@@ -116,11 +137,12 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         base = AbductiveRegressor() if self.estimator is None else self.estimator
         learn, hold = calibration_rows(len(y), getattr(base, "calibration", 0.0), base.random_state)
         rows = _Rows(X[learn], y[learn], weight[learn])
-        if self.edges is None:
+        if self.edges is None and regions is None:
             with one_blas_thread():
                 self.partition_, self.estimators_ = self._find(rows, base)
         else:
-            self.partition_ = grid(checked_edges(self.edges, [variable.name for variable in variables(self, None)]))
+            names = [variable.name for variable in variables(self, None)]
+            self.partition_ = grid(checked_edges(self.edges or {}, names)) if regions is None else regions
             self.estimators_ = [self._fit_box(rows, base, box) for box in self._boxes()]
         errors = np.abs(self._outputs(X[hold]) - y.reshape(len(y), -1)[hold])
         region = region_of(self.partition_, X[hold])
