@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from io import StringIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polydraulic.display import as_drawn, time_axis, with_unit
+from polydraulic.display import as_drawn, readable, time_axis, with_unit
 from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage
 from polydraulic.units import Conversion
@@ -16,11 +16,13 @@ if TYPE_CHECKING:
 
 _MAPS = 12
 _SIGNAL = 1.1  # inches, of a channel with its name
+_BAND = 0.73  # share of it that is the channel's
+_MAP = (2.85, 2.4)  # inches
 _INTERVALS = 350
 
 
 def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion], began: float = 0.0) -> str:
-    """Smallest and largest value of each channel over time; gaps are blank.
+    """Smallest and largest value of each channel over time, a band each; gaps are blank.
 
     Parameters
     ----------
@@ -31,43 +33,48 @@ def signals_svg(checks: Sequence[ChannelCheck], units: Mapping[str, Conversion],
         When the log's time was zero, if that is known: times are dates then.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import FixedLocator, NullFormatter
 
     shown = [check for check in checks if check.count]
     if not shown:
         return ""
     width, height = 11.0, _SIGNAL * len(shown) + 0.55
     figure = Figure(figsize=(width, height))
-    for place, check in enumerate(reversed(shown)):  # the lowest first: the others get its ticks
+    # bands of one plot, since matplotlib takes as long for each of its axes as for all that is drawn here
+    axis = figure.add_axes((0.75 / width, 0.5 / height, (width - 0.95) / width, _SIGNAL * len(shown) / height))
+    beside = axis.get_yaxis_transform()
+    for base, check in zip(reversed(range(len(shown))), shown, strict=True):
         c, unit = check.channel, units[check.channel.name]
-        rectangle = (0.75 / width, (0.5 + _SIGNAL * place) / height, (width - 0.95) / width, (_SIGNAL - 0.3) / height)
-        axis = figure.add_axes(rectangle)
         first, last, low, high = _with_gaps(check.envelope.intervals(), check.raster)
         low, high = (value_in(check, unit, values) for values in (low, high))
         time, label = time_axis(np.column_stack([first, last]).ravel(), began)
-        axis.fill_between(time, np.repeat(low, 2), np.repeat(high, 2), color="#2a6fb0", linewidth=0.6)
+        least, most = (value_in(check, unit, end) for end in (check.low, check.high))
         margin = 0.3 * (check.high - check.low)
-        for limit in (c.low, c.high):
-            if check.low - margin <= limit <= check.high + margin:
-                axis.axhline(value_in(check, unit, limit), color="#c33", linewidth=0.8)
+        near = [limit for limit in (c.low, c.high) if check.low - margin <= limit <= check.high + margin]
+        limits = [value_in(check, unit, limit) for limit in near]
+        ends = min([least, *limits]), max([most, *limits])
+        low, high = _in_band(low, ends, base), _in_band(high, ends, base)
+        axis.axhspan(base, base + _BAND, color="#f4f4f4", linewidth=0.0)
+        axis.fill_between(time, np.repeat(low, 2), np.repeat(high, 2), color="#2a6fb0", linewidth=0.6, zorder=2.0)
+        for limit in limits:
+            axis.axhline(_in_band(limit, ends, base), color="#c33", linewidth=0.8)
+        for end in {least, most}:
+            at, text = _in_band(end, ends, base), readable(end, 3)
+            axis.text(-0.004, at, text, transform=beside, ha="right", va="center", fontsize="small")
         source = "" if c.source == c.name else f"   ({c.source})"
-        axis.set_title(as_drawn(with_unit(c.name, unit.unit) + source), loc="left", fontsize="small", pad=2.0)
-        axis.tick_params(labelsize="small")
-        axis.grid(alpha=0.3)
-        if place == 0:
-            axis.set_xlabel(label)
-    axes = figure.axes
-    ends = np.array([axis.get_xlim() for axis in axes])
-    axes[0].set_xlim(ends[:, 0].min(), ends[:, 1].max())
-    for axis in axes[1:]:
-        axis.xaxis.set_major_locator(FixedLocator(axes[0].get_xticks().tolist()))
-        axis.xaxis.set_major_formatter(NullFormatter())
-        axis.set_xlim(axes[0].get_xlim())
+        title = as_drawn(with_unit(c.name, unit.unit) + source)
+        axis.text(0.0, base + _BAND + 0.03, title, transform=beside, va="bottom", fontsize="small")
+    axis.set_xlabel(label)
+    axis.set_ylim(0.0, len(shown))
+    axis.set_yticks([])
+    axis.margins(x=0.01)
+    axis.tick_params(labelsize="small")
+    axis.grid(alpha=0.3)
+    axis.spines[["left", "right", "top"]].set_visible(False)
     return _svg(figure, "signals")
 
 
 def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
-    """Rows by cell for pairs of inputs, those with the most empty cells first; holes are framed."""
+    """Rows by cell for pairs of inputs, those with the most empty cells first; holes are framed, and ends of ranges given."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Rectangle
 
@@ -76,36 +83,49 @@ def coverage_svg(found: Coverage, units: Mapping[str, Conversion]) -> str:
     lines = -(-len(pairs) // columns)
     width, height = 3.7 * columns, 3.2 * lines
     figure = Figure(figsize=(width, height))
-    axes = [
-        figure.add_axes(
-            ((3.7 * column + 0.7) / width, (3.2 * (lines - 1 - line) + 0.5) / height, 2.85 / width, 2.4 / height)
-        )
-        for line in range(lines)
-        for column in range(columns)
-    ][: len(pairs)]
-    for axis, pair in zip(axes, pairs, strict=True):
+    # one plot in inches holds all maps, as above
+    axis = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height))
+    axis.set_axis_off()
+    for place, pair in enumerate(pairs):
+        line, column = divmod(place, columns)
+        left, bottom = 3.7 * column + 0.7, 3.2 * (lines - 1 - line) + 0.5
+        across = left + _MAP[0] * _shares(pair.x_edges, pair.x_edges)
+        along = bottom + _MAP[1] * _shares(pair.y_edges, pair.y_edges)
         counts = pair.counts.T
         shade = np.ma.masked_array(np.log10(np.maximum(counts, 1)), counts == 0)
-        x, y = units[pair.x], units[pair.y]
-        axis.pcolormesh(
-            x.from_si(pair.x_edges),
-            y.from_si(pair.y_edges),
-            shade,
-            cmap="Blues",
-            vmin=-1.0,
-            edgecolors="white",
-            linewidth=0.4,
-        )
+        axis.pcolormesh(across, along, shade, cmap="Blues", vmin=-1.0, edgecolors="white", linewidth=0.4)
+        axis.add_patch(Rectangle((left, bottom), *_MAP, fill=False, linewidth=0.8))
         for hole in pair.holes:
-            (left, right), (low, high) = map(x.from_si, hole.x), map(y.from_si, hole.y)
+            x = left + _MAP[0] * _shares(np.array(hole.x), pair.x_edges)
+            y = bottom + _MAP[1] * _shares(np.array(hole.y), pair.y_edges)
             axis.add_patch(
-                Rectangle((left, low), right - left, high - low, fill=False, edgecolor="#c33", linewidth=1.2)
+                Rectangle((x[0], y[0]), x[1] - x[0], y[1] - y[0], fill=False, edgecolor="#c33", linewidth=1.2)
             )
-        for label, name in ((axis.set_xlabel, pair.x), (axis.set_ylabel, pair.y)):
-            label(as_drawn(with_unit(name, units[name].unit)), fontsize="small")
-        axis.set_title(f"{pair.share:.0%} of the cells", loc="left", fontsize="small")
-        axis.tick_params(labelsize="x-small")
+        of_x, of_y = units[pair.x], units[pair.y]
+        x_name, y_name = as_drawn(with_unit(pair.x, of_x.unit)), as_drawn(with_unit(pair.y, of_y.unit))
+        axis.text(left, bottom + _MAP[1] + 0.05, f"{pair.share:.0%} of the cells", fontsize="small")
+        axis.text(left + 0.5 * _MAP[0], bottom - 0.2, x_name, ha="center", va="top", fontsize="small")
+        axis.text(
+            left - 0.2, bottom + 0.5 * _MAP[1], y_name, ha="right", va="center", rotation="vertical", fontsize="small"
+        )
+        for end in (0, -1):
+            x_text, y_text = (
+                readable(float(of.from_si(edges[end])), 3) for of, edges in ((of_x, pair.x_edges), (of_y, pair.y_edges))
+            )
+            axis.text(across[end], bottom - 0.05, x_text, ha="center", va="top", fontsize="x-small")
+            axis.text(left - 0.05, along[end], y_text, ha="right", va="center", fontsize="x-small")
     return _svg(figure, "coverage")
+
+
+def _in_band(values: Any, ends: tuple[float, float], base: float) -> Any:
+    """Values of a channel with these ends as heights in its band."""
+    return base + _BAND * (values - ends[0]) / ((ends[1] - ends[0]) or 1.0)
+
+
+def _shares(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """How far values lie between the first edge and the last."""
+    shares: np.ndarray = (values - edges[0]) / (edges[-1] - edges[0])
+    return shares
 
 
 def _with_gaps(intervals: np.ndarray, raster: float) -> np.ndarray:

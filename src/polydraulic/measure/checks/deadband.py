@@ -220,24 +220,29 @@ def _timings(
     u_parts: list[np.ndarray], y_parts: list[list[np.ndarray]], raster: float
 ) -> list[tuple[float, float, float]]:
     """Of each output: delay and lag with which bins of the input explain it best, and the share of variance that they explain."""
-    u_parts = _some(u_parts)
-    outputs = [_settled(_some(parts), raster) for parts in y_parts]
-    means, spreads = [float(y.mean()) for y in outputs], [float(np.var(y)) for y in outputs]
-    best = [(0.0, 0.0, -1.0)] * len(outputs)
+    u_parts, n_output = _some(u_parts), len(y_parts)
+    # the start of each part, where delayed inputs are not known, counts nothing
+    counts = np.concatenate([np.arange(len(u)) >= _skipped(raster) for u in u_parts]).astype(float)
+    outputs = [np.concatenate(_some(parts)) for parts in y_parts]
+    n_row = float(counts.sum())
+    outputs = [counts * (y - float((counts * y).sum()) / n_row) for y in outputs]
+    spreads = [float((y * y).sum()) / n_row for y in outputs]
+    # an input stays in a bin for some rows, so that sums up to a row are read where it leaves one
+    sums = np.cumsum(np.pad([counts, *outputs], ((0, 0), (1, 0))), axis=1)
+    best = [(0.0, 0.0, -1.0)] * n_output
     for lag in _LAGS:
-        lagged = _lagged(u_parts, raster, lag)
+        u = np.concatenate(_lagged(u_parts, raster, lag))
+        low, width = float(u.min()), float(np.ptp(u))
+        if width == 0.0:
+            return best
+        place = np.minimum((_BINS * (u - low) / width).astype(np.int64), _BINS - 1)
+        begins = np.flatnonzero(np.diff(place, prepend=-1))
+        bins, ends = place[begins], np.append(begins, len(place))
         for shift in range(0, int(_LONGEST_DELAY / raster) + 1, max(1, round(0.02 / raster))):
-            u = _delayed(lagged, raster, shift * raster)
-            low, width = float(u.min()), float(np.ptp(u))
-            if width == 0.0:
-                return best
-            place = np.minimum((_BINS * (u - low) / width).astype(np.int64), _BINS - 1)
-            n = np.maximum(np.bincount(place, minlength=_BINS), 1)
-            for k, (y, mean, spread) in enumerate(zip(outputs, means, spreads, strict=True)):
-                if spread == 0.0:
-                    continue
-                total = np.bincount(place, weights=y, minlength=_BINS)
-                share = float((total**2 / n).sum() / len(y) - mean**2) / spread
+            stays = np.diff(sums[:, np.minimum(ends + shift, len(place))])
+            n, *totals = (np.bincount(bins, stay, _BINS) for stay in stays)
+            for k, (total, spread) in enumerate(zip(totals, spreads, strict=True)):
+                share = float((total**2 / np.maximum(n, 1.0)).sum()) / n_row / spread if spread > 0.0 else -1.0
                 if share > best[k][2] + 1e-3:  # no longer delay than pays
                     best[k] = (shift * raster, lag, share)
     return best
