@@ -33,7 +33,7 @@ def test_flows_and_pressures_have_dashed_lines_where_there_is_something_to_show(
     assert [len(axis.lines) for axis in panels] == [2, 2, 4, 3, 2, 1]  # networks give no pump pressure
     assert [axis.get_title(loc="right") for axis in panels[2:4]] == [
         "full: into the actuator, dashed: out of it",
-        "full: inlet, dashed: pump",
+        "full: inlet, dashed: pump (exact alone)",
     ]
 
 

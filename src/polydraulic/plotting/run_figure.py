@@ -125,9 +125,8 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
             axis.tick_params(labelbottom=row == len(PANELS) - 1, labelleft=column == 0 or not panel.shared)
             if row == 0:
                 axis.set_title(link, fontweight="bold", fontsize=name_size)
-            if (
-                column and axis.get_ylabel() == rows[row].get_ylabel()
-            ):  # not so where one joint turns and another slides
+            # not so where one joint turns and another slides
+            if column and axis.get_ylabel() == rows[row].get_ylabel():
                 axis.set_ylabel("")
     below = figure.add_subplot(grid[-1, :], sharex=first)
     _draw_effector(below, runs, units)
@@ -140,8 +139,9 @@ def plot_run(runs: Mapping[str, Table], *, units: str = DEFAULT) -> "Figure":
 
 
 def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel, units: str) -> None:
-    unit, full, dashed = "", "", False
-    for number, table in enumerate(runs.values()):
+    unit, full = "", ""
+    dashed: list[str] = []  # runs that have what the dashed lines show: networks know no pump pressure
+    for number, (label, table) in enumerate(runs.items()):
         color, width = line_style(number)
         full = joint_column(table, link, "") if panel.full == "angle" else f"{link}.{panel.full}"
         values, unit = shown_column(table, full, units)
@@ -150,10 +150,11 @@ def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel
         if panel.dashed and f"{owner}.{panel.dashed}" in table.names:
             values, unit = shown_column(table, f"{owner}.{panel.dashed}", units)
             axis.plot(table["time"], values, "--", color=color, linewidth=0.6 * width)
-            dashed = True
+            dashed.append(label)
     axis.set_ylabel(with_unit(full.rpartition(".")[2] if panel.full == "angle" else panel.title, unit))
     if dashed:
-        axis.set_title(panel.lines, loc="right", fontsize="x-small", color="0.4", pad=2.0)
+        alone = f" ({as_drawn(', '.join(dashed))} alone)" if len(dashed) < len(runs) else ""
+        axis.set_title(panel.lines + alone, loc="right", fontsize="x-small", color="0.4", pad=2.0)
     axis.grid(alpha=0.3)
 
 

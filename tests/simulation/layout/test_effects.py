@@ -127,7 +127,9 @@ def test_the_step_that_a_flow_force_asks_for_is_followed_by_all_functions(neutra
 def test_runge_kutta_is_the_limit_of_short_steps_with_hysteresis_and_flow_forces(crane):
     """Of first order the steps, of second or better what they come to, with spools that turn back and are pushed."""
     pushed = with_effects(crane, hysteresis=2e-4, flow_force=FlowForce(4e4, 870.0, np.radians(69.0)))
-    scenario = Scenario("to and fro", 0.48, {"slew": Sine(0.5, 12.0), "lift": Sine(0.6, 10.0), "extend": Sine(0.5, 9.0)})
+    scenario = Scenario(
+        "to and fro", 0.48, {"slew": Sine(0.5, 12.0), "lift": Sine(0.6, 10.0), "extend": Sine(0.5, 9.0)}
+    )
 
     def run(method, dt):
         return simulate(pushed, "exact", scenario, method=method, dt=dt, raster=8e-3)
