@@ -133,6 +133,32 @@ def test_in_coordinated_mode_a_stick_moves_the_tip_outward_on_its_level(page):
     assert volts["stick"] != 0.0
 
 
+def test_the_guard_slows_what_would_tip_the_machine_and_refuses_it(page):
+    page.js("cockpit.connection.send({type: 'payload', mass: 3000})")
+    page.click("[data-mode=coordinated]")
+    page.until_status("mode", "coordinated")
+    page.click("#guard")
+    page.until_status("guard", True)
+    page.until("return document.getElementById('guard').classList.contains('on')")
+    page.run_for(2.0)
+    page.key("KeyW")
+    page.until(
+        "return (cockpit.frame.flags & 512) !== 0 && document.querySelector('#tipping .guard').textContent !== ''"
+    )
+    assert page.js("return document.querySelector('#lamps').textContent").count("tip guard") == 1
+    page.until("return cockpit.readings.si('tipping.guard') === 0")
+    page.until("return document.querySelector('#tipping .guard').textContent.startsWith('Guard: refused')")
+    assert page.value("tipping.distance") > 0.15
+    page.key("KeyW", down=False)
+    page.key("KeyS")
+    page.until("return cockpit.readings.si('tipping.distance') > 0.3")
+    page.key("KeyS", down=False)
+    page.until("return cockpit.readings.si('tipping.guard') === 1")
+    page.until("return document.querySelector('#tipping .guard').textContent === ''")
+    page.click("#guard")
+    page.until_status("guard", False)
+
+
 def test_the_space_bar_locks(page):
     page.key("KeyA")
     page.until("return cockpit.readings.si('swing.voltage') !== 0")

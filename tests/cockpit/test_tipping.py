@@ -11,6 +11,7 @@ from polydraulic.cockpit.tipping import EVERY, HELD, SEEN, Tipping
 from polydraulic.cockpit.wanted import Wanted
 
 FREE = Wanted(locked=False)
+LIGHT = {"chassis.mass": 5000.0, "functions.lift.initial.angle": 0.6}
 
 
 def columns(cab):
@@ -19,7 +20,7 @@ def columns(cab):
 
 def test_a_driver_is_warned_a_second_ahead_and_told_where_to():
     """A light loader lowers a heavy load from above, which takes it outward."""
-    light = load_machine("wheel_loader").with_values({"chassis.mass": 5000.0, "functions.lift.initial.angle": 0.6})
+    light = load_machine("wheel_loader").with_values(LIGHT)
     cab, told, soon = Cab(light), {}, -1000
     lower = FREE._replace(payload=1000.0)
     for k in range(500):
@@ -36,6 +37,42 @@ def test_a_driver_is_warned_a_second_ahead_and_told_where_to():
     assert told["tips forward"] - told["may tip forward"] >= 1.0
     assert seen["tipping.dynamic_distance"] <= 0.0
     assert seen["tipping.edge"] == 0.0
+
+
+def test_a_guarded_driver_is_slowed():
+    """The same load, lowered by coordinated control, with the guard and without."""
+    light, least = load_machine("wheel_loader").with_values(LIGHT | {"chassis.mass": 5500.0}), {}
+    for guarded in (True, False):
+        cab = Cab(light)
+        cab.warm_up()
+        assert machine_description(cab)["coordinated"]["guard"] == {"able": True, "why": "", "margin": 0.2}
+        lower = FREE._replace(payload=1000.0, mode="coordinated", guarded=guarded)
+        cab.move(lower, 300)
+        distance, shares = [], []
+        for _ in range(200):
+            cab.move(lower._replace(axes=(0.0, 0.0, 0.0, 0.5, 0.0, 0.0)), 10)
+            seen = columns(cab)
+            distance.append(seen["tipping.distance"])
+            shares.append(seen["tipping.guard"])
+            assert bool(cab.shown.flags & Flag.GUARDED) == (seen["tipping.guard"] < 1.0)
+        least[guarded] = min(distance)
+        assert shares[0] == 1.0
+        assert (min(shares) < 0.25) == guarded
+        assert (set(shares) == {1.0}) != guarded
+        cab.move(lower._replace(mode="joint"), 10)
+        assert not cab.shown.flags & Flag.GUARDED
+    assert least[True] > 0.18 > 0.12 > least[False]
+
+
+def test_a_machine_without_chassis_has_no_guard():
+    cab = Cab(load_machine("wheel_loader")._replace(chassis=None))
+    cab.warm_up()
+    guard = machine_description(cab)["coordinated"]["guard"]
+    assert not guard["able"]
+    assert "[chassis]" in guard["why"]
+    cab.move(FREE._replace(mode="coordinated", guarded=True, axes=(0.0, 0.0, 0.0, -0.4, 0.0, 0.0)), 60)
+    assert not cab.shown.flags & Flag.GUARDED
+    assert columns(cab)["lift.voltage"] != 0.0
 
 
 def test_what_is_seen_is_what_the_monitor_says():

@@ -295,6 +295,31 @@ def test_a_motion_away_from_a_tip_is_not_slowed(machine):
     assert share.max() == 0.0
 
 
+def test_a_payload_that_is_told_of_counts_as_one_that_was_known():
+    light = load_machine("wheel_loader").with_values({"chassis.mass": 6000.0, "functions.lift.initial.angle": 0.2})
+    known, told, plain = (
+        CoordinatedControl(light, settings=ControlSettings(tip_margin=margin, payload=payload))
+        for margin, payload in ((0.2, 1000.0), (0.2, 0.0), (0.0, 0.0))
+    )
+    with Simulator(light) as simulator:
+        measured = told.measured(simulator).copy()
+    down = {"height": -0.2}
+    for control in (known, told, plain):
+        for _ in range(5):
+            control.step(measured, down)
+    assert (known.tip_share, told.tip_share, plain.tip_share) == (0.0, 1.0, 1.0)
+    told.reset()
+    told.carry(1000.0)
+    assert told.settings.payload == 1000.0
+    assert repr(told.parts.numbers.body) == repr(known.parts.numbers.body)
+    for _ in range(5):
+        told.step(measured, down)
+    assert told.tip_share == known.tip_share
+    with pytest.raises(InputError, match="payload = -1"):
+        told.carry(-1.0)
+    assert told.settings.payload == 1000.0
+
+
 def test_what_cannot_be_kept_from_tipping_is_refused(machine):
     with pytest.raises(InputError, match=r"no \[chassis\]"):
         CoordinatedControl(machine._replace(chassis=None), settings=ControlSettings(tip_margin=0.2))

@@ -108,7 +108,7 @@ class Cab:
         zero = np.zeros(len(self.simulator.names))
         self.coordination, self.uncoordinated = coordination_of(self.simulator, self.machine, self._model)
         if self.coordination is not None:
-            self.coordination.voltages(Wanted().axes, 1, ())
+            self.coordination.warm_up()
         self.simulator.step(zero, 1, {"payload": 1.0})
         self.simulator.reset()
         if self.shadow is not None:
@@ -143,10 +143,11 @@ class Cab:
         volts, end = self.voltages(wanted), self._steps + n
         while self._steps < end:
             piece = end - self._steps if trial is None else 1
+            known = wanted.payload if trial is None else trial.payload
             if coordination is not None:
-                volts, piece = coordination.voltages(wanted.axes, piece, self._since())
+                volts, piece = coordination.voltages(wanted, known, piece, self._since())
             self._steps += piece
-            payload = (wanted.payload if trial is None else trial.payload) + unknown_payload(self._since())
+            payload = known + unknown_payload(self._since())
             load = None
             self._trouble()
             if payload != self._payload:
@@ -331,6 +332,7 @@ class Cab:
         tipping = self.tipping
         if tipping is None:
             return
+        tipping.guard(self.coordination.tip_share if self.coordination and self._coordinates else 1.0)
         before = tipping.over, tipping.warning
         if not tipping.look(self._payload):
             return
@@ -352,7 +354,7 @@ class Cab:
             score["actuator_energy"] = score.pop("energy")
         number = wish.number if wish else before.number if before else 0
         self._trial_shown = TrialShown(
-            number, trial.exercise.name, trial.subject, self._did.mode, self._did.pattern,
+            number, trial.exercise.name, trial.subject, self._did.mode, self._did.pattern, self._did.guarded,
             running and not trial.over, trial.done, score,
         )  # fmt: skip
 
@@ -371,7 +373,7 @@ class Cab:
         }
         self._outside = outside
         self._look_for_tips()
-        conditions[Flag.TIPPING] = self.tipping is not None and self.tipping.warning
+        conditions |= self.tipping.conditions if self.tipping else {}
         return CabShown(
             steps=self._steps,
             seq=wanted.seq,

@@ -77,7 +77,7 @@ def machine_description(cab: Cab, shadow: str | None = None, *, study: bool = Fa
             for name, pattern in cab.patterns.items()
         },
         "chassis": chassis_data(machine.chassis),
-        "coordinated": coordinated_axes(cab.coordination is not None, cab.uncoordinated),
+        "coordinated": coordinated_axes(cab.coordination, cab.uncoordinated),
         "exercises": [
             {"name": e.name, "title": e.title, "kind": e.kind, "tolerance": e.tolerance, "path": _thinned(e.path)}
             for e in cab.exercises.values()

@@ -89,6 +89,7 @@ class Keeper:
                 "exercise": trial.exercise,
                 "mode": trial.mode,
                 "pattern": trial.pattern,
+                "guard": trial.guarded,
                 "faults": list(shown.faults),
                 "finished": trial.finished,
                 "values": {name: list(pair) for name, pair in trial.score.items()},

@@ -15,7 +15,7 @@ Frames, to the page, 60 a second: binary, little endian, `HEAD` and then as many
 Texts, to the page, when something changes (JSON)::
 
     {"type": "status", "driver": "you|other|nobody", "locked", "mode", "pattern", "recording": name or null, "faults": [names],
-     "shadow": why it is lost, or "", "exercise": {"name", "subject"} or null, "replay": {"name", "time", "end", "playing"} or null,
+     "guard": whether tips are guarded against, "shadow": why it is lost, or "", "exercise": {"name", "subject"} or null, "replay": {"name", "time", "end", "playing"} or null,
      "study": null or {"title", "subjects", "subject", "task": null or {"number", "block", "practice", "exercise", "mode", "repetition"}, "tasks",
      "question": "" before all is done, "answers", "answer"}, "recordings": [names], "payload": kg,
      "rate": simulated seconds for each of the last second}
@@ -31,6 +31,7 @@ Texts, from the page, at most `MOST_BYTES` long::
         they are to be sent at least every `SILENCE` s, or the machine takes them for released; while they are, once a second.
     {"type": "lock", "on": bool}
     {"type": "mode", "mode": "joint|coordinated", "pattern": "iso|sae"}   coordinated: left stick swing and reach, right one pitch and height
+    {"type": "guard", "on": bool}                                    coordinated mode: slow, and refuse, what would tip the machine
     {"type": "drive"}                                                ask to be the driver; all below and above is for the driver alone
     {"type": "reset"}
     {"type": "payload", "mass": kg}
@@ -73,6 +74,7 @@ class Flag(IntFlag):
     REPLAY = 64
     TARGET = 128  # there is a target: `target.x`, `.y`, `.z`
     TIPPING = 256  # the machine tips, or a tip is foreseen to within 2 s
+    GUARDED = 512  # the guard against tipping slows or refuses what the sticks ask for
 
 
 class PageMessage(NamedTuple):
@@ -185,6 +187,7 @@ _FIELDS: dict[str, dict[str, Callable[[Any, str], Any]]] = {
     "sticks": {"seq": _count, "axes": _axes},
     "lock": {"on": _switch},
     "mode": {"mode": _one_of("joint", "coordinated"), "pattern": _one_of("iso", "sae")},
+    "guard": {"on": _switch},
     "drive": {},
     "reset": {},
     "payload": {"mass": _amount},

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from polydraulic.cockpit.protocol import Flag
 from polydraulic.parameters.layout.chassis import Chassis, edge_names
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.stability.monitor import StabilityMonitor
@@ -12,6 +13,7 @@ HELD = 200  # steps for which a warning stays
 SEEN = (
     ("tipping.distance", "m"), ("tipping.dynamic_distance", "m"), ("tipping.force_angle", "N m"), ("tipping.edge", "1"),
     ("tipping.time", "s"), ("tipping.gravity_x", "m"), ("tipping.gravity_y", "m"),
+    ("tipping.guard", "1"),
 )  # fmt: skip
 
 
@@ -25,8 +27,9 @@ class Tipping:
 
     Attributes
     ----------
-    values : (7,) array
-        Those of `SEEN`: least distances over all edges, the edge with the least dynamic one, the time to a tip, where the line of gravity meets the ground.
+    values : (8,) array
+        Those of `SEEN`: least distances over all edges, the edge with the least dynamic one, the time to a tip, where the line of gravity meets the
+        ground; and what the guard of coordinated control leaves of a motion, which `guard` sets.
     warning, over : bool
         Whether a tip is foreseen to within 2 s, or was during the last second, since an arm swings on its oil; whether the machine tips.
     """
@@ -36,11 +39,21 @@ class Tipping:
         self._of: LayoutMachine | None = None
         self._seen, self._warned = -1, -HELD
         self.values, self.warning, self.over = np.zeros(len(SEEN)), False, False
+        self.guard(1.0)
+
+    def guard(self, share: float) -> None:
+        """Show what the guard leaves of a motion."""
+        self.values[-1] = share
 
     @property
     def direction(self) -> str:
         """Where it would tip."""
         return self._monitor.edges[int(self.values[3])]
+
+    @property
+    def conditions(self) -> dict[Flag, bool]:
+        """Of a frame."""
+        return {Flag.TIPPING: self.warning, Flag.GUARDED: bool(self.values[-1] < 1.0)}
 
     def look(self, payload: float) -> bool:
         """Look, if it is time to; whether that was so."""
@@ -54,7 +67,7 @@ class Tipping:
         self._seen = simulator.steps
         found = self._monitor(simulator.state, payload=payload)
         least = (found.distance.min(), found.dynamic_distance.min(), found.force_angle.min())
-        self.values[:] = (*least, found.edge, found.time_to_tip, *found.gravity)
+        self.values[:-1] = (*least, found.edge, found.time_to_tip, *found.gravity)
         if found.warning:
             self._warned = self._seen
         self.warning, self.over = self._seen - self._warned < HELD, bool(least[1] <= 0.0)

@@ -48,6 +48,8 @@ class Wanted(NamedTuple):
         The last sticks, -1 to 1, and when they were heard, in s of the clock.
     locked : bool
     mode, pattern : str
+    guarded : bool
+        Whether coordinated control keeps the machine from tipping.
     resets : int
         How often a new beginning was asked for.
     payload : float, kg
@@ -66,6 +68,7 @@ class Wanted(NamedTuple):
     locked: bool = True
     mode: str = "joint"
     pattern: str = "iso"
+    guarded: bool = False
     resets: int = 0
     payload: float = 0.0
     faults: tuple[str, ...] = ()
@@ -85,13 +88,14 @@ class Taped(NamedTuple):
 
 
 class TrialShown(NamedTuple):
-    """How a trial goes: number of the wish; its exercise, subject, mode and pattern; its score."""
+    """How a trial goes: number of the wish; its exercise, subject, mode and pattern, whether tips were guarded against; its score."""
 
     number: int
     exercise: str
     subject: str
     mode: str
     pattern: str
+    guarded: bool
     running: bool
     finished: bool
     score: dict[str, tuple[float, str]]

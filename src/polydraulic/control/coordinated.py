@@ -13,6 +13,7 @@ from polydraulic.control.text import INVERTED, controller_module, live_places
 from polydraulic.errors import InputError, briefly
 from polydraulic.flow.dispatch import FlowModel, layout_flow
 from polydraulic.flow.lookup import table_bytes
+from polydraulic.machine.stability.body import Body
 from polydraulic.machine.stability.whole_body import body_of
 from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -125,6 +126,8 @@ class CoordinatedControl:
         Where the joints should be.
     share : () array
         Share of the wanted velocity that flow, limits and the margin against tipping allow.
+    tip_share : () array
+        What of it the margin against tipping alone allows: below 1 the motion is slowed, 0 is refused. 1 without a margin.
     dt : float, s
     parts : ControlParts
         For exporters.
@@ -175,8 +178,9 @@ class CoordinatedControl:
         self.servo = servo_of(self.machine, settings)
         parts: dict[str, Any] = {"valves": ready.valves, "plant": ready.plant, "servo": self.servo, "arm": self.arm}
         if settings.tip_margin > 0.0:
-            parts["body"] = body_of(with_payload(self.machine, settings.payload) if settings.payload else self.machine)
+            parts["body"] = self._body()
         self._module = controller_module(self.machine, ready.module, parts, model.kernels)
+        self._tree = parts
         self._numbers, self._whole = pack_tree(tuple(parts.values()))
         self._valves = ready.valves  # which keep the machine code of networks
         exported = parts | {"valves": valves_of(self.machine, ready.module, model, in_tables=True)}
@@ -193,12 +197,27 @@ class CoordinatedControl:
         self.reference = seen[places["POSE"] : places["POSE"] + 4]
         self.joints = seen[places["REFERENCE"] : places["REFERENCE"] + n]
         self.share = seen[places["SHARE"] : places["SHARE"] + 1].reshape(())
+        self.tip_share = seen[places["KEPT"] :][:1].reshape(()) if "body" in parts else np.array(1.0)
         self.dt = settings.dt
         self.lag = settings.settling + max(f.pilot.dead_time for f in self.machine.functions)
 
     def reset(self) -> None:
         """Forget everything: the next call begins where the machine is then."""
         self._live[:] = 0.0
+
+    def carry(self, payload: float) -> None:
+        """Know of another payload from the next call on, in kg, as `settings.payload` says it at the beginning.
+
+        Raises
+        ------
+        InputError
+            What is no mass; nothing has changed.
+        """
+        self.settings = _checked(self.settings._replace(payload=payload))
+        if "body" in self._tree:
+            self._tree["body"] = self._body()
+            self._numbers, self._whole = pack_tree(tuple(self._tree.values()))
+            self.parts = self.parts._replace(numbers=self.parts.numbers._replace(body=self._tree["body"]))
 
     def measured(self, outputs: Mapping[str, Any] | Any) -> np.ndarray:
         """What a call wants to know of a machine, from outputs by name: those of a `Simulator`, or a mapping.
@@ -252,6 +271,11 @@ class CoordinatedControl:
         """
         s = self.settings
         return np.array([sticks[1] * s.reach, -sticks[3] * s.height, -sticks[0] * s.swing, sticks[2] * s.pitch])
+
+    def _body(self) -> Body:
+        """The machine, and what hangs at its tip, as one body on the ground."""
+        payload = self.settings.payload
+        return body_of(with_payload(self.machine, payload) if payload else self.machine)
 
 
 def measured_columns(machine: LayoutMachine) -> list[str]:

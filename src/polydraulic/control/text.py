@@ -79,7 +79,7 @@ def live_places(machine: LayoutMachine, *, guarded: bool) -> dict[str, int]:
         "COLUMNS": 2 * n,
     }
     if guarded:
-        sizes |= {"HELD": 1, "MOTION": 3 * n, "LINKS": N_LINK * (n + 1)}
+        sizes |= {"HELD": 1, "KEPT": 1, "MOTION": 3 * n, "LINKS": N_LINK * (n + 1)}
     starts = [0, *accumulate(sizes.values())]
     return dict(zip([*sizes, "RING"], starts, strict=True))
 

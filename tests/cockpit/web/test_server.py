@@ -288,6 +288,7 @@ def test_what_is_no_message_changes_nothing_and_too_much_ends_the_page(serve, ca
                 ('{"type": "replay", "name": "x", "action": "pause"}', "no recording"),
                 ('{"type": "payload", "mass": 1e9}', "at most"),
                 ('{"type": "mode", "mode": "coordinated", "pattern": "iso"}', "no coordinated control"),
+                ('{"type": "guard", "on": true}', "no guard against tipping"),
             ):
                 await page.socket.send_str(text)
                 await page.refused(says)

@@ -3,7 +3,7 @@
 const HEAD = 24; // bytes before the values of a frame
 const SEQ_ROOM = 512; // sticks that wait to be seen applied
 
-export const FLAGS = { locked: 1, driver: 2, relief: 4, stop: 8, outside: 16, recording: 32, replay: 64, target: 128, tipping: 256 };
+export const FLAGS = { locked: 1, driver: 2, relief: 4, stop: 8, outside: 16, recording: 32, replay: 64, target: 128, tipping: 256, guarded: 512 };
 
 /** A frame, or null where its length is none that the machine's columns give. */
 export function readFrame(buffer, columns) {

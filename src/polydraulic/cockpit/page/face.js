@@ -15,6 +15,9 @@ export class Face {
     const coordinated = document.querySelector("[data-mode=coordinated]");
     coordinated.disabled = !machine.coordinated?.able;
     if (machine.coordinated?.why) coordinated.title = machine.coordinated.why;
+    const guard = machine.coordinated?.guard;
+    $("guard").disabled = !guard?.able;
+    if (guard?.why) $("guard").title = `No guard: ${guard.why}`;
     const names = ["model", ...(machine.shadow ? ["shadow", "its step"] : []), "sim rate", "overruns", "lever to picture", "sticks sent", "time"];
     this.vitals = new Map(names.map((name) => {
       const value = made("dd");
@@ -37,7 +40,7 @@ export class Face {
     while ($("events").children.length > EVENTS) $("events").firstChild.remove();
   }
 
-  status({ driver, locked, mode, pattern }, open) {
+  status({ driver, locked, mode, pattern, guard }, open) {
     document.body.dataset.driver = open ? driver : "none";
     document.body.dataset.locked = locked;
     say($("driver"), open ? DRIVERS[driver] : "No connection");
@@ -46,6 +49,8 @@ export class Face {
     say($("lock").querySelector("span"), locked ? "Locked" : "Unlocked");
     say($("lock").querySelector("small"), locked ? "unlock: Enter" : "lock: Space");
     for (const one of document.querySelectorAll("[data-pattern]")) one.classList.toggle("on", mode === "joint" && one.dataset.pattern === pattern);
+    $("guard").classList.toggle("on", Boolean(guard));
+    $("guard").setAttribute("aria-pressed", Boolean(guard));
     for (const one of document.querySelectorAll("[data-mode]")) one.classList.toggle("on", one.dataset.mode === mode);
   }
 

@@ -97,7 +97,8 @@ class TippingCard {
       return { column, bar, value, row: made("div", "margin-row", made("span", "soft", text), bar.element, value) };
     });
     this.soon = made("span", "soft");
-    this.element = made("section", "card tipping", made("h2", "", "Tipping ", this.soon, this.read), ...this.bars.map(({ row }) => row));
+    this.guard = made("p", "soft guard");
+    this.element = made("section", "card tipping", made("h2", "", "Tipping ", this.soon, this.read), ...this.bars.map(({ row }) => row), this.guard);
     this.element.id = "tipping";
   }
 
@@ -111,11 +112,13 @@ class TippingCard {
     const angle = readings.si("tipping.force_angle") / 1000;
     say(this.soon, warns ? (left <= 0 ? "TIPS" : `in ${number(time, 1)} s`) : `force-angle ${number(angle)} kN m`);
     say(this.read, this.edges[readings.si("tipping.edge")] ?? "");
+    const share = readings.si("tipping.guard");
+    say(this.guard, share >= 1 ? "" : share > 0 ? `Guard: slowed to ${number(100 * share)} %` : "Guard: refused; what leads away from a tip goes on");
   }
 }
 
 const LAMPS = [
-  ["tipping", "tipping", "alarm"], ["relief", "relief", "alarm"], ["stop", "end stop", "alarm"], ["outside", "out of domain", "warn"],
+  ["tipping", "tipping", "alarm"], ["guarded", "tip guard", "warn"], ["relief", "relief", "alarm"], ["stop", "end stop", "alarm"], ["outside", "out of domain", "warn"],
   ["recording", "recording", "alarm"], ["replay", "replay", "calm"],
 ];
 
@@ -128,7 +131,7 @@ export class Instruments {
     const heads = ["", "joint", "spool", `A ${pressure}`, `B ${pressure}`].map((text) => made("th", "", text));
     const table = made("table", "card functions", made("thead", "", made("tr", "", ...heads)), made("tbody", "", ...this.rows.map((row) => row.element)));
     this.element = made("div", "instruments", ...this.tipping.map((card) => card.element), ...this.pumps.map((pump) => pump.element), table);
-    this.lamps = LAMPS.filter(([flag]) => machine.chassis || flag !== "tipping").map(([flag, text, kind]) => ({ bit: FLAGS[flag], element: made("span", `lamp ${kind}`, made("i"), text) }));
+    this.lamps = LAMPS.filter(([flag]) => machine.chassis || !["tipping", "guarded"].includes(flag)).map(([flag, text, kind]) => ({ bit: FLAGS[flag], element: made("span", `lamp ${kind}`, made("i"), text) }));
   }
 
   update(readings) {

@@ -115,6 +115,7 @@ class Cockpit {
       if (mode) this.send({ type: "mode", mode, pattern: this.status.pattern });
     });
     $("lock").addEventListener("click", () => this.#lock(!this.status.locked));
+    $("guard").addEventListener("click", () => this.send({ type: "guard", on: !this.status.guard }));
     $("reset").addEventListener("click", () => this.send({ type: "reset" }));
     $("drive").addEventListener("click", () => this.send({ type: "drive" }));
     $("results-open").addEventListener("click", () => {

@@ -37,6 +37,7 @@ class Seat:
             "sticks": self._sticks,
             "lock": lambda fields: self._want(locked=fields["on"], axes=_NEUTRAL),
             "mode": self._mode,
+            "guard": self._guard,
             "reset": self._reset,
             "payload": self._payload,
             "record": self._record,
@@ -91,6 +92,7 @@ class Seat:
             "locked": wanted.locked,
             "mode": wanted.mode,
             "pattern": wanted.pattern,
+            "guard": wanted.guarded,
             "recording": self.keeper.recording,
             "recordings": list(self.keeper.drives),
             "faults": list(shown.faults),
@@ -112,6 +114,14 @@ class Seat:
         if fields["mode"] == "coordinated" and self.beat.cab.coordination is None:
             raise InputError(f"no coordinated control of this machine: {self.beat.cab.uncoordinated}")
         self._want(mode=fields["mode"], pattern=fields["pattern"], axes=_NEUTRAL)
+
+    def _guard(self, fields: dict[str, Any]) -> None:
+        self._freely("the guard against tipping")
+        coordination = self.beat.cab.coordination
+        why = self.beat.cab.uncoordinated if coordination is None else coordination.unguarded
+        if fields["on"] and why:
+            raise InputError(f"no guard against tipping for this machine: {why}")
+        self._want(guarded=fields["on"])
 
     def _reset(self, fields: dict[str, Any]) -> None:
         self._by_hand("a reset")
@@ -177,7 +187,13 @@ class Seat:
             course.begin(wish)
             wanted = TrialWish(wish, task.exercise, course.subject)
             self._want(
-                mode=task.mode, pattern=course.study.pattern, trial=wanted, payload=0.0, faults=(), axes=_NEUTRAL
+                mode=task.mode,
+                pattern=course.study.pattern,
+                guarded=False,
+                trial=wanted,
+                payload=0.0,
+                faults=(),
+                axes=_NEUTRAL,
             )
         else:
             self.keeper.tell(course.skip() if action == "skip" else course.answer(text))
