@@ -22,7 +22,8 @@ PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation test
 	tests/networks/growth/test_scoring.py \
 	tests/identification/equations/fit/test_circuit_slopes_at.py tests/identification/equations/test_pilot_fit.py \
 	tests/networks/dynamic/test_free_run.py tests/networks/dynamic/test_lagged_terms.py \
-	tests/export/translate tests/export/test_machine.py tests/export/test_controller.py
+	tests/export/translate tests/export/test_machine.py tests/export/test_controller.py \
+	tests/watch/kernels tests/watch/test_sequential.py
 
 # Compiled first, then the tests of kernels once more in plain Python: they must not depend on the compiler.
 test: .venv/ready
@@ -64,6 +65,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py methods
 	$(BIN)/python benchmarks/keep.py waits $(if $(OLD),--old $(OLD))
 	$(BIN)/python benchmarks/keep.py worst_step
+	$(BIN)/python benchmarks/keep.py watch_update
 	$(BIN)/python benchmarks/networks.py --quick
 	$(BIN)/python benchmarks/keep.py networks --only evaluation
 	$(BIN)/python benchmarks/keep.py importing

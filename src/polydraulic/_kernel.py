@@ -42,6 +42,7 @@ _KEEP_DAYS = 30
 # whose fits have kernels of their own.
 _COMPILED = (
     "control",
+    "watch",
     "_kernel",
     "_kernel_cache",
     "elementary",

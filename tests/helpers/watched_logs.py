@@ -10,7 +10,8 @@ from polydraulic.parameters.fault_catalogue import timed_faults
 from polydraulic.parameters.faults import faulty_column
 from polydraulic.tables import Table
 from polydraulic.watch.blocks import starts_of
-from polydraulic.watch.watch import FaultWatch, watched
+from polydraulic.watch.watch import FaultWatch
+from polydraulic.watch.watched import watched
 
 NOISE = {"spool": 4e-5, "p_a": 1e5, "p_b": 1e5, "q_in": 8e-6, "q_out": 8e-6, "voltage": 2e-3, "angle": 5e-4, "position": 1e-3}  # fmt: skip
 RASTER, EVERY = 0.02, 4

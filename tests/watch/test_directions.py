@@ -5,8 +5,9 @@ import pytest
 
 from helpers.watched_logs import blocks, known, log_of
 from polydraulic import load_machine
+from polydraulic.watch.block import scores_of
 from polydraulic.watch.directions import directions_of
-from polydraulic.watch.watch import block_scores
+from polydraulic.watch.watched import plan_of
 
 
 @pytest.mark.parametrize("name", ["wheel_loader", "cat215b", "excavator_22t"])
@@ -35,7 +36,7 @@ def test_sizes_are_the_smallest_that_count():
 def test_scores_of_a_faulty_log_say_how_large_the_fault_is(fault):
     of, expected = known()
     faulty = log_of(of.machine, 14, 40.0, [fault])
-    scores = block_scores(of, blocks(of, faulty)[0], expected.noise, expected.scales)
+    scores, _ = scores_of(plan_of(of, expected.noise), blocks(of, faulty)[0], expected.scales)
     place = [d.name for d in of.directions].index(fault)
     size = scores.pull[:, place].sum() / scores.information[:, place, place].sum()
     assert size == pytest.approx(1.0, abs=0.2)

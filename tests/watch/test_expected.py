@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.watch.directions import Scores
-from polydraulic.watch.expected import joined_scores, learn_jitter, togetherness, whitened
+from polydraulic.watch.expected import learn_jitter, togetherness, whitened
 
 OFFSET, JITTER = np.array([0.3, 0.0, -0.2]), np.array([0.05, 0.3, 0.2])
 
@@ -34,13 +34,17 @@ def test_whitened_scores_vary_as_much_as_they_inform(made):
     assert togetherness(white) == pytest.approx(np.ones(3), abs=0.5)
 
 
+def test_whitening_solves_its_equations(made):
+    white = whitened(made, OFFSET, JITTER**2)
+    left = np.eye(3) + made.information * JITTER**2
+    right = np.concatenate([(made.pull - made.information @ OFFSET)[:, :, None], made.information], axis=2)
+    solved = np.linalg.solve(left, right)
+    assert white.pull == pytest.approx(solved[:, :, 0], rel=1e-9)
+    assert white.information == pytest.approx(np.einsum("bii->bi", solved[:, :, 1:]), rel=1e-9)
+
+
 def test_blocks_that_go_together_are_noticed(made):
     white = whitened(made, OFFSET, JITTER**2)
     slow = np.repeat(white.pull[::20], 20, axis=0)
     assert np.all(togetherness(white._replace(pull=slow)) > 4.0)
     assert np.all(togetherness(type(white)(white.pull[:20], white.information[:20])) == 2.0)
-
-
-def test_parts_are_joined(made):
-    parts = [Scores(*(field[a:b] for field in made)) for a, b in ((0, 300), (300, 800))]
-    assert all(np.array_equal(a, b) for a, b in zip(joined_scores(parts), made, strict=True))

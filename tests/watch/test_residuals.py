@@ -4,26 +4,26 @@ import numpy as np
 import pytest
 
 from helpers.watched_logs import blocks, known, log_of
-from polydraulic import load_machine
+from polydraulic.watch.block import residuals_of
 from polydraulic.watch.residuals import Residuals, case_of
+from polydraulic.watch.watched import plan_of
 
 
 @pytest.fixture(scope="module")
 def seen():
-    of, _ = known()
-    log = log_of(of.machine, 12, 30.0)
-    return of, Residuals(blocks(of, log)[0], of.shape, of.channels)
+    of, expected = known()
+    readings, _ = blocks(of, log_of(of.machine, 12, 30.0))
+    return of, expected, readings
 
 
-def rms(residual, counts):
-    fine = np.isfinite(residual) & counts
-    return float(np.sqrt(np.mean(residual[fine] ** 2)))
+def rms(residual, variance):
+    return float(np.sqrt(np.mean(residual[np.isfinite(variance)] ** 2)))
 
 
 def test_what_is_left_of_a_healthy_machine_is_little(seen):
-    of, residuals = seen
-    case = case_of(of.machine)
-    left = {c.name: rms(r, n) for c, r, n in zip(of.channels, residuals.of(case), residuals.counts(case), strict=True)}
+    of, expected, readings = seen
+    own, variances = residuals_of(plan_of(of, expected.noise), readings)
+    left = {c.name: rms(r, v) for c, r, v in zip(of.channels, own, variances, strict=True)}
     pump = of.machine.circuits[0].pump.flow
     assert left["lift.spool"] < 0.02 * of.machine.function("lift").valve.knots[-1]
     assert left["lift.q_in"] < 0.02 * pump
@@ -32,32 +32,28 @@ def test_what_is_left_of_a_healthy_machine_is_little(seen):
 
 
 def test_a_fault_moves_what_depends_on_it_and_shares_the_rest(seen):
-    of, residuals = seen
+    of, _, _ = seen
+    residuals = Residuals(of.columns, of.shape, of.channels)
     healthy = residuals.of(case_of(of.machine))
-    slow = residuals.of(case_of(of.machine.with_values({"functions.lift.pilot.time_constant": 0.3})))
-    moved = [c.name for c, a, b in zip(of.channels, healthy, slow, strict=True) if a is not b]
-    assert moved == ["lift.spool"]
-    read = residuals.of(case_of(of.machine, shifts={"lift.q_out": 1e-4}))
-    moved = [c.name for c, a, b in zip(of.channels, healthy, read, strict=True) if a is not b]
-    assert moved == ["lift.p_out", "lift.volume_a", "lift.volume_b"]
-    loaded = residuals.of(case_of(of.machine, payload=500.0))
-    moved = [c.name for c, a, b in zip(of.channels, healthy, loaded, strict=True) if a is not b]
-    assert moved == ["lift.torque", "tilt.torque"]
+
+    def moved(case):
+        return [c.name for c, a, b in zip(of.channels, healthy, residuals.of(case), strict=True) if a != b]
+
+    assert moved(case_of(of.machine)) == []
+    assert moved(case_of(of.machine.with_values({"functions.lift.pilot.time_constant": 0.3}))) == ["lift.spool"]
+    read = case_of(of.machine, shifts={"lift.q_out": 1e-4})
+    assert moved(read) == ["lift.p_out", "lift.volume_a", "lift.volume_b"]
+    assert moved(case_of(of.machine, payload=500.0)) == ["lift.torque", "tilt.torque"]
 
 
-def test_a_spool_that_sticks_follows_late():
-    of, _ = known()
-    machine = load_machine("wheel_loader")
-    log = log_of(machine, 12, 12.0)
-    residuals = Residuals(blocks(of, log)[0], of.shape, of.channels)
-    lift = machine.function("lift")
+def test_a_spool_that_sticks_follows_late(seen):
+    of, expected, readings = seen
+    lift = of.machine.function("lift")
     late = 0.1 * lift.valve.knots[-1]
-    sticky = machine._replace(
-        functions=tuple(
-            f._replace(effects=f.effects._replace(hysteresis=late)) if f.name == "lift" else f
-            for f in machine.functions
-        )
-    )
+    sticks = lift._replace(effects=lift.effects._replace(hysteresis=late))
+    machine = of.machine._replace(functions=tuple(sticks if f.name == "lift" else f for f in of.machine.functions))
     place = [c.name for c in of.channels].index("lift.spool")
-    apart = residuals.of(case_of(machine))[place] - residuals.of(case_of(sticky))[place]
-    assert 0.3 * late < np.abs(apart).max() <= 0.5 * late * (1.0 + 1e-9)
+    own, sticky = (
+        residuals_of(plan_of(of._replace(machine=m), expected.noise), readings)[0][place] for m in (of.machine, machine)
+    )
+    assert 0.3 * late < np.abs(own - sticky).max() <= 0.5 * late * (1.0 + 1e-9)

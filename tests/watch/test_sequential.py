@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from polydraulic.watch.expected import Whitened
-from polydraulic.watch.sequential import KEPT, EvidenceSums, Limits, highest, threshold_for
+from polydraulic.watch.kernels.evidence import KEPT
+from polydraulic.watch.sequential import EvidenceSums, Limits, highest, threshold_for
 
 
 def limits(threshold, n=1, both=False):

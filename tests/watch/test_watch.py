@@ -5,7 +5,9 @@ import pytest
 
 from helpers.watched_logs import blocks, healthy_log, known, log_of, watched_by
 from polydraulic import InputError
-from polydraulic.watch.watch import FaultWatch, Frozen, learn_expected, watched
+from polydraulic.watch.learning import learn_expected
+from polydraulic.watch.watch import FaultWatch, Frozen
+from polydraulic.watch.watched import watched
 
 
 def test_healthy_work_of_another_operator_raises_no_alarm():
@@ -56,8 +58,8 @@ def test_a_sensor_that_stays_stays_since_it_did(monkeypatch):
     of, expected = known()
     log = log_of(of.machine, 21, 40.0)
     n = len(blocks(of, log)[1])
-    frozen = [[Frozen("lift.p_b", k - 5, True)] if k > 20 else [] for k in range(n)]
-    monkeypatch.setattr(FaultWatch, "_frozen", lambda self, part: frozen)
+    frozen = iter([[Frozen("lift.p_b", k - 5, True)] if k > 20 else [] for k in range(n)])
+    monkeypatch.setattr(FaultWatch, "_frozen", lambda self: next(frozen))
     (alarm,) = watched_by(of, expected, log).alarms
     begins = blocks(of, log)[1]
     assert alarm.seen == pytest.approx(begins[21] + of.shape.seconds)

@@ -59,7 +59,7 @@ def watch(
     """
     from polydraulic.identification.watching.watch_log import watch_log
     from polydraulic.identification.watching.watch_page import watch_page_ending, write_watch_page
-    from polydraulic.watch.watch import FALSE_ALARMS
+    from polydraulic.watch.learning import FALSE_ALARMS
 
     if out is not None:
         watch_page_ending(out)

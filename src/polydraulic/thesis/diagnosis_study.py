@@ -22,10 +22,13 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.scenario import random_operator
 from polydraulic.simulation.runs import simulate
 from polydraulic.tables import Table
+from polydraulic.watch.block import scores_of
 from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.expected import Expected, whitened
-from polydraulic.watch.flat import RESTS, flat_blocks
-from polydraulic.watch.watch import FALSE_ALARMS, FREEZE, FaultWatch, Watched, block_scores, watched
+from polydraulic.watch.kernels.stays import RESTS
+from polydraulic.watch.learning import FALSE_ALARMS
+from polydraulic.watch.watch import FREEZE, FaultWatch
+from polydraulic.watch.watched import Watched, plan_of, watched
 
 RASTER = 0.02  # s, of all sensors
 BEGINS, LASTS = 30.0, 120.0  # s into a log after which a fault begins, and for which it lasts
@@ -202,9 +205,10 @@ def _shows(case: WatchedCase, readings: dict[str, np.ndarray], fault: str) -> np
     """In which blocks a fault has an occasion to show, (n_block,) of bool."""
     of, expected = case.of, case.expected
     names = [d.name for d in of.directions]
+    scores, states = scores_of(plan_of(of, expected.noise), readings, expected.scales)
     if fault in names:
-        white = whitened(block_scores(of, readings, expected.noise, expected.scales), expected.offset, expected.jitter)
+        white = whitened(scores, expected.offset, expected.jitter)
         place = names.index(fault)
         return np.asarray(white.information[:, place] / expected.together[place] >= 1.0)
     column = fault.removesuffix(FREEZE)  # of a sensor that stays: wherever its function works
-    return flat_blocks(of.machine, readings, of.shape, dict(expected.noise))[column] != RESTS
+    return np.asarray(states[:, of.columns.index(column)] != RESTS)

@@ -68,16 +68,6 @@ def smoothing(rows: int) -> np.ndarray:
     return np.asarray(np.linalg.pinv(np.vander(at, 3))[2])
 
 
-def filtered(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted sums along the last axis; the rows at both ends, where some are missing, keep their values."""
-    half = len(weights) // 2
-    found = values.copy()
-    found[..., half : values.shape[-1] - half] = (
-        np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=-1) @ weights
-    )
-    return found
-
-
 def motion_filters(raster: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Weights over samples that smooth, and that give first and second derivative of what is smoothed; cubics pass as they are."""
     half = max(3, int(np.ceil(FAR * FILTER / raster)))

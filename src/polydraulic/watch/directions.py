@@ -3,7 +3,6 @@
 A direction is the smallest size of a fault that counts; residuals are linear enough in it that larger ones lie on it, too.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +12,7 @@ from polydraulic.parameters.fault_catalogue import FaultKind, fault_catalogue
 from polydraulic.parameters.faults import faulty_machine
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.watch.residuals import Case, Residuals, case_of
+from polydraulic.watch.residuals import Case, case_of
 
 _BOTH = ("bias",)  # kinds that go either way
 _SAME = ("drift",)  # that look as another kind does at any time
@@ -117,37 +116,3 @@ class Scores(NamedTuple):
 
     pull: np.ndarray
     information: np.ndarray
-
-
-def scores_of(
-    residuals: Residuals, healthy: Case, directions: Sequence[Direction], variances: Sequence[np.ndarray]
-) -> Scores:
-    """Scores of blocks.
-
-    Parameters
-    ----------
-    residuals : Residuals
-    healthy : Case
-    directions : sequence of Direction
-    variances : sequence of (n_block, n_instant) array
-        Of each channel; infinite where a residual counts for nothing.
-    """
-    own, cases = residuals.of(healthy), [residuals.of(d.case) for d in directions]
-    n_block, n = len(own[0]), len(directions)
-    pull, information = np.zeros((n_block, n)), np.zeros((n_block, n, n))
-    for place in range(len(own)):
-        r, weight = own[place], 1.0 / variances[place]
-        touched = [k for k in range(n) if cases[k][place] is not r]
-        fine = np.isfinite(r) & (weight > 0.0)
-        for k in touched:
-            fine &= np.isfinite(cases[k][place])
-        weight = np.where(fine, weight, 0.0)
-        r = np.where(fine, r, 0.0)
-        if not touched:
-            continue
-        # r of the machine with the fault is less by what the fault does
-        effect = np.stack([r - np.where(fine, cases[k][place], 0.0) for k in touched], axis=1)
-        weighted = effect * weight[:, None, :]
-        pull[:, touched] += (weighted * r[:, None, :]).sum(axis=-1)
-        information[np.ix_(range(n_block), touched, touched)] += weighted @ effect.swapaxes(1, 2)
-    return Scores(pull, information)

@@ -5,12 +5,12 @@ block to block: a Gaussian model whose two numbers for each direction are found 
 that stays.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.watch.directions import Scores
+from polydraulic.watch.kernels.scores import whiten
 
 _PASSES = 30
 _FIRST_JITTER, _FIRST_WEIGHT = 0.1, 5.0  # of a direction, before any block is seen, and how many blocks that counts for
@@ -56,12 +56,12 @@ class Whitened(NamedTuple):
 
 def whitened(scores: Scores, offset: np.ndarray, jitter: np.ndarray) -> Whitened:
     """Scores of blocks less what is to be expected, weighted by how well a block tells it from the jitter."""
-    n = len(offset)
-    left = np.eye(n) + scores.information * jitter[None, None, :]
-    right = np.concatenate([(scores.pull - scores.information @ offset)[:, :, None], scores.information], axis=2)
-    found = np.linalg.solve(left, right)
-    information = np.maximum(np.einsum("bii->bi", found[:, :, 1:]), 0.0)
-    return Whitened(np.ascontiguousarray(found[:, :, 0]), information)
+    n_block, n = scores.pull.shape
+    room, found = np.empty(n * (2 * n + 1)), Whitened(np.empty((n_block, n)), np.empty((n_block, n)))
+    for k in range(n_block):
+        information = np.ascontiguousarray(scores.information[k]).ravel()
+        whiten(scores.pull[k], information, offset, jitter, room, found.pull[k], found.information[k])
+    return found
 
 
 def learn_jitter(scores: Scores) -> tuple[np.ndarray, np.ndarray]:
@@ -91,8 +91,3 @@ def togetherness(white: Whitened) -> np.ndarray:
     squares = pull**2 / np.maximum(information, 1e-300)
     counts = information > 0.0
     return np.maximum(np.where(counts, squares, 0.0).sum(axis=0) / np.maximum(counts.sum(axis=0), 1), 1.0)
-
-
-def joined_scores(parts: Sequence[Scores]) -> Scores:
-    """Scores of blocks that follow each other as one."""
-    return Scores(*(np.concatenate(field) for field in zip(*parts, strict=True)))

@@ -1,52 +1,40 @@
 """Sensors that stay at what they read: for how many blocks in succession one hardly moves although its function works."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from polydraulic.machine.valve import spool_edges
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.watch.blocks import BlockShape
-from polydraulic.watch.residuals import Readings
+from polydraulic.watch.kernels.stays import FLAT, MOVES
+from polydraulic.watch.plan import Plan
 
-FLAT, MOVES, RESTS = 1, 0, -1
 _NOISE = 1.6  # standard deviations of a sensor's noise, below which it does not move
-_OTHERS = 2  # sensors of a function that move while it works
 _LEAST = 5  # blocks
 _TIMES = 3  # the longest of healthy work
 
 
-def flat_blocks(
-    machine: LayoutMachine, readings: Readings, shape: BlockShape, noise: dict[str, float]
-) -> dict[str, np.ndarray]:
-    """Of each sensor and block: `FLAT`, `MOVES`, or `RESTS` where the function does not work, (n_block,) of int.
+def states_table(
+    plan: Plan, machine: LayoutMachine, columns: Sequence[str], shape: BlockShape, noise: Mapping[str, float]
+) -> list[int]:
+    """The table that `sensor_states` reads, with its numbers in a plan.
 
     A function works where its valve is open (by the spool, or the voltage, whichever is not asked about) and two of its other sensors move: at a
     stop all of them rest.
     """
-    flat = {
-        column: values[:, shape.judged].std(axis=1) <= _NOISE * noise.get(column, 0.0)
-        for column, values in readings.items()
-    }
-    found = {}
-    for column in readings:
+    limits = plan.numbers([_NOISE * noise.get(column, 0.0) for column in columns])
+    table = [len(columns), shape.before, shape.inside, 1 + len(columns), limits]
+    for column in columns:
         name, _, what = column.partition(".")
-        others = [~state for other, state in flat.items() if other != column and other.startswith(f"{name}.")]
-        lively = (
-            np.sum(others, axis=0) >= _OTHERS if len(others) >= _OTHERS else np.zeros(len(flat[column]), dtype=bool)
-        )
-        works = lively & _open(machine, readings, shape, name, what)
-        found[column] = np.where(works, np.where(flat[column], FLAT, MOVES), RESTS)
-    return found
-
-
-def _open(machine: LayoutMachine, readings: Readings, shape: BlockShape, name: str, what: str) -> np.ndarray:
-    """Whether a valve is open for most of a block, (n_block,) of bool; not where nothing says so."""
-    f = machine.function(name)
-    by_spool = f"{name}.spool" in readings and what != "spool"
-    column = f"{name}.spool" if by_spool else f"{name}.voltage"
-    if column not in readings or (what == "voltage" and not by_spool):
-        return np.zeros(len(next(iter(readings.values()))), dtype=bool)
-    travel = readings[column][:, shape.judged] * (1.0 if by_spool else f.pilot.gain)
-    return np.asarray((np.abs(travel) > spool_edges(f.valve)[0]).mean(axis=1) > 0.5)
+        others = [k for k, other in enumerate(columns) if other != column and other.startswith(f"{name}.")]
+        f = machine.function(name)
+        by_spool = f"{name}.spool" in columns and what != "spool"
+        tells = f"{name}.spool" if by_spool else f"{name}.voltage"
+        known = tells in columns and (what != "voltage" or by_spool)
+        edge = plan.numbers((1.0 if by_spool else f.pilot.gain, spool_edges(f.valve)[0]))
+        table += [1 + columns.index(tells) if known else 0, edge, len(others), *others]
+    return table
 
 
 def longest_flat(states: dict[str, np.ndarray]) -> dict[str, int]:

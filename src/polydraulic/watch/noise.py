@@ -21,8 +21,8 @@ _LEAST = {
 _FEW = 20  # residuals of a channel, below which nothing is learnt
 
 
-def first_variances(residuals: Residuals, healthy: Case, noise: Mapping[str, float]) -> list[np.ndarray]:
-    """Variances by the sensors' noise alone, infinite where a residual counts for nothing; (n_block, n_instant) each.
+def first_variances(residuals: Residuals, healthy: Case, noise: Mapping[str, float]) -> list[int]:
+    """Steps of variances by the sensors' noise alone, infinite where a residual counts for nothing; where that of each channel begins.
 
     Parameters
     ----------
@@ -31,33 +31,35 @@ def first_variances(residuals: Residuals, healthy: Case, noise: Mapping[str, flo
     noise : mapping from column to float
         Standard deviation of white noise, SI.
     """
-    own, counts = residuals.of(healthy), residuals.counts(healthy)
+    plan, own = residuals.plan, residuals.of(healthy)
     gain = float(np.sqrt((smoothing(SMOOTH) ** 2).sum()))
-    whole: list[np.ndarray] = [np.zeros_like(r) for r in own]
-    for column in residuals.readings:
+    found = []
+    for channel in residuals.channels:
+        what = channel.name.rpartition(".")[2]
+        white = noise.get(channel.name, 0.0) ** 2 if what in ("spool", "q_in") else 0.0
+        found.append(plan.filled(residuals.length(channel), "same_number", plan.numbers((white,))))
+    for column in residuals.columns:
         what, sd = column.rpartition(".")[2], noise.get(column, 0.0)
         if sd == 0.0 or what in ("q_in", "angle", "position"):
             continue
         sd = sd * gain if what == "spool" else sd
-        both = [residuals.of(case_of_shift(healthy, column, sign * _NEAR * sd)) for sign in (1.0, -1.0)]
+        up, down = (residuals.of(case_of_shift(healthy, column, sign * _NEAR * sd)) for sign in (1.0, -1.0))
         for place, channel in enumerate(residuals.channels):
             kind = channel.name.rpartition(".")[2]
-            if both[0][place] is own[place] or kind in ("spool", "torque"):
+            if up[place] == own[place] or kind in ("spool", "torque"):
                 continue
-            off = np.maximum(*(np.abs(r[place] - own[place]) for r in both)) / _NEAR
-            whole[place] += np.nan_to_num(off) ** 2 / (residuals.shape.window if kind.startswith("volume") else 1.0)
-    found = []
+            share = 1.0 / _NEAR / (np.sqrt(residuals.shape.window) if kind.startswith("volume") else 1.0)
+            n = residuals.length(channel)
+            plan.step("add_moved", found[place], n, own[place], up[place], down[place], plan.numbers((share,)))
     for place, channel in enumerate(residuals.channels):
         name, _, what = channel.name.partition(".")
-        variance = whole[place]
-        if what in ("spool", "q_in"):
-            variance = variance + noise.get(channel.name, 0.0) ** 2
-        elif what == "torque":
-            variance = variance + residuals.friction_unsure(channel, healthy) ** 2
+        if what == "torque":
+            residuals.add_friction_unsure(found[place], channel, healthy)
         elif what.startswith("volume"):
-            variance = variance + _of_windows(residuals, healthy, name, what, noise, gain)
-        fine = counts[place] & np.isfinite(own[place]) & np.isfinite(variance)
-        found.append(np.where(fine, variance + _LEAST[what] ** 2, np.inf))
+            _add_noise_of_windows(residuals, found[place], healthy, name, what, noise, gain)
+        n, mask = residuals.length(channel), residuals.counts(channel, healthy)
+        least = plan.numbers((_LEAST[what] ** 2,))
+        found[place] = plan.filled(n, "where_worth", found[place], own[place], mask, least)
     return found
 
 
@@ -66,27 +68,31 @@ def case_of_shift(healthy: Case, column: str, amount: float) -> Case:
     return Case(healthy.machine, healthy.payload, {**healthy.shifts, column: amount}, healthy.mechanics)
 
 
-def _of_windows(
-    residuals: Residuals, healthy: Case, name: str, what: str, noise: Mapping[str, float], gain: float
-) -> np.ndarray:
+def _add_noise_of_windows(
+    residuals: Residuals, variance: int, healthy: Case, name: str, what: str, noise: Mapping[str, float], gain: float
+) -> None:
     """Of balances of volume: noise of the position at both ends, of pressures through the compliance, and of measured flows."""
     shape, line = residuals.shape, healthy.machine.function(name).line
-    seconds = shape.window * shape.raster
-    lever = residuals.lever(name, healthy)  # at the beginning of each window
-    position = max(noise.get(f"{name}.angle", 0.0), noise.get(f"{name}.position", 0.0)) * gain * lever
+    position = max(noise.get(f"{name}.angle", 0.0), noise.get(f"{name}.position", 0.0)) * gain
     side = what[-1]
     compliance = (line.compliance_a if side == "a" else line.compliance_b) * noise.get(f"{name}.p_{side}", 0.0)
     flow = max(noise.get(f"{name}.q_in", 0.0), noise.get(f"{name}.q_out", 0.0))
-    return np.asarray(2.0 * (position**2 + compliance**2) / seconds**2 + flow**2 / shape.window)
+    rest = 2.0 * (compliance / (shape.window * shape.raster)) ** 2 + flow**2 / shape.window
+    residuals.add_window_noise(variance, name, healthy, position, rest)
 
 
-def channel_scales(residuals: Residuals, healthy: Case, variances: Sequence[np.ndarray]) -> list[tuple[float, float]]:
+def channel_scales(own: Sequence[np.ndarray], variances: Sequence[np.ndarray]) -> list[tuple[float, float]]:
     """What healthy blocks show of each channel beyond the noise of sensors: a variance to add, and a factor for residuals that go together.
 
     The variance is such that the middle half of the residuals is as wide as it should be; the factor compares means over blocks with it.
+
+    Parameters
+    ----------
+    own, variances : sequence of (n_block, n_instant) array
+        Residuals, and variances by the noise of sensors, of each channel.
     """
     found = []
-    for r, variance in zip(residuals.of(healthy), variances, strict=True):
+    for r, variance in zip(own, variances, strict=True):
         fine = np.isfinite(r) & np.isfinite(variance)
         if fine.sum() < _FEW:
             found.append((0.0, 1.0))
@@ -112,11 +118,3 @@ def _added(r: np.ndarray, variance: np.ndarray) -> float:
         else:
             high = middle
     return high
-
-
-def whole_variances(
-    residuals: Residuals, healthy: Case, noise: Mapping[str, float], scales: Sequence[tuple[float, float]]
-) -> list[np.ndarray]:
-    """Variances as healthy blocks showed them."""
-    first = first_variances(residuals, healthy, noise)
-    return [(v + more) * together for v, (more, together) in zip(first, scales, strict=True)]

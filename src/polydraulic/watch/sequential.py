@@ -11,10 +11,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.watch.expected import Whitened
-
-LEAST_BLOCKS = 8  # that decide together
-KEPT = 600  # blocks back to which a beginning can lie
-_WAYS = np.array([1.0, -1.0])
+from polydraulic.watch.kernels.evidence import KEPT, gather
 
 
 class Limits(NamedTuple):
@@ -76,22 +73,17 @@ class EvidenceSums:
         self.sums = np.zeros((n, 2))
         self.began = np.zeros((n, 2), dtype=np.int64)  # block at which each sum began
         self.showing = np.zeros(n)  # evidence that the smallest fault would have given by now
+        self._down = limits.ways[:, 1].astype(np.int64)
         self._totals = np.zeros((KEPT + 1, 3, n))  # cumulative: pull, information, squares of pull over information
 
     def add(self, pull: np.ndarray, information: np.ndarray) -> None:
         """Take a block, (n_direction,) each of its whitened scores."""
-        limits, most = self.limits, self.limits.threshold / LEAST_BLOCKS
-        gained = (_WAYS * pull[:, None] - 0.5 * information[:, None]) / limits.together[:, None]
-        gained = np.clip(gained, -most, most)
-        sums = self.sums + gained
-        fresh = sums <= 0.0
+        limits = self.limits
         self.count += 1
-        self.sums = np.where(fresh | ~limits.ways, 0.0, np.minimum(sums, 2.0 * limits.threshold))
-        self.began = np.where(fresh, self.count, self.began)
-        self.showing += np.minimum(0.5 * information / limits.together, most)
-        squares = np.where(information > 0.0, pull**2 / np.maximum(information, 1e-300), 0.0)
-        before, here = (self.count - 1) % (KEPT + 1), self.count % (KEPT + 1)
-        self._totals[here] = self._totals[before] + np.stack([pull, information, squares])
+        gather(
+            pull, information, limits.together, self._down, limits.threshold, self.count, self.sums.ravel(), self.began.ravel(),
+            self.showing, self._totals.ravel(),
+        )  # fmt: skip
 
     @property
     def alarms(self) -> np.ndarray:

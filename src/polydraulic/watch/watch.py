@@ -1,34 +1,26 @@
 """`FaultWatch`: a machine's log looked at block by block, from memory that does not grow."""
 
-from collections.abc import Callable, Mapping, Sequence
-from math import isfinite
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.parameters.layout.schema import LayoutMachine
-from polydraulic.watch.blocks import BlockShape, block_shape
-from polydraulic.watch.channels import WatchChannel, channels_of
+from polydraulic.watch.block import BlockJudge, Readings
 from polydraulic.watch.diagnosis import Suspect, suspects_of
-from polydraulic.watch.directions import Direction, Scores, directions_of, scores_of
-from polydraulic.watch.expected import Expected, Whitened, joined_scores, learn_jitter, togetherness, whitened
-from polydraulic.watch.flat import FLAT, MOVES, flat_blocks, longest_flat, too_long
-from polydraulic.watch.noise import channel_scales, first_variances, whole_variances
-from polydraulic.watch.residuals import Readings, Residuals, case_of
-from polydraulic.watch.sequential import KEPT, LEAST_BLOCKS, EvidenceSums, Limits, highest, threshold_for
+from polydraulic.watch.expected import Expected
+from polydraulic.watch.flat import too_long
+from polydraulic.watch.kernels.evidence import KEPT, LEAST_BLOCKS
+from polydraulic.watch.kernels.rows import FULL, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN, keep_rows, take_row
+from polydraulic.watch.kernels.stays import FLAT, MOVES
+from polydraulic.watch.learning import FALSE_ALARMS
+from polydraulic.watch.sequential import EvidenceSums, Limits, threshold_for
+from polydraulic.watch.watched import Watched, plan_of, tests_of, ways_of
 
-FALSE_ALARMS = 0.1  # per hour
 QUIET = 30  # blocks without an alarm after which it is over
 DIAGNOSED = 60  # blocks since the beginning that a diagnosis is made of
 ALONE = 3  # times as long a sensor stays until that alone is an alarm
 FREEZE = ".freeze"
-_CHUNK = 64  # blocks whose residuals are found at once
-_LEAST_BLOCKS = 60
-_ROOM = 0.5  # of the threshold that healthy blocks may come to
-_JITTER = 0.05  # of the raster, by which rows of a block may be nearer or farther apart in the mean
-_MOST_GAPS = 100  # in succession, after which rows do not come at the raster
-_SLOWEST = 0.1  # s between rows: filters of motion want some on both sides of a block
 
 
 class Alarm(NamedTuple):
@@ -65,113 +57,6 @@ class Outlook(NamedTuple):
     title: str
     could_show: bool
     share: float
-
-
-class Watched(NamedTuple):
-    """A machine, and what a log of it lets be watched.
-
-    Attributes
-    ----------
-    machine : LayoutMachine
-    columns : tuple of str
-        That are read, in their order.
-    shape : BlockShape
-    channels : tuple of WatchChannel
-    directions : tuple of Direction
-    """
-
-    machine: LayoutMachine
-    columns: tuple[str, ...]
-    shape: BlockShape
-    channels: tuple[WatchChannel, ...]
-    directions: tuple[Direction, ...]
-
-
-def watched(machine: LayoutMachine, columns: Sequence[str], raster: float) -> Watched:
-    """What can be watched of a machine with these columns of a log.
-
-    Raises
-    ------
-    InputError
-        If that is nothing, or rows come too seldom.
-    """
-    if raster > _SLOWEST * (1.0 + _JITTER):
-        raise InputError(
-            f"rows come every {raster:g} s; a machine is watched by rows every {_SLOWEST:g} s or more often"
-        )
-    known = frozenset(columns)
-    channels = channels_of(machine, known)
-    if not channels:
-        raise InputError(
-            f"nothing of the machine can be watched by {', '.join(columns) or 'no column'}: of a function it takes voltage and spool, or spool (or "
-            "voltage) with p_a, p_b and flows or position"
-        )
-    return Watched(machine, tuple(columns), block_shape(raster), channels, directions_of(machine, known))
-
-
-def learn_expected(of: Watched, readings: Readings, noise: Mapping[str, float], rate: float = FALSE_ALARMS) -> Expected:
-    """What is to be expected of the machine while it is healthy.
-
-    Parameters
-    ----------
-    of : Watched
-    readings : Readings
-        Of healthy blocks, in the order of time.
-    noise : mapping from column to float
-        Standard deviation of each sensor's white noise, SI.
-    rate : float
-        False alarms per hour of all tests together.
-
-    Raises
-    ------
-    InputError
-        Too few blocks.
-    """
-    n_block = len(readings[of.columns[0]])
-    if n_block < _LEAST_BLOCKS:
-        raise InputError(
-            f"healthy work has {n_block} blocks of {of.shape.seconds:g} s without a gap, and what is to be expected takes {_LEAST_BLOCKS}: "
-            "give more healthy work, five minutes or more are good"
-        )
-    healthy = case_of(of.machine)
-    whole = Residuals(readings, of.shape, of.channels)
-    scales = channel_scales(whole, healthy, first_variances(whole, healthy, noise))
-    scores = joined_scores([block_scores(of, part, noise, scales) for part in chunks(readings)])
-    offset, jitter = learn_jitter(scores)
-    white = whitened(scores, offset, jitter)
-    together = togetherness(white)
-    ways, threshold = ways_of(of.directions), threshold_for(rate, tests_of(of.directions), of.shape.seconds)
-    for _ in range(30):  # until healthy blocks stay well below the threshold
-        most = highest(white, Limits(threshold, together, ways))
-        if np.all(most <= _ROOM * threshold):
-            break
-        together = np.where(most > _ROOM * threshold, 1.3 * together, together)
-    flat = longest_flat(flat_blocks(of.machine, readings, of.shape, dict(noise)))
-    return Expected(dict(noise), tuple(scales), offset, jitter, together, flat, n_block)
-
-
-def ways_of(directions: Sequence[Direction]) -> np.ndarray:
-    """Which ways each goes, (n_direction, 2) of bool."""
-    return np.array([[True, d.both] for d in directions])
-
-
-def tests_of(directions: Sequence[Direction]) -> int:
-    """How many tests run at once."""
-    return int(ways_of(directions).sum())
-
-
-def chunks(readings: Readings) -> list[Readings]:
-    """Blocks, so many at a time."""
-    n_block = len(next(iter(readings.values())))
-    return [{c: v[k : k + _CHUNK] for c, v in readings.items()} for k in range(0, n_block, _CHUNK)]
-
-
-def block_scores(
-    of: Watched, readings: Readings, noise: Mapping[str, float], scales: Sequence[tuple[float, float]]
-) -> Scores:
-    """Scores of some blocks."""
-    residuals, healthy = Residuals(readings, of.shape, of.channels), case_of(of.machine)
-    return scores_of(residuals, healthy, of.directions, whole_variances(residuals, healthy, noise, scales))
 
 
 class Frozen(NamedTuple):
@@ -213,8 +98,9 @@ class FaultWatch:
         self._opened = -1  # block at which the present alarm seems to have begun
         self._last = 0  # block at which a test was last beyond its threshold
         self._times = np.zeros(KEPT + 1)  # of the beginnings of blocks
-        self._rows = np.empty((of.shape.rows, 1 + len(of.columns)))
-        self._filled = self._gaps = 0
+        self._judge = BlockJudge(plan_of(of, expected.noise), expected.scales, expected.offset, expected.jitter)
+        self._counts = np.zeros(2, dtype=np.int64)
+        self._limits = np.array([too_long(expected.longest[column]) for column in of.columns])
         self._flat = np.zeros(len(of.columns), dtype=np.int64)
 
     def update(self, time: float, row: np.ndarray) -> Alarm | None:
@@ -232,43 +118,32 @@ class FaultWatch:
         InputError
             Values that are not one finite number per column; rows that do not come at the raster that was learnt.
         """
-        shape, values = self.of.shape, np.asarray(row, dtype=np.float64)
-        self._check_row(time, values)
-        if self._filled and not 0.0 < time - self._rows[self._filled - 1, 0] < 1.5 * shape.raster:
-            self._filled, self._gaps = 0, self._gaps + 1
-        elif self._filled:
-            self._gaps = 0
-        self._rows[self._filled, 0], self._rows[self._filled, 1:] = time, values
-        self._filled += 1
-        if self._gaps > _MOST_GAPS:
+        shape, values = self.of.shape, np.ascontiguousarray(row, dtype=np.float64)
+        if values.shape != (len(self.of.columns),):
             raise InputError(
-                f"row at {time:g} s: none of the last {_MOST_GAPS} rows came {shape.raster:g} s after the one before it, the raster that was learnt"
+                f"row at {time:g} s: its shape is {values.shape}; it must have one value for each of {', '.join(self.of.columns)}"
             )
-        if self._filled < shape.rows:
+        rows = self._judge.rows
+        became = take_row(float(time), values, rows, self._counts, shape.raster)
+        if became == TAKEN:
             return None
-        apart = (time - float(self._rows[0, 0])) / (shape.rows - 1)
-        if abs(apart / shape.raster - 1.0) > _JITTER:
-            self._filled = 0
-            raise InputError(
-                f"rows until {time:g} s are {apart:.4g} s apart, those that were learnt from {shape.raster:g} s: give rows at that raster"
-            )
-        block = {c: self._rows[None, :, k].copy() for k, c in enumerate(self.of.columns, 1)}
-        begin = float(self._rows[shape.before, 0])
-        self._rows[: shape.rows - shape.inside] = self._rows[shape.inside :]
-        self._filled = shape.rows - shape.inside
-        return self.judge(block, np.array([begin]))
+        if became != FULL:
+            raise InputError(self._refused(became, time, values))
+        self._judge.judge()
+        begin = float(rows[shape.before * (1 + len(values))])
+        keep_rows(rows, self._counts, 1 + len(values), shape.inside)
+        return self._block(begin)
 
-    def _check_row(self, time: float, values: np.ndarray) -> None:
-        columns = self.of.columns
-        if values.shape != (len(columns),):
-            raise InputError(
-                f"row at {time:g} s: its shape is {values.shape}; it must have one value for each of {', '.join(columns)}"
-            )
-        if not (isfinite(time) and np.isfinite(values).all()):
-            which = next((c for c, v in zip(columns, values.tolist(), strict=True) if not isfinite(v)), "time")
-            raise InputError(
-                f"row at {time:g} s: {which} is no finite number; leave the row out, a gap begins a new block"
-            )
+    def _refused(self, became: int, time: float, values: np.ndarray) -> str:
+        """Why a row was not taken."""
+        raster = self.of.shape.raster
+        if became == NO_NUMBER:
+            which = next((c for c, v in zip(self.of.columns, values, strict=True) if not np.isfinite(v)), "time")
+            return f"row at {time:g} s: {which} is no finite number; leave the row out, a gap begins a new block"
+        if became == NEVER_APART:
+            return f"row at {time:g} s: none of the last {MOST_GAPS} rows came {raster:g} s after the one before it, the raster that was learnt"
+        apart = (time - float(self._judge.rows[0])) / (self.of.shape.rows - 1)
+        return f"rows until {time:g} s are {apart:.4g} s apart, those that were learnt from {raster:g} s: give rows at that raster"
 
     def judge(self, readings: Readings, begins: np.ndarray, each: Callable[[], None] | None = None) -> Alarm | None:
         """Take blocks that follow each other; the alarm that is there after them.
@@ -282,22 +157,18 @@ class FaultWatch:
             Called after each block.
         """
         now = None
-        place = 0
-        for part in chunks(readings):
-            scores = block_scores(self.of, part, self.expected.noise, self.expected.scales)
-            white = whitened(scores, self.expected.offset, self.expected.jitter)
-            frozen = self._frozen(part)
-            for k in range(len(white.pull)):
-                now = self._block(white, k, float(begins[place]), frozen[k])
-                place += 1
-                if each is not None:
-                    each()
+        for k, begin in enumerate(begins.tolist()):
+            self._judge.load(readings, k)
+            self._judge.judge()
+            now = self._block(begin)
+            if each is not None:
+                each()
         return now
 
-    def _block(self, white: Whitened, k: int, begin: float, frozen: list[Frozen]) -> Alarm | None:
-        evidence = self.evidence
+    def _block(self, begin: float) -> Alarm | None:
+        evidence, frozen = self.evidence, self._frozen()
         self._times[self.blocks % len(self._times)] = begin
-        evidence.add(white.pull[k], white.information[k])
+        evidence.add(self._judge.white_pull, self._judge.white_information)
         self.blocks += 1
         beyond = evidence.alarms
         seconds = self.of.shape.seconds
@@ -339,19 +210,14 @@ class FaultWatch:
         other = self.blocks - first >= LEAST_BLOCKS and bool(found) and found[0].name not in known
         return later if other else np.zeros_like(beyond)
 
-    def _frozen(self, readings: Readings) -> list[list[Frozen]]:
-        """Sensors of each block that have not moved for longer than they ever did."""
-        found: list[list[Frozen]] = [[] for _ in range(len(readings[self.of.columns[0]]))]
-        states = flat_blocks(self.of.machine, readings, self.of.shape, self.expected.noise)
-        for place, column in enumerate(self.of.columns):
-            limit = too_long(self.expected.longest[column])
-            for k, state in enumerate(states[column].tolist()):
-                self._flat[place] = (
-                    self._flat[place] + 1 if state == FLAT else 0 if state == MOVES else self._flat[place]
-                )
-                if self._flat[place] >= limit:
-                    found[k].append(Frozen(column, int(self._flat[place]), bool(self._flat[place] >= ALONE * limit)))
-        return found
+    def _frozen(self) -> list[Frozen]:
+        """Sensors that have not moved for longer than they ever did."""
+        states = self._judge.states[: len(self._flat)]
+        self._flat = np.where(states == FLAT, self._flat + 1, np.where(states == MOVES, 0, self._flat))
+        return [
+            Frozen(self.of.columns[k], int(self._flat[k]), bool(self._flat[k] >= ALONE * self._limits[k]))
+            for k in np.flatnonzero(self._flat >= self._limits).tolist()
+        ]
 
     def _owners(self, column: str) -> set[str]:
         """Names that faults begin with which a sensor that stays looks like: its function, and the circuit of that."""

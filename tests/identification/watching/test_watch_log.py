@@ -10,7 +10,7 @@ from polydraulic.identification.watching import watch_log as watch_log_module
 from polydraulic.identification.watching.watch_log import alarm_rows, learnt_from
 from polydraulic.tables import Table
 from polydraulic.watch import Alarm, Suspect
-from polydraulic.watch.watch import watched
+from polydraulic.watch.watched import watched
 
 
 def part(log, names):

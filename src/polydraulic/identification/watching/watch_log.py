@@ -21,8 +21,10 @@ from polydraulic.tables import Table, began
 from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.expected import Expected
+from polydraulic.watch.learning import FALSE_ALARMS, learn_expected
 from polydraulic.watch.sequential import check_rate
-from polydraulic.watch.watch import FALSE_ALARMS, FREEZE, Alarm, FaultWatch, Outlook, Watched, learn_expected, watched
+from polydraulic.watch.watch import FREEZE, Alarm, FaultWatch, Outlook
+from polydraulic.watch.watched import Watched, watched
 
 _MOST_LEARNT, _RUN = 1800, 60  # blocks that are learnt from, since memory grows with them; of a run
 ALARM_HEADS = ("since", "seen", "until", "what", "sure", "or else")

@@ -13,8 +13,8 @@ from polydraulic.thesis.diagnosis import HEALTHY_LASTS, HEALTHY_LOGS, LEARNT, Di
 from polydraulic.thesis.diagnosis_study import BEGINS, LASTS, WITHIN, WatchedFault, fault_kind
 from polydraulic.thesis.report.catalog import Chapter, Content, Figure, Grid, Paragraph, result
 from polydraulic.thesis.report.figures.draw import canvas
-from polydraulic.watch.sequential import LEAST_BLOCKS
-from polydraulic.watch.watch import FALSE_ALARMS
+from polydraulic.watch.kernels.evidence import LEAST_BLOCKS
+from polydraulic.watch.learning import FALSE_ALARMS
 
 if TYPE_CHECKING:
     import matplotlib.figure

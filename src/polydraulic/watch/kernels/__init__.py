@@ -1,0 +1,1 @@
+"""What a block of rows goes through, as kernels over plain arrays."""

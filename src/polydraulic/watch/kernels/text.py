@@ -1,0 +1,168 @@
+"""All kernels of a block as one text: the steps of a plan, one after the other, with circuits of as many valves as a machine has.
+
+A plan is data (`polydraulic.watch.plan`): for each step its kind, and the places that it reads and writes.
+"""
+
+from collections.abc import Iterable
+from functools import cache
+from types import ModuleType
+
+from polydraulic.flow.layout.text_module import loaded
+from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+
+# kinds of steps in the order of their numbers: module, and arrays that a step is given
+STEPS = {
+    "read": ("signals", "ints, floats, rows, work"),
+    "smooth": ("signals", "ints, floats, work"),
+    "not_below_zero": ("signals", "ints, work"),
+    "spool_by_voltage": ("signals", "ints, floats, work"),
+    "port": ("signals", "ints, work"),
+    "opening_of_outlet": ("signals", "ints, floats, work"),
+    "flow_out": ("signals", "ints, floats, work"),
+    "outlet_pressure": ("signals", "ints, floats, work"),
+    "straight_volumes": ("signals", "ints, floats, work"),
+    "tabled_volumes": ("signals", "ints, floats, work"),
+    "difference": ("signals", "ints, work"),
+    "volume_balance": ("windows", "ints, floats, work"),
+    "within": ("windows", "ints, floats, work"),
+    "above": ("windows", "ints, floats, work"),
+    "clear_of_relief": ("windows", "ints, floats, work"),
+    "same_number": ("windows", "ints, floats, work"),
+    "add_moved": ("windows", "ints, floats, work"),
+    "add_window_noise": ("windows", "ints, floats, work"),
+    "where_worth": ("windows", "ints, floats, work"),
+    "convolved": ("motion", "ints, floats, work"),
+    "oil_torque": ("motion", "ints, floats, work"),
+    "friction": ("motion", "ints, floats, work"),
+    "add_friction_unsure": ("motion", "ints, floats, work"),
+    "torque_left": ("motion", "ints, work"),
+    "needed_torques": ("motion", "ints, floats, work"),
+}
+_CIRCUIT = "circuit_"
+
+
+def kind_of_step(name: str) -> int:
+    """Number of a kind of step; ``circuit_N`` of circuits of N valves."""
+    if name.startswith(_CIRCUIT):
+        return len(STEPS) + int(name.removeprefix(_CIRCUIT))
+    return list(STEPS).index(name)
+
+
+def kernels_for(sizes: Iterable[int]) -> ModuleType:
+    """The kernels of a block for machines whose circuits have so many valves."""
+    return _module(tuple(sorted(set(sizes))))
+
+
+@cache
+def _module(sizes: tuple[int, ...]) -> ModuleType:
+    return loaded(block_text(sizes))
+
+
+def block_text(sizes: tuple[int, ...]) -> str:
+    """The text of the kernels of a block.
+
+    Parameters
+    ----------
+    sizes : tuple of int
+        Numbers of valves of circuits, rising.
+    """
+    imports = [
+        "import numpy as np",
+        "from polydraulic._kernel import driver, kernel",
+        "from polydraulic.machine.pump import Pump",
+        "from polydraulic.machine.circuits.series_check import UNPROVED",
+        "from polydraulic.machine.circuits.series_short import series_1, series_2",
+        "from polydraulic.machine.valve import Orifices",
+        *(line for line in SERIES_IMPORTS if max(sizes, default=0) > 2 and "_kernel" not in line),
+        "from polydraulic.watch.kernels.scores import score, whiten",
+        "from polydraulic.watch.kernels.stays import sensor_states",
+        *(f"from polydraulic.watch.kernels.{module} import {name}" for name, (module, _) in STEPS.items()),
+        "from polydraulic.watch.kernels.signals import NOTHING, interpolated",
+    ]
+    parts = [
+        '"""A block of a machine that is watched."""',
+        "\n".join(imports),
+        *(series_text(n) for n in sizes if n > 2),
+        *(_circuit(n) for n in sizes),
+        _plan(sizes),
+        _JUDGED,
+    ]
+    return "\n\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def _circuit(n: int) -> str:
+    valves = range(n)
+    places = "\n".join(f"    valve_{k} = s + {3 + 5 * k}" for k in valves)
+    orifices = "\n".join(
+        f"""        x_{k} = abs(work[ints[valve_{k}] + i])
+        knots_{k}, count_{k} = ints[valve_{k} + 3], ints[valve_{k} + 4]
+        k_{k} = Orifices(
+            interpolated(floats, knots_{k}, knots_{k} + count_{k}, count_{k}, x_{k}),
+            interpolated(floats, knots_{k}, knots_{k} + 2 * count_{k}, count_{k}, x_{k}),
+            0.0,
+        )
+        p_{k} = work[ints[valve_{k} + 1] + i]"""
+        for k in valves
+    )
+    results = "\n".join(
+        f"        work[ints[valve_{k} + 2] + i] = found.q_in_{k + 1} if found.status < UNPROVED else NOTHING"
+        for k in valves
+    )
+    return f'''
+@driver
+def circuit_{n}(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: int) -> None:
+    """Flows into the actuators of a circuit, `NOTHING` where they are not proved; of each valve spool, port, output, curves and their knots."""
+    first, n, number = ints[s], ints[s + 1], ints[s + 2]
+    pump = Pump(
+        floats[number], floats[number + 1], floats[number + 2], floats[number + 3], floats[number + 4], floats[number + 5]
+    )
+{places}
+    for i in range(first, first + n):
+{orifices}
+        found = series_{n}({", ".join(f"k_{k}" for k in valves)}, {", ".join(f"p_{k}" for k in valves)}, pump)
+{results}
+'''
+
+
+def _plan(sizes: tuple[int, ...]) -> str:
+    calls = [(kind_of_step(name), name, arrays) for name, (_, arrays) in STEPS.items()]
+    calls += [(kind_of_step(f"{_CIRCUIT}{n}"), f"{_CIRCUIT}{n}", "ints, floats, work") for n in sizes]
+    branches = "\n".join(
+        f"        {'if' if k == 0 else 'elif'} kind == {number}:\n            {name}({arrays}, s)"
+        for k, (number, name, arrays) in enumerate(calls)
+    )
+    return f'''
+@driver
+def run_plan(ints: np.ndarray, floats: np.ndarray, rows: np.ndarray, work: np.ndarray) -> None:
+    """All steps of a plan: `ints` begins with how many there are, and where each stands."""
+    for k in range(ints[0]):
+        kind, s = ints[ints[k + 1]], ints[k + 1] + 1
+{branches}
+'''
+
+
+_JUDGED = '''
+@driver
+def judge_block(
+    ints: np.ndarray,
+    floats: np.ndarray,
+    rows: np.ndarray,
+    scales: np.ndarray,
+    offset: np.ndarray,
+    jitter: np.ndarray,
+    work: np.ndarray,
+    pull: np.ndarray,
+    information: np.ndarray,
+    room: np.ndarray,
+    white_pull: np.ndarray,
+    white_information: np.ndarray,
+    states: np.ndarray,
+    s_score: int,
+    s_states: int,
+) -> None:
+    """What a block says of each direction, and of each sensor."""
+    run_plan(ints, floats, rows, work)
+    score(ints, scales, work, pull, information, s_score)
+    whiten(pull, information, offset, jitter, room, white_pull, white_information)
+    sensor_states(ints, floats, rows, states, s_states)
+'''

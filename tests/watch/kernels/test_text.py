@@ -1,0 +1,94 @@
+"""The kernels of a block: the same bits without the compiler, and circuits of any length as they are solved elsewhere."""
+
+import numpy as np
+import pytest
+
+from polydraulic import load_machine
+from polydraulic._kernel import in_plain_python
+from polydraulic.flow.layout.circuit_sample import solved_valves
+from polydraulic.machine.pump import limited_pump
+from polydraulic.watch.block import BlockJudge
+from polydraulic.watch.channels import position_of
+from polydraulic.watch.kernels.stays import FLAT
+from polydraulic.watch.kernels.text import block_text, kernels_for
+from polydraulic.watch.residuals import Residuals, case_of
+from polydraulic.watch.watched import plan_of, watched
+
+SENSORS = ("voltage", "spool", "p_a", "p_b", "q_in", "q_out")
+
+
+def made_rows(of, rng):
+    """A block of smooth signals within what sensors of the machine may read."""
+    time = np.arange(of.shape.rows) * of.shape.raster
+    rows = np.zeros((len(time), 1 + len(of.columns)))
+    rows[:, 0] = time
+    for k, column in enumerate(of.columns, 1):
+        f, what = of.machine.function(column.partition(".")[0]), column.rpartition(".")[2]
+        wave = np.sin(2.0 * time + rng.uniform(0.0, 6.0)) + rng.normal(0.0, 1e-3, len(time))
+        middle, half = 0.5 * (f.stops.low + f.stops.high), 0.2 * (f.stops.high - f.stops.low)
+        rows[:, k] = {
+            "voltage": 0.7 + 0.2 * wave,
+            "spool": (0.7 + 0.2 * wave) * f.pilot.gain,
+            "p_a": 60e5 + 20e5 * wave,
+            "p_b": 40e5 + 20e5 * wave,
+            "q_in": 1e-3 + 2e-4 * wave,
+            "q_out": 1e-3 + 2e-4 * wave,
+        }.get(what, middle + half * wave)
+    return rows
+
+
+def test_a_block_has_the_same_bits_in_plain_python():
+    machine = load_machine("wheel_loader")
+    columns = [f"{f.name}.{what}" for f in machine.functions for what in SENSORS]
+    columns += [position_of(machine, f) for f in machine.functions]
+    of = watched(machine, columns, 0.05)
+    noise = {c: 1e5 if ".p_" in c else 8e-6 if ".q_" in c else 1e-4 for c in columns}
+    n = len(of.directions)
+    judge = BlockJudge(plan_of(of, noise), [(0.0, 1.0)] * len(of.channels), np.full(n, 0.01), np.full(n, 0.01))
+    judge.rows[:] = made_rows(of, np.random.default_rng(2)).ravel()
+    judge.judge()
+    results = [judge.work, judge.pull, judge.information, judge.white_pull, judge.white_information, judge.states]
+    kept = [values.copy() for values in results]
+    assert np.all(np.isfinite(judge.pull))
+    assert np.all(judge.white_information >= 0.0)
+    assert np.sum(judge.white_information > 0.1) > 0.7 * n
+    assert FLAT not in judge.states[: len(columns)]
+    for values in results:
+        values[:] = 0
+    compiled = judge.kernels.judge_block
+    judge.kernels = type("Plain", (), {"judge_block": staticmethod(in_plain_python(compiled))})
+    judge.judge()
+    assert all(np.array_equal(a, b) for a, b in zip(kept, results, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("name", "valves"), [("wheel_loader", 2), pytest.param("excavator_22t", 3, marks=pytest.mark.slow)]
+)
+def test_flows_are_those_of_the_circuit(name, valves):
+    machine = load_machine(name)
+    c = next(c for c in machine.circuits if len(c.functions) >= valves)
+    columns = [f"{f}.{what}" for f in c.functions for what in ("spool", "p_a", "p_b", "q_in")]
+    of = watched(machine, columns, 0.05)
+    residuals = Residuals(columns, of.shape, of.channels)
+    own, rows = residuals.of(case_of(machine)), made_rows(of, np.random.default_rng(3))
+    for f in c.functions:  # still spools, since sensors are smoothed
+        rows[:, 1 + columns.index(f"{f}.spool")] = 0.6 * machine.function(f).valve.knots[-1]
+    arrays = residuals.plan.arrays()
+    work, kernels = np.zeros(arrays.size), kernels_for(len(c.functions) for c in machine.circuits)
+    kernels.run_plan(arrays.ints, arrays.floats, rows.ravel(), work)
+    curves = [machine.function(f).valve for f in c.functions]
+    travel = np.array([[0.6 * v.knots[-1] for v in curves]] * of.shape.inside)
+    judged = rows[of.shape.judged]
+    ports = judged[:, [1 + columns.index(f"{f}.p_a") for f in c.functions]]
+    pump = limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
+    sample, proved = solved_valves(curves, pump, travel, ports)
+    assert proved.all()
+    for place, f in enumerate(c.functions):
+        begin = own[[channel.name for channel in of.channels].index(f"{f}.q_in")]
+        flow = judged[:, 1 + columns.index(f"{f}.q_in")] - work[begin : begin + of.shape.inside]
+        assert flow == pytest.approx(sample.q_in[:, place], rel=1e-9, abs=1e-12)
+
+
+def test_texts_hold_the_circuits_that_are_asked_for():
+    assert "def circuit_3" in block_text((1, 3))
+    assert "def circuit_2" not in block_text((1, 3))
