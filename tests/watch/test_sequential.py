@@ -66,3 +66,13 @@ def test_memory_does_not_grow_and_goes_back_so_far():
     assert evidence.showing[0] > 5.0
     white = Whitened(np.full((20, 1), 4.0), np.full((20, 1), 4.0))
     assert highest(white, limits(5.0))[0] == 10.0
+
+
+def test_the_course_of_one_direction_is_what_was_added_as_far_back_as_is_kept():
+    rng, evidence = np.random.default_rng(5), EvidenceSums(limits(5.0, 2))
+    pull, information = rng.normal(size=(KEPT + 50, 2)), rng.uniform(size=(KEPT + 50, 2))
+    for one, other in zip(pull, information, strict=True):
+        evidence.add(one, other)
+    for first in (0, KEPT):
+        kept = evidence.course(1, first)
+        assert np.allclose(kept, (pull[max(first, 50) :, 1], information[max(first, 50) :, 1]), rtol=0.0, atol=1e-9)

@@ -17,6 +17,7 @@ def test_healthy_work_of_another_operator_raises_no_alarm():
     told = {f.name: f.could_show for f in watch.findings()}
     assert told["work.pump_worn"]
     assert told["lift.spool_slow"]
+    assert all(told[f"{column}.freeze"] for column in of.columns if column.startswith("lift."))
 
 
 @pytest.mark.parametrize(
@@ -51,6 +52,14 @@ def test_a_fault_that_begins_during_unusual_work_is_an_alarm_of_its_own():
     assert not second.suspects[0].harmless
     (alone,) = watched_by(of, expected, log_of(of.machine, 25, 180.0, faults[:1])).alarms
     assert alone.suspects[0].harmless
+
+
+def test_of_sensors_that_stay_nothing_is_told_before_their_functions_work():
+    of, expected = known()
+    told = {f.name: f for f in watched_by(of, expected, log_of(of.machine, 21, 8.0)).findings()}
+    stays = [told[f"{column}.freeze"] for column in of.columns]
+    assert all(not outlook.could_show and outlook.share < 1.0 for outlook in stays)
+    assert any(outlook.share > 0.0 for outlook in stays)
 
 
 def test_a_sensor_that_stays_stays_since_it_did(monkeypatch):

@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic.watch.directions import Direction
 from polydraulic.watch.sequential import Since
 
-_ELSE = 0.02  # probability from which on another fault is named
+ELSE = 0.02  # probability from which on another fault is named
 _MOST_ELSE = 4
 
 
@@ -64,7 +64,7 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
         d = directions[k]
         if d.name in found:  # of another size
             found[d.name] = found[d.name]._replace(probability=found[d.name].probability + float(probability[k]))
-        elif not found or (probability[k] >= _ELSE and len(found) <= _MOST_ELSE):
+        elif not found or (probability[k] >= ELSE and len(found) <= _MOST_ELSE):
             size, error = float(amount[k] * d.size), float(np.sqrt(scatter[k] / known[k]) * d.size)
             found[d.name] = Suspect(d.name, _title(d, size, error), float(probability[k]), size, error, d.harmless)
     return sorted(found.values(), key=lambda suspect: -suspect.probability)
@@ -73,7 +73,10 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
 def _title(d: Direction, size: float, error: float) -> str:
     if "{}" not in d.title:
         return d.title
-    if d.unit == "1":
-        digits = max(0, min(2, int(np.ceil(-np.log10(max(100.0 * error, 1e-3))))))
-        return d.title.format(f"{100.0 * size:.{digits}f} +- {100.0 * error:.{digits}f} %")
-    return d.title.format(f"{size:.0f} +- {error:.0f} {d.unit}")
+    return sized(d.title, size, error) if d.unit == "1" else d.title.format(f"{size:.0f} +- {error:.0f} {d.unit}")
+
+
+def sized(words: str, size: float, error: float) -> str:
+    """Words with a share and its standard error in place of their ``{}``, in percent."""
+    digits = max(0, min(2, int(np.ceil(-np.log10(max(100.0 * error, 1e-3))))))
+    return words.format(f"{100.0 * size:.{digits}f} +- {100.0 * error:.{digits}f} %")

@@ -96,6 +96,13 @@ class EvidenceSums:
         pull, information, squares = self._totals[self.count % (KEPT + 1)] - self._totals[first % (KEPT + 1)]
         return Since(pull, information, squares, self.count - first)
 
+    def course(self, direction: int, block: int) -> tuple[np.ndarray, np.ndarray]:
+        """Whitened pull and information of one direction in each block from after a block on, as far back as is kept; (n_block,) each."""
+        first = max(block, self.count - KEPT, 0)
+        kept = self._totals[np.arange(first, self.count + 1) % (KEPT + 1), :2, direction]
+        pull, information = np.diff(kept, axis=0).T
+        return pull, information
+
 
 def highest(white: Whitened, limits: Limits) -> np.ndarray:
     """Most evidence that each test gathers over blocks, (n_direction,)."""

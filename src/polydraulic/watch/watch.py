@@ -8,11 +8,12 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.watch.block import BlockJudge, Readings
 from polydraulic.watch.diagnosis import Suspect, suspects_of
+from polydraulic.watch.drift import with_course
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
 from polydraulic.watch.kernels.evidence import KEPT, LEAST_BLOCKS
 from polydraulic.watch.kernels.rows import FULL, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN, keep_rows, take_row
-from polydraulic.watch.kernels.stays import FLAT, MOVES
+from polydraulic.watch.kernels.stays import FLAT, MOVES, RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.sequential import EvidenceSums, Limits, threshold_for
 from polydraulic.watch.watched import Watched, plan_of, tests_of, ways_of
@@ -102,6 +103,9 @@ class FaultWatch:
         self._counts = np.zeros(2, dtype=np.int64)
         self._limits = np.array([too_long(expected.longest[column]) for column in of.columns])
         self._flat = np.zeros(len(of.columns), dtype=np.int64)
+        self._worked = np.zeros(len(of.columns), dtype=np.int64)  # blocks in which the function of each sensor worked
+        # of the present alarm, errors of sensors not yet told apart by their course
+        self._suspects: tuple[Suspect, ...] = ()
 
     def update(self, time: float, row: np.ndarray) -> Alarm | None:
         """Take a row of the log; the present alarm whenever a block is full and there is one.
@@ -191,7 +195,8 @@ class FaultWatch:
         suspects = alarm.suspects
         if not (suspects and suspects[0].name.endswith(FREEZE)):
             if self.blocks - self._opened <= DIAGNOSED or not suspects:
-                suspects = tuple(suspects_of(self.of.directions, evidence.since(self._opened), self._common))
+                self._suspects = tuple(suspects_of(self.of.directions, evidence.since(self._opened), self._common))
+            suspects = with_course(self._suspects, self.of.directions, evidence, self._opened)
             owners = {s.name.partition(".")[0] for s in suspects}
             still = [sensor.column for sensor in frozen if sensor.alone or owners & self._owners(sensor.column)]
             suspects = tuple(map(_frozen_sensor, still)) or suspects
@@ -213,6 +218,7 @@ class FaultWatch:
     def _frozen(self) -> list[Frozen]:
         """Sensors that have not moved for longer than they ever did."""
         states = self._judge.states[: len(self._flat)]
+        self._worked += states != RESTS
         self._flat = np.where(states == FLAT, self._flat + 1, np.where(states == MOVES, 0, self._flat))
         return [
             Frozen(self.of.columns[k], int(self._flat[k]), bool(self._flat[k] >= ALONE * self._limits[k]))
@@ -230,6 +236,9 @@ class FaultWatch:
         found: dict[str, Outlook] = {}
         for d, share in zip(self.of.directions, shares, strict=True):  # the smallest size of each comes first
             found.setdefault(d.name, Outlook(d.name, d.smallest, share >= 1.0, share))
+        for column, worked, limit in zip(self.of.columns, self._worked.tolist(), self._limits.tolist(), strict=True):
+            sensor, share = _frozen_sensor(column), worked / (ALONE * limit)
+            found[sensor.name] = Outlook(sensor.name, sensor.title, share >= 1.0, min(share, 1.0))
         return list(found.values())
 
 

@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from helpers.watched_logs import healthy_log, log_of
 from polydraulic import InputError, load_machine
 from polydraulic.identification import plot_watch, watch_log, write_watch_page
+from polydraulic.watch import Alarm, Suspect
 
 
 @pytest.fixture(scope="module")
@@ -47,3 +49,19 @@ def test_what_is_beyond_the_line_but_not_named_is_no_sign_of_nothing(found, tmp_
     page = (tmp_path / "watch.html").read_text(encoding="utf-8")
     row = page[page.index("lines of lift leak to the tank") :].partition("</tr>")[0]
     assert "what an alarm named explains the same evidence better" in row
+
+
+def test_every_sensor_that_stays_is_named_and_a_drift_stands_by_the_bias_that_it_becomes(found, tmp_path):
+    stays = [Suspect(f"lift.{c}.freeze", "", 1.0, np.nan, np.nan, False) for c in ("p_a", "p_b")]
+    drifts = Suspect("tilt.spool.drift", "drifts", 1.0, 0.01, 0.001, False)
+    alarms = [Alarm(1.0, 2.0, 3.0, tuple(stays)), Alarm(4.0, 5.0, 6.0, (drifts,))]
+    write_watch_page(replace(found, alarms=alarms), tmp_path / "watch.html")
+    page = (tmp_path / "watch.html").read_text(encoding="utf-8")
+
+    def told(title):
+        return page[page.index(f">{title}") :].partition("</tr>")[0]
+
+    assert "named in an alarm" in told("sensor of lift.p_a stays")
+    assert "named in an alarm" in told("sensor of lift.p_b stays")
+    assert "named in an alarm" not in told("sensor of tilt.p_b stays")
+    assert "named in an alarm, as a drift" in told("sensor of tilt.spool reads")

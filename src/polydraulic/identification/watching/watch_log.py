@@ -98,6 +98,12 @@ class WatchedLog:
         return self.text()
 
 
+def named_by(alarm: Alarm) -> list[str]:
+    """Faults that an alarm is of: the most likely one, or all sensors that stay."""
+    names = [suspect.name for suspect in alarm.suspects]
+    return names if names and names[0].endswith(FREEZE) else names[:1]
+
+
 def alarm_rows(alarms: Sequence[Alarm], zero: float = 0.0) -> list[list[str]]:
     """Texts under `ALARM_HEADS`; times are dates where time zero, in s since 1970, is known."""
 

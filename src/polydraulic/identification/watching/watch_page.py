@@ -11,9 +11,10 @@ import numpy as np
 from polydraulic.display import time_axis
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
-from polydraulic.identification.watching.watch_log import ALARM_HEADS, WatchedLog, alarm_rows
+from polydraulic.identification.watching.watch_log import ALARM_HEADS, WatchedLog, alarm_rows, named_by
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
+from polydraulic.watch.drift import BIAS, DRIFT
 from polydraulic.watch.watch import Outlook
 
 if TYPE_CHECKING:
@@ -46,12 +47,14 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
     watch_page_ending(path)
     minutes = len(found.time) * found.of.shape.seconds / 60.0
     picture = base64.b64encode(_svg(plot_watch(found)).encode()).decode()
-    named = {alarm.suspects[0].name for alarm in found.alarms if alarm.suspects}
+    named = {name for alarm in found.alarms for name in named_by(alarm)}
     beyond = {d.name for d, most in zip(found.of.directions, found.evidence.max(axis=0), strict=True) if most >= 1.0}
 
     def told(f: Outlook) -> str:
         if f.name in named:
             return "named in an alarm"
+        if f.name.endswith(BIAS) and f.name.removesuffix(BIAS) + DRIFT in named:
+            return "named in an alarm, as a drift"
         if f.name in beyond:
             return "what an alarm named explains the same evidence better"
         return "no sign of it" if f.could_show else f"cannot tell: {f.share:.0%} of the evidence"

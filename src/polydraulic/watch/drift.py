@@ -1,0 +1,109 @@
+"""Whether a sensor's error came at once and stays, a bias, or grows, a drift: both fitted to the blocks about an alarm's beginning.
+
+Either may have begun at any of some blocks; what speaks for it is averaged over these and over its size, as for any other fault.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.watch.diagnosis import ELSE, Suspect, sized
+from polydraulic.watch.directions import Direction
+from polydraulic.watch.sequential import EvidenceSums
+
+BIAS, DRIFT = ".bias", ".drift"
+BEFORE = 300  # blocks before an alarm seems to have begun, in which a drift may have
+_BEGINNINGS = 60  # blocks at which either may have begun that are tried
+
+
+class ErrorCourse(NamedTuple):
+    """How an error went on in time.
+
+    Attributes
+    ----------
+    grows : float
+        Probability that it grew evenly rather than came at once.
+    size, error : float
+        Of one that grew, by now, in sizes of the direction, with a standard error.
+    """
+
+    grows: float
+    size: float
+    error: float
+
+
+def course_of(pull: np.ndarray, information: np.ndarray, together: float) -> ErrorCourse:
+    """How the error went on that blocks are pulled by.
+
+    Parameters
+    ----------
+    pull, information : (n_block,) array
+        Whitened scores of one direction, from before the error began until now.
+    together : float
+        What evidence is divided by.
+    """
+    n = len(pull)
+    first = np.unique(np.linspace(0.0, n - 1.0, _BEGINNINGS).astype(int))
+    at = np.arange(n)[None, :] - first[:, None]
+    since = at >= 0
+    grown = np.where(since, (at + 1.0) / (n - first)[:, None], 0.0)
+    step, ramp = (_fit(shape, pull, information, together) for shape in (since.astype(np.float64), grown))
+    highest = max(step.evidence.max(), ramp.evidence.max())
+    stays, grows = (float(np.exp(fit.evidence - highest).sum()) for fit in (step, ramp))
+    best = int(np.argmax(ramp.evidence))
+    return ErrorCourse(grows / (stays + grows), float(ramp.size[best]), float(ramp.error[best]))
+
+
+def with_course(
+    suspects: Sequence[Suspect], directions: Sequence[Direction], evidence: EvidenceSums, opened: int
+) -> tuple[Suspect, ...]:
+    """Suspects, of whom the first is two if it is an error of a sensor: a bias and a drift, as likely as its course makes them.
+
+    Parameters
+    ----------
+    suspects : sequence of Suspect
+        From `suspects_of`.
+    directions : sequence of Direction
+    evidence : EvidenceSums
+    opened : int
+        Block after which the alarm seems to have begun.
+    """
+    if not (suspects and suspects[0].name.endswith(BIAS)):
+        return tuple(suspects)
+    bias = suspects[0]
+    place = next(k for k, d in enumerate(directions) if d.name == bias.name)
+    pull, information = evidence.course(place, opened - BEFORE)
+    course = course_of(pull, information, float(evidence.limits.together[place]))
+    column, whole = bias.name.removesuffix(BIAS), directions[place].size
+    title = sized(
+        f"sensor of {column} drifts, by now to {{}} of its range too much", whole * course.size, whole * course.error
+    )
+    drift = Suspect(
+        f"{column}{DRIFT}", title, bias.probability * course.grows, whole * course.size, whole * course.error, False
+    )  # fmt: skip
+    both = [bias._replace(probability=bias.probability * (1.0 - course.grows)), drift]
+    likely = sorted(both, key=lambda suspect: -suspect.probability)
+    return (
+        likely[0],
+        *(s for s in sorted((likely[1], *suspects[1:]), key=lambda s: -s.probability) if s.probability >= ELSE),
+    )
+
+
+class _Fit(NamedTuple):
+    """Of each beginning: evidence for an error of a shape, its size by now, and a standard error."""
+
+    evidence: np.ndarray
+    size: np.ndarray
+    error: np.ndarray
+
+
+def _fit(shape: np.ndarray, pull: np.ndarray, information: np.ndarray, together: float) -> _Fit:
+    along, known = shape @ pull, np.maximum(shape**2 @ information, 1e-300)
+    size = along / known
+    left = pull[None, :] - size[:, None] * shape * information[None, :]
+    counts = information > 0.0
+    squares = np.where(counts, left**2 / np.maximum(information, 1e-300), 0.0).sum(axis=1)
+    scatter = max(float(squares.min()) / max(int(counts.sum()) - 1, 1), together)
+    evidence = 0.5 * along**2 / known / scatter - 0.5 * np.log1p(known / scatter)
+    return _Fit(evidence, size, np.sqrt(scatter / known))
