@@ -6,11 +6,13 @@ import pytest
 from polydraulic.parameters.load import load_machine
 from polydraulic.thesis.diagnosis_study import (
     BEGINS,
+    DRIFTS,
     LASTS,
     RASTER,
     WITHIN,
     WatchedFault,
     case_of_log,
+    drifts_watched,
     evidence_over_time,
     fault_kind,
     faults_watched,
@@ -70,9 +72,26 @@ def test_a_fault_is_found_and_named(case, kinds, name):
 def test_what_becomes_of_faults_that_give_no_alarm():
     none = WatchedFault("a.b", "", "", 0, 0, 0.0, 0, 0)
     assert none.outcome == none._replace(could_show=WITHIN - 1).outcome == "no occasion"
-    assert none._replace(could_show=WITHIN).outcome == "missed"
+    assert none._replace(could_show=WITHIN).outcome == none._replace(could_show=WITHIN, hidden=True).outcome == "missed"
+    assert none._replace(could_show=WITHIN - 1, hidden=True).outcome == "hidden"
     assert none._replace(named="a.c", delay=WITHIN).outcome == "in time"
     assert none._replace(named="a.c", delay=WITHIN + 1).outcome == "late"
+
+
+def test_a_drift_can_show_once_it_has_grown_and_is_named_so(case):
+    drifts = {kind.name: kind for kind in drifts_watched(case)}
+    assert set(drifts) == {f"{column}.drift" for column in case.of.columns}
+    found = watch_fault(case, drifts["tilt.voltage.drift"], SEED + 4)
+    assert (found.named, found.outcome) == ("tilt.voltage.drift", "in time")
+    assert found.delay < WITHIN < found.clock
+    assert found.clock <= DRIFTS
+
+
+def test_an_occasion_that_errors_of_the_machine_take_away_is_told_from_none(case, kinds):
+    """Residuals of healthy work are taken to be anything: nothing shows by them any more."""
+    anything = tuple((1e30, 1.0) for _ in case.expected.scales)
+    unsure = case._replace(expected=case.expected._replace(scales=anything))
+    assert watch_fault(unsure, kinds["lift.spool_weak"], SEED + 2).outcome == "hidden"
 
 
 def test_healthy_work_gives_no_alarm_and_a_payload_its_name(case):

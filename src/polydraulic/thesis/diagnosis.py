@@ -16,6 +16,7 @@ from polydraulic.thesis.diagnosis_study import (
     WatchedCase,
     WatchedFault,
     case_of_log,
+    drifts_watched,
     evidence_over_time,
     fault_kind,
     faults_watched,
@@ -60,7 +61,7 @@ class Diagnosis:
         """A fault of each kind in its smallest size."""
 
         def made() -> list[Any]:
-            faults = one_of_each_kind(faults_watched(self.case))
+            faults = one_of_each_kind([*faults_watched(self.case), *drifts_watched(self.case)])
             rows = []
             for number, kind in enumerate(faults):
                 self.lab.say(f"watch {self.name}, fault {number + 1} of {len(faults)}: {kind.name}")

@@ -2,7 +2,7 @@
 
 The machine that is watched was identified from a noisy log of its own healthy work, and what is to be expected of it was learnt from the
 same log. Each fault begins in the log of another operator. It has an occasion to show in a second in which its smallest size would move
-what is read by a standard deviation at least.
+what is read by a standard deviation at least; a drift counts from half of that size on.
 """
 
 import tempfile
@@ -24,6 +24,7 @@ from polydraulic.simulation.runs import simulate
 from polydraulic.tables import Table
 from polydraulic.watch.block import scores_of
 from polydraulic.watch.blocks import starts_of
+from polydraulic.watch.drift import BIAS, DRIFT
 from polydraulic.watch.expected import Expected, whitened
 from polydraulic.watch.kernels.stays import RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
@@ -32,6 +33,7 @@ from polydraulic.watch.watched import Watched, plan_of, watched
 
 RASTER = 0.02  # s, of all sensors
 BEGINS, LASTS = 30.0, 120.0  # s into a log after which a fault begins, and for which it lasts
+DRIFTS = 450.0  # s for which a drift lasts; it takes ten minutes to its size
 WITHIN = 60  # s in which a fault could show, after which it counts as late
 _LIMIT = 1.1  # V: full travel of all spools
 _STEP, _SHORT_STEP = 5e-3, 2.5e-3  # s; flow forces of worn edges want the shorter one
@@ -62,6 +64,8 @@ class WatchedFault(NamedTuple):
         Until the alarm, by the clock; both of no meaning where there was none.
     judged_before, alarms_before : int
         Seconds that were judged until it began, and alarms in them, which are false.
+    hidden : bool
+        Whether it would have had an occasion to show if only sensors were noisy, and the identified machine were the true one.
     """
 
     fault: str
@@ -72,13 +76,21 @@ class WatchedFault(NamedTuple):
     clock: float
     judged_before: int
     alarms_before: int
+    hidden: bool = False
 
     @property
     def outcome(self) -> str:
-        """``"in time"``, ``"late"``, ``"no occasion"`` or ``"missed"``."""
+        """``"in time"``, ``"late"``, ``"missed"``, or of one that could not show for long enough ``"hidden"`` or ``"no occasion"``."""
         if self.named:
             return "in time" if self.delay <= WITHIN else "late"
-        return "no occasion" if self.could_show < WITHIN else "missed"
+        if self.could_show >= WITHIN:
+            return "missed"
+        return "hidden" if self.hidden else "no occasion"
+
+    @property
+    def could(self) -> bool:
+        """Whether it could show for long enough, or did."""
+        return self.outcome not in ("hidden", "no occasion")
 
 
 class Healthy(NamedTuple):
@@ -128,6 +140,17 @@ def faults_watched(case: WatchedCase) -> list[FaultKind]:
     return [kind for kind in fault_catalogue(case.true) if kind.name in names]
 
 
+def drifts_watched(case: WatchedCase) -> list[FaultKind]:
+    """Drifts of sensors that are watched for: of those that a bias is watched for of."""
+    names = {d.name for d in case.of.directions}
+    return [kind for kind in fault_catalogue(case.true) if kind.name.endswith(DRIFT) and _found_as(kind.name) in names]
+
+
+def _found_as(fault: str) -> str:
+    """Direction along which a fault is found: of a drift that of the bias that it becomes."""
+    return fault.removesuffix(DRIFT) + BIAS if fault.endswith(DRIFT) else fault
+
+
 def schedule(kind: FaultKind) -> tuple[str, str]:
     """A fault in its smallest size from `BEGINS` on, as logs take it; and its title."""
     smallest = min(map(abs, kind.sizes)) if kind.sizes else None
@@ -138,15 +161,17 @@ def schedule(kind: FaultKind) -> tuple[str, str]:
 def watch_fault(case: WatchedCase, kind: FaultKind, seed: int) -> WatchedFault:
     """A fault in its smallest size, watched for in the log of an operator."""
     text, title = schedule(kind)
-    readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + LASTS, [text]))
+    readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + (DRIFTS if kind.growth else LASTS), [text]))
     watch = FaultWatch(case.of, case.expected)
     watch.judge(readings, begins)
-    shown = np.cumsum(_shows(case, readings, kind.name) & (begins >= BEGINS))
+    share = _present(kind, begins - BEGINS)
+    shown = np.cumsum(_shows(case, readings, kind.name, share))
     before = int(np.sum(begins < BEGINS))
     early = sum(alarm.seen <= BEGINS for alarm in watch.alarms)
     alarm = next((alarm for alarm in watch.alarms if alarm.seen > BEGINS), None)
     if alarm is None:
-        return WatchedFault(kind.name, title, "", int(shown[-1]), 0, 0.0, before, early)
+        hidden = int(_shows(case, readings, kind.name, share, exact=True).sum()) >= WITHIN
+        return WatchedFault(kind.name, title, "", int(shown[-1]), 0, 0.0, before, early, hidden)
     named = alarm.suspects[0].name if alarm.suspects else "unknown"
     at = min(int(np.searchsorted(begins, alarm.seen)) - 1, len(shown) - 1)
     return WatchedFault(kind.name, title, named, int(shown[-1]), int(shown[at]), alarm.seen - BEGINS, before, early)
@@ -201,14 +226,26 @@ def _blocks(case: WatchedCase, log: Table) -> tuple[dict[str, np.ndarray], np.nd
     return log_blocks(case.of, log, starts), log["time"][starts + case.of.shape.before]
 
 
-def _shows(case: WatchedCase, readings: dict[str, np.ndarray], fault: str) -> np.ndarray:
-    """In which blocks a fault has an occasion to show, (n_block,) of bool."""
+def _present(kind: FaultKind, since: np.ndarray) -> np.ndarray:
+    """Share of its smallest size that a fault has so many seconds after its beginning; below half of that it counts for none."""
+    share = since / kind.growth if kind.growth else 1.0 * (since >= 0.0)
+    return np.where(share >= 0.5, np.minimum(share, 1.0), 0.0)
+
+
+def _shows(
+    case: WatchedCase, readings: dict[str, np.ndarray], fault: str, share: np.ndarray, *, exact: bool = False
+) -> np.ndarray:
+    """In which blocks a fault of a share of its smallest size has an occasion to show, (n_block,) of bool; `exact`: of a machine without errors."""
     of, expected = case.of, case.expected
     names = [d.name for d in of.directions]
-    scores, states = scores_of(plan_of(of, expected.noise), readings, expected.scales)
-    if fault in names:
-        white = whitened(scores, expected.offset, expected.jitter)
-        place = names.index(fault)
-        return np.asarray(white.information[:, place] / expected.together[place] >= 1.0)
+    scales = ((0.0, 1.0),) * len(of.channels) if exact else expected.scales
+    scores, states = scores_of(plan_of(of, expected.noise), readings, scales)
+    if (direction := _found_as(fault)) in names:
+        place = names.index(direction)
+        if exact:
+            told = scores.information[:, place, place]
+        else:
+            told = whitened(scores, expected.offset, expected.jitter).information[:, place] / expected.together[place]
+        return np.asarray(told * share**2 >= 1.0)
     column = fault.removesuffix(FREEZE)  # of a sensor that stays: wherever its function works
-    return np.asarray(states[:, of.columns.index(column)] != RESTS)
+    return np.asarray((states[:, of.columns.index(column)] != RESTS) & (share > 0.0))
