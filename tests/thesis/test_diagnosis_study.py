@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import poisson
 
 from polydraulic.parameters.load import load_machine
 from polydraulic.thesis.diagnosis_study import (
@@ -16,6 +17,7 @@ from polydraulic.thesis.diagnosis_study import (
     evidence_over_time,
     fault_kind,
     faults_watched,
+    most_per_hour,
     schedule,
     watch_fault,
     watch_healthy,
@@ -110,3 +112,9 @@ def test_evidence_rises_with_the_fault_and_stays_low_without(case, kinds):
     before = table["time"] < BEGINS - 1.0
     assert before.any()
     assert np.allclose(table["faulty.own"][before], table["healthy.own"][before], rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("alarms", [0, 1, 5])
+def test_the_bound_leaves_the_alarms_seen_a_chance_of_five_percent(alarms):
+    hours = 1.3
+    assert poisson.cdf(alarms, most_per_hour(alarms, 3600.0 * hours) * hours) == pytest.approx(0.05)

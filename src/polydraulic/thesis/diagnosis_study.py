@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammaincinv
 
 from polydraulic.files import write_text
 from polydraulic.identification.equations.sensors import UNITS
@@ -35,6 +36,7 @@ RASTER = 0.02  # s, of all sensors
 BEGINS, LASTS = 30.0, 120.0  # s into a log after which a fault begins, and for which it lasts
 DRIFTS = 450.0  # s for which a drift lasts; it takes ten minutes to its size
 WITHIN = 60  # s in which a fault could show, after which it counts as late
+SURE = 0.95  # with which a rate of false alarms is bounded
 _LIMIT = 1.1  # V: full travel of all spools
 _STEP, _SHORT_STEP = 5e-3, 2.5e-3  # s; flow forces of worn edges want the shorter one
 _UNUSUAL_LASTS = 90.0  # s
@@ -103,6 +105,11 @@ class Healthy(NamedTuple):
 def fault_kind(fault: str) -> str:
     """What a fault is, whatever it is of: ``leak_across`` of ``boom.leak_across``."""
     return fault.rpartition(".")[2]
+
+
+def most_per_hour(alarms: int, seconds: float) -> float:
+    """Rate that so few alarms of a Poisson process leave possible, with a certainty of `SURE` (one-sided, exact); per hour."""
+    return float(gammaincinv(alarms + 1, SURE)) * 3600.0 / seconds
 
 
 def work_log(machine: LayoutMachine, seed: int, seconds: float, faults: Sequence[str] = ()) -> Table:

@@ -5,12 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import poisson
 
 from polydraulic.tables import Table
 from polydraulic.thesis.diagnosis_study import Healthy, WatchedFault
 from polydraulic.thesis.report.chapters import chapter_9
-from polydraulic.thesis.report.chapters.chapter_9 import most_per_hour
 
 FOUND = [
     WatchedFault("a.leak_across", "a leaks", "a.leak_across", 100, 9, 12.2, 28, 0),
@@ -49,12 +47,6 @@ def every_outcome(monkeypatch):
 
 def words(content):
     return " ".join(paragraph.text for paragraph in content.text)
-
-
-@pytest.mark.parametrize("alarms", [0, 1, 5])
-def test_the_bound_leaves_the_alarms_seen_a_chance_of_five_percent(alarms):
-    hours = 1.3
-    assert poisson.cdf(alarms, most_per_hour(alarms, 3600.0 * hours) * hours) == pytest.approx(0.05)
 
 
 def test_numbers_count_what_could_show(every_outcome):

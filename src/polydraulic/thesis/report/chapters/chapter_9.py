@@ -5,12 +5,20 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.special import gammaincinv
 
 from polydraulic.tables import Table
 from polydraulic.thesis.cache import Lab
 from polydraulic.thesis.diagnosis import HEALTHY_LASTS, HEALTHY_LOGS, LEARNT, Diagnosis, diagnoses
-from polydraulic.thesis.diagnosis_study import BEGINS, DRIFTS, LASTS, WITHIN, WatchedFault, fault_kind
+from polydraulic.thesis.diagnosis_study import (
+    BEGINS,
+    DRIFTS,
+    LASTS,
+    SURE,
+    WITHIN,
+    WatchedFault,
+    fault_kind,
+    most_per_hour,
+)
 from polydraulic.thesis.report.catalog import Chapter, Content, Figure, Grid, Paragraph, result
 from polydraulic.thesis.report.figures.draw import canvas
 from polydraulic.watch.kernels.evidence import LEAST_BLOCKS
@@ -19,7 +27,6 @@ from polydraulic.watch.learning import FALSE_ALARMS
 if TYPE_CHECKING:
     import matplotlib.figure
 
-_SURE = 0.95
 _UNNAMED = {
     "no occasion": "no occasion to show",
     "hidden": "hidden by errors of the identified machine",
@@ -32,11 +39,6 @@ def content(lab: Lab) -> Content:
     studies = diagnoses(lab)
     tables = [_delays(studies), _named_kinds(_of_all(studies)), _false_alarms(studies), _unusual(studies)]
     return Content(_text(studies), {}, _numbers(studies), tables)
-
-
-def most_per_hour(alarms: int, seconds: float) -> float:
-    """Rate that so few alarms of a Poisson process leave possible, with 95 % certainty (one-sided, exact); per hour."""
-    return float(gammaincinv(alarms + 1, _SURE)) * 3600.0 / seconds
 
 
 def _of_all(studies: Sequence[Diagnosis]) -> list[WatchedFault]:
@@ -58,7 +60,7 @@ def _numbers(studies: Sequence[Diagnosis]) -> list[dict[str, Any]]:
     rows = [
         result("polydraulic.diagnosis.false_alarms", "9", "false alarms in healthy work", "1", float(alarms)),
         result("polydraulic.diagnosis.healthy_h", "9", "healthy work that was judged", "h", seconds / 3600.0),
-        result("polydraulic.diagnosis.most_per_hour", "9", f"false alarms per hour, at most, with {100.0 * _SURE:.0f} % certainty", "1/h", most_per_hour(alarms, seconds)),
+        result("polydraulic.diagnosis.most_per_hour", "9", f"false alarms per hour, at most, with {100.0 * SURE:.0f} % certainty", "1/h", most_per_hour(alarms, seconds)),
     ]  # fmt: skip
     if could:
         in_time = sum(f.outcome == "in time" for f in could) / len(could)
@@ -126,7 +128,7 @@ def _false_alarms(studies: Sequence[Diagnosis]) -> Grid:
         "healthy minutes judged",
         "false alarms",
         "named as",
-        f"per hour, at most, with {100.0 * _SURE:.0f} % certainty",
+        f"per hour, at most, with {100.0 * SURE:.0f} % certainty",
     ]
     return Grid("False alarms in healthy work", header, [*rows, _false_row("all", studies)])
 
@@ -197,7 +199,7 @@ def _text(studies: Sequence[Diagnosis]) -> list[Paragraph]:
         Paragraph(
             f"The tests are set to {FALSE_ALARMS:g} false alarms per hour. In {seconds / 60.0:.0f} healthy minutes ({HEALTHY_LOGS} logs of {HEALTHY_LASTS / 60.0:g} min of each machine, "
             f"and the time before each fault; seconds next to a gap in what a sensor reads are not judged) there {_were(alarms)}. So few minutes cannot confirm that setting: they "
-            f"only show, with {100.0 * _SURE:.0f} % certainty, that there are at most {most_per_hour(alarms, seconds):.1f} in an hour.",
+            f"only show, with {100.0 * SURE:.0f} % certainty, that there are at most {most_per_hour(alarms, seconds):.1f} in an hour.",
             "False alarms.",
         ),
         Paragraph(
