@@ -37,6 +37,12 @@ def watch(
         float | None,
         typer.Option("--false-alarms", help="Per hour, that all tests together are set to; 0.1 if not given."),
     ] = None,
+    networks: Annotated[
+        Path | None,
+        typer.Option(
+            help="Abductive networks, .json, that name the kind of a fault as well; learnt from simulated faults and written if the file is not there."
+        ),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if there is an alarm that is no unusual work.")
     ] = False,
@@ -65,7 +71,9 @@ def watch(
         watch_page_ending(out)
     rate = FALSE_ALARMS if false_alarms is None else false_alarms
     with progress_bar("watch") as progress:
-        found = watch_log(log, machine, healthy=healthy, sensors=sensors, rate=rate, progress=progress)
+        found = watch_log(
+            log, machine, healthy=healthy, sensors=sensors, rate=rate, networks=networks, progress=progress
+        )
         if out is not None:
             write_watch_page(found, out)
     print(found)

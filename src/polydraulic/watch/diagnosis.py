@@ -49,9 +49,9 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
     pull, information = seen.pull, seen.information
     known = np.maximum(information, 1e-300)
     amount = pull / known
-    allowed = np.array([d.both for d in directions]) | (amount > 0.0)
-    evidence = np.where(allowed & (information > 0.0), 0.5 * pull**2 / known / together, -np.inf)
-    evidence = evidence - 0.5 * np.log1p(information / together)  # of a size that is free
+    evidence = evidence_of(directions, seen, together) - 0.5 * np.log1p(
+        information / together
+    )  # of a size that is free
     best = float(evidence.max())
     if not best > 0.0:
         return []
@@ -68,6 +68,13 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
             size, error = float(amount[k] * d.size), float(np.sqrt(scatter[k] / known[k]) * d.size)
             found[d.name] = Suspect(d.name, _title(d, size, error), float(probability[k]), size, error, d.harmless)
     return sorted(found.values(), key=lambda suspect: -suspect.probability)
+
+
+def evidence_of(directions: Sequence[Direction], seen: Since, together: float) -> np.ndarray:
+    """Logarithm of the likelihood ratio of each direction in the size that fits best, (n_direction,); minus infinity where that would go the wrong way."""
+    allowed = np.array([d.both for d in directions]) | (seen.pull > 0.0)
+    evidence = 0.5 * seen.pull**2 / np.maximum(seen.information, 1e-300) / together
+    return np.where(allowed & (seen.information > 0.0), evidence, -np.inf)
 
 
 def _title(d: Direction, size: float, error: float) -> str:

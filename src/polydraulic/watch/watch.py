@@ -15,7 +15,8 @@ from polydraulic.watch.kernels.evidence import KEPT, LEAST_BLOCKS
 from polydraulic.watch.kernels.rows import FULL, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN, keep_rows, take_row
 from polydraulic.watch.kernels.stays import FLAT, MOVES, RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
-from polydraulic.watch.sequential import EvidenceSums, Limits, threshold_for
+from polydraulic.watch.naming import FaultNetworks, Opinion
+from polydraulic.watch.sequential import EvidenceSums, Limits, Since, threshold_for
 from polydraulic.watch.watched import Watched, plan_of, tests_of, ways_of
 
 QUIET = 30  # blocks without an alarm after which it is over
@@ -33,12 +34,15 @@ class Alarm(NamedTuple):
         When it seems to have begun; when the evidence was enough; the last time at which it was.
     suspects : tuple of Suspect
         The most likely first; of a sensor that stays at one value that alone.
+    opinion : Opinion or None
+        What networks take it for, where there are some and no sensor stays.
     """
 
     since: float
     seen: float
     until: float
     suspects: tuple[Suspect, ...]
+    opinion: Opinion | None = None
 
 
 class Outlook(NamedTuple):
@@ -78,6 +82,8 @@ class FaultWatch:
         From `learn_expected`.
     rate : float
         False alarms per hour of all tests together.
+    networks : FaultNetworks, optional
+        That name the kind of a fault as well.
 
     Attributes
     ----------
@@ -85,12 +91,17 @@ class FaultWatch:
         So far; the last one may go on. Kept are the last 1000.
     blocks : int
         That were judged.
+    seen : Since or None
+        What the last alarm was named by.
     """
 
     MOST_ALARMS = 1000
 
-    def __init__(self, of: Watched, expected: Expected, rate: float = FALSE_ALARMS) -> None:
-        self.of, self.expected, self.rate = of, expected, rate
+    def __init__(
+        self, of: Watched, expected: Expected, rate: float = FALSE_ALARMS, networks: FaultNetworks | None = None
+    ) -> None:
+        self.of, self.expected, self.rate, self.networks = of, expected, rate, networks
+        self.seen: Since | None = None
         threshold = threshold_for(rate, tests_of(of.directions), of.shape.seconds)
         self.evidence = EvidenceSums(Limits(threshold, expected.together, ways_of(of.directions)))
         self._common = float(np.median(expected.together))
@@ -192,15 +203,19 @@ class FaultWatch:
             del self.alarms[: -self.MOST_ALARMS]
         self._last = self.blocks
         alarm = self.alarms[-1]
-        suspects = alarm.suspects
+        suspects, opinion = alarm.suspects, alarm.opinion
         if not (suspects and suspects[0].name.endswith(FREEZE)):
             if self.blocks - self._opened <= DIAGNOSED or not suspects:
-                self._suspects = tuple(suspects_of(self.of.directions, evidence.since(self._opened), self._common))
+                self.seen = evidence.since(self._opened)
+                self._suspects = tuple(suspects_of(self.of.directions, self.seen, self._common))
+                if self.networks is not None:
+                    opinion = self.networks.opinion(self.of.directions, self.seen, self._common)
             suspects = with_course(self._suspects, self.of.directions, evidence, self._opened)
             owners = {s.name.partition(".")[0] for s in suspects}
             still = [sensor.column for sensor in frozen if sensor.alone or owners & self._owners(sensor.column)]
-            suspects = tuple(map(_frozen_sensor, still)) or suspects
-        self.alarms[-1] = alarm._replace(until=begin + seconds, suspects=suspects)
+            if still:
+                suspects, opinion = tuple(map(_frozen_sensor, still)), None
+        self.alarms[-1] = alarm._replace(until=begin + seconds, suspects=suspects, opinion=opinion)
         return self.alarms[-1]
 
     def _behind_unusual_work(self, beyond: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.log_pieces import raster_of
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.equations.sensors import UNITS, check_plausible, check_units
+from polydraulic.identification.watching.fault_networks import networks_ending, networks_for
 from polydraulic.pages.text import text_table
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
@@ -22,6 +23,7 @@ from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.learning import FALSE_ALARMS, learn_expected
+from polydraulic.watch.naming import FaultNetworks, Opinion
 from polydraulic.watch.sequential import check_rate
 from polydraulic.watch.watch import FREEZE, Alarm, FaultWatch, Outlook
 from polydraulic.watch.watched import Watched, watched
@@ -84,7 +86,7 @@ class WatchedLog:
             f"{len(self.findings)} faults; what is to be expected from {self.healthy}"
         ]
         if self.alarms:
-            lines += text_table(ALARM_HEADS, alarm_rows(self.alarms, self.began))
+            lines += text_table(alarm_heads(self.alarms), alarm_rows(self.alarms, self.began))
         else:
             lines.append(f"no alarm (set to {self.rate:g} false ones per hour)")
         shown = [f for f in self.findings if f.could_show]
@@ -104,24 +106,42 @@ def named_by(alarm: Alarm) -> list[str]:
     return names if names and names[0].endswith(FREEZE) else names[:1]
 
 
+def alarm_heads(alarms: Sequence[Alarm]) -> tuple[str, ...]:
+    """What stands over `alarm_rows`: what networks say only if there were some."""
+    return (*ALARM_HEADS, "networks") if any(alarm.opinion for alarm in alarms) else ALARM_HEADS
+
+
 def alarm_rows(alarms: Sequence[Alarm], zero: float = 0.0) -> list[list[str]]:
-    """Texts under `ALARM_HEADS`; times are dates where time zero, in s since 1970, is known."""
+    """Texts under `alarm_heads`; times are dates where time zero, in s since 1970, is known."""
 
     def times(alarm: Alarm) -> list[str]:
         return [moment(t + zero) if dated(t + zero) else f"{t:.1f} s" for t in alarm[:3]]
 
+    def networks(alarm: Alarm) -> list[str]:
+        if len(alarm_heads(alarms)) == len(ALARM_HEADS):
+            return []
+        return ["-" if alarm.opinion is None else opinion_words(alarm.opinion)]
+
     rows = []
     for alarm in alarms:
         if not alarm.suspects:
-            rows.append([*times(alarm), "something that no fault of the catalogue explains", "-", "-"])
+            rows.append(
+                [*times(alarm), "something that no fault of the catalogue explains", "-", "-", *networks(alarm)]
+            )
             continue
         first, *others = alarm.suspects
         what = f"{first.title} (no fault: unusual work)" if first.harmless else first.title
         if first.name.endswith(FREEZE):  # each for itself, whatever the others do
             what, others = " and ".join(s.title for s in alarm.suspects), []
         more = "; ".join(f"{s.name} ({s.probability:.0%})" for s in others) or "-"
-        rows.append([*times(alarm), what, f"{min(first.probability, 0.99):.0%}", more])
+        rows.append([*times(alarm), what, f"{min(first.probability, 0.99):.0%}", more, *networks(alarm)])
     return rows
+
+
+def opinion_words(opinion: Opinion) -> str:
+    """What networks say, and how sure that is."""
+    doubt = "" if opinion.known else ", unlike what was learnt"
+    return f"{opinion.kind.replace('_', ' ')} ({min(opinion.certainty, 0.99):.0%}{doubt})"
 
 
 def watch_log(
@@ -131,6 +151,7 @@ def watch_log(
     healthy: Table | str | Path | Sequence[Table | str | Path] | None = None,
     sensors: Sequence[str] | None = None,
     rate: float = FALSE_ALARMS,
+    networks: FaultNetworks | str | Path | None = None,
     progress: Progress = quiet,
 ) -> WatchedLog:
     """Watch a machine through its log.
@@ -149,6 +170,9 @@ def watch_log(
         Patterns of columns that are read (``*.p_?``); all if not given.
     rate : float
         False alarms per hour of all tests together that they are set to.
+    networks : FaultNetworks, str or Path, optional
+        Abductive networks that name the kind of a fault as well. Of a file (``.json``) that is not there yet they are learnt, from simulated
+        faults of the machine, and written.
     progress : Progress, optional
 
     Returns
@@ -159,9 +183,11 @@ def watch_log(
     ------
     InputError
         Columns that are missing, not in SI or of no such machine; too little healthy work; another raster; sensors by which nothing can be
-        watched.
+        watched; networks of another machine or other sensors.
     """
     check_rate(rate)
+    if isinstance(networks, str | Path):
+        networks_ending(networks)
     plant = as_machine(machine)
     table, source = _checked(log, plant)
     columns = watched_columns(plant, table, source, sensors)
@@ -192,7 +218,8 @@ def watch_log(
     starts = starts_of(table["time"][first:], _segment(table)[first:], of.shape) + first
     if not len(starts):
         raise InputError(f"{source}: no piece of {of.shape.rows * raster:.3g} s without a gap is left to be watched")
-    watch, seen = FaultWatch(of, expected, rate), np.empty((len(starts), len(of.directions)))
+    named = None if networks is None else networks_for(networks, of, expected, progress)
+    watch, seen = FaultWatch(of, expected, rate, named), np.empty((len(starts), len(of.directions)))
 
     def note() -> None:
         seen[watch.blocks - 1] = watch.evidence.sums.max(axis=1) / watch.evidence.limits.threshold

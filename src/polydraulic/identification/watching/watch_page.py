@@ -11,7 +11,7 @@ import numpy as np
 from polydraulic.display import time_axis
 from polydraulic.errors import InputError
 from polydraulic.files import write_text
-from polydraulic.identification.watching.watch_log import ALARM_HEADS, WatchedLog, alarm_rows, named_by
+from polydraulic.identification.watching.watch_log import WatchedLog, alarm_heads, alarm_rows, named_by
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
 from polydraulic.watch.drift import BIAS, DRIFT
@@ -64,7 +64,9 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
         f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
         f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
         "<h2>Alarms</h2>",
-        html_table("", ALARM_HEADS, alarm_rows(found.alarms, found.began)) if found.alarms else "<p>None.</p>",
+        html_table("", alarm_heads(found.alarms), alarm_rows(found.alarms, found.began))
+        if found.alarms
+        else "<p>None.</p>",
         "<h2>Evidence</h2>",
         "<p>Of each fault since it may have begun, as a share of what makes an alarm; no more than twice that is counted.</p>",
         f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="Evidence over time"></figure>',

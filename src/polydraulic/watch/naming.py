@@ -1,0 +1,94 @@
+"""Abductive networks that name the kind of a fault from the evidence for each kind, with a certainty: a second opinion beside the signatures.
+
+Signatures weigh what one direction explains; networks have seen what all of them together look like under each kind of fault.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.networks.model.model import Model
+from polydraulic.watch.diagnosis import evidence_of
+from polydraulic.watch.directions import Direction
+from polydraulic.watch.sequential import Since
+
+SIZE = "evidence"  # input that says how much there is, beside the shares of each kind in it
+_LEAST = 1e-9
+
+
+class Opinion(NamedTuple):
+    """What networks take a fault for.
+
+    Attributes
+    ----------
+    kind : str
+        ``leak_across``, whatever it is of.
+    certainty : float
+        Probability among the kinds that were learnt.
+    known : bool
+        Whether the evidence is like that which was learnt from; where it is not, the certainty tells little.
+    """
+
+    kind: str
+    certainty: float
+    known: bool
+
+
+@dataclass(frozen=True, eq=False)
+class FaultNetworks:
+    """Networks of all kinds of faults of one machine with some sensors.
+
+    Attributes
+    ----------
+    directions : tuple of str
+        Names of the directions whose evidence they read.
+    models : tuple of Model
+        One for each kind, which is the name of its output; inputs are as of `features`.
+    link : (n_kind, n_kind + 1) array
+        From their outputs to logarithms of probabilities: factors, and a constant last.
+    """
+
+    directions: tuple[str, ...]
+    models: tuple[Model, ...]
+    link: np.ndarray
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of faults that are known."""
+        return tuple(model.output.name for model in self.models)
+
+    def opinion(self, directions: Sequence[Direction], seen: Since, together: float) -> Opinion:
+        """What is seen of all directions is taken for.
+
+        Parameters
+        ----------
+        directions : sequence of Direction
+        seen : Since
+        together : float
+            What evidence is divided by.
+        """
+        row = features(directions, seen, together)[None, :]
+        outputs = np.array([model.predict(row)[0] for model in self.models])
+        likely = self.link[:, :-1] @ outputs + self.link[:, -1]
+        share = np.exp(likely - likely.max())
+        best = int(np.argmax(share))
+        known = bool(self.models[best].inside(row)[0])
+        return Opinion(self.kinds[best], float(share[best] / share.sum()), known)
+
+
+def kinds_of(directions: Sequence[Direction]) -> tuple[str, ...]:
+    """Kinds of directions, in their order."""
+    return tuple(dict.fromkeys(d.kind for d in directions))
+
+
+def features(directions: Sequence[Direction], seen: Since, together: float) -> np.ndarray:
+    """Of each kind the square root of its share in the most evidence, and the logarithm of that; (n_kind + 1,)."""
+    evidence = np.maximum(evidence_of(directions, seen, together), 0.0)
+    kinds = [d.kind for d in directions]
+    of_kind = [
+        max(e for e, kind in zip(evidence.tolist(), kinds, strict=True) if kind == one) for one in kinds_of(directions)
+    ]
+    most = max(*of_kind, _LEAST)
+    return np.array([*np.sqrt(np.array(of_kind) / most), np.log10(most)])
