@@ -117,9 +117,9 @@ def test_models_go_with_flow_models_of_networks(machine, log):
 def test_the_picture_shows_joints_and_drift(found):
     figure = plot_replay(found)
     assert [axis.get_ylabel() for axis in figure.axes] == [
-        "swing angle [deg]",
-        "boom angle [deg]",
-        "stick angle [deg]",
+        "swing\nangle [deg]",
+        "boom\nangle [deg]",
+        "stick\nangle [deg]",
         "run - measured\n[deg]",
     ]
     assert figure.axes[-1].get_xlabel() == "time [s]"
@@ -376,8 +376,8 @@ def test_a_flow_model_serves_all_functions(crane, crane_log):
 def test_the_picture_has_an_axis_of_drift_for_each_unit(of_crane):
     figure = plot_replay(of_crane)
     assert [axis.get_ylabel() for axis in figure.axes] == [
-        "slew angle [deg]",
-        "lift angle [deg]",
+        "slew\nangle [deg]",
+        "lift\nangle [deg]",
         "extend\nposition [mm]",
         "run - measured\n[deg]",
         "run - measured\n[mm]",

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 _MEASURED, _ON_ITS_OWN = "#9ec5e8", "#e07a1f"  # as runs of the machine are drawn
 _SHOWN = 6  # runs that have a panel of their own, windows of a replay
-_LABEL = 18  # letters that fit beside a panel of a joint
 _COLORS = ("#2f8f4e", "#b5367a", "#5b4bb5", "#c98a12", "#1f8fa8", "#7a5230")  # of joints in their order, then dashed
 
 
@@ -97,10 +96,8 @@ def plot_replay(found: Replay, *, units: str = DEFAULT) -> "Figure":
             axis.plot(time[:1], run[:1], "o", color=_ON_ITS_OWN, markersize=4.0, label=names[2])
             color, name = _COLORS[place % len(_COLORS)], joint.name if number == 0 else None
             below.plot(time, run - measured, line, color=color, linewidth=0.9, label=name)
-        text = with_unit(
-            f"{joint.name} {'angle' if joint.unit == 'rad' else 'position'}", shown_unit(joint.unit, units)
-        )
-        axis.set_ylabel(text if len(text) <= _LABEL else text.replace(" ", "\n", 1))
+        what = "angle" if joint.unit == "rad" else "position"
+        axis.set_ylabel(f"{joint.name}\n{with_unit(what, shown_unit(joint.unit, units))}")
         axis.grid(alpha=0.3)
     axes[0].set_title(shown_windows(found), loc="left", fontsize="medium")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False)
