@@ -8,11 +8,11 @@ from polydraulic.networks import Model, Variable
 from polydraulic.networks.model.nodes import KIND_NAMES
 from polydraulic.networks.model.table import Network, Node
 from polydraulic.watch.directions import directions_of
-from polydraulic.watch.naming import FaultNetworks, features, kinds_of
+from polydraulic.watch.naming import FaultNetworks, features, inputs_of, kinds_of
 from polydraulic.watch.sequential import Since
 
 DIRECTIONS = directions_of(load_machine("wheel_loader"), frozenset(["lift.p_a", "tilt.p_a"]))
-KINDS = kinds_of(DIRECTIONS)
+KINDS, INPUTS = kinds_of(DIRECTIONS), inputs_of(DIRECTIONS)
 
 
 def seen(**amounts):
@@ -23,12 +23,10 @@ def seen(**amounts):
 
 def reads(kind):
     """A network whose output is the share of a kind in the evidence."""
-    n, place = len(KINDS) + 1, KINDS.index(kind)
+    n, place = len(INPUTS), KINDS.index(kind)
     node = Node(KIND_NAMES.index("single"), (place,), (0.0, 1.0, 0.0, 0.0))
-    high = (*(1.0,) * (n - 1), 3.0)
-    network = Network((node,), (0.0,) * n, (1.0,) * n, (0.0,) * n, high, 0.0, 1.0)
-    inputs = tuple(Variable(name) for name in (*KINDS, "evidence"))
-    return Model(inputs, Variable(kind), (network,))
+    network = Network((node,), (0.0,) * n, (1.0,) * n, (-4.0,) * n, (3.0,) * n, 0.0, 1.0)
+    return Model(tuple(map(Variable, INPUTS)), Variable(kind), (network,))
 
 
 @pytest.fixture
@@ -39,12 +37,20 @@ def networks():
 
 def test_features_are_shares_of_the_most_evidence_whatever_there_is_of_it():
     few, many = (features(DIRECTIONS, seen(work_pump_worn=a, lift_leak_across=0.5 * a), 1.0) for a in (1.0, 2.0))
-    assert few.shape == (len(KINDS) + 1,)
+    assert few.shape == (len(INPUTS),)
     assert few[KINDS.index("pump_worn")] == 1.0
     assert few[KINDS.index("leak_across")] == pytest.approx(0.5)
-    assert few[:-1] == pytest.approx(many[:-1])
-    assert few[-1] == pytest.approx(np.log10(50.0))
-    assert many[-1] == pytest.approx(np.log10(200.0))
+    assert few[: len(KINDS)] == pytest.approx(many[: len(KINDS)])
+    assert few[INPUTS.index("evidence")] == pytest.approx(np.log10(50.0))
+    assert many[INPUTS.index("evidence")] == pytest.approx(np.log10(200.0))
+
+
+def test_scatter_tells_what_explains_every_block_from_what_explains_some():
+    whole = seen(work_pump_worn=1.0)
+    some = whole._replace(squares=whole.squares + 19.0 * 8.0)
+    place = INPUTS.index("scatter of pump_worn")
+    assert features(DIRECTIONS, some, 2.0)[place] == pytest.approx(np.log10(4.0))
+    assert features(DIRECTIONS, whole, 2.0)[place] == pytest.approx(-3.0)
 
 
 def test_of_a_kind_the_strongest_counts_and_what_would_go_the_wrong_way_does_not():

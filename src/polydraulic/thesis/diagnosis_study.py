@@ -29,6 +29,7 @@ from polydraulic.watch.drift import BIAS, DRIFT
 from polydraulic.watch.expected import Expected, whitened
 from polydraulic.watch.kernels.stays import RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
+from polydraulic.watch.naming import FaultNetworks
 from polydraulic.watch.watch import FREEZE, FaultWatch
 from polydraulic.watch.watched import Watched, plan_of, watched
 
@@ -68,6 +69,8 @@ class WatchedFault(NamedTuple):
         Seconds that were judged until it began, and alarms in them, which are false.
     hidden : bool
         Whether it would have had an occasion to show if only sensors were noisy, and the identified machine were the true one.
+    opinion : str
+        Kind that networks took it for, where there were some.
     """
 
     fault: str
@@ -79,6 +82,7 @@ class WatchedFault(NamedTuple):
     judged_before: int
     alarms_before: int
     hidden: bool = False
+    opinion: str = ""
 
     @property
     def outcome(self) -> str:
@@ -165,11 +169,11 @@ def schedule(kind: FaultKind) -> tuple[str, str]:
     return f"{kind.name}{size} from {BEGINS:g} s", kind.title(smallest)
 
 
-def watch_fault(case: WatchedCase, kind: FaultKind, seed: int) -> WatchedFault:
-    """A fault in its smallest size, watched for in the log of an operator."""
+def watch_fault(case: WatchedCase, kind: FaultKind, seed: int, networks: FaultNetworks | None = None) -> WatchedFault:
+    """A fault in its smallest size, watched for in the log of an operator; named by networks as well, where there are some."""
     text, title = schedule(kind)
     readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + (DRIFTS if kind.growth else LASTS), [text]))
-    watch = FaultWatch(case.of, case.expected)
+    watch = FaultWatch(case.of, case.expected, networks=networks)
     watch.judge(readings, begins)
     share = _present(kind, begins - BEGINS)
     shown = np.cumsum(_shows(case, readings, kind.name, share))
@@ -181,7 +185,10 @@ def watch_fault(case: WatchedCase, kind: FaultKind, seed: int) -> WatchedFault:
         return WatchedFault(kind.name, title, "", int(shown[-1]), 0, 0.0, before, early, hidden)
     named = alarm.suspects[0].name if alarm.suspects else "unknown"
     at = min(int(np.searchsorted(begins, alarm.seen)) - 1, len(shown) - 1)
-    return WatchedFault(kind.name, title, named, int(shown[-1]), int(shown[at]), alarm.seen - BEGINS, before, early)
+    opinion = alarm.opinion.kind if alarm.opinion else ""
+    return WatchedFault(
+        kind.name, title, named, int(shown[-1]), int(shown[at]), alarm.seen - BEGINS, before, early, False, opinion
+    )  # fmt: skip
 
 
 def watch_healthy(case: WatchedCase, machine: LayoutMachine, seed: int, seconds: float) -> Healthy:

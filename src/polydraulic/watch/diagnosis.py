@@ -57,8 +57,7 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
         return []
     probability = np.exp(evidence - best)
     probability /= probability.sum()
-    # of blocks about the amount
-    scatter = np.maximum((seen.squares - pull**2 / known) / max(seen.blocks - 1, 1), together)
+    scatter = np.maximum(scatter_of(seen), together)
     found: dict[str, Suspect] = {}
     for k in np.argsort(-probability).tolist():
         d = directions[k]
@@ -75,6 +74,11 @@ def evidence_of(directions: Sequence[Direction], seen: Since, together: float) -
     allowed = np.array([d.both for d in directions]) | (seen.pull > 0.0)
     evidence = 0.5 * seen.pull**2 / np.maximum(seen.information, 1e-300) / together
     return np.where(allowed & (seen.information > 0.0), evidence, -np.inf)
+
+
+def scatter_of(seen: Since) -> np.ndarray:
+    """Variance of blocks about the size that fits best, by their information, (n_direction,)."""
+    return np.asarray((seen.squares - seen.pull**2 / np.maximum(seen.information, 1e-300)) / max(seen.blocks - 1, 1))
 
 
 def _title(d: Direction, size: float, error: float) -> str:

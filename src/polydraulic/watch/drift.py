@@ -48,11 +48,14 @@ def course_of(pull: np.ndarray, information: np.ndarray, together: float) -> Err
     at = np.arange(n)[None, :] - first[:, None]
     since = at >= 0
     grown = np.where(since, (at + 1.0) / (n - first)[:, None], 0.0)
-    step, ramp = (_fit(shape, pull, information, together) for shape in (since.astype(np.float64), grown))
-    highest = max(step.evidence.max(), ramp.evidence.max())
-    stays, grows = (float(np.exp(fit.evidence - highest).sum()) for fit in (step, ramp))
-    best = int(np.argmax(ramp.evidence))
-    return ErrorCourse(grows / (stays + grows), float(ramp.size[best]), float(ramp.error[best]))
+    step, ramp = (_fit(shape, pull, information) for shape in (since.astype(np.float64), grown))
+    counts = int((information > 0.0).sum())
+    scatter = max(min(float(fit.left.min()) for fit in (step, ramp)) / max(counts - 1, 1), together)
+    speaks = [0.5 * (f.size**2 * f.known / scatter - np.log1p(f.known / scatter)) for f in (step, ramp)]
+    highest = max(float(evidence.max()) for evidence in speaks)
+    stays, grows = (float(np.exp(evidence - highest).sum()) for evidence in speaks)
+    best = int(np.argmax(speaks[1]))
+    return ErrorCourse(grows / (stays + grows), float(ramp.size[best]), float(np.sqrt(scatter / ramp.known[best])))
 
 
 def with_course(
@@ -91,19 +94,16 @@ def with_course(
 
 
 class _Fit(NamedTuple):
-    """Of each beginning: evidence for an error of a shape, its size by now, and a standard error."""
+    """Of each beginning an error of a shape: its size by now, how well that is known, and squares that it leaves."""
 
-    evidence: np.ndarray
     size: np.ndarray
-    error: np.ndarray
+    known: np.ndarray
+    left: np.ndarray
 
 
-def _fit(shape: np.ndarray, pull: np.ndarray, information: np.ndarray, together: float) -> _Fit:
-    along, known = shape @ pull, np.maximum(shape**2 @ information, 1e-300)
-    size = along / known
-    left = pull[None, :] - size[:, None] * shape * information[None, :]
-    counts = information > 0.0
-    squares = np.where(counts, left**2 / np.maximum(information, 1e-300), 0.0).sum(axis=1)
-    scatter = max(float(squares.min()) / max(int(counts.sum()) - 1, 1), together)
-    evidence = 0.5 * along**2 / known / scatter - 0.5 * np.log1p(known / scatter)
-    return _Fit(evidence, size, np.sqrt(scatter / known))
+def _fit(shape: np.ndarray, pull: np.ndarray, information: np.ndarray) -> _Fit:
+    known = np.maximum(shape**2 @ information, 1e-300)
+    size = (shape @ pull) / known
+    off = pull[None, :] - size[:, None] * shape * information[None, :]
+    left = np.where(information > 0.0, off**2 / np.maximum(information, 1e-300), 0.0).sum(axis=1)
+    return _Fit(size, known, left)

@@ -10,12 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.networks.model.model import Model
-from polydraulic.watch.diagnosis import evidence_of
+from polydraulic.watch.diagnosis import evidence_of, scatter_of
 from polydraulic.watch.directions import Direction
 from polydraulic.watch.sequential import Since
 
-SIZE = "evidence"  # input that says how much there is, beside the shares of each kind in it
-_LEAST = 1e-9
+_LEAST, _LEAST_SCATTER = 1e-9, 1e-3
 
 
 class Opinion(NamedTuple):
@@ -84,11 +83,24 @@ def kinds_of(directions: Sequence[Direction]) -> tuple[str, ...]:
 
 
 def features(directions: Sequence[Direction], seen: Since, together: float) -> np.ndarray:
-    """Of each kind the square root of its share in the most evidence, and the logarithm of that; (n_kind + 1,)."""
+    """What networks read, (2 n_kind + 1,).
+
+    Of the strongest direction of each kind the square root of its share in the most evidence; the logarithm of that; and of each kind's again the
+    logarithm of the scatter of blocks about it, which is large where it explains one block and not the next.
+    """
     evidence = np.maximum(evidence_of(directions, seen, together), 0.0)
-    kinds = [d.kind for d in directions]
-    of_kind = [
-        max(e for e, kind in zip(evidence.tolist(), kinds, strict=True) if kind == one) for one in kinds_of(directions)
+    scatter = np.maximum(scatter_of(seen), _LEAST_SCATTER * together) / together
+    kinds = np.array([d.kind for d in directions])
+    strongest = [
+        places[np.argmax(evidence[places])]
+        for kind in kinds_of(directions)
+        for places in [np.flatnonzero(kinds == kind)]
     ]
-    most = max(*of_kind, _LEAST)
-    return np.array([*np.sqrt(np.array(of_kind) / most), np.log10(most)])
+    most = max(float(evidence.max()), _LEAST)
+    return np.concatenate([np.sqrt(evidence[strongest] / most), [np.log10(most)], np.log10(scatter[strongest])])
+
+
+def inputs_of(directions: Sequence[Direction]) -> tuple[str, ...]:
+    """Names of what `features` gives."""
+    kinds = kinds_of(directions)
+    return (*(f"share of {kind}" for kind in kinds), "evidence", *(f"scatter of {kind}" for kind in kinds))

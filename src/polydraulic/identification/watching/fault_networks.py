@@ -21,7 +21,7 @@ from polydraulic.progress import Progress, quiet
 from polydraulic.simulation.runs import simulate
 from polydraulic.watch.blocks import starts_of
 from polydraulic.watch.expected import Expected
-from polydraulic.watch.naming import SIZE, FaultNetworks, features, kinds_of
+from polydraulic.watch.naming import FaultNetworks, features, inputs_of
 from polydraulic.watch.watch import FaultWatch
 from polydraulic.watch.watched import Watched
 
@@ -75,8 +75,8 @@ def learn_fault_networks(
             "networks that tell kinds of faults apart take three"
         )
     found = AbductiveClassifier(AbductiveRegressor(max_layers=_LAYERS)).fit(np.array(rows), np.array(kinds))
-    inputs = [Variable(f"share of {kind}") for kind in kinds_of(of.directions)]
-    models = found.estimator_.to_models([*inputs, Variable(SIZE)], [Variable(str(kind)) for kind in found.classes_])
+    inputs = [Variable(name) for name in inputs_of(of.directions)]
+    models = found.estimator_.to_models(inputs, [Variable(str(kind)) for kind in found.classes_])
     link = np.column_stack([found.link_.coef_, found.link_.intercept_])
     return FaultNetworks(tuple(d.name for d in of.directions), tuple(models), link)
 
@@ -207,7 +207,7 @@ def networks_for(
 
 def _checked(networks: FaultNetworks, of: Watched, source: str) -> FaultNetworks:
     """Networks, unless they were learnt for other faults than those that are watched."""
-    names, inputs = tuple(d.name for d in of.directions), len(kinds_of(of.directions)) + 1
+    names, inputs = tuple(d.name for d in of.directions), len(inputs_of(of.directions))
     if networks.directions == names and all(len(model.inputs) == inputs for model in networks.models):
         return networks
     other = sorted(set(networks.directions) ^ set(names))
