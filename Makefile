@@ -66,8 +66,8 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/keep.py waits $(if $(OLD),--old $(OLD))
 	$(BIN)/python benchmarks/keep.py worst_step
 	$(BIN)/python benchmarks/keep.py watch_update
-	$(BIN)/python benchmarks/networks.py --quick
-	$(BIN)/python benchmarks/keep.py networks --only evaluation
+	$(BIN)/python benchmarks/networks.py --quick --only accuracy
+	$(BIN)/python benchmarks/keep.py networks --quick --only scoring fitting evaluation
 	$(BIN)/python benchmarks/keep.py importing
 	$(BIN)/python benchmarks/keep.py identify
 	$(BIN)/python benchmarks/keep.py control --figure docs/images/control.svg

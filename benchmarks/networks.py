@@ -2,7 +2,7 @@
 
 ``python benchmarks/networks.py [--peers] [--data FOLDER] [--quick]``. `--peers` adds GMDH, MARS and symbolic regression from an
 environment of their own (`make bench-peers`), `--data` every CSV file of a folder, last column the target; `--quick` takes
-fewer rows, `--only` one part of it. One thread throughout. It asserts that the exported C gives the bits of `Model.predict`, and nothing else.
+fewer rows, `--only` some parts of it. One thread throughout. It asserts that the exported C gives the bits of `Model.predict`, and nothing else.
 """
 
 import argparse
@@ -171,11 +171,13 @@ def main():
     parser.add_argument("--data", help="folder of CSV files; the last column is the target")
     parser.add_argument("--peers", action="store_true", help="also the learners of .venv-peers")
     parser.add_argument("--quick", action="store_true", help="fewer rows")
-    parser.add_argument("--only", choices=["accuracy", "scoring", "fitting", "evaluation"], help="one part of it")
+    parser.add_argument(
+        "--only", nargs="+", choices=["accuracy", "scoring", "fitting", "evaluation"], help="parts of it"
+    )
     options = parser.parse_args()
 
     def wanted(part):
-        return options.only in (None, part)
+        return options.only is None or part in options.only
 
     with warnings.catch_warnings(), threadpool_limits(1):
         warnings.simplefilter("ignore")  # what others say about convergence and conditioning
