@@ -10,7 +10,7 @@ def faults(
     of: str = typer.Argument("", help="Show those of one owner alone, boom or boom.angle; all if not given."),
     machine: MachineOption = "cat215b",
 ) -> None:
-    """List the faults that a machine can have: name, usual sizes, what changes.
+    """List the faults that a machine can have: name, usual sizes, the first of which is taken where none is given, and what changes.
 
     A fault is a change of the machine's numbers, or of what a sensor reads, from a time on; it may grow, and it may end. Its size may be any
     other than the usual ones.
