@@ -169,7 +169,8 @@ def _stepped(
     """Run a method with fixed steps."""
     machine, model = parts[0][0].plain, parts[0][1]
     columns, n_step = columns_of(machine, stores_oil=model.stores_oil), parts[-1][0].end
-    rows, counts = np.empty((len(time), len(columns.columns))), np.zeros(2, dtype=np.int64)
+    # columns in one piece each: they are what is read from here on
+    rows, counts = np.empty((len(time), len(columns.columns)), order="F"), np.zeros(2, dtype=np.int64)
     account: list[list[AddedColumn]] = []
     state: np.ndarray | None = None
     beyond_log: int | None = None  # steps, of an identified machine
