@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from helpers.excavator_tree import excavator_tree
+from helpers.layout_states import check_jacobian
 from polydraulic import InputError, load_machine, load_scenario, simulate, simulate_batch
 from polydraulic.parameters.scenario import Scenario, random_operator
 from polydraulic.parameters.signals import Constant
@@ -168,15 +169,15 @@ def test_the_excavator_of_the_thesis_moves_like_the_file():
         assert [event[1:] for event in tree.info["events"]] == [event[1:] for event in arm.info["events"]]
 
 
-def test_the_method_that_needs_slopes_refuses_a_crossover(joined_crane):
-    with pytest.raises(
-        InputError,
-        match="circuit 'main_giving' is of the kind 'crossover', whose slopes method 'rosenbrock' does not have",
-    ):
-        simulate(joined_crane, "exact", "random:1:1", method="rosenbrock")
+@pytest.mark.slow_to_compile
+def test_steps_solve_with_the_true_jacobian_where_a_crossover_joins_three_valves(joined_crane):
+    assert check_jacobian(joined_crane, np.random.default_rng(5), 8) > 3
 
 
-@pytest.mark.parametrize("method", ["semi-implicit", pytest.param("reference", marks=pytest.mark.slow_to_compile)])
+@pytest.mark.parametrize(
+    "method",
+    ["semi-implicit", *(pytest.param(m, marks=pytest.mark.slow_to_compile) for m in ("rosenbrock", "reference"))],
+)
 def test_a_pump_whose_own_functions_are_locked_is_seen_while_it_feeds_another_through_a_crossover(joined_crane, method):
     scenario = Scenario("lift", 2.0, {"lift": Constant(0.8)}, locked=joined_crane.circuit("main_giving").functions)
     run = simulate(joined_crane, "exact", scenario, method=method)
