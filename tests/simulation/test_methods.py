@@ -112,3 +112,29 @@ def test_a_run_of_one_row_is_its_start(machine, method):
     assert len(found) == 1
     assert found["swing.angle"][0] == machine.function("swing").initial.angle
     assert found["boom.q_pump"][0] == pytest.approx(pump_of(machine, "boom").flow)
+
+
+@pytest.mark.slow_to_compile
+def test_runge_kutta_is_the_limit_of_short_steps_with_networks(machine):
+    """Of first order the steps of the default, far closer those of the other, on the circuits that networks take the place of."""
+
+    def run(method, dt):
+        return simulate(machine, "polynomial", SMOOTH, method=method, dt=dt, raster=8e-3, t_end=0.48)
+
+    def off(found):
+        return max(np.abs(found[f"{f}.angle"] - tight[f"{f}.angle"]).max() for f in machine.names)
+
+    tight, coarse, fine, rk4 = (
+        run("rk4", 1e-3),
+        run("semi-implicit", 4e-3),
+        run("semi-implicit", 1e-3),
+        run("rk4", 4e-3),
+    )
+    assert 3.0 < off(coarse) / off(fine) < 5.5
+    assert off(rk4) < 0.2 * off(fine)
+    assert tight.info["steps_out_of_domain"] == 0
+    for method in ("rosenbrock", "reference"):
+        with pytest.raises(
+            InputError, match="does not integrate it; use method 'semi-implicit' or 'rk4', or flow 'exact'"
+        ):
+            simulate(machine, "polynomial", SMOOTH, method=method)

@@ -12,6 +12,8 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 
 STORING = ("stiff", "tlm")  # kernels that follow oil between pumps and valves
+# kernels whose flows follow from spools and pressures alone, so that they have a meaning between two steps
+FORGETTING = ("exact", "networks", "residual", "lookup", "pressure")
 
 
 class KnownCircuits(NamedTuple):

@@ -40,7 +40,7 @@ from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.layout.seen import beyond_seen
-from polydraulic.simulation.layout.served_methods import check_method
+from polydraulic.simulation.layout.served_methods import check_flow, check_method
 from polydraulic.simulation.layout.stability.columns import stability_columns, tips
 from polydraulic.simulation.layout.step_check import step_warnings
 from polydraulic.simulation.steps import FASTEST, n_steps
@@ -84,10 +84,7 @@ def simulate_layout(
         If the run diverges, or a solver fails.
     """
     model = layout_flow(flow, machine)
-    if method != "semi-implicit" and model.name != "exact":
-        raise InputError(
-            f"flow {model.name!r} with method {method!r}: this method integrates flow 'exact' alone; use method 'semi-implicit', or flow 'exact'"
-        )
+    check_flow(model, method)
     check_method(machine, method)
     if energy and not model.gives_pump_pressure:
         raise InputError(
@@ -177,7 +174,7 @@ def _stepped(
     memory = np.zeros(model.n_memory)
     for part, flow in parts:
         ready = prepare_layout(part.machine, dt, scenario.locked, force=bool(scenario.loads.force), flow=flow)
-        advance = _STEPPERS[method](part.machine, scenario, ready, dt, memory)
+        advance = _STEPPERS[method](part.machine, scenario, flow, ready, dt, memory)
         for first in range(part.first, part.end, piece):
             end = min(first + piece, part.end)
             own = np.empty((end - first + 1, len(columns.columns)))
@@ -234,7 +231,7 @@ Advance = Callable[[np.ndarray, int, int, np.ndarray, np.ndarray], int]
 
 
 def _semi_implicit(
-    machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float, memory: np.ndarray
+    machine: LayoutMachine, scenario: Scenario, flow: LayoutFlow, ready: ReadyMachine, dt: float, memory: np.ndarray
 ) -> Advance:
     def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
         inputs = step_inputs(machine, scenario, np.arange(first, end) * dt)
@@ -244,16 +241,17 @@ def _semi_implicit(
 
 
 def _runge_kutta(
-    machine: LayoutMachine, scenario: Scenario, ready: ReadyMachine, dt: float, memory: np.ndarray
+    machine: LayoutMachine, scenario: Scenario, flow: LayoutFlow, ready: ReadyMachine, dt: float, memory: np.ndarray
 ) -> Advance:
     force = bool(scenario.loads.force)
-    module = methods_module(machine, force=force)
-    plant = prepare_layout(machine, 1.0, scenario.locked, force=force, continuous=True).plant
+    module = methods_module(machine, flow=flow.kernels, force=force)
+    plant = prepare_layout(machine, 1.0, scenario.locked, force=force, flow=flow, continuous=True).plant
+    valves = ready.valves if flow.kernels == "exact" else module.Valves(ready.valves, memory)
     tau = ready.module.Functions(*(f.pilot.time_constant for f in machine.functions))
 
     def advance(state: np.ndarray, first: int, end: int, rows: np.ndarray, counts: np.ndarray) -> int:
         inputs = step_inputs(machine, scenario, np.arange(2 * first, 2 * end + 1) * (0.5 * dt))
-        return int(module.run_runge_kutta(ready.valves, plant, tau, dt, state, inputs, 1, rows, counts))
+        return int(module.run_runge_kutta(valves, plant, tau, dt, state, inputs, 1, rows, counts))
 
     return advance
 

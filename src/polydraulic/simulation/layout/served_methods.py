@@ -1,6 +1,7 @@
 """Which methods of `simulate` serve a machine of any layout, and why the others do not."""
 
 from polydraulic.errors import InputError
+from polydraulic.flow.layout.model import FORGETTING, LayoutFlow
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 STEPPED = "semi-implicit"
@@ -32,6 +33,22 @@ def check_method(machine: LayoutMachine, method: str) -> None:
                 raise InputError(
                     f"functions.{f.name}.{key}: method {method!r} does not know it; use {' or '.join(map(repr, served))}, or leave it out"
                 )
+
+
+def check_flow(flow: LayoutFlow, method: str) -> None:
+    """Refuse a method that does not integrate a flow model.
+
+    Raises
+    ------
+    InputError
+        Naming methods, or a flow model, that serve.
+    """
+    served = [STEPPED, *(("rk4",) if flow.kernels in FORGETTING else ())]
+    if flow.name != "exact" and method not in served:
+        methods = " or ".join(map(repr, served))
+        raise InputError(
+            f"flow {flow.name!r} with method {method!r}: this method does not integrate it; use method {methods}, or flow 'exact'"
+        )
 
 
 def method_lines(machine: LayoutMachine) -> list[str]:

@@ -5,6 +5,7 @@ from collections import Counter
 
 from helpers.small_crane import crane_text
 from polydraulic import load_machine
+from polydraulic.flow.layout.model import FORGETTING
 from polydraulic.parameters.load import machine_names
 from polydraulic.simulation.layout.methods.text import methods_text
 
@@ -34,6 +35,16 @@ def test_a_force_costs_nothing_where_there_is_none(crane):
     for force in (False, True):
         slopes = methods_text(crane, force=force).partition("def motion_slopes(")[2].partition("@kernel")[0]
         assert ("fx *" in slopes) == force
+
+
+def test_flow_models_that_keep_nothing_have_runge_kutta_alone(crane):
+    for flow in FORGETTING:
+        text = methods_text(crane, flow=flow)
+        defined = [node.name for node in ast.parse(text).body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+        assert len(set(defined)) == len(defined)
+        assert "run_runge_kutta" in defined
+        assert ("run_rosenbrock" in defined) == (flow == "exact")
+        assert ("flow_step(" in text) == (flow != "exact")
 
 
 def test_lines_are_short(crane):

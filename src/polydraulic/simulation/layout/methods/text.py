@@ -27,7 +27,7 @@ _IMPORTS = (
     "from typing import NamedTuple",
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
-    "from polydraulic.flow.interface import NOT_CONVERGED, OK",
+    "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
     "from polydraulic.machine.actuator import friction_slope",
     "from polydraulic.machine.circuits.series_short_slopes import Slopes1, Slopes2, series_1_slopes, series_2_slopes",
     "from polydraulic.machine.drives import drive_cylinder_slopes, drive_four_bar_slopes, drive_motor_slopes, drive_ram_slopes",
@@ -52,66 +52,74 @@ _CROSSED_IMPORTS = (
 _SLOW = ("p_a", "p_b", "angle", "rate")  # all of a state that is integrated: spools are known
 # of the text of the step
 _STEP = (
-    "N_FUNCTION", "Flows", "Force", "Functions", "Held", "JointsAfter", "Plant", "Position", "State", "Step", "Valves", "exact_step",
+    "N_FUNCTION", "Flows", "Force", "Functions", "Held", "JointsAfter", "Plant", "Position", "Ports", "State", "Step",
     "from_vector", "net_torque", "position", "pushed", "read_force", "read_voltages", "reasonable", "record", "seen_pressures",
     "solve_motion", "stopped", "times", "turns",
 )  # fmt: skip
+# where a flow model takes the place of exact circuits
+_MODELLED_STEP = ("Valves as ModelValves", "flow_step")
 # where spools have hysteresis, and flow forces
+_FOLLOWED = ("from polydraulic.machine.play import followed",)
 _DRIVEN_STEP, _SHIFTED_STEP = ("Driven",), ("FlowShift", "flow_shifts", "inlets")
 
 
-def methods_module(machine: LayoutMachine, *, force: bool = False) -> ModuleType:
+def methods_module(machine: LayoutMachine, *, flow: str = "exact", force: bool = False) -> ModuleType:
     """Module of the methods for a machine's layout, with a force at the tip or without; see `methods_text`."""
-    return loaded(methods_text(machine, force=force))
+    return loaded(methods_text(machine, flow=flow, force=force))
 
 
-def methods_text(machine: LayoutMachine, *, force: bool = False) -> str:
+def methods_text(machine: LayoutMachine, *, flow: str = "exact", force: bool = False) -> str:
     """Source of the methods for a machine's layout; machines that differ in numbers alone have the same.
 
     Parameters
     ----------
     machine : LayoutMachine
+    flow : str
+        What circuits get, exact or one of `flow.layout.model.FORGETTING`.
     force : bool
         Whether a force at the tip is among the inputs.
     """
-    key = layout_of(machine), force
+    key = layout_of(machine), flow, force
     if key not in _written:
-        _written[key] = _text(machine, force)
+        _written[key] = _text(machine, flow, force)
     return _written[key]
 
 
 _written: dict[Hashable, str] = {}
 
 
-def _text(machine: LayoutMachine, force: bool) -> str:
-    step, tip = layout_text(machine, force=force), function_of(machine, machine.tip[0])
-    lists = page_lists(machine, tip, force) | _lists(machine, fields_of(step, "Mass"))
-    lengths = sorted({len(f.valve.knots) for f in machine.functions})
-    longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
-    imports = [*_IMPORTS, *MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
-    imports += _CROSSED_IMPORTS if machine.crossovers else ()
-    imports += ("from polydraulic.machine.play import followed",) if lists["ANY_DRIVEN"] else ()
-    of_step = [*_STEP, *(f"{name}_{n}" for n in lengths for name in ("Segments", "ValveTables", "orifices"))]
-    of_step += [f"Series{n}" for n in longer]
-    of_step += sorted({f"opened_{row['K']}" for row in crossover_rows(machine)})
-    of_step += _DRIVEN_STEP if lists["ANY_DRIVEN"] else ()
-    of_step += _SHIFTED_STEP if lists["ANY_SHIFTED"] else ()
-    parts = [
-        f'"""A machine with the functions {", ".join(machine.names)} in continuous time; written out from its layout."""',
-        "\n".join(joined_imports(imports)),
-        f"from {layout_module(machine, force=force).__name__} import (\n    "
-        + ",\n    ".join(sorted(of_step))
-        + ",\n)",
-        f"N_SLOW = {len(_SLOW) * len(machine.names)}",
-        *(expanded(_page(name), lists) for name in _PAGES),
-    ]
-    if not any(f.effects.declared for f in machine.functions):
-        parts += [
+def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
+    step, tip = layout_text(machine, flow=flow, force=force), function_of(machine, machine.tip[0])
+    lists = page_lists(machine, tip, force, flow) | _lists(machine, fields_of(step, "Mass"))
+    exact = flow == "exact"
+    lists |= {"EXACT": [{"E": ""}] if exact else [], "MODELLED": [] if exact else [{"E": ""}]}
+    imports = [*_IMPORTS, *(_FOLLOWED if lists["ANY_DRIVEN"] else ())]
+    of_step = [*_STEP, *(("Valves", "exact_step") if exact else _MODELLED_STEP)]
+    of_step += [*(_DRIVEN_STEP if lists["ANY_DRIVEN"] else ()), *(_SHIFTED_STEP if lists["ANY_SHIFTED"] else ())]
+    pages = [expanded(_page(name), lists) for name in _PAGES]
+    if exact and not any(f.effects.declared for f in machine.functions):
+        lengths = sorted({len(f.valve.knots) for f in machine.functions})
+        longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
+        imports += [*MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
+        imports += _CROSSED_IMPORTS if machine.crossovers else ()
+        of_step += [f"{name}_{n}" for n in lengths for name in ("Segments", "ValveTables", "orifices")]
+        of_step += [f"Series{n}" for n in longer]
+        of_step += sorted({f"opened_{row['K']}" for row in crossover_rows(machine)})
+        pages += [
             motion_slopes_text(tree_of(machine), tip if force else None),
             *(series_slopes_text(n) for n in longer),
             *(expanded(_page("valve_slopes"), *valve_letters(n)) for n in lengths),
             *(expanded(_page(name), lists) for name in _KNOWN_PAGES),
         ]
+    parts = [
+        f'"""A machine with the functions {", ".join(machine.names)} in continuous time; written out from its layout."""',
+        "\n".join(joined_imports(imports)),
+        f"from {layout_module(machine, flow=flow, force=force).__name__} import (\n    "
+        + ",\n    ".join(sorted(of_step))
+        + ",\n)",
+        f"N_SLOW = {len(_SLOW) * len(machine.names)}",
+        *pages,
+    ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
 
 
