@@ -110,7 +110,7 @@ def held_motion():
         target = np.clip(gain * HELD_VOLTS[k], -spool_of(MACHINE).end, spool_of(MACHINE).end)
         c[k, :, 0], c[k, :, 2], c[k, :, 7] = target, x - target, 1.0 / np.array(TAU)
         x = target + (x - target) * fade
-    return SpoolMotion(TIME, c, TIME[1:])
+    return SpoolMotion(TIME, c, TIME[1:], c)
 
 
 def rosenbrock(rtol, voltages_held):

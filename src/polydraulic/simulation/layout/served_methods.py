@@ -6,8 +6,12 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 
 STEPPED = "semi-implicit"
 CONTINUOUS = ("rk4", "rosenbrock", "reference")
-# the others know no effects: their spools are known in advance
-_SMOOTH = {"rk4": ("valve.hysteresis", "valve.flow_force")}
+# of effects; two methods must know the spools in advance, which do not hang on flows then
+_SERVED = {
+    "rk4": ("valve.hysteresis", "valve.flow_force"),
+    "rosenbrock": ("valve.hysteresis",),
+    "reference": ("valve.hysteresis",),
+}
 
 
 def check_method(machine: LayoutMachine, method: str) -> None:
@@ -28,7 +32,7 @@ def check_method(machine: LayoutMachine, method: str) -> None:
         return
     for f in machine.functions:
         for key in f.effects.declared:
-            served = [STEPPED, *(one for one, keys in _SMOOTH.items() if key in keys)]
+            served = [STEPPED, *(one for one, keys in _SERVED.items() if key in keys)]
             if method not in served:
                 raise InputError(
                     f"functions.{f.name}.{key}: method {method!r} does not know it; use {' or '.join(map(repr, served))}, or leave it out"

@@ -1,8 +1,7 @@
 """Spool motion in closed form for voltages that are known in advance, and when the spools pass the knots of their tables.
 
-Between the corners of the voltages a pilot's command is a straight line or a sine, so that its spool follows exactly:
-x(s) = c0 + c1 s + c2 exp(-s / tau) + c3 sin(w t) + c4 cos(w t), with s from the last corner and t the signal's own time. A force
-that is known in advance is the same without a past.
+Between the corners of the voltages a pilot's command is a straight line or a sine, so that its spool follows exactly (`spool_curves`), or lags behind
+by a play (`lagging_spools`). A force that is known in advance is the same without a past.
 """
 
 from collections.abc import Sequence
@@ -11,37 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import driver, kernel
-from polydraulic.elementary import exp, sincos
+from polydraulic._kernel import driver
 from polydraulic.parameters.schema import Pilot
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
+from polydraulic.simulation.solvers.lagging_spools import NONE, lagging
+from polydraulic.simulation.solvers.spool_curves import LOOK, N_COEFFICIENT, SAME, spool_curve
 
-N_COEFFICIENT = 8  # c0 .. c4, w, delay, 1 / tau
-_LOOK = 0.02  # s; a spool is taken to pass no knot twice within this time
-_SAME = 1e-9  # s
 SHORTEST = 1e-3  # s that are integrated where the start alone is wanted, with its flows
-
-
-class SpoolCurve(NamedTuple):
-    """Position in m and velocity in m/s."""
-
-    x: float
-    v: float
-
-
-@kernel
-def spool_curve(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
-    """Input number `link` at the time t of a piece that begins at t0 and has the coefficients c, (n_input, N_COEFFICIENT)."""
-    s = t - t0
-    fading = c[link, 2] * exp(-s * c[link, 7])
-    w = c[link, 5]
-    x = c[link, 0] + c[link, 1] * s + fading
-    v = c[link, 1] - fading * c[link, 7]
-    if w != 0.0:
-        turn = sincos(w * (t - c[link, 6]))
-        x = x + c[link, 3] * turn.sin + c[link, 4] * turn.cos
-        v = v + w * (c[link, 3] * turn.cos - c[link, 4] * turn.sin)
-    return SpoolCurve(x, v)
 
 
 @driver
@@ -71,7 +46,7 @@ def _crossings(starts: np.ndarray, c: np.ndarray, levels: np.ndarray, found: np.
     n = 0
     for piece in range(starts.shape[0] - 1):
         t0, t1 = starts[piece], starts[piece + 1]
-        parts = int((t1 - t0) / _LOOK) + 1
+        parts = int((t1 - t0) / LOOK) + 1
         for link in range(levels.shape[0]):
             before = spool_curve(c[piece], link, t0, t0).x
             for part in range(parts):
@@ -98,6 +73,7 @@ class SpoolMotion(NamedTuple):
     starts: np.ndarray  # (n_piece + 1,) s, corners of the commands and the end
     coefficients: np.ndarray  # (n_piece, n_input, N_COEFFICIENT)
     breaks: np.ndarray  # (n_break,) s, rising: corners and knots passed; the end is the last
+    driven: np.ndarray  # as coefficients, of what drives spools with hysteresis
 
 
 class KnownInput(NamedTuple):
@@ -114,6 +90,8 @@ class KnownInput(NamedTuple):
         Magnitudes that the input may pass, its zero among them.
     later : sequence of (s, Pilot)
         Other pilots that take over at these times, which are corners.
+    lags : sequence of (s, m)
+        From these times on it lags behind by so much to either side; without any it does not.
     """
 
     signal: Signal
@@ -121,6 +99,7 @@ class KnownInput(NamedTuple):
     travel: float
     knots: Sequence[float] = ()
     later: Sequence[tuple[float, Pilot]] = ()
+    lags: Sequence[tuple[float, float]] = ()
 
 
 def known_force(signal: Signal) -> KnownInput:
@@ -143,7 +122,7 @@ def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[f
         for pilot in dict.fromkeys([one.pilot, *(pilot for _, pilot in one.later)]):
             times += _corners(one.signal, pilot, one.travel, t_end)
     starts = np.unique(np.array([t for t in times if 0.0 <= t <= t_end]))
-    starts = np.concatenate([starts[:-1][np.diff(starts) > _SAME], starts[-1:]])
+    starts = np.concatenate([starts[:-1][np.diff(starts) > SAME], starts[-1:]])
     c = np.zeros((len(starts) - 1, len(inputs), N_COEFFICIENT))
     for place, one in enumerate(inputs):
         pieces = [0, *(int(np.abs(starts - t).argmin()) for t, _ in one.later), len(c)]
@@ -151,6 +130,7 @@ def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[f
         for pilot, first, end in zip(pilots, pieces[:-1], pieces[1:], strict=True):
             _command(c[first:end, place], starts[first : end + 1], one.signal, pilot, one.travel)
     _chain(starts, c)
+    starts, driven, c = lagging(starts, c, _half_widths(inputs, starts))
     levels = _levels(inputs)
     found = np.empty(1024)
     n = _crossings(starts, c, levels, found)
@@ -159,8 +139,17 @@ def known_motion(inputs: Sequence[KnownInput], t_end: float, corners: Sequence[f
         _crossings(starts, c, levels, found)
     breaks = np.unique(np.concatenate([starts[1:], found[:n]]))
     # of two breaks at the same time the later stays, so that the end does
-    breaks = breaks[np.append(np.diff(breaks) > _SAME, True)]
-    return SpoolMotion(starts, c, breaks)
+    breaks = breaks[np.append(np.diff(breaks) > SAME, True)]
+    return SpoolMotion(starts, c, breaks, driven)
+
+
+def _half_widths(inputs: Sequence[KnownInput], starts: np.ndarray) -> np.ndarray:
+    """By how much inputs lag behind in each piece, (n_piece, n_input)."""
+    halves = np.full((len(starts) - 1, len(inputs)), NONE)
+    for place, one in enumerate(inputs):
+        for t, half in one.lags:
+            halves[int(np.abs(starts - t).argmin()) :, place] = half
+    return halves
 
 
 def _levels(inputs: Sequence[KnownInput]) -> np.ndarray:

@@ -15,10 +15,11 @@ from polydraulic.parameters.loads import DIRECTIONS
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.events import EventLog, new_log
-from polydraulic.simulation.layout.columns import columns_of
+from polydraulic.simulation.layout.columns import columns_of, has
 from polydraulic.simulation.layout.methods.event_log import N_KIND, EventLimits, event_limits, listed_events
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
+from polydraulic.simulation.solvers.lagging_spools import curve_at
 from polydraulic.simulation.solvers.spools import SHORTEST, KnownInput, SpoolMotion, known_force, known_motion
 
 
@@ -107,13 +108,17 @@ def run_known(
     flags = np.zeros((2, n_flag), dtype=np.int64)
     watch, parts = Watch(new_log(), event_limits(machine), *flags), []
     rows[0, : columns.n_state] = x0
-    row, y = 1, x0[n:]
+    row, y = 1, x0[n : 5 * n]
     for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST), faults):
         first, watch = row if part.start > 0.0 else 0, watch._replace(limits=event_limits(part.machine))
         row, y, failure = integrate(part, y, rtol, time, rows, row, watch, counts)
         if failure:
             reached = float(time[min(row, len(time) - 1)])
             raise SimulationError(f"{scenario.name} with method {method!r}: {failure} before t = {reached:g} s")
+        for place, f in enumerate(machine.functions):
+            if has(f, "driven"):
+                there = curve_at(part.motion.starts, part.motion.driven, place, time[first:row])
+                rows[first:row, columns.place[f"{f.name}.driven"]] = there
         forces = np.ascontiguousarray(scenario.loads.forces(time[first:row]))
         unsettled = part.module.fill_flows(part.valves, part.plant, forces, rows[first:row])
         counts["rows_not_converged"] = counts.get("rows_not_converged", 0) + int(unsettled)
@@ -149,7 +154,12 @@ def _inputs(parts: Sequence[FaultyPart], scenario: Scenario) -> list[KnownInput]
     for place, f in enumerate(parts[0].machine.functions):
         signal = Constant() if f.name in scenario.locked else scenario.voltage.get(f.name, Constant())
         later = [(part.begin, part.machine.functions[place].pilot) for part in parts[1:]]
-        found.append(KnownInput(signal, f.pilot, f.valve.knots[-1], f.valve.knots[:-1], later))
+        lags = [
+            (part.begin, 0.5 * width)
+            for part in parts
+            if (width := part.machine.functions[place].effects.hysteresis) is not None
+        ]
+        found.append(KnownInput(signal, f.pilot, f.valve.knots[-1], f.valve.knots[:-1], later, lags))
     if scenario.loads.force:
         found += [known_force(scenario.loads.force.get(direction, Constant())) for direction in DIRECTIONS]
     return found

@@ -21,7 +21,7 @@ from polydraulic.simulation.layout.tree import function_of, tree_of
 
 _PAGES = ("right_hand_side", "runge_kutta")
 # of methods that know the spools in advance
-_KNOWN_PAGES = ("slow", "switching", "jacobian", "rosenbrock")
+_KNOWN_PAGES, _KNOWN_EFFECTS = ("slow", "switching", "jacobian", "rosenbrock"), {"valve.hysteresis"}
 _IMPORTS = (
     "from math import sqrt",
     "from typing import NamedTuple",
@@ -97,7 +97,7 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     of_step = [*_STEP, *(("Valves", "exact_step") if exact else _MODELLED_STEP)]
     of_step += [*(_DRIVEN_STEP if lists["ANY_DRIVEN"] else ()), *(_SHIFTED_STEP if lists["ANY_SHIFTED"] else ())]
     pages = [expanded(_page(name), lists) for name in _PAGES]
-    if exact and not any(f.effects.declared for f in machine.functions):
+    if exact and all(set(f.effects.declared) <= _KNOWN_EFFECTS for f in machine.functions):
         lengths = sorted({len(f.valve.knots) for f in machine.functions})
         longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
         imports += [*MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
