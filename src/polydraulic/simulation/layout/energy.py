@@ -1,8 +1,9 @@
 """The energy account of a run, as columns: from the pumps through valves, lines and joints to motion, height and heat.
 
-Pump power = relief + throttling + what enters the actuators' lines + what oil before the valves stores, per circuit; of each function what oil does at the joint and what friction
-takes. The change of kinetic and potential energy is what oil does less friction, and what end stops take at once; that of the oil before the
-valves is what it stores. Both close to the order of the step.
+Pump power = relief + throttling + what enters the actuators' lines + what charges the oil before the valves, per circuit; of each function what
+oil does at the joint and what friction takes. The change of kinetic and potential energy is what oil does less friction, and what end stops take at
+once; that of the oil before the valves is what charges it. Both close to the order of the step. With waves (flow `tlm`) the second does so more
+slowly where they ring: flows are means over a step, pressures those at its end.
 """
 
 from collections.abc import Callable, Iterator
