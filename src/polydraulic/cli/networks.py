@@ -74,7 +74,7 @@ def fit(
     """Learn polynomial networks from a table.
 
     A fifth of the rows is held out to state the error: blocks of time where the table has a column `time`, every fifth row
-    elsewhere. The model is then fitted on all rows.
+    elsewhere. The model is then fitted on all rows, in the same regions.
 
     With `--dynamic` the table is a log (columns `time`, `segment`, as `polydraulic import` writes it). The model predicts the next row from
     rows before it, or runs on its own predictions; lags and complexity are chosen by runs, and the errors of both are stated.
@@ -236,7 +236,7 @@ def export(
         name = model.stem
     with progress_bar("export") as progress:
         progress(f"{to} to {out}", 0, 1)
-        written = export_models(models, to, out, name=name, real=real, cross=cross)
+        written = export_models(models, to, out, name=name, real=real, cross=cross, progress=progress)
     print(written)
 
 

@@ -15,6 +15,7 @@ from polydraulic.export.onnx import export_onnx
 from polydraulic.files import write_text
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
+from polydraulic.progress import Progress, quiet
 
 ENDINGS = {
     "c": "", "fmi2": ".fmu", "fmi3": ".fmu", "onnx": ".onnx", "python": ".py", "sympy": ".py", "latex": ".tex",
@@ -32,6 +33,7 @@ def export_models(
     name: str | None = None,
     real: str = "double",
     cross: bool = False,
+    progress: Progress = quiet,
 ) -> Exported:
     """Write models for a target.
 
@@ -49,6 +51,8 @@ def export_models(
         "double" or "float": precision of C and ONNX.
     cross : bool
         Whether FMUs get binaries for other platforms too; needs the package ziglang.
+    progress : Progress, optional
+        Told of proofs of C in single precision, output by output.
 
     Returns
     -------
@@ -72,7 +76,7 @@ def export_models(
     whole = bundle(models, name=out.stem if as_file and name is None else name)
     path = out if as_file else out / f"{whole.name}{ENDINGS[to]}"
     if to == "c":
-        return export_c(models, out, name=whole.name, real=real)
+        return export_c(models, out, name=whole.name, real=real, progress=progress)
     if to in ("fmi2", "fmi3"):
         return export_fmu(models, path, version=int(to[-1]), name=whole.name, cross=cross)
     if to == "onnx":

@@ -241,7 +241,7 @@ def test_what_a_float_cannot_hold_is_refused():
 def test_what_is_not_proved_is_said(exported_models, monkeypatch):
     monkeypatch.setattr(allowance, "model_allowance", lambda model: allowance.Allowance(np.inf, -np.inf, np.inf))
     (line,) = allowance_lines(exported_models["single"])
-    assert line == "y: no proved allowance in float: 100000 boxes did not do"
+    assert line == "y: no proved allowance in float: 20000 boxes did not do"
     assert line in to_c(bundle(exported_models["single"]), real="float")[0]
 
 

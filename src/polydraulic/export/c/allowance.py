@@ -21,9 +21,10 @@ from polydraulic.networks.model.partition import Partition, region_boxes
 from polydraulic.networks.model.table import Network, used_slots
 from polydraulic.networks.proof.branch_and_bound import Ends, search
 from polydraulic.networks.proof.taylor import Form, enclose_gains, enclose_slots, node_value
+from polydraulic.progress import Progress
 
-_BOXES = (500, 4000, 32000)  # for each region, at most: more for those that fewer do not do for
-_ALL_BOXES = 100000  # for all regions of a model
+_BOXES = (500, 4000)  # for each region, at most: more for those that fewer do not do for
+_ALL_BOXES = 20000  # for all regions of a model
 _CLOSE = 0.1  # of what a point needs: what the proof may lie above it
 # covers the rounding of the package's own double precision, which the same analysis bounds by 2^-29 of this
 _UP = 1.0 + 2.0**-20
@@ -66,6 +67,25 @@ def model_allowance(model: Model) -> Allowance:
     return found
 
 
+def prove_allowances(models: Sequence[Model], progress: Progress) -> None:
+    """Prove what `model_allowance` says of each model, once and for all who ask for it.
+
+    Parameters
+    ----------
+    models : sequence of Model
+    progress : Progress
+        Told the output, and how many are done.
+
+    Raises
+    ------
+    InputError
+        As `model_allowance`.
+    """
+    for done, model in enumerate(models):
+        progress(f"{model.output.name}: how far float can be off, {_ALL_BOXES} boxes at most", done, len(models))
+        model_allowance(model)
+
+
 def allowance_lines(models: Sequence[Model]) -> list[str]:
     """The same in words, one line for each model; numbers are rounded outward.
 
@@ -98,7 +118,7 @@ def _outward(value: float, digits: int, rounding: str) -> str:
     return str(float(Context(prec=digits, rounding=rounding).create_decimal_from_float(value)))
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=256)
 def _allowance(networks: tuple[Network, ...], partition: Partition) -> Allowance | None:
     """None where a value overflows at a point that was looked at."""
     boxes = region_boxes(partition, networks[0].n_inputs)

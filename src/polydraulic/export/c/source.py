@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.c.allowance import allowance_lines, model_allowance
+from polydraulic.export.c.allowance import allowance_lines, model_allowance, prove_allowances
 from polydraulic.export.c.answers import answering_code, form_lines, numbers_row, region_call, value_call
 from polydraulic.export.c.text import FLOAT, REALS, Real, block_comment, inner_ends, literal, string
 from polydraulic.export.exported import Exported
@@ -19,11 +19,19 @@ from polydraulic.files import write_texts
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model
 from polydraulic.networks.model.nodes import SIGMOID
+from polydraulic.progress import Progress, quiet
 
 _VECTORS = 24
 
 
-def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = None, real: str = "double") -> Exported:
+def export_c(
+    models: Sequence[Model],
+    folder: str | Path,
+    *,
+    name: str | None = None,
+    real: str = "double",
+    progress: Progress = quiet,
+) -> Exported:
     """Write a header and a source for models.
 
     Parameters
@@ -35,6 +43,8 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
         Name of the files and of their functions, made a C identifier; the output's if there is one model, else "model".
     real : str
         "double", with the bits of the package, or "float".
+    progress : Progress, optional
+        Told of which output it is being proved how far "float" can be off.
 
     Returns
     -------
@@ -48,6 +58,8 @@ def export_c(models: Sequence[Model], folder: str | Path, *, name: str | None = 
     """
     whole = bundle(models, name=name)
     files = tuple(Path(folder) / f"{whole.name}{ending}" for ending in (".h", ".c"))
+    if real == "float":
+        prove_allowances(whole.models, progress)
     write_texts(dict(zip(files, to_c(whole, real=real), strict=True)))
     proved = allowance_lines(models) if real == "float" else []
     return Exported(files, (*whole.name_notes(), *dynamic_notes(models), *proved))

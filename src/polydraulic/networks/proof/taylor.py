@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic._kernel import driver
 from polydraulic.networks.model.nodes import DOUBLE, LINEAR, RAMP, SIGMOID, SINGLE
 from polydraulic.networks.model.table import Network, Node, used_slots
 
@@ -111,7 +112,8 @@ class Form:
         if not isinstance(b, Form):
             form = Form(a.poly * b, abs(b) * a.error, at, abs(b) * a.local)
             return form._widened(2.0 * _EPS * form.size + _TINY)
-        poly = np.add.reduceat(a.poly[at.left] * b.poly[at.right], at.target, axis=0)
+        poly = np.empty_like(a.poly)
+        _product(a.poly, b.poly, at.left, at.right, at.target, poly)
         higher = (a.sizes[1:] * np.cumsum(b.sizes[::-1], axis=0)[:-1]).sum(axis=0)
         error = a.size * b.error + b.size * a.error + higher
         local = a.size * b.local + b.size * a.local + higher
@@ -198,6 +200,23 @@ class Form:
         for first, last in pairwise([*at.degree[1:], len(terms)]):
             terms[first:last] = terms[at.parent[first:last]] * e[at.axis[first:last]]
         return (self.poly * terms).sum(axis=0)
+
+
+@driver
+def _product(
+    a: np.ndarray, b: np.ndarray, left: np.ndarray, right: np.ndarray, target: np.ndarray, poly: np.ndarray
+) -> None:
+    """Coefficients (n_coef, m) of products of polynomials, without those of higher order."""
+    n_coef, m = poly.shape
+    for k in range(n_coef):
+        end = target[k + 1] if k + 1 < n_coef else left.shape[0]
+        total = poly[k]
+        for i in range(m):
+            total[i] = 0.0
+        for product in range(target[k], end):
+            one, other = a[left[product]], b[right[product]]
+            for i in range(m):
+                total[i] += one[i] * other[i]
 
 
 def _ramp(x: np.ndarray) -> np.ndarray:
