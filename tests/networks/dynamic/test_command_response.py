@@ -9,6 +9,17 @@ LOG = joint_log(gap=False)
 SPANS = [(0, 900), (950, len(LOG))]
 
 
+def log_with_play(n=2400):
+    """A lever that often turns before it is back at rest, whose valve follows 0.12 behind, and a joint."""
+    time = np.arange(n)
+    lever = np.sin(0.05 * time) + 0.5 * np.sin(0.131 * time + 1.0)
+    valve, joint = 0.0, np.zeros(n)
+    for t in range(1, n):
+        valve = np.clip(valve, lever[t - 1] - 0.12, lever[t - 1] + 0.12)
+        joint[t] = joint[t - 1] + 0.02 * (min(max(valve - 0.2, 0.0), 0.8) - min(max(-0.3 - valve, 0.0), 0.8))
+    return lever, joint
+
+
 @pytest.fixture(scope="module")
 def found():
     return [find_response(LOG[f"lever.{j}"], LOG[j], SPANS, 16, (f"lever.{j}", j)) for j in "ab"]
@@ -20,6 +31,18 @@ def test_dead_time_lag_and_dead_zone_are_found(found):
         assert response.dead_time == pytest.approx(DEAD_TIME - 1, abs=0.5)  # a row ago is at once
         assert response.dead_time + response.lag == pytest.approx(DEAD_TIME - 1 + LAG, abs=0.5)
         assert response.weights.sum() == pytest.approx(1.0)
+        assert response.play == 0.0
+
+
+def test_play_between_lever_and_valve_is_found():
+    lever, joint = log_with_play()
+    response = find_response(lever, joint, [(0, len(lever))], 16, ("u", "y"))
+    assert response.play == pytest.approx(0.24, abs=0.03)
+    assert [edge for edge, _ in response.edges] == pytest.approx((0.2, -0.3), abs=0.05)
+    assert "with a play of 0.2" in response_in_words(response_facts(response, "u", "V", 0.05))
+    first, full = response.edges[0]
+    from_below, from_above = (response.ramps(np.repeat([0.0, before, 0.6], 10))[-1, 0] for before in (0.3, 1.0))
+    assert from_above - from_below == pytest.approx(response.play / (full - first), abs=0.01)
 
 
 def test_stops_are_those_that_the_joint_was_driven_against(found):

@@ -51,6 +51,23 @@ def test_joints_see_each_other(fitted):
     assert all(model.n_coefficients < 300 for model in fitted.models_)
 
 
+def test_play_is_in_the_network_as_it_was_found():
+    n = 1200
+    lever = np.sin(0.05 * np.arange(n)) + 0.5 * np.sin(0.131 * np.arange(n) + 1.0)
+    valve, joint = 0.0, np.zeros(n)
+    for t in range(1, n):
+        valve = np.clip(valve, lever[t - 1] - 0.12, lever[t - 1] + 0.12)
+        joint[t] = joint[t - 1] + 0.02 * (max(valve - 0.2, 0.0) - max(-0.3 - valve, 0.0))
+    model = JointRegressor(horizon=100, max_terms=1).fit(lever[:, None], joint)
+    assert model.responses_[0].play == pytest.approx(0.24, abs=0.05)
+    moved = (model.simulate(lever[:, None], joint, horizon=1) - np.concatenate([[0.0], joint[:-1]]))[16:]
+    ramps = model.responses_[0].ramps(lever)[16:]
+    powers = np.column_stack([ramps, ramps**2, ramps**3, ramps * joint[15:-1, None], ramps.prod(axis=1)])
+    coef = np.linalg.lstsq(powers, moved, rcond=None)[0]
+    assert np.abs(powers @ coef - moved).max() < 1e-9
+    assert np.abs(model.simulate(lever[:, None], joint) - joint).max() < 0.05 * np.ptp(joint)
+
+
 def test_the_model_is_one_like_any_other(fitted, tmp_path):
     names = [Variable("lever.a", "V"), Variable("lever.b", "V")], [Variable("a", "rad"), Variable("b", "m")]
     models = fitted.to_models(*names)

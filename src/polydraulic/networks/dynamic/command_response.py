@@ -1,6 +1,8 @@
-"""How the rate of a joint follows its command: dead time, lag, dead zone, and where the valve is open.
+"""How the rate of a joint follows its command: play, dead time, lag, dead zone, and where the valve is open.
 
-A command passes a dead time and a lag of first order; what comes out moves two ramps, one to each side of the dead zone. The rate is taken
+A command passes the play of whatever moves the valve, a dead time and a lag of first order; what comes out moves two ramps, one to each
+side of the dead zone. Play is what the log remembers for no longer than the longest lag: before, the command counts as having come from rest.
+Where it explains hardly more there is none. The rate is taken
 for proportional to each ramp while these numbers are sought, so that an edge is where the straight line through the motion begins; what the line
 leaves is learnt afterwards. Rates are compared as travel over windows of time: noise of the joint, which a derivative would blow up, hardly counts.
 A joint that is driven against a stop says nothing of its command: once stops are found, windows that touch them are left out.
@@ -25,6 +27,8 @@ _NEAR, _TOWARD, _STANDS = 0.03, 0.03, 0.2  # a stop: so near the end, so much tr
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
 _SCALE = 0.02  # of the range: errors of the travel beyond it count less
 _EVALUATIONS = 40
+# play as a share of all that the command does: most, and where the search begins; and how much less the errors must be for it to be there
+_MOST_PLAY, _FIRST_PLAY, _WORTH = 0.3, 0.05, 0.1
 
 
 class Response(NamedTuple):
@@ -36,6 +40,10 @@ class Response(NamedTuple):
         In rows; the lag is the time constant of a first order.
     weights : (n_lag,) array
         Of the command 1, 2, ... rows ago; their sum is 1.
+    play : float
+        How far the command turns back before the valve follows; 0 for none.
+    rest : float
+        Of the command, from where it is taken to have come.
     edges : tuple of (float, float)
         One for each side on which the command moves the joint: where motion begins, and where it is at its fastest.
     stops : (bool, bool)
@@ -45,12 +53,14 @@ class Response(NamedTuple):
     dead_time: float
     lag: float
     weights: np.ndarray
+    play: float
+    rest: float
     edges: tuple[tuple[float, float], ...]
     stops: tuple[bool, bool]
 
     def ramps(self, command: np.ndarray) -> np.ndarray:
         """Openings by row, (n_row, n_side) in [0, 1]; the first rows, as many as the longest lag, are not to be used."""
-        return _ramps(_filtered(command, self.weights), self.edges)
+        return _ramps(_filtered(command, self.weights, self.play, self.rest), self.edges)
 
 
 def find_response(
@@ -77,29 +87,40 @@ def find_response(
 
     windows = _Windows(command, joint, spans, longest_lag)
     sides = _sides(command[windows.known], names[0])
+    n = len(sides)
+    low = np.array([0.0, np.log(0.05), 0.0, *([0.0, np.log(0.02)] * n)])
+    high = np.array([0.6 * longest_lag, np.log(0.6 * longest_lag), _MOST_PLAY, *([0.95, np.log(1.5)] * n)])
+    size = np.array([0.5, 0.5, 0.05, *([0.1, 0.3] * n)])
 
-    low = [0.0, np.log(0.05), *([0.0, np.log(0.02)] * len(sides))]
-    high = [0.6 * longest_lag, np.log(0.6 * longest_lag), *([0.95, np.log(1.5)] * len(sides))]
+    def search(windows: _Windows, start: np.ndarray, with_play: bool) -> OptimizeResult:
+        open_to = np.arange(len(start)) != 2 if not with_play else np.ones(len(start), dtype=bool)
 
-    def search(windows: _Windows, start: np.ndarray) -> OptimizeResult:
-        return least_squares(
-            lambda unknowns: windows.fitted(*_response(unknowns, sides, longest_lag))[0],
-            np.clip(start, low, high), bounds=(low, high), diff_step=1e-3, x_scale=[0.5, 0.5, *([0.1, 0.3] * len(sides))],
+        def whole(unknowns: np.ndarray) -> np.ndarray:
+            return np.insert(unknowns, 2, 0.0) if not with_play else unknowns
+
+        found = least_squares(
+            lambda unknowns: windows.fitted(*_response(whole(unknowns), sides, longest_lag))[0],
+            np.clip(start, low, high)[open_to], bounds=(low[open_to], high[open_to]), diff_step=1e-3, x_scale=size[open_to],
             loss="soft_l1", f_scale=_SCALE, max_nfev=_EVALUATIONS,
         )  # fmt: skip
+        found.x = whole(found.x)
+        return found
 
     def best_of(windows: _Windows) -> np.ndarray:
-        first = [min(1.5, 0.3 * longest_lag), np.log(1.5)]
-        starts = [np.array([*first, *([share, np.log(0.95 - share)] * len(sides))]) for share in _STARTS]
-        return min((search(windows, start) for start in starts), key=lambda one: one.cost).x
+        first = [min(1.5, 0.3 * longest_lag), np.log(1.5), _FIRST_PLAY]
+        starts = [np.array([*first, *([share, np.log(0.95 - share)] * n)]) for share in _STARTS]
+        plain = min((search(windows, start, False) for start in starts), key=lambda one: one.cost)
+        starts.append(np.concatenate([plain.x[:2], [_FIRST_PLAY], plain.x[3:]]))
+        loose = min((search(windows, start, True) for start in starts), key=lambda one: one.cost)
+        return loose.x if loose.cost < (1.0 - _WORTH) * plain.cost else plain.x
 
     best = best_of(windows)
     stops = windows.stops(windows.fitted(*_response(best, sides, longest_lag))[1])
     if any(stops):
         windows = windows.away_from(stops)
         best = best_of(windows)
-    weights, edges = _response(best, sides, longest_lag)
-    errors, _ = windows.fitted(weights, edges)
+    weights, play, rest, edges = _response(best, sides, longest_lag)
+    errors, _ = windows.fitted(weights, play, rest, edges)
     explained = 1.0 - float(errors @ errors) / max(float(windows.travel @ windows.travel), 1e-300)
     if not explained >= _EXPLAINED:
         raise InputError(
@@ -112,7 +133,7 @@ def find_response(
             f"{names[1]!r} follows {names[0]!r} with a dead time of {dead_time:.1f} and a lag of {lag:.1f} rows, which is not over after the "
             f"longest lag of {longest_lag} rows: read further back, or bring the log onto a coarser raster"
         )
-    return Response(dead_time, lag, weights, edges, stops)
+    return Response(dead_time, lag, weights, play, rest, edges, stops)
 
 
 def response_facts(response: Response, command: str, unit: str, raster: float) -> dict[str, Any]:
@@ -122,6 +143,7 @@ def response_facts(response: Response, command: str, unit: str, raster: float) -
         "unit": unit,
         "dead_time": response.dead_time * raster,
         "lag": response.lag * raster,
+        "play": response.play,
         "edges": [list(ends) for ends in response.edges],
         "stops": list(response.stops),
     }
@@ -134,7 +156,8 @@ def response_in_words(facts: Mapping[str, Any]) -> str:
     stops = [end for end, met in zip(("lower", "upper"), facts["stops"], strict=True) if met]
     met = f"driven against its {' and its '.join(stops)} stop" if stops else "never driven against a stop"
     times = f"a dead time of {facts['dead_time']:.2g} s with a lag of {facts['lag']:.2g} s"
-    return f"{facts['command']} moves it {sides}, after {times}; it was {met}"
+    play = f"with a play of {facts['play']:.2g}{unit}, " if facts.get("play") else ""
+    return f"{facts['command']} moves it {sides}, {play}after {times}; it was {met}"
 
 
 class _Windows:
@@ -156,9 +179,11 @@ class _Windows:
         self.joint, self.range = joint, max(self.high - self.low, 1e-300)
         self.travel = (joint[self.stop] - joint[self.start]) / self.range
 
-    def fitted(self, weights: np.ndarray, edges: Sequence[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
+    def fitted(
+        self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Errors of the travel with the best gains of the ramps, and the travel that these expect."""
-        ramps = _ramps(_filtered(self.command, weights), edges)
+        ramps = _ramps(_filtered(self.command, weights, play, rest), edges)
         total = np.vstack([np.zeros((1, len(edges))), np.cumsum(ramps, axis=0)])
         design = total[self.stop + 1] - total[self.start + 1]  # rows after the start
         gram = design.T @ design
@@ -198,23 +223,37 @@ def _sides(command: np.ndarray, name: str) -> list[tuple[float, float]]:
 
 def _response(
     unknowns: np.ndarray, sides: Sequence[tuple[float, float]], longest_lag: int
-) -> tuple[np.ndarray, tuple[tuple[float, float], ...]]:
-    """Weights and edges from dead time, logarithm of the lag, and for each side its edge and the logarithm of the width, as shares."""
+) -> tuple[np.ndarray, float, float, tuple[tuple[float, float], ...]]:
+    """Weights, play, rest and edges from the unknowns.
+
+    These are dead time, logarithm of the lag, play as a share of all that the command does, and for each side its edge and the logarithm of its width, as shares.
+    """
     dead_time, lag = float(unknowns[0]), float(np.exp(unknowns[1]))
     rows = np.arange(longest_lag + 1)
     weights = np.diff(np.where(rows > dead_time, 1.0 - np.exp(-np.maximum(rows - dead_time, 0.0) / lag), 0.0))
     edges = []
-    for (rest, end), edge, width in zip(sides, unknowns[2::2].tolist(), np.exp(unknowns[3::2]).tolist(), strict=True):
+    for (rest, end), edge, width in zip(sides, unknowns[3::2].tolist(), np.exp(unknowns[4::2]).tolist(), strict=True):
         first = rest + edge * (end - rest)
         edges.append((first, first + width * (end - rest)))
     weights = np.where(weights >= _KEPT * weights.sum(), weights, 0.0)
-    return weights / weights.sum(), tuple(edges)
+    play = float(unknowns[2]) * sum(abs(end - rest) for rest, end in sides)
+    return weights / weights.sum(), play, sides[0][0], tuple(edges)
 
 
-def _filtered(command: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """What the weights make of the command: at each row of the rows before it, the first of which are made up."""
-    n = len(weights)
-    return np.convolve(np.concatenate([np.full(n, command[0]), command]), weights)[n - 1 : n - 1 + len(command)]
+def _filtered(command: np.ndarray, weights: np.ndarray, play: float, rest: float) -> np.ndarray:
+    """What play and weights make of the command: at each row of the rows before it, the first of which are made up.
+
+    As many rows ago as there are weights, the command counts as having come from rest.
+    """
+    n, half = len(weights), 0.5 * play
+    before = np.concatenate([np.full(n, command[0]), command])
+    follows, found = np.full(len(command), rest), np.zeros(len(command))
+    for ago in range(n, 0, -1):
+        at = before[n - ago : len(before) - ago]
+        follows = np.clip(follows, at - half, at + half)
+        if weights[ago - 1]:
+            found += weights[ago - 1] * follows
+    return found
 
 
 def _ramps(command: np.ndarray, edges: Sequence[tuple[float, float]]) -> np.ndarray:

@@ -1,6 +1,6 @@
-"""The model of a joint as a network: ramps of its lagged command first, then nodes of its polynomial, and the last angle added."""
+"""The model of a joint as a network: play and ramps of its lagged command, then nodes of its polynomial, and the last angle added."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from polydraulic.networks.dynamic.spans import Span, rows_of
 from polydraulic.networks.dynamic.term_network import by_slots, places_read, term_nodes
 from polydraulic.networks.model.nodes import RAMP
 from polydraulic.networks.model.table import Network, Node
+
+Read = tuple[int, float, float]  # slot of a lagged command, its mean and its scale
 
 
 def joint_network(
@@ -34,25 +36,25 @@ def joint_network(
     used = places_read(terms)
     opened = [place for place in used if place < len(ramps)]
     reads = sorted(
-        {
-            (column, 1 + int(row))
-            for column, response, _ in (ramps[p] for p in opened)
-            for row in np.flatnonzero(response.weights)
-        }
+        {read for column, response, _ in (ramps[p] for p in opened) for read in _command_reads(column, response)}
     )
     n_command = len(reads)
     reads += [(columns[place - len(ramps)], 1) for place in used if place >= len(ramps)]
     rows = rows_of(spans)
     command = signals[rows][:, [column for column, _ in reads[:n_command]]]
     mean, scale, low, high = command.mean(axis=0), spread(command), command.min(axis=0), command.max(axis=0)
-    nodes = []
+    at = {read: (slot, float(mean[slot]), float(scale[slot])) for slot, read in enumerate(reads[:n_command])}
+    nodes: list[Node] = []
+    plays: dict[int, dict[int, int]] = {}
+    openings = []
     for column, response, side in (ramps[place] for place in opened):
-        first, full = response.edges[side]
-        slots = [slot for slot, (read, _) in enumerate(reads[:n_command]) if read == column]
-        weights = response.weights[[reads[slot][1] - 1 for slot in slots]]
-        constant = float(weights @ mean[slots] - first) / (full - first)
-        nodes.append(Node(RAMP, tuple(slots), (constant, *(weights * scale[slots] / (full - first)).tolist())))
-    slot = {place + 1: len(reads) + n for n, place in enumerate(opened)}
+        if column not in plays:
+            chain = _play_nodes(column, response, at, len(reads) + len(nodes))
+            plays[column] = {ago: len(reads) + len(nodes) + n for n, ago in enumerate(chain)}
+            nodes += chain.values()
+        openings.append(len(reads) + len(nodes))
+        nodes.append(_ramp_node(column, response, side, at, plays[column]))
+    slot = {place + 1: node for place, node in zip(opened, openings, strict=True)}
     behind = [place for place in used if place >= len(ramps)]
     slot |= {place + 1: n_command + n for n, place in enumerate(behind)}
     own = [*frame.column[behind]]
@@ -68,3 +70,50 @@ def joint_network(
         y_mean + y_scale * float(frame.y_low[0]), y_mean + y_scale * float(frame.y_high[0]),
     )  # fmt: skip
     return network, reads
+
+
+def _command_reads(column: int, response: Response) -> list[tuple[int, int]]:
+    """Of which rows the command is read: where it weighs, and with play all rows before."""
+    weighs = 1 + np.flatnonzero(response.weights)
+    return [
+        (column, ago) for ago in (range(weighs[0], len(response.weights) + 1) if response.play else weighs.tolist())
+    ]
+
+
+def _play_nodes(column: int, response: Response, at: Mapping[tuple[int, int], Read], first: int) -> dict[int, Node]:
+    """Where the valve is within its play, 0 for half of it below the command and 1 for half of it above; by how many rows ago.
+
+    The oldest comes first, in slot `first`; it counts as having come from rest. Each of the others goes by the one before it.
+    """
+    found: dict[int, Node] = {}
+    if not response.play:
+        return found
+    play, oldest = response.play, len(response.weights)
+    newest = 1 + int(np.flatnonzero(response.weights)[0])
+    for ago in range(oldest, newest - 1, -1):
+        slot, mean, scale = at[column, ago]
+        if ago == oldest:
+            found[ago] = Node(RAMP, (slot,), ((response.rest - mean) / play + 0.5, -scale / play))
+            continue
+        older, mean_older, scale_older = at[column, ago + 1]
+        coef = (mean_older - mean) / play, scale_older / play, -scale / play, 1.0
+        found[ago] = Node(RAMP, (older, slot, first + len(found) - 1), coef)
+    return found
+
+
+def _ramp_node(
+    column: int, response: Response, side: int, at: Mapping[tuple[int, int], Read], plays: Mapping[int, int]
+) -> Node:
+    """The opening to one side, from the command as it follows within its play."""
+    edge, full = response.edges[side]
+    slots, coef, constant = [], [], -edge
+    for ago in (1 + np.flatnonzero(response.weights)).tolist():
+        weight = float(response.weights[ago - 1])
+        slot, mean, scale = at[column, ago]
+        constant += weight * (mean - 0.5 * response.play)
+        slots.append(slot)
+        coef.append(weight * scale / (full - edge))
+        if plays:
+            slots.append(plays[ago])
+            coef.append(weight * response.play / (full - edge))
+    return Node(RAMP, tuple(slots), (constant / (full - edge), *coef))

@@ -21,14 +21,14 @@ from polydraulic.progress import Progress, quiet
 
 _MARGIN = 0.1  # of their range, by which joints and their changes may leave what was seen, but for stops
 _ENOUGH = 0.03  # what more terms have to gain over fewer
-_PATIENCE = 4  # so many more terms without a gain end the growth
+_PATIENCE = 8  # so many more terms without a gain end the growth
 
 
 class JointRegressor(FreeRunner):
     """Angles or strokes of joints from their commands, for machines whose hydraulics nobody describes.
 
     From row to row each joint moves by a rate: a polynomial in the openings of its valve to either side, in angles and openings of all joints,
-    and in further inputs. Every term holds an opening of its own valve, so that a joint whose command is within its dead zone stands still.
+    and in further inputs. It begins with its own openings alone, and more terms have to earn their place on blocks held out. Every term holds an opening of its own valve, so that a joint whose command is within its dead zone stands still.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class JointRegressor(FreeRunner):
     horizon : int, default=200
         Rows of the free runs that are fitted.
     max_terms : int, default=16
-        Of each joint's rate, while it is being chosen.
+        Of each joint's rate, beside its openings alone, while it is being chosen.
     n_blocks : int, default=4
         Blocks of rows that follow each other in time, each held out once to choose the number of terms.
     raster : float, optional
@@ -52,7 +52,7 @@ class JointRegressor(FreeRunner):
     models_ : list of Model
         One per joint; inputs are named ``x0[t-1]``.
     responses_ : list of Response
-        Dead time, lag and dead zone of each joint's command.
+        Play, dead time, lag and dead zone of each joint's command.
     choice_ : Choice
         What was chosen.
     warm_up_ : int
@@ -185,7 +185,7 @@ class JointRegressor(FreeRunner):
         return frame._replace(y_low=y_low, y_high=y_high, low=low, high=high)
 
     def _fewest(self, frame: Frame, targets: list[Span], drives: Sequence[int]) -> tuple[int, float]:
-        """Number of terms, the last value included, with which runs through blocks held out are about as good as they get; their error."""
+        """Number of terms, the last value and openings alone included, with which runs through blocks held out are about as good as they get; their error."""
         blocks = blocks_of(targets, self.n_blocks)
         warm_up = self.longest_lag
         if any(sum(b - a for a, b in block) <= warm_up for block in blocks):
@@ -210,4 +210,4 @@ class JointRegressor(FreeRunner):
                 break
         enough = (1.0 + _ENOUGH) * min(errors)
         chosen = next(n for n, error in enumerate(errors) if error <= enough)
-        return 1 + chosen, errors[chosen]
+        return 1 + len(drives) + chosen, errors[chosen]

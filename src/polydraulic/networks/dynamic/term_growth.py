@@ -44,12 +44,12 @@ def grow_terms(
         Lagged values at most, of which any two may be multiplied.
     driven_by : sequence of int
         Places of lagged values that drive the outputs: each term holds one of them, and the last value counts as it is, so that outputs
-        rest where all of these are zero. Anything may stand alone if not given.
+        rest where all of these are zero. Growth begins with each of them alone. Anything may stand alone if not given.
     """
     windows = np.array(pieces(spans, horizon), dtype=np.int64)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
-    start, drives = _held(frame, bool(driven_by)), {1 + place for place in driven_by}
-    fixed = len(start.coef) if drives else 0
+    drives = {1 + place for place in driven_by}
+    start, fixed = _held(frame, sorted(drives)), len(frame.y_low) if drives else 0
     terms, error = _refined(frame, start, many, 1.0, fixed)
     most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
     yield terms
@@ -92,21 +92,20 @@ def grow_average(
     return averaged(members, np.array(weights))
 
 
-def _held(frame: Frame, driven: bool) -> Terms:
-    """The last value of each output and a constant, or the last value alone: where growth begins."""
+def _held(frame: Frame, drives: Sequence[int]) -> Terms:
+    """The last value of each output and a constant, or the last values and all that drives: where growth begins."""
     n_output, factors, output, coef = len(frame.y_low), [], [], []
     for k in range(n_output):
         own = np.flatnonzero(frame.column == frame.signals.shape[1] - n_output + k)
         latest = [1 + int(own[np.argmin(frame.steps[own])])] if own.size else []
-        if driven:
-            factors += [[latest[0], 0, 0]]
-            output += [k]
-            coef += [1.0]
-            continue
-        factors += [[place, 0, 0] for place in (0, *latest)]
-        output += [k] * (1 + len(latest))
-        coef += [1e-6, *([0.98] * len(latest))]  # a run that holds forever has no slopes to go by
-    return Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
+        places = latest if drives else [0, *latest]
+        factors += [[place, 0, 0] for place in places]
+        output += [k] * len(places)
+        # a run that holds forever has no slopes to go by
+        coef += [1.0] if drives else [1e-6, *([0.98] * len(latest))]
+    held = Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
+    alone = np.array([[place, 0, 0] for place in drives] * n_output, dtype=np.int64).reshape(-1, 3)
+    return held.and_also(alone, np.repeat(np.arange(n_output), len(drives)))
 
 
 def _candidates(terms: Terms, n_lag: int, all_pairs: int, drives: set[int]) -> tuple[np.ndarray, np.ndarray]:
