@@ -5,7 +5,8 @@
 FOLDER holds ``rc_excavator/manual_1.csv.gz`` to ``manual_5.csv.gz``: a hydraulic model excavator (1:14) driven by joysticks, about 20 rows a second
 with an irregular clock; commands of the valves, strokes of the cylinders, angle of the swing. Logs go through the import, onto a raster of 50 ms.
 Windows of 10 s and 30 s begin every half second; the error at their end, mean over windows, is given in % of the joint's range in the
-logs that were learnt from. Runs 4 and 5 play no part in any choice.
+logs that were learnt from. Runs 4 and 5 play no part in any choice. The last row is learnt from these two themselves: what models of this form
+can do at all, next to which the row above shows how much differs from run to run. A second table judges each of runs 1 to 3 by a model of the other two.
 """
 
 import argparse
@@ -44,6 +45,7 @@ def main():
         warnings.simplefilter("ignore")
         logs = {k: imported(folder / f"manual_{k}.csv.gz", Path(into)) for k in (*LEARNT, *JUDGED)}
         show([logs[k] for k in LEARNT], [logs[k] for k in JUDGED], options.networks)
+        show_left_out([logs[k] for k in LEARNT])
 
 
 def imported(path, into):
@@ -64,10 +66,10 @@ def show(learnt, judged, networks):
     print("| model | coefficients | after 10 s | after 30 s | seconds of fit |\n|---|---|---|---|---|")
 
     def row(name, sizes, seconds, run):
-        cells = []
-        for length in SECONDS:
-            errors = np.concatenate([ends(run, log, round(length / RASTER)) for log in judged]) / scale
-            cells.append(" / ".join(f"{100.0 * value:.1f}" for value in errors.mean(axis=0)))
+        cells = [
+            in_percent(np.concatenate([ends(run, log, round(length / RASTER)) for log in judged]).mean(axis=0) / scale)
+            for length in SECONDS
+        ]
         print(f"| {name} | {' / '.join(map(str, sizes))} | {' | '.join(cells)} | {seconds:.0f} |", flush=True)
 
     row("last value held", [0] * 4, 0.0, lambda signals, a, b: signals[a - 1, 4:])
@@ -79,17 +81,39 @@ def show(learnt, judged, networks):
             seconds,
             lambda s, a, b, c=coef: run_arx(c, s, a, b),
         )
-    fits = {"joint models (`fit_joints`)": fit_joints}
+    fits = [("joint models (`fit_joints`)", fit_joints, learnt)]
     if networks:
-        fits["`fit_dynamic`, all chosen"] = fit_dynamic
-    for name, fit in fits.items():
-        found, seconds = timed(lambda fit=fit: fit(learnt, COMMANDS, JOINTS))
-        loop = prepare_loop(found.models, [*COMMANDS, *JOINTS])
-        row(name, [model.n_coefficients for model in found.models], seconds,
-            lambda s, a, b, loop=loop: run_windows(loop, s[:b], [(a, b)])[b - 1])  # fmt: skip
-        if fit is fit_joints:
-            for one in found.models:
-                print(f"\n{one.output.name}: {one.training['response']}", flush=True)
+        fits.append(("`fit_dynamic`, all chosen", fit_dynamic, learnt))
+    fits.append(("`fit_joints`, learnt from the runs that judge", fit_joints, judged))
+    for name, fit, logs in fits:
+        found, seconds = timed(lambda fit=fit, logs=logs: fit(logs, COMMANDS, JOINTS))
+        row(name, [model.n_coefficients for model in found.models], seconds, free_run_of(found.models))
+        if logs is learnt and fit is fit_joints:
+            said = [f"\n{one.output.name}: {one.training['response']}" for one in found.models]
+    print("\n".join(said), flush=True)
+
+
+def show_left_out(logs):
+    """Errors of each log by a model of the others, as the mean over logs."""
+    scale = np.ptp(np.vstack([log.matrix(JOINTS) for log in logs]), axis=0)
+    errors = {length: [] for length in SECONDS}
+    for log in logs:
+        run = free_run_of(fit_joints([other for other in logs if other is not log], COMMANDS, JOINTS).models)
+        for length, found in errors.items():
+            found.append(ends(run, log, round(length / RASTER)).mean(axis=0) / scale)
+    print("\n### Runs 1 to 3, each by a model of the other two, mean over runs\n")
+    print("| model | after 10 s | after 30 s |\n|---|---|---|")
+    print(f"| `fit_joints` | {' | '.join(in_percent(np.mean(found, axis=0)) for found in errors.values())} |")
+
+
+def in_percent(shares):
+    return " / ".join(f"{100.0 * share:.1f}" for share in shares)
+
+
+def free_run_of(models):
+    """Runs from row `a` to row `b`: signals at its end."""
+    loop = prepare_loop(models, [*COMMANDS, *JOINTS])
+    return lambda signals, a, b: run_windows(loop, signals[:b], [(a, b)])[b - 1]
 
 
 def ends(run, log, horizon):

@@ -226,7 +226,8 @@ def _response(
 ) -> tuple[np.ndarray, float, float, tuple[tuple[float, float], ...]]:
     """Weights, play, rest and edges from the unknowns.
 
-    These are dead time, logarithm of the lag, play as a share of all that the command does, and for each side its edge and the logarithm of its width, as shares.
+    These are dead time, logarithm of the lag, play as a share of all that the command does, and for each side its edge and the logarithm
+    of its width, as shares.
     """
     dead_time, lag = float(unknowns[0]), float(np.exp(unknowns[1]))
     rows = np.arange(longest_lag + 1)
