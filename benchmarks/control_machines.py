@@ -15,18 +15,18 @@ from polydraulic import load_machine
 from polydraulic.control import CoordinatedControl, SensorErrors, joints_at, run_controlled, straight_line
 from show import table
 
-# machine: reach, height and pitch at the beginning (None: where positions say), positions of joints; length in m, slope in rad of the line
+# machine: reach, height and pitch at the beginning (None: where positions say), positions of joints; length in m, slope and turn of the pitch in rad
 PASSES = {
-    "loader_crane": ((6.0, 1.0, -1.57), {}, 3.0, 0.0),
-    "wheel_loader": (None, {"lift.angle": -0.45}, 2.0, 0.5 * np.pi),
-    "cat215b_crossover": ((7.2, -1.6, -1.6), {}, 4.0, -0.3),
+    "loader_crane": ((6.0, 1.0, -1.57), {}, 3.0, 0.0, 0.0),
+    "wheel_loader": (None, {"lift.angle": -0.45}, 2.0, 0.5 * np.pi, 0.0),
+    "cat215b_crossover": ((7.2, -1.6, -1.6), {}, 4.0, -0.3, -0.9),
 }
 
 
 def passed(name, seeds):
     """Runs of the machine's own controller, one for each seed of the noise."""
     machine = load_machine(name)
-    place, start, length, slope = PASSES[name]
+    place, start, length, slope, turn = PASSES[name]
     if place is not None:
         joints = joints_at(machine, place[0], place[1], pitch=place[2])
         start = {f"{f}.{kind(machine, f)}": at for f, at in joints.items()}
@@ -34,7 +34,7 @@ def passed(name, seeds):
         run_controlled(
             machine,
             CoordinatedControl(machine, settings=SETTINGS),
-            lambda tip: straight_line(tip, length=length, speed=0.3, slope=slope, ramp=1.0),
+            lambda tip: straight_line(tip, length=length, speed=0.3, slope=slope, turn=turn, ramp=1.0),
             errors=SensorErrors(NOISE, PRESSURE, DELAY, seed),
             start=start,
             limit=60.0,
@@ -50,7 +50,7 @@ def kind(machine, function):
 
 def row(name, runs):
     """Errors in cm, seconds, and how far the tip has come in m."""
-    _, _, length, slope = PASSES[name]
+    _, _, length, slope, turn = PASSES[name]
     away = [np.stack([run[f"tip.{c}"] - run[f"target.{c}"] for c in ("reach", "height")]) for run in runs]
     height_alone = name == "wheel_loader"
     apart = np.concatenate([np.abs(a[1]) if height_alone else np.hypot(*a) for a in away])
@@ -62,7 +62,8 @@ def row(name, runs):
     rms = [100.0 * float(np.sqrt(np.mean(np.square(values)))) for values in (apart, across)]
     seconds = max(float(run["time"][-1] - run["time"][0]) for run in runs)
     found = [
-        f"{name}, {length:g} m" + (" up, height alone" if height_alone else ""),
+        f"{name}, {length:g} m"
+        + (" up, height alone" if height_alone else f", bucket turned by {np.degrees(turn):.0f} deg" if turn else ""),
         f"{rms[0]:.2f}",
         f"{100.0 * apart.max():.2f}",
         "-" if height_alone else f"{rms[1]:.2f}",

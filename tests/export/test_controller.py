@@ -79,7 +79,7 @@ def test_a_closed_run_has_the_bits_of_the_package(control, exported):
     noted = Noted(control)
     line = {"start": {"boom.angle": -0.1, "stick.angle": -0.8}, "limit": 3.0}
     with pytest.warns(UserWarning, match="when the limit of 3 s came"):
-        run_controlled("cat215b", noted, lambda tip: straight_line(tip, length=3.0, speed=1.2), **line)
+        run_controlled("cat215b", noted, lambda tip: straight_line(tip, length=2.8, speed=1.2), **line)
     assert min(share for *_, share in noted.calls) < 0.9  # flow runs short
     exported.begin()
     for measured, wanted, volts, share in noted.calls:

@@ -1,6 +1,7 @@
 from .arm import joints_at
 from .coordinated import ControlSettings, CoordinatedControl
 from .lever_patterns import LeverPattern, lever_pattern
+from .planning import check_path
 from .references import TipPath, pick_and_place, straight_line, tip_path
 from .runs import SensorErrors, run_controlled
 
@@ -10,6 +11,7 @@ __all__ = [
     "LeverPattern",
     "SensorErrors",
     "TipPath",
+    "check_path",
     "joints_at",
     "lever_pattern",
     "pick_and_place",

@@ -103,9 +103,10 @@ def straight_line(
     speed: float = 0.3,
     slope: float = 0.0,
     depth: float = 0.0,
+    turn: float = 0.0,
     ramp: float = 0.6,
 ) -> TipPath:
-    """A grading pass towards the machine: down to a depth, then along a straight line, with the attachment's angle held.
+    """A grading pass towards the machine: down to a depth, then along a straight line, with the attachment's angle held, or turned evenly.
 
     Parameters
     ----------
@@ -119,11 +120,13 @@ def straight_line(
         Of the line, positive where it rises towards the machine.
     depth : float, m
         By which the tip is lowered before.
+    turn : float, rad
+        By which the attachment's angle to the ground changes along the line.
     ramp : float, s
     """
     first = np.asarray(start, dtype=np.float64)
     down = first - np.array([0.0, depth, 0.0, 0.0])
-    last = down + np.array([-length * cos(slope), length * sin(slope), 0.0, 0.0])
+    last = down + np.array([-length * cos(slope), length * sin(slope), 0.0, turn])
     return tip_path(np.stack([first, down, last] if depth else [down, last]), speed=speed, ramp=ramp)
 
 

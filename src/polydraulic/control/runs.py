@@ -9,6 +9,7 @@ import numpy as np
 
 from polydraulic.control.arm import arm_pose, planar_arm
 from polydraulic.control.coordinated import measured_columns
+from polydraulic.control.planning import check_path
 from polydraulic.control.references import TipPath
 from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel
@@ -105,7 +106,8 @@ def run_controlled(
     Raises
     ------
     InputError
-        A controller whose period is no multiple of the time step, or what `Simulator` refuses.
+        A controller whose period is no multiple of the time step, a path that the machine cannot follow between its stops (`check_path`), or
+        what `Simulator` refuses.
     """
     every = round(controller.dt / dt)
     if every < 1 or abs(every * dt - controller.dt) > 1e-9:
@@ -120,6 +122,7 @@ def run_controlled(
         spread = np.repeat([errors.angle, errors.pressure, errors.pressure], len(found.names))
         tip_of = _tip(found)
         reference = path(tip_of(moved.values[seen]))
+        check_path(found, reference, moved.values[seen[: len(found.names)]])
         controller.reset()
         clock, stuck, before = 0.0, 0.0, reference.points[0]
         waiting = [moved.values[seen] + spread * rng.standard_normal(len(seen)) for _ in range(late + 1)]
