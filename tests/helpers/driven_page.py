@@ -27,9 +27,9 @@ arguments[0].dispatchEvent(new PointerEvent(arguments[1], {pointerId: 7, pointer
 
 
 @contextmanager
-def served_cockpit(machine, folder):
+def served_cockpit(machine, folder, *options):
     """Start `polydraulic cockpit`; gives its URL, and ends it by Ctrl-C's signal."""
-    command = ["cockpit", "--machine", machine, "--no-browser", "--port", "0", "--record", str(folder)]
+    command = ["cockpit", "--machine", machine, "--no-browser", "--port", "0", "--record", str(folder), *options]
     process = subprocess.Popen(
         [sys.executable, "-m", "polydraulic", *command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
