@@ -62,9 +62,9 @@ def to_text(model: Model) -> str:
     """
     lines = [f"y = {model.output} from {', '.join(map(str, model.inputs))}"]
     lines.append("Inputs outside the domain are moved to its border.")
-    for k, network in enumerate(model.networks):
+    for network, box in zip(model.networks, model.region_boxes(), strict=True):
         limits = zip(model.inputs, network.x_low, network.x_high, strict=True)
-        lines += ["", f"{_where(model, k)}:"] if len(model.networks) > 1 else [""]
+        lines += ["", f"{_where(model.inputs, box.tolist())}:"] if len(model.networks) > 1 else [""]
         lines += [f"domain of {v.name}: {low:.6g} to {high:.6g} {v.unit}".rstrip() for v, low, high in limits]
         lines += describe(network, model.inputs)
         if bounded(network):
@@ -107,13 +107,13 @@ def to_sympy(model: Model, *, clamp: bool = False, expanded: bool = False) -> "s
     cases, number = [], partial(sympy.Float, dps=_DIGITS)
     bent = {SIGMOID: lambda h: 1 / (1 + sympy.exp(-h)), RAMP: lambda h: _clamped(sympy, h, 0.0, 1.0)}
     with distribute(False):  # a gain multiplied into (x - mean) would cost digits
-        for k, network in enumerate(model.networks):
+        for network, box in zip(model.networks, model.region_boxes(), strict=True):
             limits = zip(symbols, network.x_low, network.x_high, strict=True)
             x = [_clamped(sympy, *limit) for limit in limits] if clamp else symbols
             y = _expanded(sympy, network, x) if expanded else _value(network, x, number, bent)
             if clamp and bounded(network):
                 y = _clamped(sympy, y, network.y_low, network.y_high)
-            cases.append((y, _condition(sympy, model, k, symbols)))
+            cases.append((y, _condition(sympy, box.tolist(), symbols)))
         return sympy.Piecewise(*cases[:-1], (cases[-1][0], True))
 
 
@@ -144,9 +144,9 @@ def to_latex(model: Model, *, digits: int = 6) -> str:
     if len(blocks) == 1:
         return f"{blocks[0]}\n"
     rows = []
-    for k, block in enumerate(blocks):
-        box = model.region_boxes()[k].tolist()
-        limits = [_latex_interval(name, low, high, digits) for name, (low, high) in zip(names[:-1], box, strict=True)]
+    for block, box in zip(blocks, model.region_boxes(), strict=True):
+        ends = zip(names[:-1], box.tolist(), strict=True)
+        limits = [_latex_interval(name, low, high, digits) for name, (low, high) in ends]
         rows.append(f"{block} & {', '.join(filter(None, limits))}")
     inner = " \\\\[2ex]\n".join(rows)
     return f"{names[-1]} = \\begin{{cases}}\n{inner}\n\\end{{cases}}\n"
@@ -190,11 +190,11 @@ def to_python(model: Model, name: str) -> str:
     ]
     kinds = {node.kind for network in model.networks for node in network.nodes}
     lines += [*(_PYTHON_SIGMOID if SIGMOID in kinds else []), *(_PYTHON_RAMP if RAMP in kinds else [])]
-    for k, network in enumerate(model.networks):
+    for k, (network, box) in enumerate(zip(model.networks, model.region_boxes(), strict=True)):
         last = k == len(model.networks) - 1
         if len(model.networks) > 1:
-            lines.append(f"    # {one_line(_where(model, k))}")
-        lines += [] if last else [f"    if {_python_condition(model, k)}:"]
+            lines.append(f"    # {one_line(_where(model.inputs, box.tolist()))}")
+        lines += [] if last else [f"    if {_python_condition(box.tolist())}:"]
         lines += [("    " if last else "        ") + line for line in _python_body(network)]
     return re.sub(r"[ ]+\n", "\n", "\n".join(lines)) + "\n"
 
@@ -227,9 +227,9 @@ def _clamped(sympy: Any, value: Any, low: float, high: float) -> Any:
     return sympy.Min(raised, sympy.Float(high, _DIGITS), evaluate=False)
 
 
-def _condition(sympy: Any, model: Model, k: int, symbols: Sequence[Any]) -> Any:
+def _condition(sympy: Any, box: list[list[float]], symbols: Sequence[Any]) -> Any:
     parts = []
-    for symbol, (low, high) in zip(symbols, model.region_boxes()[k].tolist(), strict=True):
+    for symbol, (low, high) in zip(symbols, box, strict=True):
         parts += [symbol > sympy.Float(low, _DIGITS)] if low > -inf else []
         parts += [symbol <= sympy.Float(high, _DIGITS)] if high < inf else []
     return sympy.And(*parts)
@@ -274,10 +274,10 @@ def _expanded(sympy: Any, network: Network, x: Sequence[Any]) -> Any:
     )
 
 
-def _where(model: Model, k: int) -> str:
-    """Region `k` in words: ``where 0 < x <= 1 and p > 2``."""
+def _where(inputs: Sequence[Variable], box: list[list[float]]) -> str:
+    """A region in words: ``where 0 < x <= 1 and p > 2``."""
     parts = []
-    for variable, (low, high) in zip(model.inputs, model.region_boxes()[k], strict=True):
+    for variable, (low, high) in zip(inputs, box, strict=True):
         if low > -inf and high < inf:
             parts.append(f"{low:g} < {variable.name} <= {high:g}")
         elif low > -inf:
@@ -287,9 +287,9 @@ def _where(model: Model, k: int) -> str:
     return f"where {' and '.join(parts)}" if parts else "everywhere"
 
 
-def _python_condition(model: Model, k: int) -> str:
+def _python_condition(box: list[list[float]]) -> str:
     parts = []
-    for i, (low, high) in enumerate(model.region_boxes()[k].tolist()):
+    for i, (low, high) in enumerate(box):
         if low > -inf or high < inf:
             left = f"{literal(low)} < " if low > -inf else ""
             right = f" <= {literal(high)}" if high < inf else ""

@@ -37,7 +37,6 @@ def literal(value: float, real: Real = DOUBLE) -> str:
         text = str(np.float32(single))
     else:
         text = repr(float(value))
-    text = text if any(mark in text for mark in ".en") else f"{text}.0"
     return f"({text}{real.suffix})" if value < 0.0 else f"{text}{real.suffix}"
 
 
