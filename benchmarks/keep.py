@@ -40,6 +40,11 @@ def machine():
     return f"{names[0] if names else platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
+def shown(argument):
+    """An argument as it is kept: of a path, which is that of one computer alone, its last part."""
+    return Path(argument).name if Path(argument).is_absolute() else argument
+
+
 def main():
     name, *arguments = sys.argv[1:]
     began = datetime.now(UTC)
@@ -54,7 +59,7 @@ def main():
         sys.exit(process.returncode)
     RESULTS.mkdir(exist_ok=True)
     found = {
-        "command": " ".join(["python", f"benchmarks/{name}.py", *arguments]),
+        "command": " ".join(["python", f"benchmarks/{name}.py", *map(shown, arguments)]),
         "date": began.date().isoformat(),
         "commit": commit(),
         "machine": machine(),
