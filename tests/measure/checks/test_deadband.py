@@ -49,6 +49,12 @@ def test_no_deadband_is_found_where_there_is_none(seed):
     assert "no significant deadband" in found.statement()
 
 
+def test_a_log_with_thousands_of_rows_in_the_longest_delay():
+    found = deadband(made(0, n=24_000), "u", "y", 1e-4)
+    assert found.low == pytest.approx(LOW, abs=0.04)
+    assert found.high == pytest.approx(HIGH, abs=0.04)
+
+
 def test_the_input_that_explains_an_output_is_chosen():
     table = made(0)
     other = np.random.default_rng(9).normal(size=len(table))

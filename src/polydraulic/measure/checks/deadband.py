@@ -25,7 +25,7 @@ _GRID, _BINS, _BLOCKS, _DRAWS = 31, 40, 40, 200
 _LONGEST_DELAY, _LAGS = 0.4, (0.0, 0.03, 0.06, 0.1, 0.15, 0.25, 0.4)  # s
 _NEAR = (0.6, 0.35)  # share of each active region that the second and third fit look at
 _ROWS = 200_000
-_PIECE, _PIECES = 4000, 12  # rows, of a long log, that its timing is found from
+_PIECE, _PIECES = 4000, 12  # rows at least, and how many times, of a long log, that its timing is found from
 
 
 class Deadband(NamedTuple):
@@ -210,9 +210,10 @@ def _skipped(raster: float) -> int:
     return int(_LONGEST_DELAY / raster) + 1
 
 
-def _some(parts: list[np.ndarray]) -> list[np.ndarray]:
+def _some(parts: list[np.ndarray], raster: float) -> list[np.ndarray]:
     """A part of a long log, from all over it: enough for the timing."""
-    pieces = [part[at : at + _PIECE] for part in parts for at in range(0, max(1, len(part) - _PIECE // 2), _PIECE)]
+    long = max(_PIECE, 4 * _skipped(raster))
+    pieces = [part[at : at + long] for part in parts for at in range(0, max(1, len(part) - long // 2), long)]
     return pieces[:: max(1, len(pieces) // _PIECES)]
 
 
@@ -220,10 +221,10 @@ def _timings(
     u_parts: list[np.ndarray], y_parts: list[list[np.ndarray]], raster: float
 ) -> list[tuple[float, float, float]]:
     """Of each output: delay and lag with which bins of the input explain it best, and the share of variance that they explain."""
-    u_parts, n_output = _some(u_parts), len(y_parts)
+    u_parts, n_output = _some(u_parts, raster), len(y_parts)
     # the start of each part, where delayed inputs are not known, counts nothing
     counts = np.concatenate([np.arange(len(u)) >= _skipped(raster) for u in u_parts]).astype(float)
-    outputs = [np.concatenate(_some(parts)) for parts in y_parts]
+    outputs = [np.concatenate(_some(parts, raster)) for parts in y_parts]
     n_row = float(counts.sum())
     outputs = [counts * (y - float((counts * y).sum()) / n_row) for y in outputs]
     spreads = [float((y * y).sum()) / n_row for y in outputs]
