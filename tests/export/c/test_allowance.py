@@ -13,7 +13,7 @@ from helpers.exact import exact_output
 from helpers.exports import NAMES, drawn_nodes
 from helpers.float_c import float_c, ways
 from polydraulic.errors import InputError
-from polydraulic.export import bundle, to_c
+from polydraulic.export import bundle, export_c, to_c
 from polydraulic.export.c import allowance
 from polydraulic.export.c.allowance import allowance_lines, model_allowance
 from polydraulic.flow.polynomial import shipped_models
@@ -243,6 +243,28 @@ def test_what_is_not_proved_is_said(exported_models, monkeypatch):
     (line,) = allowance_lines(exported_models["single"])
     assert line == "y: no proved allowance in float: 20000 boxes did not do"
     assert line in to_c(bundle(exported_models["single"]), real="float")[0]
+
+
+def test_a_proof_takes_so_many_boxes_and_tells_of_which_output(exported_models, monkeypatch, tmp_path):
+    spent = []
+
+    def counted(*arguments):
+        found = search(*arguments)
+        spent.append(found[1])
+        return found
+
+    search = allowance.search
+    monkeypatch.setattr(allowance, "search", counted)
+    monkeypatch.setattr(allowance, "_CLOSE", 0.0)  # never close enough
+    monkeypatch.setattr(allowance, "_BOXES", (20, 100))
+    monkeypatch.setattr(allowance, "_ALL_BOXES", 150)
+    (model,) = exported_models["regions"]
+    found = allowance._allowance.__wrapped__(model.networks, model.partition)
+    assert len(model.networks) + 20 < sum(spent) <= len(model.networks) + 150
+    assert found.error > 0.0
+    told = []
+    export_c([model], tmp_path, real="float", progress=lambda *step: told.append(step))
+    assert told == [(f"{model.output.name}: how far float can be off, 150 boxes at most", 0, 1)]
 
 
 def test_numbers_that_are_shown_are_rounded_outward(exported_models):
