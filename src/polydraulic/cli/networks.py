@@ -224,7 +224,7 @@ def export(
     - C99, outputs with exact slopes: `polydraulic export q_in.json --to c --out c`
 
     - For a controller without double precision: `polydraulic export q_in.json --to c --real float --out c`; how far it can be from
-    double precision at most is proved, and stands in the header.
+    double precision at most is proved, and stands in the header; that may take half a minute an output.
 
     What comes next: `polydraulic verify` compares all of these with the package.
     """
