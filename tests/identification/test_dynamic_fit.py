@@ -120,7 +120,7 @@ def test_another_choice_than_the_one_that_was_judged_is_said(fits):
     assert statements(same)[-1].endswith("coefficients, of increments, fitted one step ahead")
     model.training["choice"] = model.training["choice"] | {"horizon": 8}
     assert (
-        "these errors are of the choice without the rows held out: lags of inputs [1], of outputs [1, 2], "
+        "these errors are of the choice without the rows held out: lags of inputs 1, of outputs 1, 2, "
         "of increments, fitted one step ahead; all rows led to another" in statements(same)
     )
 

@@ -3,7 +3,9 @@ from matplotlib.figure import Figure
 
 from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.networks import Variable
-from polydraulic.networks.plot import draw_history, draw_network, draw_regions
+from polydraulic.networks.model.nodes import LINEAR, RAMP
+from polydraulic.networks.model.table import Network, Node
+from polydraulic.networks.plot import draw_history, draw_network, draw_regions, layers_of
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 
@@ -16,6 +18,17 @@ def test_a_drawing_shows_every_node():
     assert len(texts) == 2 + len(model.network_.nodes) + 1
     assert texts[0] == "N1\np"
     assert texts[-1] == "U\nflow"
+
+
+def test_a_node_stands_one_layer_behind_what_it_reads():
+    chain = (Node(RAMP, (0,), (0.0, 1.0)), Node(RAMP, (1, 2), (0.0, 1.0, 1.0)), Node(LINEAR, (0, 3), (1.0, 1.0)))
+    assert layers_of(Network(chain, (0.0,) * 2, (1.0,) * 2, (-1.0,) * 2, (1.0,) * 2, 0.0, 1.0, -9.0, 9.0)) == [
+        0,
+        0,
+        1,
+        2,
+        3,
+    ]
 
 
 def test_the_history_shows_every_layer():

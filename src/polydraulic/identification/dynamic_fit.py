@@ -25,7 +25,7 @@ from polydraulic.networks.dynamic.spans import Span, blocks_of, rows_of, spans_o
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.hold_out import BLOCKS, blocks_of_parts, held_blocks
 from polydraulic.networks.intervals import half_width
-from polydraulic.networks.model.lag_words import lags_in_words
+from polydraulic.networks.model.lag_words import lags_in_words, rows_in_words
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.nodes import LINEAR as LINEAR_NODE
 from polydraulic.networks.model.shown_model import shown_model
@@ -290,6 +290,8 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     seconds = "" if raster is None else f" ({fit.held.longest * raster:.3g} s)"
     runs = f"{fit.held.n_run} free runs" if fit.held.n_run > 1 else "a free run"
     found = [f"{runs} of up to {fit.held.longest} rows{seconds} that were held out"]
+    response: Any = model.training.get("response")
+    found += [response_in_words(response)] if response else []
     if np.isfinite(fit.half_width):
         few = ": the blocks differ too much to rely on them" if fit.covered < LEVEL - _FEWER else ""
         found.append(
@@ -307,12 +309,12 @@ def remarks(fit: DynamicOutputFit) -> list[str]:
     chosen: Any = model.training["choice"]
     judged: Any = model.training["choice_held_out"]
     if chosen != judged:
-        lags = f"lags of inputs {judged['input_lags']}, of outputs {judged['output_lags']}"
+        lags = (
+            f"lags of inputs {rows_in_words(judged['input_lags'])}, of outputs {rows_in_words(judged['output_lags'])}"
+        )
         found.append(
             f"these errors are of the choice without the rows held out: {lags}, {_how(judged)}; all rows led to another"
         )
-    response: Any = model.training.get("response")
-    found += [response_in_words(response)] if response else []
     return [*found, f"reads {lags_in_words(dynamics_of(model))}; {model.n_coefficients} coefficients, {_how(chosen)}"]
 
 

@@ -21,7 +21,7 @@ from polydraulic.identification.run_plot import plot_separately
 from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.shown_model import region_names, shown_model
-from polydraulic.networks.plot import draw_network
+from polydraulic.networks.plot import draw_network, layers_of
 from polydraulic.networks.proof.bounds import model_bounds
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
@@ -32,6 +32,7 @@ SCHEMA = 1
 _SHOWN = 12  # regions whose network is drawn and written out
 _BINS = 20  # of the coverage map
 _EFFORT = 200  # sub-boxes a region, of the proofs
+_PER_LAYER = 0.75  # inches of a drawing, that its boxes stand side by side
 
 
 def card_ending(path: str | Path) -> Path:
@@ -349,7 +350,8 @@ def _networks(model: Model, drawn: int) -> Any:
     from matplotlib.figure import Figure
 
     height = max(2.0, 0.36 * len(model.inputs))
-    figure = Figure(figsize=(8.0, height * drawn), layout="constrained")
+    width = max(8.0, _PER_LAYER * (2 + max(max(layers_of(network)) for network in model.networks[:drawn])))
+    figure = Figure(figsize=(width, height * drawn), layout="constrained")
     axes = figure.subplots(drawn, 1, squeeze=False)
     for axis, network, name in zip(axes[:, 0], model.networks, region_names(model), strict=False):
         draw_network(axis, network, model.inputs, model.output)

@@ -28,9 +28,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
         Of the network's model.
     output : Variable
     """
-    layer = [0] * network.n_inputs
-    for node in network.nodes:
-        layer.append(1 + max(layer[slot] for slot in node.inputs))
+    layer = layers_of(network)
     last = max(layer) + 1
     place: dict[int, tuple[float, float]] = {}
     for column in range(last):
@@ -64,6 +62,14 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
     axis.set_xlim(-0.6, last + 0.6)
     axis.set_ylim(min(heights) - 0.8, max(heights) + 0.8)
     axis.set_axis_off()
+
+
+def layers_of(network: Network) -> list[int]:
+    """In which layer each input and node stands: 0 for inputs, and for a node one behind the last of those that it reads."""
+    layer = [0] * network.n_inputs
+    for node in network.nodes:
+        layer.append(1 + max(layer[slot] for slot in node.inputs))
+    return layer
 
 
 def _shares(node: Node) -> list[float]:

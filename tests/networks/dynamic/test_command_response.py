@@ -64,6 +64,8 @@ def test_a_response_is_told_in_units_of_the_log(found):
     assert facts["dead_time"] == pytest.approx(0.05 * found[0].dead_time)
     words = response_in_words(facts)
     assert words.startswith("lever.a moves it beyond 0.")
+    bare = response_in_words(facts | {"unit": "1"})
+    assert bare == words.replace(" V", "")
     assert words.endswith("s; it was driven against its lower and its upper stop")
 
 

@@ -151,7 +151,7 @@ def response_facts(response: Response, command: str, unit: str, raster: float) -
 
 def response_in_words(facts: Mapping[str, Any]) -> str:
     """The same in words."""
-    unit = f" {facts['unit']}" if facts["unit"] else ""
+    unit = f" {facts['unit']}" if facts["unit"] not in ("", "1") else ""
     sides = " and ".join(f"beyond {first:.4g}, fully at {full:.4g}{unit}" for first, full in facts["edges"])
     stops = [end for end, met in zip(("lower", "upper"), facts["stops"], strict=True) if met]
     met = f"driven against its {' and its '.join(stops)} stop" if stops else "never driven against a stop"

@@ -12,7 +12,7 @@ def lags_in_words(dynamics: Dynamics) -> str:
     steps: dict[str, list[int]] = {}
     for lag in dynamics.lags:
         steps.setdefault(lag.signal, []).append(lag.steps)
-    return "; ".join(f"{name} {_counted(sorted(some))}" for name, some in steps.items()) + " rows ago"
+    return "; ".join(f"{name} {rows_in_words(sorted(some))}" for name, some in steps.items()) + " rows ago"
 
 
 def dynamic_notes(models: Sequence[Model]) -> list[str]:
@@ -32,7 +32,7 @@ def dynamic_notes(models: Sequence[Model]) -> list[str]:
     ]
 
 
-def _counted(steps: list[int]) -> str:
+def rows_in_words(steps: Sequence[int]) -> str:
     """Numbers in words: 1 to 4 where none is missing."""
     if len(steps) > 2 and all(b - a == 1 for a, b in pairwise(steps)):
         return f"{steps[0]} to {steps[-1]}"
