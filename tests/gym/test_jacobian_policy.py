@@ -40,7 +40,7 @@ def test_a_loader_reaches_by_its_jacobian_and_not_by_chance():
     assert knowing[0].mean() > chance[0].mean() + 2.0
 
 
-@pytest.mark.slow  # each machine is compiled, and once more with a force at its tip
+@pytest.mark.slow  # each machine is compiled, and once more with a payload
 @pytest.mark.parametrize("machine", machine_names())
 @pytest.mark.parametrize("task", TASKS)
 def test_every_task_can_be_done_with_every_machine(task, machine):

@@ -15,7 +15,7 @@ from polydraulic.gym import MachineEnv
 from polydraulic.gym.arguments import STEPS, TASKS
 from polydraulic.parameters.load import machine_names
 
-WEIGHED = pytest.param("PickPlace", marks=pytest.mark.slow)  # with a force at the tip, a text of its own to compile
+WEIGHED = pytest.param("PickPlace", marks=pytest.mark.slow)  # with a payload, a text of its own to compile
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_gymnasium_has_nothing_to_say(task):
     env.close()
 
 
-@pytest.mark.slow  # each machine is compiled, and once more with a force at its tip
+@pytest.mark.slow  # each machine is compiled, and once more with a payload
 @pytest.mark.parametrize("machine", machine_names())
 @pytest.mark.parametrize("task", TASKS)
 def test_every_machine_has_every_task(task, machine):

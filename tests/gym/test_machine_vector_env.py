@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from polydraulic import InputError
-from polydraulic.gym import MachineVectorEnv
+from polydraulic import InputError, Simulator
+from polydraulic.gym import MachineEnv, MachineVectorEnv
 
 WEIGHED = pytest.param(
     "PickPlace", AutoresetMode.SAME_STEP, marks=pytest.mark.slow
-)  # with a force at the tip, a text of its own to compile
+)  # with a payload, a text of its own to compile
 N = 3
 
 
@@ -188,3 +188,28 @@ def test_pictures_of_all():
     assert (one != other).any()
     env.close()
     env.close()
+
+
+@pytest.mark.slow
+def test_a_load_that_is_fetched_hangs_at_the_tip_with_its_inertia():
+    """Side by side, one by one, and as a simulator with that payload moves."""
+    side = MachineVectorEnv("PickPlace", 2, "wheel_loader", autoreset_mode="Disabled", load=900.0)
+    single = MachineEnv("PickPlace", "wheel_loader", load=900.0)
+    single.reset(seed=4)
+    tip = [float(single.simulator[f"effector.{axis}"]) for axis in "xyz"]
+    start = single.simulator.state.copy()
+    single.reset(seed=4, options={"pick": tip})
+    side.reset(seed=[4, 9], options={"pick": tip})
+    lever = np.array([-0.8, 0.3])
+    with Simulator("wheel_loader", load={"payload": 0.0}) as plain:
+        plain.reset(start)
+        for k, mass in enumerate((0.0, *[900.0] * 8)):
+            seen, *_, told = single.step(0.0 * lever if k == 0 else lever)
+            both_seen, *_, both_told = side.step(np.tile(0.0 * lever if k == 0 else lever, (2, 1)))
+            assert told["loaded"]
+            assert both_told["loaded"][0]
+            assert np.array_equal(seen, both_seen[0])
+            volts = 0.0 * lever if k == 0 else np.clip(lever, -1.0, 1.0) * single.workspace.lever
+            plain.step(volts, 10, load={"payload": mass})
+            assert plain["lift.angle"] == single.simulator["lift.angle"] == side.simulator["lift.angle"][0]
+    assert not both_told["loaded"][1]

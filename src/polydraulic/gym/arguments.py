@@ -91,7 +91,7 @@ def arguments_of(
         of = grade_task() if task == "Grade" else reach_task()
     if "payload" in ranges:
         found = varied_machine(found, {"payload": np.zeros(1)})
-    return Arguments(of, found, dt, steps, ranges, depth, {"z": 0.0} if of.weighs else None)
+    return Arguments(of, found, dt, steps, ranges, depth, {"payload": 0.0} if of.carries else None)
 
 
 def _within(value: Any, low: float, high: float) -> bool:

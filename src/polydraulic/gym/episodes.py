@@ -123,6 +123,6 @@ class Episodes:
         """Where the tips should be, (n, 3) m."""
         return np.array(self._task.aim(self._state).T)
 
-    def weight(self) -> np.ndarray | None:
-        """What hangs at the tips, (n,) N, or None where nothing ever does."""
-        return None if self._task.weight is None else self._task.weight(self._state)
+    def carried(self) -> np.ndarray | None:
+        """What hangs at the tips, (n,) kg, or None where nothing ever does."""
+        return None if self._task.carried is None else self._task.carried(self._state)

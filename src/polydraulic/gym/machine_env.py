@@ -43,7 +43,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     depth : float, m, optional
         Grade: height of the line; drawn if not given.
     load : float, kg, optional
-        PickPlace: half the mass of the link with the tip if not given. Its weight acts, its inertia does not.
+        PickPlace: half the mass of the link with the tip if not given. It hangs there as a point mass, with its weight and its inertia.
     render_mode : str, optional
         ``"rgb_array"``.
 
@@ -88,7 +88,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         limits = limits_seen(self.numbers)
         self.observation_space = gymnasium.spaces.Box(-limits, limits, dtype=np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(given.machine.names),), np.float32)
-        self._weight, self._begun = 0.0, False
+        self._carried, self._begun = 0.0, False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -164,7 +164,7 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.simulator.close()
 
     def _start(self, begun: Begun) -> None:
-        given, self._weight, self._begun = self._given, 0.0, True
+        given, self._carried, self._begun = self._given, 0.0, True
         if given.ranges:
             own = {name: values[:, 0] for name, values in begun.parameters.items()}
             self.simulator.close()
@@ -173,11 +173,11 @@ class MachineEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def _hung(self) -> dict[str, float] | None:
         """What hangs at the tip, if it has changed."""
-        weight = self._episodes.weight()
-        if weight is None or weight[0] == self._weight:
+        carried = self._episodes.carried()
+        if carried is None or carried[0] == self._carried:
             return None
-        self._weight = float(weight[0])
-        return {"z": -self._weight}
+        self._carried = float(carried[0])
+        return {"payload": self._carried}
 
     def _values(self) -> np.ndarray:
         return np.asarray(self.simulator.values[self._places][:, None])

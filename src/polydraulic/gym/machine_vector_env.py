@@ -170,8 +170,8 @@ class MachineVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             )
         if not self._generators:
             raise InputError("no episode has begun; call reset first")
-        weight = self._episodes.weight()
-        hung = None if weight is None else {"z": -weight}
+        carried = self._episodes.carried()
+        hung = None if carried is None else {"payload": carried}
         self.simulator.step(levers * self.workspace.lever, self._given.steps, load=hung)
         judged = self._episodes.step(np.stack(self._outputs), levers.T)
         self._steps += 1

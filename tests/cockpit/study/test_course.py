@@ -88,6 +88,7 @@ def test_a_subject_does_what_the_study_asks_for_and_answers(drivers, tmp_path):
     assert drivers.shown["task"]["block"] == "practice"
     for text, said in (
         ('{"type": "mode", "mode": "joint", "pattern": "iso"}', "the study prescribes the mode"),
+        ('{"type": "guard", "on": true}', "the study prescribes the guard against tipping"),
         ('{"type": "exercise", "name": "trench", "action": "start"}', "the study prescribes exercises"),
         ('{"type": "fault", "name": "lift leaks", "on": true}', "the study prescribes faults"),
     ):

@@ -24,12 +24,12 @@ def test_the_lower_place_comes_first():
 def test_a_load_is_fetched_carried_and_put_down():
     options = {"pick": PICK, "place": PLACE}
     _, state = TASK.begin(WORK, np.zeros((3, 3)), options)
-    assert np.array_equal(TASK.weight(state), np.zeros(3))
+    assert np.array_equal(TASK.carried(state), np.zeros(3))
     judged = judge(state, PICK, PLACE, FAR)  # the second is where the load is to go, and has none yet
     assert judged.told["loaded"].tolist() == [True, False, False]
     assert not judged.over.any()
     assert np.allclose(judged.reward, np.array([DONE, 0.0, 0.0]) - PERIOD * TIME_COST)
-    assert np.allclose(TASK.weight(state), [200.0 * WORK.machine.gravity, 0.0, 0.0])
+    assert np.array_equal(TASK.carried(state), [200.0, 0.0, 0.0])
     assert np.array_equal(TASK.aim(state).T, [PLACE, PICK, PICK])
     judged = judge(state, PICK, PICK, FAR)
     assert judged.told["loaded"].tolist() == [True, True, False]

@@ -26,7 +26,7 @@ def pick_place_task(load: float) -> GymTask:
     def begin(workspace: Workspace, draws: np.ndarray, options: Mapping[str, Any]) -> tuple[np.ndarray, State]:
         return _begin(workspace, draws, options, load)
 
-    return GymTask("PickPlace", 3, SEEN, False, True, ("pick", "place"), begin, _aim, _observe, _judge, _weight)
+    return GymTask("PickPlace", 3, SEEN, False, True, ("pick", "place"), begin, _aim, _observe, _judge, _carried)
 
 
 def _begin(
@@ -37,11 +37,11 @@ def _begin(
     pick = asked_places(workspace, options, "pick", np.where(lower, one, other))
     place = asked_places(workspace, options, "place", np.where(lower, other, one))
     n = draws.shape[1]
-    weight = np.full(n, load * workspace.machine.gravity)
+    mass = np.full(n, load)
     return chosen(draws[0], len(workspace.starts)), {
         "goal": pick.copy(),
         "place": place,
-        "weight": weight,
+        "mass": mass,
         "loaded": np.zeros(n, dtype=bool),
     }
 
@@ -67,5 +67,5 @@ def _judge(state: State, before: Motion, now: Motion, levers: np.ndarray, period
     )
 
 
-def _weight(state: State) -> np.ndarray:
-    return np.asarray(np.where(state["loaded"], state["weight"], 0.0))
+def _carried(state: State) -> np.ndarray:
+    return np.asarray(np.where(state["loaded"], state["mass"], 0.0))

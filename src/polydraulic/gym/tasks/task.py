@@ -51,8 +51,8 @@ class GymTask(NamedTuple):
         Uniform numbers that an episode begins with.
     seen : tuple of Number
         What is seen of it beside the machine.
-    lines, weighs : bool
-        Whether it needs lines to follow, and a force at the tip.
+    lines, carries : bool
+        Whether it needs lines to follow, and a payload at the tip.
     options : tuple of str
         What `reset` may be told.
     begin : function (workspace, draws (n_draw, n), options) -> (which starts (n,), state)
@@ -61,7 +61,7 @@ class GymTask(NamedTuple):
     observe : function (workspace, state, motion) -> list of rows (n,) or (k, n), one number for each of `seen`
     judge : function (state, before, now, levers (n_function, n), period) -> Judged
         Changes the state to that after the step.
-    weight : function (state) -> (n,) array, N, or None
+    carried : function (state) -> (n,) array, kg, or None
         What hangs at the tip.
     """
 
@@ -69,13 +69,13 @@ class GymTask(NamedTuple):
     draws: int
     seen: tuple[Number, ...]
     lines: bool
-    weighs: bool
+    carries: bool
     options: tuple[str, ...]
     begin: Callable[[Workspace, np.ndarray, Mapping[str, Any]], tuple[np.ndarray, State]]
     aim: Callable[[State], np.ndarray]
     observe: Callable[[Workspace, State, Motion], list[np.ndarray]]
     judge: Callable[[State, Motion, Motion, np.ndarray, float], Judged]
-    weight: Callable[[State], np.ndarray] | None = None
+    carried: Callable[[State], np.ndarray] | None = None
 
 
 def chosen(draw: np.ndarray, n: int) -> np.ndarray:
