@@ -29,6 +29,7 @@ def test_what_is_wrong_is_said_and_shown(call, logs, tmp_path):
         ("watch worn.parquet --machine wheel_loader --healthy healthy.parquet --out watch.txt", "ends in .html"),
         ("watch worn.parquet --machine wheel_loader --healthy healthy.parquet --false-alarms 0", "must be above 0"),
         ("watch worn.parquet --machine wheel_loader --healthy healthy.parquet --sensors x.p_a", "called so"),
+        ("watch worn.parquet --machine wheel_loader --healthy healthy.parquet --networks x.pkl", "ends in .json"),
         ("watch worn.parquet --machine cat215b --healthy healthy.parquet", "no column is of a sensor of"),
         ("watch nothing.parquet --machine wheel_loader", "nothing.parquet"),
     ],
