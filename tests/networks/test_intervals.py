@@ -59,3 +59,8 @@ def test_too_few_rows_cannot_state_it():
 def test_a_coverage_is_a_probability(coverage):
     with pytest.raises(InputError, match="must lie between 0 and 1, for example 0.9"):
         half_width(np.arange(5.0), coverage)
+
+
+def test_the_order_of_the_errors_says_nothing():
+    for seed in range(20):
+        assert half_width(np.random.default_rng(seed).permutation(499) + 1.0, 0.9) == 450.0
