@@ -28,7 +28,8 @@ class JointRegressor(FreeRunner):
     """Angles or strokes of joints from their commands, for machines whose hydraulics nobody describes.
 
     From row to row each joint moves by a rate: a polynomial in the openings of its valve to either side, in angles and openings of all joints,
-    and in further inputs. It begins with its own openings alone, and more terms have to earn their place on blocks held out. Every term holds an opening of its own valve, so that a joint whose command is within its dead zone stands still.
+    and in further inputs. It begins with its own openings alone; more terms have to earn their place on blocks held out. Every term holds an
+    opening of its own valve, so that a joint whose command is within its dead zone stands still.
 
     Parameters
     ----------
