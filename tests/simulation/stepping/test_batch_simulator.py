@@ -233,7 +233,18 @@ def test_steps_beyond_the_log_of_each_are_counted(loader):
     assert (
         mixed.beyond_log[2] == simulate(seen[1], "exact", held_scenario(loader, levers[2], DT)).info["steps_beyond_log"]
     )
-    assert simulate_batch(seen[0], "iterative", levers[:1], dt=DT).beyond_log[0] > 0
+
+
+@pytest.mark.slow_to_compile
+def test_batches_without_lanes_count_steps_beyond_the_log(loader):
+    lift, *others = loader.functions
+    seen = loader._replace(functions=(lift._replace(seen=Seen(2e-4)), *others))
+    levers = levers_of(STEPS, 2, n=2)
+    batch = simulate_batch(seen, "iterative", levers, dt=DT)
+    for i in range(2):
+        run = simulate(seen, "iterative", held_scenario(loader, levers[i], DT))
+        assert batch.beyond_log[i] == batch.out_of_domain[i] == run.info["steps_beyond_log"]
+    assert batch.beyond_log.max() > 0
 
 
 def left_over(loader):
