@@ -13,3 +13,9 @@ def test_noise_is_told_from_a_smooth_signal_with_jumps():
 def test_rows_of_different_segments_are_not_compared():
     assert noise_level(np.arange(30.0) ** 4, np.arange(30)) == 0.0
     assert noise_level(np.ones(3), np.zeros(3)) == 0.0
+
+
+def test_a_signal_without_noise_that_mostly_rests_has_some():
+    signal = np.where(np.arange(1000) > 900, 2e-3, 0.0)
+    assert noise_level(signal, np.zeros(1000)) == pytest.approx(2e-8)
+    assert noise_level(np.ones(1000), np.zeros(1000)) == 0.0

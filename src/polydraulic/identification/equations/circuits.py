@@ -18,7 +18,8 @@ from polydraulic.identification.equations.fit.circuit_fit import (
 )
 from polydraulic.identification.equations.fit.circuit_slopes_at import circuit_slopes_at
 from polydraulic.identification.equations.fit.knots import grow
-from polydraulic.identification.equations.fit.outlet_fit import fit_outlet, outlet_rows
+from polydraulic.identification.equations.fit.outlet_fit import OutletPrior, bent_knots, fit_outlet, outlet_rows
+from polydraulic.identification.equations.fit.relief import seen_relief
 from polydraulic.identification.equations.fit.uncertainty import CircuitErrors, circuit_errors
 from polydraulic.identification.equations.fit.valve_curves import Curves, placed_among
 from polydraulic.identification.equations.observations import WINDOW, Balance, balance, blocks_of_time, windows
@@ -33,11 +34,9 @@ LEARN_ROWS, HOLD_ROWS, ALL_ROWS = 16000, 8000, 40000
 LAST_ROWS = 20  # beyond which travel counts as never seen
 _FEWEST, _LEAST_HELD = 500, 20
 _SPREAD = 1.0  # of a curve, as a share
-_PUMP_ROWS, _BLOCKS = 200, 3
+_PUMP_ROWS = 200
 _STEPS = 6
 _LEAD = 0.02  # s, by which clocks of sensors may be apart
-_FLOWS, _HIGHEST = 0.05, 10  # of the pump's flow, and how many such pressures are left to noise
-_RELIEF_KNOWN = 0.01  # relative standard error beyond which a relief setting counts as not shown
 _BELOW = 0.97  # of the relief setting: above, a flow falls from all to nothing within what a sensor can tell
 
 
@@ -123,7 +122,7 @@ def circuit_rows(
         travel[:, :, k] = np.abs(s.spool)[rows]
         forward = s.spool > 0.0
         p_in[:, :, k] = np.where(forward, s.p_a, s.p_b)[rows]
-        p_rate[:, :, k] = np.where(forward, *(local_parabolas(p, segment)[1] / raster for p in (s.p_a, s.p_b)))[rows]
+        p_rate[:, :, k] = np.where(forward, *port_rates(s, segment, raster))[rows]
     one_side = np.column_stack([of[name].known_in for name in names])
     noise = {what: np.array([signals[name].noise[what] for name in names]) for what in ("spool", "p_a")}
     return CircuitRows(
@@ -137,6 +136,13 @@ def circuit_rows(
         noise["p_a"],
         np.array([of[name].noise_in for name in names]),
     )
+
+
+def port_rates(s: Signals, segment: np.ndarray, raster: float) -> tuple[np.ndarray, np.ndarray]:
+    """How fast the pressures at both ports change, (n_row,) each in Pa/s."""
+    assert s.p_a is not None
+    assert s.p_b is not None
+    return local_parabolas(s.p_a, segment)[1] / raster, local_parabolas(s.p_b, segment)[1] / raster
 
 
 def identify_circuit(
@@ -193,12 +199,13 @@ def identify_circuit(
     if known.min() < _LEAST_HELD:
         return f"only {known[1]} rows or windows say something of it, and {known[0]} of the blocks held out; {_LEAST_HELD} at least"
     prior = Prior(before, _SPREAD, {key: width for key, width in free_pump.items() if key == "flow"} | {"lead": _LEAD})
+    most = MOST_KNOTS - _further_knots(valves, last)
     grown = grow(
         before,
         drawn(awake[~held], LEARN_ROWS),
         drawn(awake[held], HOLD_ROWS),
         prior,
-        MOST_KNOTS - _further_knots(valves, last),
+        most,
         lambda n: tell(f"{n} knots"),
     )
     without, hold = grown.model, rows.some(awake[held])
@@ -219,8 +226,9 @@ def identify_circuit(
     for k, name in enumerate(names):
         tell(f"{name}: outlets")
         found[name] = _valve(
-            machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k]
-        )
+            machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k],
+            port_rates(signals[name], segment, raster), model.lead, most,
+        )  # fmt: skip
     pump = {key: (float(getattr(model.pump, key)), error) for key, error in spread.pump.items() if key != "lead"}
     if relief is not None:
         pump["relief"] = relief
@@ -230,43 +238,6 @@ def identify_circuit(
 def _further_knots(valves: list[ValveCurves], last: list[float]) -> int:
     """Knots at most that a valve has beyond the travel of the log, and one at which its bypass shuts."""
     return max(sum(k > x + 1e-6 for k in v.knots) + 1 for v, x in zip(valves, last, strict=True))
-
-
-def seen_relief(model: CircuitModel, rows: CircuitRows, opens: np.ndarray, spread: float) -> tuple[float, float] | None:
-    """Pressure at which actuators stall with open valves, and its standard error, Pa; None where the log hardly has it.
-
-    What is fitted to flows would follow the noise of the pressure there, at which a flow falls from all to nothing.
-    """
-    pressures, blocks = [], []
-    for k, shut in enumerate(opens.tolist()):
-        still = (
-            rows.known[:, k]
-            & (rows.travel[:, :, k].min(axis=1) > 1.2 * shut)
-            & (np.abs(rows.q_in[:, k]) < 0.02 * model.pump.flow)
-        )
-        pressures.append(rows.p_in[still, :, k].mean(axis=1))
-        blocks.append(rows.block[still])
-    pressure, block = np.concatenate(pressures), np.concatenate(blocks)
-    near = np.abs(pressure - model.pump.relief) < 3.0 * spread
-    pressure, block = pressure[near], block[near]
-    if len(pressure) < _PUMP_ROWS:
-        return None
-    # a load may push the pressure above the setting: what counts is where most stalled rows are
-    width = float(rows.noise_pressure.max())
-    ordered = np.sort(pressure)
-    within = np.searchsorted(ordered, ordered + 2.0 * width, side="right") - np.arange(len(ordered))
-    densest = int(np.argmax(within))
-    stalled = np.abs(pressure - ordered[densest] - width) < 2.0 * width
-    blocks_there = np.unique(block[stalled])
-    if np.count_nonzero(stalled) < _PUMP_ROWS or len(blocks_there) < _BLOCKS:
-        return None
-    value = float(pressure[stalled].mean())
-    # a load that holds an actuator above the setting stalls it too: the setting lies between that and where oil still flows
-    flowing = rows.known & (rows.travel.min(axis=1) > 1.2 * opens) & (rows.q_in > _FLOWS * model.pump.flow)
-    below = np.sort(rows.p_in.mean(axis=1)[flowing])[-_HIGHEST:]
-    gap = max(value - float(below[0]), 0.0) if len(below) == _HIGHEST else np.inf
-    error = float(np.hypot(width / np.sqrt(len(blocks_there)), 0.5 * gap))
-    return (value, error) if error < _RELIEF_KNOWN * value else None
 
 
 def shown_by(model: CircuitModel, rows: CircuitRows, opens: np.ndarray) -> list[str]:
@@ -306,30 +277,38 @@ def cut_curves(valve: ValveCurves, last: float) -> Curves:
     return Curves(knots, np.maximum.accumulate(inlet), np.maximum.accumulate(bypass[::-1])[::-1])
 
 
+def _rising_from_zero(valve: ValveCurves, key: str, knots: np.ndarray) -> np.ndarray:
+    found = np.maximum.accumulate(np.interp(knots, valve.knots, getattr(valve, key)))
+    found[0] = 0.0
+    return found
+
+
 def _valve(
     machine: LayoutMachine, name: str, curves: Curves, errors: dict[str, np.ndarray], s: Signals, b: Balance, rows: CircuitRows, k: int, last: float,
-    q_in_left: float,
+    q_in_left: float, rates: tuple[np.ndarray, np.ndarray], lead: float, most: int,
 ) -> ValveFound:  # fmt: skip
     old = machine.function(name).valve
     block = np.zeros(int(b.rows.max()) + 1, dtype=np.int64)
     block[b.rows[:, 0]] = rows.block
     opens = spool_edges(old)[0]
+    # windows blur where a curve bends, and by how much clocks are apart
+    measured = b.rows.shape[1] == 1
+    sides = [outlet_rows(s, b, block, forward, opens, rates, lead if measured else 0.0) for forward in (True, False)]
+    sides = [side._replace(travel=np.minimum(side.travel, last)) for side in sides]
+    fitted = [len(side.q_out) >= _FEWEST // (1 if measured else 10) for side in sides]
+    before = {key: _rising_from_zero(old, key, curves.knots) for key in ("outlet_positive", "outlet_negative")}
+    priors = [OutletPrior(machine.tank.return_pressure, curves.knots, v, _SPREAD) for v in before.values()]
     knots = curves.knots
-    values: dict[str, np.ndarray] = {"inlet": curves.inlet, "bypass": curves.bypass}
-    spread = dict(errors)
-    left, fitted = [], []
-    sides = [outlet_rows(s, b, block, forward, opens) for forward in (True, False)]
-    usable = [len(side.q_out) >= _FEWEST // (1 if b.rows.shape[1] == 1 else 10) for side in sides]
-    for side, key, use in zip(sides, ("outlet_positive", "outlet_negative"), usable, strict=True):
-        before = np.maximum.accumulate(np.interp(knots, old.knots, getattr(old, key)))
-        before[0] = 0.0
-        fitted.append(use)
+    for side, prior, use in zip(sides, priors, fitted, strict=True):
+        knots = bent_knots(side, knots, prior, most) if use and measured else knots
+    values = {key: np.interp(knots, curves.knots, getattr(curves, key)) for key in ("inlet", "bypass")}
+    spread = {key: np.interp(knots, curves.knots, error) for key, error in errors.items()}
+    left = []
+    for side, key, prior, use in zip(sides, before, priors, fitted, strict=True):
         if not use:
-            values[key], spread[key] = before, np.full(len(knots), np.nan)
+            values[key], spread[key] = np.interp(knots, curves.knots, before[key]), np.full(len(knots), np.nan)
             continue
-        found = fit_outlet(
-            side._replace(travel=np.minimum(side.travel, last)), knots, machine.tank.return_pressure, before, _SPREAD
-        )
+        found = fit_outlet(side, knots, prior)
         values[key], spread[key] = found.values, found.errors
         left.append(found.held_out)
     more = np.array([x for x in old.knots if x > knots[-1] + 1e-6])

@@ -3,6 +3,9 @@
 import numpy as np
 
 _WEIGHTS = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_FINEST = (
+    1e-5  # of its range: no sensor is finer, and a signal that mostly rests, without any noise, would weigh endlessly
+)
 _NORMAL = 0.6745  # median of the absolute value of a standard normal variable
 
 
@@ -23,4 +26,5 @@ def noise_level(values: np.ndarray, segment: np.ndarray) -> float:
     within = segment[4:] == segment[:-4]
     if not within.any():
         return 0.0
-    return float(np.median(np.abs(rough[within])) / _NORMAL / np.sqrt(np.sum(_WEIGHTS**2)))
+    level = np.median(np.abs(rough[within])) / _NORMAL / np.sqrt(np.sum(_WEIGHTS**2))
+    return float(max(level, _FINEST * np.ptp(values)))

@@ -17,8 +17,8 @@ from polydraulic.identification.equations.fit.circuit_fit import (
 )
 from polydraulic.identification.equations.fit.valve_curves import with_knot
 
-_BETTER = 5e-4  # share of the squares of the rows held out that a knot must save
-_SURE = 2.0  # standard errors, over blocks, by which it must
+BETTER = 5e-4  # share of the squares of the rows held out that a knot must save
+SURE = 2.0  # standard errors, over blocks, by which it must
 _PATIENCE = 2  # knots that may save less before growth ends
 _CLOSEST = 2.5e-5  # m, between two knots
 _STEPS = 15
@@ -67,7 +67,7 @@ def grow(
         count = sum(len(v.knots) for v in model.valves)
         path.append((count, found))
         tell(count)
-        if saved.mean() > max(_BETTER * least, _SURE * saved.std() / np.sqrt(max(len(saved) - 1, 1))):
+        if saved.mean() > max(BETTER * least, SURE * saved.std() / np.sqrt(max(len(saved) - 1, 1))):
             best, by_block, least, idle = model, of_blocks, found, 0
         else:
             idle += 1
