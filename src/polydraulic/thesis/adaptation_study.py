@@ -27,7 +27,7 @@ from polydraulic.simulation.runs import simulate
 from polydraulic.simulation.trajectory import effector_distance
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import LINKS, pump_of, spool_of, with_pumps
-from polydraulic.thesis.measured import RANGES, RASTER
+from polydraulic.thesis.measured.readings import RANGES, RASTER
 
 MINUTE, STEP = 60.0, 5e-3  # s
 OPERATOR, JUDGES = 1000, tuple(range(2000, 2006))  # seeds: the operator's first minute; operators who judge

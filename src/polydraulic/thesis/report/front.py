@@ -44,6 +44,7 @@ BEYOND = (
     "polydraulic.torque.task.end_effector_error_max_m",
     "polydraulic.operators.p95_m",
     "polydraulic.measured.median_m",
+    "polydraulic.identified.median_m",
     "polydraulic.diagnosis.clock_s",
     "polydraulic.time_of_a_step",
 )
