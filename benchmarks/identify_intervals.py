@@ -9,6 +9,7 @@ knots, within the travel of the log, where the valve is open and the curve is sa
 import argparse
 
 import numpy as np
+from joblib import Parallel, cpu_count, delayed
 
 from identify_sensors import JOINTS, begun, log_of
 from polydraulic import load_machine
@@ -94,6 +95,11 @@ def by_runs(machine, seed):
 WAYS = {"flows": by_flows, "pressures": by_pressures, "runs": by_runs}
 
 
+def listed(way, machine, seed):
+    """All of one log."""
+    return list(WAYS[way](machine, seed))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("machine", nargs="?", default="loader_crane")
@@ -103,9 +109,9 @@ def main():
     given = parser.parse_args()
     machine, rows = load_machine(given.machine), []
     for way in given.ways:
-        all_of = {}
-        for seed in range(given.first, given.first + given.logs):
-            own = list(WAYS[way](machine, seed))
+        all_of, seeds = {}, range(given.first, given.first + given.logs)
+        found = Parallel(n_jobs=cpu_count(), return_as="generator")(delayed(listed)(way, machine, s) for s in seeds)
+        for seed, own in zip(seeds, found, strict=True):
             for kind, off, sd in own:
                 all_of.setdefault(kind, []).append(abs(off) / max(sd, 1e-300))
             inside = sum(abs(off) <= COVERED * sd for _, off, sd in own)
