@@ -1,5 +1,7 @@
 """Spools behind known drivers against a play operator that goes along the driver in small steps."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,30 @@ def test_a_width_that_changes_in_time_counts_from_then_on():
     halves = np.where(t < 0.7 + 1e-9, 1e-4, np.where(t < 1.3 + 1e-9, 2e-3, 0.0))
     off = np.abs(spool - followed(driven, halves))
     assert off[np.abs(t - 1.3) > 1e-9].max() < BETWEEN
+
+
+def test_what_lags_later_follows_at_once_before():
+    one = KnownInput(SIGNALS["sine"], PILOT, 0.01, (), lags=[(0.7, 2e-3)])
+    motion = known_motion([one], 2.0, corners=[0.7])
+    t = np.linspace(0.0, 2.0, 40_001)
+    driven, spool = (curve_at(motion.starts, c, 0, t) for c in (motion.driven, motion.coefficients))
+    assert np.array_equal(spool[t < 0.7], driven[t < 0.7])
+    assert np.abs(np.diff(spool)).max() < 1e-5
+    behind = np.abs(spool - driven)[t > 0.7 + 1e-9]
+    assert behind.max() == pytest.approx(2e-3, rel=1e-9)
+
+
+def test_a_recorded_lever_of_many_corners_takes_memory_by_their_number():
+    n = 600
+    levers = Piecewise(tuple(0.01 * np.arange(n)), tuple(np.linspace(-1.0, 1.0, n)))
+    one = KnownInput(levers, PILOT, 0.01, (), lags=[(0.0, 0.1)])
+    known_motion([one], 0.1)
+    tracemalloc.start()
+    motion = known_motion([one], 0.01 * n)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert len(motion.starts) >= n
+    assert most < 8 * 200 * len(motion.starts)
 
 
 def test_what_does_not_lag_is_as_it_was():

@@ -44,6 +44,7 @@ def _changes(starts: np.ndarray, c: np.ndarray, halves: np.ndarray, found: np.nd
         for piece in range(c.shape[0]):
             half, t0, t1 = halves[piece, link], starts[piece], starts[piece + 1]
             if half < 0.0:
+                place = spool_curve(c[piece], link, t0, t1).x
                 continue
             x = spool_curve(c[piece], link, t0, t0).x
             place, way, low = min(max(place, x - half), x + half), 0.0, t0
@@ -76,7 +77,7 @@ def _changes(starts: np.ndarray, c: np.ndarray, halves: np.ndarray, found: np.nd
 
 
 def lagging(starts: np.ndarray, c: np.ndarray, halves: np.ndarray) -> Lagging:
-    """Inputs of which some lag behind, from the centre on.
+    """Inputs of which some lag behind, from the centre on, or from where they are if they followed at once before.
 
     Parameters
     ----------
@@ -95,7 +96,8 @@ def lagging(starts: np.ndarray, c: np.ndarray, halves: np.ndarray) -> Lagging:
         _changes(starts, c, halves, found)
     found = found[:n]
     times = np.unique(found[:, 0])
-    times = times[np.abs(times[:, None] - starts).min(axis=1) > SAME]
+    after = np.clip(np.searchsorted(starts, times), 1, len(starts) - 1)
+    times = times[np.minimum(np.abs(times - starts[after - 1]), np.abs(times - starts[after])) > SAME]
     times = times[np.diff(times, prepend=-np.inf) > SAME]
     pieces = np.unique(np.concatenate([starts, times]))
     of = np.searchsorted(starts[:-1], pieces[:-1], side="right") - 1
@@ -106,10 +108,11 @@ def lagging(starts: np.ndarray, c: np.ndarray, halves: np.ndarray) -> Lagging:
     for link in np.flatnonzero((halves >= 0.0).any(axis=0)):
         own = found[found[:, 1] == link]
         _, _, way, place = own[np.searchsorted(own[:, 0], middles, side="right") - 1].T
-        moves = way != 0.0
+        lags = halves[of, link] >= 0.0
+        moves, stands = lags & (way != 0.0), lags & (way == 0.0)
         spools[moves, link, 0] -= (way * halves[of, link])[moves]
-        spools[~moves, link, 1:7] = 0.0
-        spools[~moves, link, 0] = place[~moves]
+        spools[stands, link, 1:7] = 0.0
+        spools[stands, link, 0] = place[stands]
     return Lagging(pieces, driven, spools)
 
 
