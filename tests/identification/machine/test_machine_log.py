@@ -1,5 +1,7 @@
 """What circuits see, from what sensors read."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -46,3 +48,11 @@ def test_rows_with_a_shut_valve_or_at_relief_say_nothing(machine):
     for link in LINKS:
         assert np.all(log[f"{link}.travel"][judging_rows(f"{link}.k_out", log, known)] > known.deadband[link])
         assert log[f"{link}.p_in"][judging_rows(f"{link}.q_in", log, known)].max() < 0.98 * known.circuit(link).relief
+
+
+def test_a_bypass_that_never_closes_stands_in_a_model_file(machine):
+    known = Known.of(machine)
+    open_ = known.circuits["series"]._replace(closes=(np.inf, 0.01))
+    known = known._replace(circuits={**known.circuits, "series": open_})
+    data = json.loads(json.dumps(known.to_data(), allow_nan=False))
+    assert Known.from_data(data) == known

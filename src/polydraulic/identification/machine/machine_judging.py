@@ -33,7 +33,7 @@ def judged_network(known: Known, log: Table, held: np.ndarray, model: Model, ear
     judging = judging_rows(output, log, known)
     rows = some_rows(log, held & judging)
     X, y = rows.matrix([variable.name for variable in model.inputs]), rows[output]
-    # regions are found anew each time: a search that ends badly must not be released with the errors of one that did not
+    # growth that ends badly must not be released with the errors of one that did not
     worse = _rms(model.predict(X) - y) > _WORSE * _rms(earlier.predict(X) - y)
     fit = judged(
         earlier if worse else model, HeldOut(X, y, earlier.predict(X), True), int(np.sum(~held)) if worse else len(log)

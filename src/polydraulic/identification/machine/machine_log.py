@@ -5,6 +5,7 @@ areas nor pump pressures.
 """
 
 from collections.abc import Sequence
+from math import inf, isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,9 +89,13 @@ class Known(NamedTuple):
         return next(c for c in self.circuits.values() if function in c.functions)
 
     def to_data(self) -> dict[str, Any]:
-        """For a model file; `from_data` reads it."""
+        """For a model file, whose numbers are finite: a bypass that never closes is None there; `from_data` reads it."""
         circuits = {
-            name: {**c._asdict(), "functions": list(c.functions), "closes": list(c.closes)}
+            name: {
+                **c._asdict(),
+                "functions": list(c.functions),
+                "closes": [x if isfinite(x) else None for x in c.closes],
+            }
             for name, c in self.circuits.items()
         }
         return {**self._asdict(), "circuits": circuits}
@@ -99,7 +104,12 @@ class Known(NamedTuple):
     def from_data(cls, data: dict[str, Any]) -> "Known":
         """From what `to_data` gave."""
         circuits = {
-            name: KnownCircuit(c["flow"], c["relief"], tuple(c["functions"]), tuple(c["closes"]))
+            name: KnownCircuit(
+                c["flow"],
+                c["relief"],
+                tuple(c["functions"]),
+                tuple(inf if x is None else x for x in c["closes"]),
+            )
             for name, c in data["circuits"].items()
         }
         return cls(data["return_pressure"], dict(data["deadband"]), circuits)
@@ -130,9 +140,8 @@ def by_port(known: Known, log: Table) -> Table:
         si = _READ.get(name.split(".")[-1], "")
         if log.unit(name) not in ("", si):
             raise InputError(f"column {name!r} is in {log.unit(name)!r}; a machine is learnt in SI, this in {si!r}")
-    for (
-        function
-    ) in known.functions:  # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
+    # a shut valve passes nothing: what a sensor says of it is noise, or a joint that coasts
+    for function in known.functions:
         shut = np.abs(columns[f"{function}.spool"]) <= known.deadband[function]
         for port in ("q_in", "q_out"):
             columns[f"{function}.{port}"] = np.where(shut, 0.0, columns[f"{function}.{port}"])
