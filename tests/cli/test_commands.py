@@ -199,8 +199,8 @@ def test_fit_reads_edges_and_bounds_with_units(call, tmp_path):
     x = np.linspace(0.0, 0.01, 200)
     write_table(Table({"x": x, "q": np.where(x > 0.004, x, 0.0)}, {"x": "m", "q": "m3/s"}), tmp_path / "t.parquet")
     fitted = ("fit", tmp_path / "t.parquet", "--inputs", "x", "--outputs", "q", "--layers", 1, "--out")
-    assert call(*fitted, tmp_path / "si.json", "--edges", "x=0.004", "--bounds", "0,0.5")[0] == 0
-    assert call(*fitted, tmp_path / "units.json", "--edges", "x=4 mm", "--bounds", "0,30000 l/min")[0] == 0
+    assert call(*fitted, tmp_path / "si.json", "--edges", "x=0.004", "--bounds", "0, 0.5")[0] == 0
+    assert call(*fitted, tmp_path / "units.json", "--edges", "x=4 mm", "--bounds", "0, 30000 l/min")[0] == 0
     si, units = (load_models(tmp_path / name)[0] for name in ("si.json", "units.json"))
     assert si.predict(x[:, None]).tolist() == units.predict(x[:, None]).tolist()
     assert len(units.networks) == 2

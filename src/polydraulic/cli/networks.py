@@ -297,8 +297,9 @@ def _in_unit(text: str, option: str, own: Callable[[], list[str]], count: int | 
     """Numbers in a column's unit, which `own` finds, from numbers in it or from numbers with a unit of the same kind."""
     from polydraulic.units import si_unit, to_si
 
-    numbers, _, unit = text.strip().partition(" ")
-    values = _numbers(numbers, option, count)
+    numbers, comma, last = text.rpartition(",")
+    number, _, unit = last.strip().partition(" ")
+    values = _numbers(f"{numbers}{comma}{number}", option, count)
     if not unit:
         return values
     units = own()
