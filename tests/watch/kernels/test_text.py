@@ -9,8 +9,10 @@ from polydraulic.flow.layout.circuit_sample import solved_valves
 from polydraulic.machine.pump import limited_pump
 from polydraulic.watch.block import BlockJudge
 from polydraulic.watch.channels import position_of
+from polydraulic.watch.kernels.signals import NOTHING, is_known
 from polydraulic.watch.kernels.stays import FLAT
 from polydraulic.watch.kernels.text import block_text, kernels_for
+from polydraulic.watch.kernels.windows import volume_balance
 from polydraulic.watch.residuals import Residuals, case_of
 from polydraulic.watch.watched import plan_of, watched
 
@@ -87,6 +89,21 @@ def test_flows_are_those_of_the_circuit(name, valves):
         begin = own[[channel.name for channel in of.channels].index(f"{f}.q_in")]
         flow = judged[:, 1 + columns.index(f"{f}.q_in")] - work[begin : begin + of.shape.inside]
         assert flow == pytest.approx(sample.q_in[:, place], rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("relief", [300e5, 101e5, 50e5])
+def test_a_balance_of_flows_that_are_not_known_is_not_known(relief):
+    """Near and beyond a relief setting what is let go is found from the same flows."""
+    n, long = 5, 4
+    work, numbers = np.zeros(8 * n), np.array([0.1, 0.0, 0.0, 0.0, relief, 5e5, 5e-5])
+    # volume, pressure, smoothed pressure, the other pressure, spool, flow in and flow out
+    work[n : 3 * n], work[5 * n : 6 * n] = 100e5, 1e-3
+    ints = np.array([7 * n, 1, 0, n, 2 * n, 3 * n, 4 * n, 5 * n, 6 * n, 0, long, 1, 0])
+    volume_balance(ints, numbers, work, 0)
+    assert is_known(work[7 * n])
+    work[5 * n + 2] = NOTHING
+    volume_balance(ints, numbers, work, 0)
+    assert not is_known(work[7 * n])
 
 
 def test_texts_hold_the_circuits_that_are_asked_for():

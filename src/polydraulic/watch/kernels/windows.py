@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 
 from polydraulic._kernel import driver
-from polydraulic.watch.kernels.signals import is_known
+from polydraulic.watch.kernels.signals import NOTHING, is_known
 
 
 @driver
@@ -44,7 +44,8 @@ def volume_balance(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: in
         # as much as does not go elsewhere
         near = max(passing - moved - least_loss, 0.0)
         lost = near if abs(most - relief) < band else lost
-        work[out + w] = moved + pressed - passing + lost
+        # what is let go is found from the same flows: where they are not known, both would cancel to something that seems to be
+        work[out + w] = moved + pressed - passing + lost if is_known(passing) else NOTHING
 
 
 @driver
