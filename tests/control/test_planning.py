@@ -53,6 +53,10 @@ def test_an_arm_that_does_not_reach_further_is_named(machine):
     longer = machine._replace(functions=loose)
     with pytest.raises(InputError, match="does not reach further; shorten it"):
         check_path(longer, straight_line([7.0, -1.5, 0.0, 0.0], length=-9.0), joints)
+    # a leg on which the tip only turns has no metres
+    far = tip_path([[7.0, -1.5, 0.0, 0.0], [7.0, -1.5, 1.0, 0.0], [16.0, -1.5, 1.0, 0.0]])
+    with pytest.raises(InputError, match="after 15% of it stick comes to its high stop"):
+        check_path(machine, far, joints)
     with pytest.raises(InputError, match="must be 3 finite positions, of swing, boom, stick"):
         check_path(machine, turned, joints[:2])
 

@@ -62,7 +62,8 @@ def check_path(machine: LayoutMachine | str | Path, path: TipPath, start: np.nda
     far = followed_path(found, path, start)
     if far.all:
         return
-    part = f"after {far.way:.2f} m of its {far.whole:.2f} m"
+    turns = (np.diff(path.points[:, :2], axis=0) == 0.0).all(axis=1).any()
+    part = f"after {far.way / far.whole:.0%} of it" if turns else f"after {far.way:.2f} m of its {far.whole:.2f} m"
     if far.stop is None:
         raise InputError(f"{found.title}: the arm cannot follow the path {part}: it does not reach further; shorten it")
     name, side = far.stop
