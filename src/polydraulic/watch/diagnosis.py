@@ -49,9 +49,8 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
     pull, information = seen.pull, seen.information
     known = np.maximum(information, 1e-300)
     amount = pull / known
-    evidence = evidence_of(directions, seen, together) - 0.5 * np.log1p(
-        information / together
-    )  # of a size that is free
+    # less what a size that is free costs
+    evidence = evidence_of(directions, seen, together) - 0.5 * np.log1p(information / together)
     best = float(evidence.max())
     if not best > 0.0:
         return []

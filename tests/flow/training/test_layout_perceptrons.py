@@ -32,10 +32,8 @@ def test_targets_are_the_flows_of_the_circuits_between_marks_that_are_known(mach
         "stick": (("stick",), lambda X: sample_valves([stick], fed, X[:, 1:2], X[:, 2:], X[:, 0]).q_in[:, 0]),
     }
     for link, (seen, flow) in expected.items():
-        target, first = (
-            found[f"{link}.q_in"],
-            int(link == "stick"),
-        )  # which reads the flow that reaches it before all else
+        # the stick's reads the flow that reaches it before all else
+        target, first = found[f"{link}.q_in"], int(link == "stick")
         arriving = [(0.0, pump.flow)] * first
         box = [*arriving, *((0.0, end) for _ in seen), *(pressure[name] for name in seen)]
         assert np.array(target.box) == pytest.approx(np.array(box), rel=1e-12)

@@ -13,9 +13,8 @@ from polydraulic.machine.circuits.series_check import PROVED
 from polydraulic.machine.valve import Orifices
 
 PLAIN = bool(numba.config.DISABLE_JIT)
-STEP = np.array(
-    [100.0] * 4 + [1e-5] * 4
-)  # of port pressures in Pa, and of spools, each of which changes its conductances by shares
+# of port pressures in Pa, and of spools, each of which changes its conductances by shares
+STEP = np.array([100.0] * 4 + [1e-5] * 4)
 FLOWS = [0, 1, 2, 3, 4, 6, 7, 10, 11]  # columns: inlets, crossover, to the tank and over relief
 
 

@@ -44,9 +44,8 @@ _LANES = (
     "BEYOND_LOG_ROW", "BEYOND_ROW", "N_FUNCTION", "OUTSIDE_ROW", "STEPS_ROW", "UNSETTLED_ROW", "Functions", "flow_stage", "get_angle",
     "get_rate", "hose_stage", "input_stage", "lane_beyond", "motion_stage", "outlet_stage", "pilot_stage", "position_stage", "put_angle", "put_rate", "reasonable", "see_stage", "stop_stage", "turns",
 )  # fmt: skip
-MORE_ROWS = (
-    4  # of a block, behind those of the step and its scratch: whether a machine has not diverged, place of its tip
-)
+# of a block, behind those of the step and its scratch: whether a machine has not diverged, place of its tip
+MORE_ROWS = 4
 PORTS = ("p_in", "p_out")
 
 
