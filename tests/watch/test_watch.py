@@ -102,6 +102,24 @@ def test_a_gap_begins_a_new_block():
     assert watch.blocks == 1
 
 
+def test_blocks_between_rows_do_not_stand_in_for_them():
+    of, expected = known()
+    log = log_of(of.machine, 21, 4.0)
+    times, values, half = log["time"].tolist(), log.matrix(list(of.columns)), of.shape.rows // 2
+    plain, mixed = FaultWatch(of, expected), FaultWatch(of, expected)
+    for k in range(half, half + of.shape.rows):
+        plain.update(times[k], values[k])
+    for k in range(half):
+        mixed.update(times[k], values[k])
+    readings, begins = blocks(of, log)
+    mixed.judge({column: 2.0 * r[:1] for column, r in readings.items()}, begins[:1])
+    before = mixed.evidence.showing.copy()
+    for k in range(half, half + of.shape.rows):
+        mixed.update(times[k], values[k])
+    assert (plain.blocks, mixed.blocks) == (1, 2)
+    assert np.allclose(mixed.evidence.showing - before, plain.evidence.showing)
+
+
 def test_what_cannot_be_watched_is_refused():
     of, expected = known()
     with pytest.raises(InputError, match="nothing of the machine can be watched by lift.q_in"):

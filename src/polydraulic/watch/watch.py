@@ -12,7 +12,7 @@ from polydraulic.watch.drift import with_course
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
 from polydraulic.watch.kernels.evidence import KEPT, LEAST_BLOCKS
-from polydraulic.watch.kernels.rows import FULL, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN, keep_rows, take_row
+from polydraulic.watch.kernels.rows import FILLED, FULL, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN, keep_rows, take_row
 from polydraulic.watch.kernels.stays import FLAT, MOVES, RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.naming import FaultNetworks, Opinion
@@ -161,7 +161,7 @@ class FaultWatch:
         return f"rows until {time:g} s are {apart:.4g} s apart, those that were learnt from {raster:g} s: give rows at that raster"
 
     def judge(self, readings: Readings, begins: np.ndarray, each: Callable[[], None] | None = None) -> Alarm | None:
-        """Take blocks that follow each other; the alarm that is there after them.
+        """Take blocks that follow each other; the alarm that is there after them. A row that comes next begins a block of its own.
 
         Parameters
         ----------
@@ -172,6 +172,7 @@ class FaultWatch:
             Called after each block.
         """
         now = None
+        self._counts[FILLED] = 0
         for k, begin in enumerate(begins.tolist()):
             self._judge.load(readings, k)
             self._judge.judge()
