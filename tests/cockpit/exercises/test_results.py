@@ -31,6 +31,14 @@ def test_finished_attempts_are_compared_by_mode():
     assert found["joint"]["values"] == {"time": 3.0, "error_rms": pytest.approx(0.3)}
 
 
+def test_attempts_with_the_guard_are_compared_apart():
+    results = [result("coordinated", 2.0), *({**result("coordinated", t), "guard": True} for t in (4.0, 6.0))]
+    # levers that move joints know no guard
+    results += [{**result("joint", t), "guard": guard} for t, guard in ((1.0, True), (3.0, False))]
+    found = {(g["mode"], g["guard"]): (g["attempts"], g["values"]["time"]) for g in compared_attempts(results)}
+    assert found == {("coordinated", False): (1, 2.0), ("coordinated", True): (2, 5.0), ("joint", False): (2, 2.0)}
+
+
 def test_a_result_that_is_no_number_is_refused(tmp_path):
     with pytest.raises(ValueError, match="JSON"):
         add_result(tmp_path, result("joint", float("nan")))

@@ -1,4 +1,4 @@
-"""Results of exercises: a line each in one file, and attempts compared by exercise and mode."""
+"""Results of exercises: a line each in one file, and attempts compared by exercise, mode and guard."""
 
 import json
 import math
@@ -60,21 +60,21 @@ def read_results(folder: Path) -> list[dict[str, Any]]:
 
 
 def compared_attempts(results: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Medians of finished attempts, by machine, exercise and mode.
+    """Medians of finished attempts, by machine, exercise, mode, and whether tips were guarded against in coordinated mode.
 
     Returns
     -------
     list of dict
-        ``machine``, ``exercise``, ``mode``, ``attempts`` and the median of each value.
+        ``machine``, ``exercise``, ``mode``, ``guard``, ``attempts`` and the median of each value.
     """
-    groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = defaultdict(list)
+    groups: dict[tuple[str, str, str, bool], list[Mapping[str, Any]]] = defaultdict(list)
     for result in results:
         if result.get("finished"):
-            groups[str(result.get("machine")), str(result.get("exercise")), str(result.get("mode"))].append(
-                result["values"]
-            )
+            machine, exercise, mode = (str(result.get(key)) for key in ("machine", "exercise", "mode"))
+            guarded = mode == "coordinated" and bool(result.get("guard"))
+            groups[machine, exercise, mode, guarded].append(result["values"])
     found = []
-    for (machine, exercise, mode), values in sorted(groups.items()):
+    for (machine, exercise, mode, guarded), values in sorted(groups.items()):
         names = dict.fromkeys(name for value in values for name in value)
         numbers = {name: [v[name][0] for v in values if name in v and _is_number(v[name])] for name in names}
         found.append(
@@ -82,6 +82,7 @@ def compared_attempts(results: Sequence[Mapping[str, Any]]) -> list[dict[str, An
                 "machine": machine,
                 "exercise": exercise,
                 "mode": mode,
+                "guard": guarded,
                 "attempts": len(values),
                 "values": {name: median(all_of) for name, all_of in numbers.items() if all_of},
             }

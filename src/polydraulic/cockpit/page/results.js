@@ -69,16 +69,16 @@ export class Results {
 
   #medians(compared, attempts) {
     const unit = (name) => attempts.find((attempt) => name in attempt.values)?.values[name][1] ?? "";
-    const rows = compared.map((group) => made("tr", "", this.#mode(group.mode), made("td", "", group.machine), made("td", "", String(group.attempts)),
+    const rows = compared.map((group) => made("tr", "", this.#mode(group), made("td", "", group.machine), made("td", "", String(group.attempts)),
       ...VALUES.map((name) => made("td", "", readable(group.values[name], unit(name))))));
     if (!rows.length) return made("section", "card", made("h2", "", "No attempt was finished"));
     return made("section", "card", made("h2", "", "Medians of finished attempts"), made("table", "", this.#head("mode", "machine", "attempts"), made("tbody", "", ...rows)));
   }
 
-  #mode(mode) {
+  #mode({ mode, guard }) {
     const dot = made("i", "dot");
     dot.style.backgroundColor = COLORS[mode] ?? "#6b7a89";
-    return made("td", "", dot, mode);
+    return made("td", "", dot, guard && mode === "coordinated" ? `${mode}, tip guard` : mode);
   }
 
   /** A value of one attempt after the other; those that were given up are hollow. */
@@ -97,7 +97,7 @@ export class Results {
   }
 
   #table(attempts) {
-    const rows = attempts.slice(-MOST).reverse().map((attempt) => made("tr", "", this.#mode(attempt.mode), made("td", "", attempt.pattern?.toUpperCase() ?? ""),
+    const rows = attempts.slice(-MOST).reverse().map((attempt) => made("tr", "", this.#mode(attempt), made("td", "", attempt.pattern?.toUpperCase() ?? ""),
       made("td", "", attempt.subject || "–"), made("td", "", attempt.when.replace("T", " ").replace("Z", "")), made("td", "", attempt.finished ? "yes" : "given up"),
       ...VALUES.map((name) => made("td", "", name in attempt.values ? readable(...attempt.values[name]) : "–"))));
     return made("section", "card", made("h2", "", "Latest first"), made("table", "", this.#head("mode", "levers", "code", "when (UTC)", "finished"), made("tbody", "", ...rows)));
