@@ -206,7 +206,12 @@ class CoordinatedControl:
         self._live[:] = 0.0
 
     def carry(self, payload: float) -> None:
-        """Know of another payload from the next call on, in kg, as `settings.payload` says it at the beginning.
+        """Know of another payload from the next call on, as `settings.payload` says it at the beginning.
+
+        Parameters
+        ----------
+        payload : float, kg
+            What hangs at the tip.
 
         Raises
         ------

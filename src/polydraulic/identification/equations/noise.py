@@ -3,9 +3,8 @@
 import numpy as np
 
 _WEIGHTS = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-_FINEST = (
-    1e-5  # of its range: no sensor is finer, and a signal that mostly rests, without any noise, would weigh endlessly
-)
+# of its range: no sensor is finer, and a signal that mostly rests, without any noise, would weigh endlessly
+_FINEST = 1e-5
 _NORMAL = 0.6745  # median of the absolute value of a standard normal variable
 
 
