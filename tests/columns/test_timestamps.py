@@ -25,6 +25,9 @@ MOMENTS = [datetime(2000, 1, 1, tzinfo=UTC) + timedelta(days=137 * k, seconds=36
         ("%m/%d/%Y %H:%M:%S.%f", ORDERS[1]),
         ("%m/%d/%Y %I:%M:%S.%f %p", ORDERS[1]),
         ("%d-%m-%Y_%H:%M:%S.%f", ORDERS[0]),
+        ("%Y%m%dT%H%M%S.%f", None),
+        ("%Y%m%d %H%M%S,%f", None),
+        ("%Y%m%d_%H%M%S.%fZ", None),
     ],
 )
 def test_dates_of_every_common_form(form, order):
@@ -50,6 +53,7 @@ def test_zones_are_taken_off(hours):
     [
         ("13:59:57.01", 50397.01), ("13:59", 50340.0), ("1:59:57,5 PM", 50397.5), ("12:00:01 AM", 1.0), ("12:30 pm", 45000.0),
         ("-00:00:01.5", -1.5), ("100:00:00", 360000.0), ("59:57.5", 3597.5), ("13:60:00", np.nan), ("noon", np.nan),
+        ("0 days 00:00:01.250000", 1.25), ("-1 days +23:59:59.5", -0.5), ("1 day, 0:00:02", 86402.0), ("3 days 10:00", 295200.0),
     ],
 )  # fmt: skip
 def test_times_of_day(text, expected):

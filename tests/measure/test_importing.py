@@ -76,6 +76,7 @@ FAULTS = {
     "pressure is turned round": (lambda c: {**c, "p_head": -c["p_head"]}, "sign", "p_head", None),
     "single spikes": (lambda c: put(c, "p_head", [1500, 2500], 240.0), "spike", "p_head", [(1501, 1501), (2501, 2501)]),
     "a spike within the range": (lambda c: put(c, "p_head", 1500, 165.0), "spike", "p_head", [(1501, 1501)]),
+    "no value has a number": (lambda c: put(c, "lever", [60, 61, 62], -999.0), "sentinel", "lever", [(61, 63)]),
     "a sensor is stuck": (frozen, "frozen", "p_head", [(1000, 1300)]),
     "a signal is lost to 0": (to_zero, "frozen", "lever", None),
     "a sensor is at its end": (lambda c: {**c, "p_head": np.minimum(c["p_head"], 105.0)}, "clipped", "p_head", None),
@@ -208,6 +209,16 @@ def test_a_log_that_gives_no_row_is_named_and_no_table_is_written(tmp_path):
     found = imported(tmp_path, columns)
     assert found.findings.of("no rows")
     assert not (tmp_path / "table.parquet").exists()
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("ms", 1.0), ("s", 1000.0), ("s", 1.0 / 86400.0)])
+def test_a_wrong_unit_of_time_is_named_where_the_map_has_no_raster_for_the_time(tmp_path, unit, factor):
+    columns = healthy(n=200)
+    columns["time"] = factor * columns["time"]
+    plain = MAP.replace('unit = "s"\nraster = "10 ms"', f'unit = "{unit}"')
+    found = imported(tmp_path, columns, plain, units={**UNITS, "time": ""})
+    named = found.findings.of("raster", "time")
+    assert ["check the unit of time" in finding.detail for finding in named] == [True]
 
 
 def test_every_kind_of_finding_is_seeded():

@@ -22,7 +22,10 @@ _OF_DAY = (
 )
 _ZONE = r"\s*(?P<zone>[Zz]|UTC|GMT|[+-]\d{2}:?\d{2}|[+-]\d{2})?"
 _STAMP = rf"^{_DATE}(?:(?:[T,_]\s*|\s+){_OF_DAY}{_ZONE})?$"
-_CLOCK = rf"^(?P<sign>-?){_OF_DAY}$"
+_CLOCK = rf"^(?:(?P<days>-?\d{{1,5}}) days?,?\s+\+?)?(?P<sign>-?){_OF_DAY}$"  # days, as durations of pandas have
+# dates and times without marks between their numbers, and with them
+_CLOSE = r"^(\d{4})(\d{2})(\d{2})[Tt _](\d{2})(\d{2})(\d{2})"
+_APART = r"\1-\2-\3T\4:\5:\6"
 _SHORT = r"^(?P<m>\d{1,2}):(?P<s>\d{1,2}[.,]\d+)$"  # minutes and seconds, as Excel writes them
 
 
@@ -37,19 +40,19 @@ def time_kind(cells: Iterable[str]) -> str:
 
 @lru_cache(1 << 14)  # of the cells that a file is known by, each is looked at several times
 def _kind(text: str) -> str:
-    if re.match(_STAMP, text):
+    if re.match(_STAMP, re.sub(_CLOSE, _APART, text)):
         return "stamp"
     return "clock" if ":" in text and (re.match(_CLOCK, text) or re.match(_SHORT, text)) else ""
 
 
 def has_time_of_day(cells: Iterable[str]) -> bool:
     """Whether texts that are dates have a time of day."""
-    return any(":" in cell for cell in cells)
+    return any(":" in cell or re.match(_CLOSE, cell.strip()) for cell in cells)
 
 
 def has_zone(cells: Iterable[str]) -> bool:
     """Whether texts that are times say their zone."""
-    found = (re.search(rf":\d[\d.,]*{_ZONE}$", cell.strip()) for cell in cells)
+    found = (re.search(rf":\d[\d.,]*{_ZONE}$", re.sub(_CLOSE, _APART, cell.strip())) for cell in cells)
     return any(match["zone"] for match in found if match)
 
 
@@ -108,6 +111,7 @@ def seconds(cells: Any, kind: str, order: str | None = None) -> np.ndarray:
     cells = pc.utf8_trim_whitespace(cells)
     if kind == "clock":
         return _clock(cells)
+    cells = pc.replace_substring_regex(cells, _CLOSE, _APART)
     for zone in (None, "UTC"):
         try:
             exact = cells.cast(pa.timestamp("ns", tz=zone)).cast(pa.int64())
@@ -133,7 +137,7 @@ def _clock(cells: Any) -> np.ndarray:
     parts = pc.extract_regex(cells, _CLOCK)
     part = {field.name: pc.struct_field(parts, field.name) for field in parts.type}
     found = _of_day(part, np.nan)
-    found = np.where(_is(part["sign"], "-"), -found, found)
+    found = np.where(_is(part["sign"], "-"), -found, found) + DAY * np.nan_to_num(_float(part["days"]))
     short = pc.extract_regex(cells, _SHORT)
     if short.null_count < len(short):
         m, s = (_float(pc.struct_field(short, name)) for name in ("m", "s"))

@@ -58,7 +58,10 @@ KINDS = {
     "decimal mark": ("error", "decimal points and decimal commas in one column; the rarer are taken as missing"),
     "doubtful numbers": ("warning", "three digits behind every mark: thousands, or decimals; taken as decimals"),
     "on and off": ("warning", "words for on and off; taken as 1 and 0"),
-    "infinite": ("error", "infinite values; taken as missing"),
+    "infinite": (
+        "error",
+        "infinite values, and numbers beyond 1e30, which loggers write for no value; taken as missing",
+    ),
     "empty": ("error", "no value at all"),
     "constant": ("warning", "one value throughout: the sensor is dead, or nothing moved"),
     "dropout": ("warning", "no value for longer than samples may be apart; the table has no rows there"),
@@ -66,6 +69,10 @@ KINDS = {
     "unit by values": ("error", "most values are beyond the plausible range, and would fit in another unit"),
     "sign": ("error", "most values are beyond the plausible range, and would fit with the other sign"),
     "spike": ("warning", "single values far from both neighbours; taken as missing"),
+    "sentinel": (
+        "error",
+        "one number, again and again, far beyond all others: it may stand for no value; kept: say the range of the channel in the map",
+    ),
     "frozen": ("warning", "one value held for long, where the channel never does so elsewhere"),
     "clipped": ("warning", "the largest or smallest value is held again and again: beyond the sensor's range"),
     "coarse": ("warning", "the channel takes few different values: steps as large as the signal"),

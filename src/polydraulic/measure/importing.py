@@ -147,6 +147,7 @@ def import_log(
                     raise _NoRowsError
         except _NoRowsError:
             findings.add("no rows")
+    merged.compare_rasters(channels.raster)
     for check in merged.checks:
         check.end()
     _copies(merged.checks, findings)
@@ -198,6 +199,12 @@ class _Merged:
         """First and last time, s."""
         begun = [clock for clock in self.clocks if np.isfinite(clock.first)]
         return min((c.first for c in begun), default=0.0), max((c.last for c in begun), default=0.0)
+
+    def compare_rasters(self, table: float) -> None:
+        """Compare the fastest clock with the raster of the table."""
+        begun = [clock for clock in self.clocks if np.isfinite(clock.raster)]
+        if begun:
+            min(begun, key=lambda clock: clock.raster).compare_table(table)
 
     def __iter__(self) -> Iterator[_Done]:
         reading = dict(enumerate(self.sources))

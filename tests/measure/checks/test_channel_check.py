@@ -45,6 +45,24 @@ def test_a_bad_value_is_missing_and_named(value, kind):
     assert 7.0 not in samples.time
 
 
+@pytest.mark.parametrize("number", [9.91e37, -1e30, np.finfo(float).max])
+def test_numbers_that_nothing_can_have_are_no_values(number):
+    changed = WAVE.copy()
+    changed[[700, 701, 702]] = number
+    samples, findings, check = checked(changed)
+    assert findings == [("infinite", [(701, 703)]), ("dropout", [(704, 704)])]
+    assert len(samples.values) == N - 3
+    assert check.high == WAVE.max()
+
+
+def test_a_number_far_from_all_others_is_named_and_kept():
+    changed = WAVE.copy()
+    changed[700:705] = -9999.0
+    samples, findings, _ = checked(changed)
+    assert ("sentinel", [(701, 705)]) in findings
+    assert len(samples.values) == N
+
+
 def test_a_spike_stands_out_of_the_usual_range_or_of_the_noise_by_far():
     for size, found in ((1.9, []), (2.8, [])):  # within a tenth of the range, however quiet the channel is
         changed = WAVE.copy()

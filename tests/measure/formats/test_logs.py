@@ -160,3 +160,17 @@ def test_rows_without_a_clock_take_the_interval_of_the_map(tmp_path):
     found = import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.csv")
     assert found.excerpt["time"] == pytest.approx(np.arange(399) * 0.01)
     assert len(found.findings) == 0
+
+
+def test_parquet_columns_of_lists_and_structures_are_left_out_by_name(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = tmp_path / "log.parquet"
+    parts = {"time": [0.0, 0.01], "p": [[1.0, 2.0], [3.0, 4.0]], "q": [{"value": 1.0}, {"value": 2.0}]}
+    pq.write_table(pa.table(parts), path)
+    log = open_log(path)
+    assert [signal.name for signal in log.signals] == ["time"]
+    assert list(log.left_out) == ["p", "q"]
+    with pytest.raises(InputError, match="channel 'p' cannot be read: values of kind list<"):
+        log.signal("p")

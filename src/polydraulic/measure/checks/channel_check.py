@@ -10,6 +10,7 @@ from polydraulic.measure.channels import Channel
 from polydraulic.measure.checks.clock import JOIN, Clock, ClockedRows
 from polydraulic.measure.checks.envelope import Envelope
 from polydraulic.measure.checks.run_lengths import ValueRuns
+from polydraulic.measure.checks.sentinel import Sentinels
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.log_units import conversion, same_kind
 from polydraulic.units import Conversion
@@ -19,6 +20,9 @@ _SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the ran
 _MOST, _NEARLY_ALL = 0.5, 0.95
 _PEAK = 1.0  # of the range: what is no farther beyond it may be a peak that the range cuts
 _KEPT = 20_000  # values kept to try other units on
+_NO_VALUE = (
+    1e30  # nothing at a machine is as large; loggers write 9.91E+37 or the largest float where they have no value
+)
 
 
 class Samples:
@@ -46,6 +50,7 @@ class ChannelCheck:
         self.farthest = 0.0  # beyond the range
         self.given, self.implausible, self.seen = 0, 0, 0
         self.envelope, self.runs = Envelope(), ValueRuns()
+        self.sentinels = Sentinels()
         self.crc = 0
         self.lost = 0.0
         self._kept: list[np.ndarray] = []
@@ -58,9 +63,9 @@ class ChannelCheck:
         c, f = self.channel, self.findings
         raw, name = rows.values[c.source], c.source
         f.add_rows("text", name, rows.rows[rows.text[name]])
-        there = np.flatnonzero(np.isfinite(raw))
+        there = np.flatnonzero(np.abs(raw) < _NO_VALUE)
         if len(there) < len(raw):
-            f.add_rows("infinite", name, rows.rows[np.isinf(raw)])
+            f.add_rows("infinite", name, rows.rows[np.abs(raw) >= _NO_VALUE])
         given = raw if len(there) == len(raw) else raw[there]
         value = c.sign * given if c.sign != 1 else given
         self.given += len(value)
@@ -76,6 +81,7 @@ class ChannelCheck:
             if alone.any():
                 f.add_rows("spike", name, rows.rows[there[alone]])
                 there, value = there[~alone], value[~alone]
+            self.sentinels.add(value, _taken(rows.rows, there))
         self._count(value)
         time = _taken(rows.time, there)
         self._spacing(rows, there, time)
@@ -145,6 +151,10 @@ class ChannelCheck:
                 f.add(kind, c.source, f"{detail} {c.unit}".strip())
                 for run in runs:
                     f.add_span(kind, c.source, run.first, run.last, run.length)
+            if self.runs.many:
+                for number, count, at in self.sentinels.found():
+                    f.add_rows("sentinel", c.source, at, f"{number:.6g} {c.unit}".strip())
+                    f.add("sentinel", c.source).count += count - len(at)
 
     def _wrong_unit(self, value: np.ndarray) -> None:
         c = self.channel

@@ -15,6 +15,7 @@ _FROM, _TO = 315_532_800.0, 4_102_444_800.0  # s since 1970: 1980 and 2100
 _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
 _FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
+_ANOTHER_UNIT = 500.0  # times the raster of a table, or that part of it: s and ms are a thousand apart
 
 
 class ClockedRows(NamedTuple):
@@ -179,6 +180,12 @@ class Clock:
         if declared is not None and abs(found - declared) > _OTHER * declared:
             detail = f"found {found:.4g} s, the map says {declared:.4g} s: check the unit of time, or the map"
             self.findings.add("raster", name, detail)
+
+    def compare_table(self, raster: float) -> None:
+        """Note rows that come so much more, or less, often than those of the table that the unit of time may be wrong."""
+        if self.declared is None and not raster / _ANOTHER_UNIT <= self.raster <= raster * _ANOTHER_UNIT:
+            detail = f"found {self.raster:.4g} s, the table has a row every {raster:.4g} s: check the unit of time"
+            self.findings.add("raster", self.name, detail)
 
     def _end(self) -> None:
         self.findings.add_rows("clock jump", self.name, self._alone)

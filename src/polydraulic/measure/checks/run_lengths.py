@@ -84,6 +84,11 @@ class ValueRuns:
         if len(long):
             self.longest = sorted([*self.longest, *map(run, long.tolist())], reverse=True)[:_KEPT]
 
+    @property
+    def many(self) -> bool:
+        """Whether there are many different values, so that it is no switch and no coarse signal."""
+        return len(self._different) > _FEW
+
     def findings(self) -> list[tuple[str, list[RunOfValues], str]]:
         """Kinds of finding with their runs and what else there is to say; call it once, at the end."""
         self._close_open()

@@ -29,6 +29,7 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
         raise InputError(f"{path}: cannot be read as a Parquet log ({_said(error)})") from error
     if n_row == 0:
         raise InputError(f"{path}: the log has no rows")
+    left_out = {f.name: f"values of kind {f.type}, not single numbers" for f in schema if pa.types.is_nested(f.type)}
     kinds = {f.name: _kind(path, f) for f in schema if not pa.types.is_nested(f.type)}
     orders = {
         f.name: _order(path, f.name, kinds[f.name], dates) for f in schema if f.name in kinds and _is_text(f.type)
@@ -74,7 +75,7 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
                 begun / n_row,
             )
 
-    return Log(path, signals, False, read, twice)
+    return Log(path, signals, False, read, twice, left_out=left_out)
 
 
 def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:
