@@ -128,7 +128,8 @@ def _instead(machine: LayoutMachine, path: TipPath, start: np.ndarray) -> str:
     for offset in (sign * by for by in _TRIED for sign in (1.0, -1.0)) if arm.attachment >= 0 else ():
         turned = path._replace(points=points + offset * share / share[-1] * pitch)
         if followed_path(machine, turned, start).all:
-            return f"it can if its pitch turns by {amount(offset, 'rad')} on the way; or shorten it"
+            whole = offset + float(points[-1, 3] - points[0, 3])
+            return f"it can if its pitch turns by {amount(whole, 'rad')} on the way; or shorten it"
         other = path._replace(points=points + offset * pitch)
         reach, height, swing, first = other.points[0].tolist()
         try:

@@ -7,7 +7,8 @@ import pytest
 
 from helpers.machine_log import machine_log
 from polydraulic.errors import InputError
-from polydraulic.identification.machine.machine_log import Known, by_port, judging_rows
+from polydraulic.identification.machine.machine_log import Known, by_port, judged_by, judging_rows
+from polydraulic.networks import Model, Network, Variable
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import LINKS
 
@@ -56,3 +57,14 @@ def test_a_bypass_that_never_closes_stands_in_a_model_file(machine):
     known = known._replace(circuits={**known.circuits, "series": open_})
     data = json.loads(json.dumps(known.to_data(), allow_nan=False))
     assert Known.from_data(data) == known
+
+
+@pytest.mark.parametrize(
+    "change", [{"circuits": 3}, {"circuits": {"series": 1}}, {"deadband": {"boom": "wide"}}, {"return_pressure": None}]
+)
+def test_a_model_that_does_not_say_how_to_read_a_log_is_refused(machine, change):
+    network = Network((), (0.0,), (1.0,), (0.0,), (1.0,), 0.0, 1.0)
+    how = {**Known.of(machine).to_data(), **change}
+    model = Model((Variable("boom.p_in", "Pa"),), Variable("boom.q_in", "m3/s"), (network,), training={"log": how})
+    with pytest.raises(InputError, match="the model of 'boom.q_in' does not say how to read a log"):
+        judged_by(model)

@@ -102,17 +102,18 @@ class Known(NamedTuple):
 
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> "Known":
-        """From what `to_data` gave."""
+        """From what `to_data` gave; an AttributeError, KeyError, TypeError or ValueError of anything else."""
         circuits = {
             name: KnownCircuit(
-                c["flow"],
-                c["relief"],
+                float(c["flow"]),
+                float(c["relief"]),
                 tuple(c["functions"]),
-                tuple(inf if x is None else x for x in c["closes"]),
+                tuple(inf if x is None else float(x) for x in c["closes"]),
             )
             for name, c in data["circuits"].items()
         }
-        return cls(data["return_pressure"], dict(data["deadband"]), circuits)
+        deadband = {name: float(travel) for name, travel in data["deadband"].items()}
+        return cls(float(data["return_pressure"]), deadband, circuits)
 
     def measured(self) -> list[str]:
         """Columns of a log that are read, besides the time."""
@@ -232,13 +233,17 @@ def _known_by(model: Model) -> Known | None:
     how: Any = model.training.get("log")
     if not isinstance(how, dict):
         return None
-    circuits = how.get("circuits", {}).values()
-    if set(how) != set(Known._fields) or any(set(c) != set(KnownCircuit._fields) for c in circuits):
-        raise InputError(
-            f"the network of {model.output.name!r} was learnt by an earlier version, which wrote less of how to read a log: learn it again "
-            "(polydraulic fit-machine)"
-        )
-    return Known.from_data(how)
+    try:
+        if set(how) == set(Known._fields) and all(
+            set(c) == set(KnownCircuit._fields) for c in how["circuits"].values()
+        ):
+            return Known.from_data(how)
+    except (AttributeError, KeyError, TypeError, ValueError):  # a file that somebody changed
+        pass
+    raise InputError(
+        f"the model of {model.output.name!r} does not say how to read a log: it was learnt by an earlier version, which wrote less of it, or its file "
+        "was changed; learn it again (polydraulic fit-machine)"
+    )
 
 
 def some_rows(table: Table, keep: np.ndarray) -> Table:
