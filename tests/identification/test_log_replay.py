@@ -145,6 +145,16 @@ def test_the_picture_says_how_many_windows_it_does_not_show(found):
             5.0,
             "column 'stick.angle' is in 'deg'; a machine runs in SI",
         ),
+        (
+            lambda log: Table(log.columns | {"boom.angle": np.rad2deg(log["boom.angle"])}, log.units),
+            5.0,
+            "column 'boom.angle' lies between .* it must be in rad",
+        ),
+        (
+            lambda log: Table(log.columns | {"boom.p_a": 1e-5 * log["boom.p_a"]}, log.units),
+            5.0,
+            "column 'boom.p_a' comes to .* it must be in Pa",
+        ),
         (lambda log: some(log, slice(None, None, -1)), 5.0, "column 'time' does not rise"),
         (lambda log: Table({"time": log["time"]}, {}), 5.0, "no column 'swing.voltage'"),
         (lambda log: log, 0.0, "a window of 0 s: must be finite and two time steps"),

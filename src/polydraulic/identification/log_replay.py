@@ -16,6 +16,7 @@ from polydraulic.errors import InputError
 from polydraulic.flow.dispatch import FlowModel, build_flow, layout_flow
 from polydraulic.identification.arguments import models_of, parts_of, table_of
 from polydraulic.identification.log_rows import MACHINE_UNITS
+from polydraulic.identification.plausible import check_plausible
 from polydraulic.machine.reach.tip import tip_at_joints
 from polydraulic.networks.model.model import Model
 from polydraulic.pages.text import text_table
@@ -171,7 +172,7 @@ def replay(
     Raises
     ------
     InputError
-        A column is missing or in another unit, times that do not rise, a window of no length, no piece of the log as long as a window,
+        A column is missing, in another unit or beyond all that the machine can do, times that do not rise, a window of no length, no piece of the log as long as a window,
         models of another flow model, or a flow model that does not serve all functions.
     """
     if models is not None and flow not in ("polynomial", "neural"):
@@ -185,6 +186,7 @@ def replay(
             f"{source}: no column {', '.join(map(repr, missing[:_NAMED]))}{more}; a replay needs time and, of each of "
             f"{', '.join(plant.names)}, voltage, angle (position of a joint that slides), spool, p_a and p_b"
         )
+    check_plausible(plant, table)
     if isinstance(flow, str):
         flow = build_flow(flow, plant, **({} if models is None else {"models": models_of(models)}))
     flow = layout_flow(flow, plant)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import gammaincinv
 
 from polydraulic.files import write_text
-from polydraulic.identification.equations.sensors import UNITS
+from polydraulic.identification.plausible import UNITS
 from polydraulic.identification.watching.watch_log import learnt_from, log_blocks, watched_columns
 from polydraulic.measure.bench.sensors import Reading, example_sensors, load_sensors
 from polydraulic.parameters.fault_catalogue import FaultKind, fault_catalogue, timed_faults

@@ -184,6 +184,7 @@ def test_the_card_holds_all_networks_and_the_holes(machine, learnt, tmp_path):
         ({"boom_spool": lambda x: 1000.0 * x}, r"boom.spool goes to \S+ m; the machine's goes to 0.01433 m: give the channel map"),
         ({"stick_q_in": lambda x: 6e4 * x}, r"stick.q_in goes to \S+ m3/s; the machine's goes to 0.00281 m3/s"),
         ({"swing_p_a": lambda x: 1e-5 * x, "swing_p_b": lambda x: 1e-5 * x}, r"swing.p_a and swing.p_b go to \S+ Pa; the relief valve"),
+        ({"swing_p_a": lambda x: 1e-5 * x}, r"column 'swing.p_a' comes to \S+ Pa at most, others to .* bar: it must be in Pa"),
         ({"swing_spool": lambda x: 0.2 * x}, r"swing.spool goes to 0.00\d+ m in 4501 rows and its valve opens at 0.004775 m: nothing"),
     ],
 )  # fmt: skip

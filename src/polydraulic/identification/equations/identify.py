@@ -24,7 +24,7 @@ from polydraulic.identification.equations.identified_file import Identified, fil
 from polydraulic.identification.equations.log_pieces import raster_within
 from polydraulic.identification.equations.mechanics.fit import MechanicsFit
 from polydraulic.identification.equations.pilot_fit import PilotFit
-from polydraulic.identification.equations.sensors import Signals, check_plausible, check_units, read_function
+from polydraulic.identification.equations.sensors import Signals, read_function
 from polydraulic.identification.equations.shooting.fit import ShootingFit
 from polydraulic.identification.equations.shooting.windows import run_sensors
 from polydraulic.identification.equations.ways.by_flows import LEAST_ROWS, find_circuits, find_pilots
@@ -32,6 +32,7 @@ from polydraulic.identification.equations.ways.by_pressures import find_mechanic
 from polydraulic.identification.equations.ways.by_runs import find_left, lacking_for_runs
 from polydraulic.identification.equations.ways.so_far import SoFar
 from polydraulic.identification.equations.words import lines_of
+from polydraulic.identification.plausible import check_plausible, check_units
 from polydraulic.parameters.entries import read_toml
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import load_machine, machine_path

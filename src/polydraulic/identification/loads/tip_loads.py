@@ -13,7 +13,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.motion_rows import Piece, measured_pieces, oil_torques
-from polydraulic.identification.equations.sensors import check_plausible, check_units
+from polydraulic.identification.plausible import check_plausible, check_units
 from polydraulic.machine.frames import link_frames
 from polydraulic.machine.newton_euler import axis_of, needed_wrenches
 from polydraulic.machine.reach.tip import tip_jacobian

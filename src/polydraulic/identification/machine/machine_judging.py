@@ -7,6 +7,7 @@ from polydraulic.identification.arguments import parts_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.identification.machine.machine_learning import CELL
 from polydraulic.identification.machine.machine_log import Known, judging_rows, some_rows
+from polydraulic.identification.plausible import check_pressures
 from polydraulic.networks.hold_out import BLOCKS, held_rows
 from polydraulic.networks.model.model import Model
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -85,6 +86,7 @@ def check_numbers(machine: LayoutMachine, known: Known, log: Table) -> None:
                 f"{function}.p_a and {function}.p_b go to {highest:.4g} Pa; the relief valve opens at {relief:.4g} Pa: "
                 "give the channel map the unit of the log"
             )
+    check_pressures(log)
 
 
 def check_rows(log: Table, held: np.ndarray, known: Known) -> None:

@@ -12,7 +12,7 @@ from polydraulic.errors import InputError
 from polydraulic.identification.arguments import table_of
 from polydraulic.identification.equations.log_pieces import raster_of
 from polydraulic.identification.equations.noise import noise_level
-from polydraulic.identification.equations.sensors import UNITS, check_plausible, check_units
+from polydraulic.identification.plausible import UNITS, check_plausible, check_units
 from polydraulic.identification.watching.fault_networks import networks_ending, networks_for
 from polydraulic.pages.text import text_table
 from polydraulic.parameters.layout.schema import LayoutMachine

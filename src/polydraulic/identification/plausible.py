@@ -1,0 +1,101 @@
+"""Whether the numbers of a log can be those of a machine in SI, whatever its table says of units."""
+
+import numpy as np
+
+from polydraulic.display import amount
+from polydraulic.errors import InputError
+from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.tables import Table
+
+UNITS = {
+    "spool": "m",
+    "p_a": "Pa",
+    "p_b": "Pa",
+    "q_in": "m3/s",
+    "q_out": "m3/s",
+    "voltage": "V",
+    "angle": "rad",
+    "position": "m",
+}
+_BEYOND = 0.1  # rad or m, that a sensor may be off
+_LEAST_PRESSURE = 1e5  # Pa
+_LEAST_OF_ONE = 1e4  # Pa, which even the port of a returning line passes; 10,000 psi and more nobody has
+_TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
+_LEVERS = 10.0  # times the voltage of full travel
+_MANY = 0.05  # share of rows that are no outliers
+
+
+def position_column(machine: LayoutMachine, f: MachineFunction) -> str:
+    """Name of the column of a function's joint."""
+    return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
+
+
+def check_units(table: Table) -> None:
+    """Refuse columns that are not in SI."""
+    for name in table.names:
+        si = UNITS.get(name.split(".")[-1])
+        if si is not None and table.unit(name) not in ("", si):
+            raise InputError(
+                f"column {name!r} is in {table.unit(name)!r}; a machine is identified in SI, this in {si!r}"
+            )
+
+
+def check_plausible(machine: LayoutMachine, table: Table) -> None:
+    """Refuse columns that no sensor of this machine reads in SI, whatever the table says of units.
+
+    Raises
+    ------
+    InputError
+        Where most rows of a position lie far beyond the joint's stops, many of a spool or a flow beyond all that the machine has, no pressure
+        of the log comes to one bar, or a single one that varies not to a tenth of it; or levers go many times beyond the voltage of full travel.
+    """
+    most_flow = _FLOWS * max(circuit.pump.flow for circuit in machine.circuits)
+    for f in machine.functions:
+        name = position_column(machine, f)
+        if name in table.names:
+            far = np.maximum(table[name] - f.stops.high, f.stops.low - table[name]) > _BEYOND
+            if far.mean() > 0.5:
+                unit = "m" if name.endswith(".position") else "rad"
+                stops = f"its joint's stops at {f.stops.low:.4g} and {f.stops.high:.4g} {unit}"
+                raise _not_si(table, name, f"{stops}: it must be in {unit}, with the zero of the machine file")
+        for what, unit, most in (
+            ("spool", "m", _TRAVELS * f.valve.knots[-1]),
+            ("q_in", "m3/s", most_flow),
+            ("q_out", "m3/s", most_flow),
+        ):
+            name = f"{f.name}.{what}"
+            if name in table.names and (np.abs(table[name]) > most).mean() > _MANY:
+                raise _not_si(table, name, f"no more than {most:.4g} {unit} can be: it must be in {unit}")
+        name, full = f"{f.name}.voltage", f.valve.knots[-1] / f.pilot.gain
+        if name in table.names and (np.abs(table[name]) > _LEVERS * full).mean() > _MANY:
+            raise _not_si(
+                table,
+                name,
+                f"and by the file's pilot {amount(full, 'V')} gives full travel: it must be in V, not in per cent of a lever's way",
+            )
+    check_pressures(table)
+
+
+def check_pressures(table: Table) -> None:
+    """Refuse pressures that are not in Pa: none of the log comes to one bar, or a single one that varies not to a tenth of it."""
+    highest = {name: float(table[name].max()) for name in table.names if name.split(".")[-1] in ("p_a", "p_b")}
+    most = max(highest.values(), default=0.0)
+    if 0.0 < most < _LEAST_PRESSURE:
+        raise InputError(
+            f"the largest pressure at a port of the log is {most:.4g} Pa, and oil that works has more than 1 bar, {_LEAST_PRESSURE:g} Pa: pressures "
+            "must be in Pa; import the log with the sensors' unit"
+        )
+    for name, largest in highest.items():
+        if 0.0 < largest < _LEAST_OF_ONE and np.ptp(table[name]) > 0.0:
+            raise InputError(
+                f"column {name!r} comes to {largest:.4g} Pa at most, others to {amount(most, 'Pa')}: it must be in Pa; import the log with that "
+                "sensor's unit, or leave the column out if the sensor is dead"
+            )
+
+
+def _not_si(table: Table, name: str, why: str) -> InputError:
+    values = table[name]
+    return InputError(
+        f"column {name!r} lies between {values.min():.4g} and {values.max():.4g}, {why}; import the log with the sensor's unit"
+    )
