@@ -3,7 +3,13 @@ import pytest
 
 from polydraulic import load_machine
 from polydraulic.errors import InputError
-from polydraulic.identification.plausible import check_plausible, check_pressures, check_units, position_column
+from polydraulic.identification.plausible import (
+    check_plausible,
+    check_pressures,
+    check_units,
+    contradictions,
+    position_column,
+)
 from polydraulic.tables import Table
 
 WAVE = np.sin(np.arange(100) / 9.0)
@@ -42,3 +48,11 @@ def test_pressures_that_are_all_in_bar_are_named_and_a_dead_sensor_is_none():
 
 def test_the_column_of_a_joint_goes_by_its_kind(excavator):
     assert [position_column(excavator, f) for f in excavator.functions] == ["swing.angle", "boom.angle", "stick.angle"]
+
+
+def test_sensors_contradict_each_other_where_much_of_a_flow_is_left():
+    assert contradictions("boom", 0.05 * 2.8e-3, 2.8e-3) == []
+    assert contradictions("boom", np.nan, 2.8e-3) == []
+    (text,) = contradictions("boom", 1.5e-3, 2.8e-3)
+    assert text.startswith("flows of boom are 54 % of the pump's off on rows held out")
+    assert "sign of boom.spool" in text

@@ -24,6 +24,7 @@ _LEAST_OF_ONE = 1e4  # Pa, which even the port of a returning line passes; 10,00
 _TRAVELS, _FLOWS = 5.0, 100.0  # times the valve's travel and the largest pump's flow, beyond which a unit is wrong
 _LEVERS = 10.0  # times the voltage of full travel
 _MANY = 0.05  # share of rows that are no outliers
+_CONTRADICTED = 0.2  # of the pump's flow: what equations or networks leave of a flow is a few per cent of it where the log is of the machine
 
 
 def position_column(machine: LayoutMachine, f: MachineFunction) -> str:
@@ -99,3 +100,13 @@ def _not_si(table: Table, name: str, why: str) -> InputError:
     return InputError(
         f"column {name!r} lies between {values.min():.4g} and {values.max():.4g}, {why}; import the log with the sensor's unit"
     )
+
+
+def contradictions(function: str, left: float, pump_flow: float) -> list[str]:
+    """A sentence on a valve of which so much of a flow is left (m3/s, on rows held out) that its sensors contradict each other; or none."""
+    if not left > _CONTRADICTED * pump_flow:
+        return []
+    return [
+        f"flows of {function} are {100.0 * left / pump_flow:.0f} % of the pump's off on rows held out: its sensors contradict each other; look "
+        f"whether the sign of {function}.spool is turned, {function}.p_a and {function}.p_b are exchanged, or a clock is shifted"
+    ]

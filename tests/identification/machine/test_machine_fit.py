@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from polydraulic.identification import Drift, fit_machine, machine_coverage, wri
 from polydraulic.identification.log_replay import drift_rows
 from polydraulic.identification.machine import machine_fit
 from polydraulic.identification.machine.machine_fit import heads, kept, summary
-from polydraulic.identification.machine.machine_judging import held_out, one_sided
+from polydraulic.identification.machine.machine_judging import contradicted, held_out, one_sided
 from polydraulic.identification.machine.machine_log import Known, as_judged, by_port, judging_rows
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
@@ -208,6 +209,18 @@ def test_a_spool_that_moves_one_way_alone_is_told(known):
     one_way = by_port(known, changed(table, boom_spool=np.abs(table["boom.spool"])))
     (statement,) = one_sided(one_way, known)
     assert statement.startswith("boom.spool opens its valve to the negative side in 0 of 4501 rows")
+
+
+def test_sensors_of_a_valve_that_contradict_each_other_are_named(known):
+    def output(name, rms):
+        return SimpleNamespace(
+            model=SimpleNamespace(output=SimpleNamespace(name=name), training={"held_out_flow_rms": rms})
+        )
+
+    flow = known.circuit("boom").flow
+    fits = [output("boom.q_in", 0.1 * flow), output("boom.k_out", 0.9 * flow), output("stick.k_out", 0.05 * flow)]
+    (statement,) = contradicted(fits, known)
+    assert statement.startswith("flows of boom are 90 % of the pump's off on rows held out")
 
 
 def points_of(machine, circuit, n=3000):

@@ -16,6 +16,7 @@ from polydraulic.identification.log_replay import DRIFT_HEADS, Drift, against_lo
 from polydraulic.identification.machine.machine_judging import (
     check_numbers,
     check_rows,
+    contradicted,
     held_out,
     judged_network,
     one_sided,
@@ -172,7 +173,8 @@ def fit_machine(
         windows, drifts = f"not run against the log: nothing is learnt of {', '.join(idle)}", list[Drift]()
     else:
         windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
-    return MachineFit(outputs, without, held, windows, drifts, one_sided(log, known), plant, known, log, source)
+    warnings = one_sided(log, known) + contradicted(outputs, known)
+    return MachineFit(outputs, without, held, windows, drifts, warnings, plant, known, log, source)
 
 
 def _known(machine: LayoutMachine, circuits: Sequence[str] | None) -> Known:

@@ -1,5 +1,8 @@
 """How good the networks of a machine are: each judged by blocks of time that an earlier one has not seen; what a log must hold for that."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from polydraulic.errors import InputError
@@ -7,7 +10,7 @@ from polydraulic.identification.arguments import parts_of
 from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.identification.machine.machine_learning import CELL
 from polydraulic.identification.machine.machine_log import Known, judging_rows, some_rows
-from polydraulic.identification.plausible import check_pressures
+from polydraulic.identification.plausible import check_pressures, contradictions
 from polydraulic.networks.hold_out import BLOCKS, held_rows
 from polydraulic.networks.model.model import Model
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -66,6 +69,16 @@ def one_sided(log: Table, known: Known) -> list[str]:
                     f"{function}.spool opens its valve to the {side} side in {count} of {len(log)} rows: nothing is known of it there"
                 )
     return found
+
+
+def contradicted(outputs: Sequence[OutputFit], known: Known) -> list[str]:
+    """Sentences on valves whose sensors contradict each other, by the larger error of their networks."""
+    left: dict[str, float] = {}
+    for output in outputs:
+        function = output.model.output.name.split(".")[0]
+        rms: Any = output.model.training["held_out_flow_rms"]
+        left[function] = max(left.get(function, 0.0), rms)
+    return [text for name, flow in left.items() for text in contradictions(name, flow, known.circuit(name).flow)]
 
 
 def check_numbers(machine: LayoutMachine, known: Known, log: Table) -> None:

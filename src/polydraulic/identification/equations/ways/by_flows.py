@@ -12,6 +12,7 @@ from polydraulic.identification.equations.identified_file import Identified
 from polydraulic.identification.equations.pilot_fit import PilotFit, told_dead_time
 from polydraulic.identification.equations.sensors import Signals, missing_for_circuit
 from polydraulic.identification.equations.ways.so_far import SoFar
+from polydraulic.identification.plausible import contradictions
 from polydraulic.parameters.layout.parts import MachineFunction, Seen, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 
@@ -158,8 +159,10 @@ def _circuit_changes(
 def _remarks(machine: LayoutMachine, circuits: dict[str, CircuitFound]) -> list[str]:
     """What is determined within what error, and what is not, in words."""
     found = []
-    for c in circuits.values():
+    for circuit, c in circuits.items():
         for name, v in c.valves.items():
+            left = float(np.nan_to_num([v.q_in_left, v.q_out_left]).max())
+            found += contradictions(name, left, machine.circuit(circuit).pump.flow)
             knots = np.array(v.curves.knots)
             for key in CURVES:
                 values, errors = np.array(getattr(v.curves, key)), v.errors[key]
