@@ -43,6 +43,7 @@ TESTED_ELSEWHERE = {
     "export/onnx_tables.py": ("export/test_onnx.py", "both forms run in ONNX Runtime there"),
     "export/fresh.py": ("export/test_verify.py", "every target runs in a process of its own there"),
     "export/fresh_script.py": ("export/test_verify.py", "what those processes run"),
+    "export/fmu/due.py": ("export/fmu/test_machine.py", "steps of the machine there, and rows in ../watch/test_fmu.py"),
     "export/fmu/xml.py": ("export/fmu/test_networks.py", "descriptions are validated and read by importers"),
     "export/fmu/machine_parameters.py": (
         "export/fmu/test_machine.py",
@@ -95,6 +96,8 @@ TESTED_ELSEWHERE = {
     "watch/learning.py": ("watch/test_watch.py", "what is to be expected of the machines that are watched there"),
     "watch/plan.py": ("watch/test_residuals.py", "what cases share is one step there"),
     "watch/watched.py": ("watch/test_watch.py", "machines that are watched, or refused"),
+    "watch/kernels/alarms.py": ("watch/kernels/test_text.py", "blocks decide there, and in ../test_watch.py"),
+    "watch/kernels/numbers.py": ("watch/kernels/test_text.py", "what kernels are given there"),
     "watch/kernels/evidence.py": ("watch/test_sequential.py", "sums of evidence are gathered there"),
     "watch/kernels/scores.py": (
         "watch/kernels/test_text.py",

@@ -6,7 +6,7 @@ import pytest
 from helpers.watched_logs import blocks, healthy_log, known, log_of, watched_by
 from polydraulic import InputError
 from polydraulic.watch.learning import learn_expected
-from polydraulic.watch.watch import FaultWatch, Frozen
+from polydraulic.watch.watch import FaultWatch
 from polydraulic.watch.watched import watched
 
 
@@ -62,19 +62,6 @@ def test_of_sensors_that_stay_nothing_is_told_before_their_functions_work():
     assert any(outlook.share > 0.0 for outlook in stays)
 
 
-def test_a_sensor_that_stays_stays_since_it_did(monkeypatch):
-    """No test is beyond its threshold: that it stays is all that is known."""
-    of, expected = known()
-    log = log_of(of.machine, 21, 40.0)
-    n = len(blocks(of, log)[1])
-    frozen = iter([[Frozen("lift.p_b", k - 5, True)] if k > 20 else [] for k in range(n)])
-    monkeypatch.setattr(FaultWatch, "_frozen", lambda self: next(frozen))
-    (alarm,) = watched_by(of, expected, log).alarms
-    begins = blocks(of, log)[1]
-    assert alarm.seen == pytest.approx(begins[21] + of.shape.seconds)
-    assert alarm.since == pytest.approx(begins[21 + 1 - 16])
-
-
 def test_rows_one_by_one_are_as_blocks():
     of, expected = known()
     log = log_of(of.machine, 23, 30.0, ["work.pump_worn from 8 s"])
@@ -83,7 +70,7 @@ def test_rows_one_by_one_are_as_blocks():
     for time, row in zip(log["time"].tolist(), values, strict=True):
         streamed.update(time, row)
     assert streamed.blocks == whole.blocks > 20
-    assert np.allclose(streamed.evidence.sums, whole.evidence.sums, rtol=1e-9, atol=1e-9)
+    assert np.allclose(streamed.shares, whole.shares, rtol=1e-9, atol=1e-9)
     (one,), (other,) = streamed.alarms, whole.alarms
     assert one[:3] == other[:3]
     assert [s.name for s in one.suspects] == [s.name for s in other.suspects] == ["work.pump_worn"]

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from polydraulic.cli.application import app
+from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
 
@@ -43,6 +44,12 @@ def watch(
             help="Abductive networks, .json, that name the kind of a fault as well; learnt from simulated faults and written if the file is not there."
         ),
     ] = None,
+    export: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Folder to write the watch to as C99, or an .fmu file: rows in, alarms out; repeat for both."
+        ),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if there is an alarm that is no unusual work.")
     ] = False,
@@ -59,16 +66,25 @@ def watch(
 
     - With pressures, angles and levers alone: `polydraulic watch later.parquet --machine identified.toml --sensors '*.p_?' --sensors '*.angle' --sensors '*.voltage'`
 
+    - For a controller, without Python: `polydraulic watch later.parquet --machine identified.toml --healthy day1.parquet --export watch_c --export watch.fmu`
+
     - To try it: `polydraulic record random:5:600 --fault "boom.leak_across from 300 s" --sensors sensors.toml --out log.mf4`, then `polydraulic import`
 
     What comes next: look at the page in a browser; a table that is healthy beyond doubt makes a better `--healthy`.
     """
+    from polydraulic.export.model_bundle import c_name
+    from polydraulic.export.watch.fmu import export_watch_fmu
+    from polydraulic.export.watch.source import export_watch
     from polydraulic.identification.watching.watch_log import watch_log
     from polydraulic.identification.watching.watch_page import watch_page_ending, write_watch_page
     from polydraulic.watch.learning import FALSE_ALARMS
+    from polydraulic.watch.watch import FaultWatch
 
     if out is not None:
         watch_page_ending(out)
+    for path in export or ():
+        if path.suffix not in ("", ".fmu"):
+            raise InputError(f"--export {path}: must be a folder, for C99, or end in .fmu")
     rate = FALSE_ALARMS if false_alarms is None else false_alarms
     with progress_bar("watch") as progress:
         found = watch_log(
@@ -79,5 +95,8 @@ def watch(
     print(found)
     if out is not None:
         print(f"{out}: written")
+    for path in export or ():
+        watch, name = FaultWatch(found.of, found.expected, rate), c_name(path.stem)
+        print(export_watch_fmu(watch, path, name=name) if path.suffix else export_watch(watch, path, name=name))
     if strict and found.faulty:
         raise typer.Exit(1)

@@ -12,6 +12,8 @@ from .names import c_name
 from .onnx import export_onnx, to_onnx
 from .targets import TARGETS, export_models
 from .verify import Agreement, agreement_table, verify_models
+from .watch.fmu import export_watch_fmu
+from .watch.source import export_watch, watch_c
 
 __all__ = [
     "TARGETS",
@@ -31,6 +33,8 @@ __all__ = [
     "export_machine_fmu",
     "export_models",
     "export_onnx",
+    "export_watch",
+    "export_watch_fmu",
     "machine_c",
     "to_c",
     "to_latex",
@@ -39,5 +43,6 @@ __all__ = [
     "to_sympy",
     "to_text",
     "verify_models",
+    "watch_c",
     "write_fmu",
 ]

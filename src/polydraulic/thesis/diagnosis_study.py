@@ -231,7 +231,7 @@ def evidence_over_time(case: WatchedCase, kind: FaultKind, seed: int) -> Table:
 
 
 def _keep(watch: FaultWatch, seen: list[np.ndarray]) -> Callable[[], None]:
-    return lambda: seen.append(watch.evidence.sums.max(axis=1) / watch.evidence.limits.threshold)
+    return lambda: seen.append(watch.shares)
 
 
 def _blocks(case: WatchedCase, log: Table) -> tuple[dict[str, np.ndarray], np.ndarray]:

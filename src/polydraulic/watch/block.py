@@ -10,6 +10,11 @@ from polydraulic.watch.blocks import BlockShape
 from polydraulic.watch.channels import WatchChannel
 from polydraulic.watch.directions import Direction, Scores
 from polydraulic.watch.flat import states_table
+from polydraulic.watch.kernels.alarms import decide
+from polydraulic.watch.kernels.evidence import KEPT, room_of_evidence
+from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE, HEAD_OF_MARKS, OPENED, WatchNumbers
+from polydraulic.watch.kernels.rows import FULL, JUDGED, keep_rows, take_row
+from polydraulic.watch.kernels.scores import room_of_scores
 from polydraulic.watch.kernels.text import kernels_for
 from polydraulic.watch.noise import first_variances
 from polydraulic.watch.plan import PlanArrays
@@ -34,8 +39,7 @@ class BlockPlan(NamedTuple):
     machine : LayoutMachine
     columns : tuple of str
     shape : BlockShape
-    directions : int
-        How many.
+    directions : tuple of Direction
     places : tuple of ChannelPlace
     arrays : PlanArrays
         Its tables are those of `score` and `sensor_states`.
@@ -44,7 +48,7 @@ class BlockPlan(NamedTuple):
     machine: LayoutMachine
     columns: tuple[str, ...]
     shape: BlockShape
-    directions: int
+    directions: tuple[Direction, ...]
     places: tuple[ChannelPlace, ...]
     arrays: PlanArrays
 
@@ -68,11 +72,32 @@ def block_plan(
         touched = [(d, case[k]) for d, case in enumerate(cases) if case[k] != place.own]
         table += [place.own, place.variance, place.length, len(touched), *(part for pair in touched for part in pair)]
     states = states_table(residuals.plan, machine, columns, shape, noise)
-    return BlockPlan(machine, tuple(columns), shape, len(directions), places, residuals.plan.arrays(table, states))
+    return BlockPlan(machine, tuple(columns), shape, tuple(directions), places, residuals.plan.arrays(table, states))
+
+
+class AlarmTests(NamedTuple):
+    """When a machine that is watched gives an alarm.
+
+    Attributes
+    ----------
+    together : (n_direction,) array
+        What evidence of each direction is divided by.
+    common : float
+        The same of a diagnosis.
+    threshold : float
+        Of the evidence.
+    longest : sequence of int
+        Blocks from which on each sensor stays for too long.
+    """
+
+    together: np.ndarray
+    common: float
+    threshold: float
+    longest: Sequence[int]
 
 
 class BlockJudge:
-    """A block after the other.
+    """A block after the other, in arrays that kernels fill.
 
     Parameters
     ----------
@@ -81,61 +106,119 @@ class BlockJudge:
         Of each channel: variance to add, and factor, as healthy blocks showed them.
     offset, jitter : (n_direction,) array
         Of healthy work.
+    tests : AlarmTests, optional
+        For alarms.
 
     Attributes
     ----------
-    rows : (n_row (1 + n_column),) array
-        The block: time and values of each row, to be filled by the caller.
+    numbers : WatchNumbers
+        All that kernels read.
+    live, marks : arrays of float and int
+        What is kept from row to row and from block to block.
     work : array
-        Room of the plan's steps.
+        What is filled anew with each block.
+    rows : (n_row, 1 + n_column) array
+        The block, a part of `live`: time and values of each row.
     pull, white_pull, white_information : (n_direction,) arrays
-    information : (n_direction n_direction,) array
-    states : (2 n_column,) array of int
-        Of each sensor `FLAT`, `MOVES` or `RESTS`, and then what the kernel needs.
+    information : (n_direction, n_direction) array
+    states : (n_column,) array of int
+        `FLAT`, `MOVES` or `RESTS` of each sensor.
     """
 
     def __init__(
-        self, plan: BlockPlan, scales: Sequence[tuple[float, float]], offset: np.ndarray, jitter: np.ndarray
+        self,
+        plan: BlockPlan,
+        scales: Sequence[tuple[float, float]],
+        offset: np.ndarray,
+        jitter: np.ndarray,
+        tests: AlarmTests | None = None,
     ) -> None:
-        n, columns = plan.directions, len(plan.columns)
-        self.plan, self.kernels = (
-            plan,
-            kernels_for(len(c.functions) for c in plan.machine.circuits if c.kind != "crossover"),
-        )
-        self.rows, self.work = np.zeros(plan.shape.rows * (1 + columns)), np.zeros(plan.arrays.size)
-        self.pull, self.information = np.zeros(n), np.zeros(n * n)
-        self.white_pull, self.white_information = np.zeros(n), np.zeros(n)
-        self.states = np.zeros(2 * columns, dtype=np.int64)
-        self._numbers = np.array(scales, dtype=np.float64).ravel(), offset.astype(float), jitter.astype(float)
-        self._room = np.zeros(n * (2 * n + 1))
+        n, sensors = len(plan.directions), len(plan.columns)
+        tests = AlarmTests(np.ones(n), 1.0, np.inf, [1] * sensors) if tests is None else tests
+        self.plan = plan
+        self.kernels = kernels_for(len(c.functions) for c in plan.machine.circuits if c.kind != "crossover")
+        names = owner_names(plan.machine, plan.directions)
+        at_times = HEAD_OF_LIVE + plan.shape.rows * (1 + sensors)
+        at_sums = at_times + KEPT + 1
+        at_chances = at_sums + room_of_evidence(n)
+        kinds = [d.name for d in plan.directions]
+        owners = [d.name.partition(".")[0] for d in plan.directions] + [c.partition(".")[0] for c in plan.columns]
+        self.numbers = WatchNumbers(
+            ints=plan.arrays.ints, floats=plan.arrays.floats, scales=np.array(scales, dtype=np.float64).ravel(),
+            offset=offset.astype(np.float64), jitter=jitter.astype(np.float64), together=tests.together.astype(np.float64),
+            down=_whole([d.both for d in plan.directions]), group=_whole([kinds.index(kind) for kind in kinds]),
+            harmless=_whole([d.harmless for d in plan.directions]), owner=_whole([names.index(owner) for owner in owners]),
+            belongs=_belonging(plan.machine, plan.columns, names), limits=_whole(tests.longest), directions=n, sensors=sensors,
+            owners=len(names), rows=plan.shape.rows, before=plan.shape.before, inside=plan.shape.inside,
+            score_table=plan.arrays.tables[0], states_table=plan.arrays.tables[1], in_work=plan.arrays.size, at_rows=HEAD_OF_LIVE,
+            at_times=at_times, at_sums=at_sums, at_chances=at_chances, in_marks=HEAD_OF_MARKS, threshold=float(tests.threshold),
+            common=float(tests.common), raster=float(plan.shape.raster),
+        )  # fmt: skip
+        self.live = np.zeros(at_chances + n)
+        self.marks = np.zeros(HEAD_OF_MARKS + 2 * n + 4 * sensors + len(names), dtype=np.int64)
+        self.marks[OPENED] = -1
+        self.work = np.zeros(plan.arrays.size + room_of_scores(n))
+        self.rows = self.live[HEAD_OF_LIVE:at_times].reshape(plan.shape.rows, 1 + sensors)
+        scores = np.split(self.work[plan.arrays.size :], np.cumsum([n, n * n, n, n]))
+        self.pull, self.information, self.white_pull, self.white_information, self.seen = scores
+        self.information = self.information.reshape(n, n)
+        self.states = self.marks[HEAD_OF_MARKS + 2 * n + 2 * sensors + len(names) :][:sensors]
 
     def load(self, readings: Readings, k: int) -> None:
         """Fill `rows` with a block of readings; its times stay what they are."""
-        rows = self.rows.reshape(self.plan.shape.rows, -1)
         for place, column in enumerate(self.plan.columns, 1):
-            rows[:, place] = readings[column][k]
+            self.rows[:, place] = readings[column][k]
 
     def residuals(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Residual and variance by the noise of sensors of each channel, of the block in `rows`; copies."""
-        arrays = self.plan.arrays
-        self.kernels.run_plan(arrays.ints, arrays.floats, self.rows, self.work)
+        self.kernels.run_plan(self.numbers.ints, self.numbers.floats, self.live, self.work)
         return [
             (self.work[p.own : p.own + p.length].copy(), self.work[p.variance : p.variance + p.length].copy())
             for p in self.plan.places
         ]
 
     def judge(self) -> None:
-        """Fill everything else from the block in `rows`."""
-        arrays = self.plan.arrays
-        self.kernels.judge_block(
-            arrays.ints, arrays.floats, self.rows, *self._numbers, self.work, self.pull, self.information, self._room,
-            self.white_pull, self.white_information, self.states, *arrays.tables,
-        )  # fmt: skip
+        """Fill scores and states from the block in `rows`."""
+        self.kernels.judge_block(self.numbers, self.work, self.live, self.marks)
+
+    def block(self) -> int:
+        """Judge the block in `rows` and take what it says: `NONE`, `GOES_ON` or `BEGINS`, of an alarm."""
+        self.judge()
+        return int(decide(self.numbers, self.work, self.live, self.marks))
+
+    def row(self, time: float, row: np.ndarray) -> int:
+        """Take a row: what became of it, and `JUDGED` with what that means for alarms of one that completes a block."""
+        of = self.numbers
+        became = int(take_row(time, row, of.rows, self.live, of.at_rows, self.marks, of.raster))
+        if became == FULL:
+            became = JUDGED + self.block()
+            keep_rows(self.live, of.at_rows, of.rows, of.inside, of.sensors + 1, self.marks)
+        return became
+
+
+def owner_names(machine: LayoutMachine, directions: Sequence[Direction]) -> list[str]:
+    """What faults are of: functions, circuits, and whatever else directions begin with."""
+    names = [*machine.names, *(c.name for c in machine.circuits), *(d.name.partition(".")[0] for d in directions)]
+    return list(dict.fromkeys(names))
+
+
+def _belonging(machine: LayoutMachine, columns: Sequence[str], names: Sequence[str]) -> np.ndarray:
+    """Of each sensor, of what a fault may be that it looks like when it stays: its function, and the circuit of that."""
+    found = np.zeros((len(columns), len(names)), dtype=np.int64)
+    for k, column in enumerate(columns):
+        function = column.partition(".")[0]
+        for name in (function, *(c.name for c in machine.circuits if function in c.functions)):
+            found[k, names.index(name)] = 1
+    return found.ravel()
+
+
+def _whole(values: Sequence[int]) -> np.ndarray:
+    return np.array(values, dtype=np.int64)
 
 
 def residuals_of(plan: BlockPlan, readings: Readings) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Residuals of each channel, and their variances by the noise of sensors, (n_block, n_instant) each."""
-    n = plan.directions
+    n = len(plan.directions)
     judge = BlockJudge(plan, [(0.0, 1.0)] * len(plan.places), np.zeros(n), np.zeros(n))
     blocks = []
     for k in range(_blocks_of(readings)):
@@ -149,15 +232,14 @@ def residuals_of(plan: BlockPlan, readings: Readings) -> tuple[list[np.ndarray],
 
 def scores_of(plan: BlockPlan, readings: Readings, scales: Sequence[tuple[float, float]]) -> tuple[Scores, np.ndarray]:
     """What blocks say of every direction, and `FLAT`, `MOVES` or `RESTS` of each sensor, (n_block, n_column)."""
-    n, blocks = plan.directions, _blocks_of(readings)
+    n, blocks = len(plan.directions), _blocks_of(readings)
     judge = BlockJudge(plan, scales, np.zeros(n), np.zeros(n))
     scores = Scores(np.empty((blocks, n)), np.empty((blocks, n, n)))
     states = np.empty((blocks, len(plan.columns)), dtype=np.int64)
     for k in range(blocks):
         judge.load(readings, k)
         judge.judge()
-        scores.pull[k], scores.information[k] = judge.pull, judge.information.reshape(n, n)
-        states[k] = judge.states[: len(plan.columns)]
+        scores.pull[k], scores.information[k], states[k] = judge.pull, judge.information, judge.states
     return scores, states
 
 

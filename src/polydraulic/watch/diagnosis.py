@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.watch.directions import Direction
+from polydraulic.watch.kernels.evidence import diagnose
+from polydraulic.watch.kernels.numbers import MOST_LISTED
 from polydraulic.watch.sequential import Since
-
-ELSE = 0.02  # probability from which on another fault is named
-_MOST_ELSE = 4
 
 
 class Suspect(NamedTuple):
@@ -46,26 +45,35 @@ def suspects_of(directions: Sequence[Direction], seen: Since, together: float) -
     together : float
         What evidence is divided by.
     """
-    pull, information = seen.pull, seen.information
-    known = np.maximum(information, 1e-300)
-    amount = pull / known
-    # less what a size that is free costs
-    evidence = evidence_of(directions, seen, together) - 0.5 * np.log1p(information / together)
-    best = float(evidence.max())
-    if not best > 0.0:
-        return []
-    probability = np.exp(evidence - best)
-    probability /= probability.sum()
-    scatter = np.maximum(scatter_of(seen), together)
-    found: dict[str, Suspect] = {}
-    for k in np.argsort(-probability).tolist():
-        d = directions[k]
-        if d.name in found:  # of another size
-            found[d.name] = found[d.name]._replace(probability=found[d.name].probability + float(probability[k]))
-        elif not found or (probability[k] >= ELSE and len(found) <= _MOST_ELSE):
-            size, error = float(amount[k] * d.size), float(np.sqrt(scatter[k] / known[k]) * d.size)
-            found[d.name] = Suspect(d.name, _title(d, size, error), float(probability[k]), size, error, d.harmless)
-    return sorted(found.values(), key=lambda suspect: -suspect.probability)
+    n, names = len(directions), [d.name for d in directions]
+    chances, listed = np.zeros(n), np.zeros(MOST_LISTED, dtype=np.int64)
+    down = np.array([d.both for d in directions], dtype=np.int64)
+    group = np.array([names.index(name) for name in names], dtype=np.int64)
+    sums = np.concatenate(seen[:3])
+    count = diagnose(sums, 0, n, float(together), down, group, chances, 0, listed, 0)
+    return named_suspects(directions, seen, together, chances, listed[:count].tolist())
+
+
+def named_suspects(
+    directions: Sequence[Direction], seen: Since, together: float, chances: np.ndarray, listed: Sequence[int]
+) -> list[Suspect]:
+    """Suspects by the numbers of their directions, with sizes from what was seen.
+
+    Parameters
+    ----------
+    directions, seen, together
+        As of `suspects_of`.
+    chances : (n_direction,) array
+        Probability of each direction.
+    listed : sequence of int
+    """
+    found, scatter = [], np.maximum(scatter_of(seen), together)
+    for k in listed:
+        d, known = directions[k], max(float(seen.information[k]), 1e-300)
+        size, error = float(seen.pull[k] / known * d.size), float(np.sqrt(scatter[k] / known) * d.size)
+        likely = sum(float(chance) for other, chance in zip(directions, chances, strict=True) if other.name == d.name)
+        found.append(Suspect(d.name, _title(d, size, error), likely, size, error, d.harmless))
+    return found
 
 
 def evidence_of(directions: Sequence[Direction], seen: Since, together: float) -> np.ndarray:

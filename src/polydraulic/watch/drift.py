@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.watch.diagnosis import ELSE, Suspect, sized
+from polydraulic.watch.diagnosis import Suspect, sized
 from polydraulic.watch.directions import Direction
+from polydraulic.watch.kernels.evidence import ELSE
 from polydraulic.watch.sequential import EvidenceSums
 
 BIAS, DRIFT = ".bias", ".drift"

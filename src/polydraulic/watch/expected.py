@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.watch.directions import Scores
-from polydraulic.watch.kernels.scores import whiten
+from polydraulic.watch.kernels.scores import room_of_scores, whiten
 
 _PASSES = 30
 _FIRST_JITTER, _FIRST_WEIGHT = 0.1, 5.0  # of a direction, before any block is seen, and how many blocks that counts for
@@ -57,10 +57,11 @@ class Whitened(NamedTuple):
 def whitened(scores: Scores, offset: np.ndarray, jitter: np.ndarray) -> Whitened:
     """Scores of blocks less what is to be expected, weighted by how well a block tells it from the jitter."""
     n_block, n = scores.pull.shape
-    room, found = np.empty(n * (2 * n + 1)), Whitened(np.empty((n_block, n)), np.empty((n_block, n)))
+    work, found = np.empty(room_of_scores(n)), Whitened(np.empty((n_block, n)), np.empty((n_block, n)))
     for k in range(n_block):
-        information = np.ascontiguousarray(scores.information[k]).ravel()
-        whiten(scores.pull[k], information, offset, jitter, room, found.pull[k], found.information[k])
+        work[:n], work[n : n + n * n] = scores.pull[k], scores.information[k].ravel()
+        whiten(offset, jitter, work, n, 0)
+        found.pull[k], found.information[k] = work[n + n * n :][: 2 * n].reshape(2, n)
     return found
 
 

@@ -20,6 +20,7 @@ from polydraulic.parameters.schema import Friction
 from polydraulic.watch.blocks import MOTION_STRIDE, SMOOTH, BlockShape, motion_filters, smoothing
 from polydraulic.watch.channels import WatchChannel, position_of
 from polydraulic.watch.kernels.motion import ROOM_OF_LINK
+from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE
 from polydraulic.watch.plan import Plan
 
 # rad or m, or a smaller share of the way, within which a joint may be at its stop whatever its sensor is off
@@ -134,7 +135,7 @@ class Residuals:
         shift = case.shifts.get(column, 0.0)
 
         def made() -> int:
-            place, numbers = 1 + self.columns.index(column), self.plan.numbers((shift,))
+            place, numbers = HEAD_OF_LIVE + 1 + self.columns.index(column), self.plan.numbers((shift,))
             return self._rows("read", place, 1 + len(self.columns), numbers)
 
         return self.plan.once(("read", column, shift), made)

@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.watch.expected import Whitened
-from polydraulic.watch.kernels.evidence import KEPT, gather
+from polydraulic.watch.kernels.evidence import KEPT, gather, room_of_evidence, sum_since
 
 
 class Limits(NamedTuple):
@@ -65,25 +65,36 @@ class EvidenceSums:
     Parameters
     ----------
     limits : Limits
+    live, began : arrays of float and int, optional
+        Where it is kept; arrays of its own if not given.
+
+    Attributes
+    ----------
+    count : int
+        Blocks so far.
+    sums : (n_direction, 2) array
+    began : (n_direction, 2) array of int
+        Block at which each sum began.
+    showing : (n_direction,) array
+        Evidence that the smallest fault would have given by now.
     """
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, live: np.ndarray | None = None, began: np.ndarray | None = None) -> None:
         n = len(limits.together)
         self.limits, self.count = limits, 0
-        self.sums = np.zeros((n, 2))
-        self.began = np.zeros((n, 2), dtype=np.int64)  # block at which each sum began
-        self.showing = np.zeros(n)  # evidence that the smallest fault would have given by now
+        self._live = np.zeros(room_of_evidence(n)) if live is None else live
+        self._began = np.zeros(2 * n, dtype=np.int64) if began is None else began
         self._down = limits.ways[:, 1].astype(np.int64)
-        self._totals = np.zeros((KEPT + 1, 3, n))  # cumulative: pull, information, squares of pull over information
+        self.sums, self.began = self._live[: 2 * n].reshape(n, 2), self._began.reshape(n, 2)
+        self.showing = self._live[2 * n : 3 * n]
+        self._totals = self._live[3 * n :].reshape(KEPT + 1, 3, n)
 
     def add(self, pull: np.ndarray, information: np.ndarray) -> None:
         """Take a block, (n_direction,) each of its whitened scores."""
         limits = self.limits
         self.count += 1
-        gather(
-            pull, information, limits.together, self._down, limits.threshold, self.count, self.sums.ravel(), self.began.ravel(),
-            self.showing, self._totals.ravel(),
-        )  # fmt: skip
+        white = np.concatenate([pull, information])
+        gather(white, 0, limits.together, self._down, limits.threshold, self.count, self._live, 0, self._began, 0)
 
     @property
     def alarms(self) -> np.ndarray:
@@ -92,8 +103,10 @@ class EvidenceSums:
 
     def since(self, block: int) -> Since:
         """What was seen of all directions from after a block on; no further back than is kept."""
-        first = max(block, self.count - KEPT, 0)
-        pull, information, squares = self._totals[self.count % (KEPT + 1)] - self._totals[first % (KEPT + 1)]
+        n, first = len(self.showing), max(block, self.count - KEPT, 0)
+        seen = np.empty(3 * n)
+        sum_since(self._live, 0, n, first, self.count, seen, 0)
+        pull, information, squares = seen.reshape(3, n)
         return Since(pull, information, squares, self.count - first)
 
     def course(self, direction: int, block: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,22 +6,20 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.watch.block import BlockJudge, Readings
-from polydraulic.watch.diagnosis import Suspect, suspects_of
+from polydraulic.watch.block import AlarmTests, BlockJudge, Readings
+from polydraulic.watch.diagnosis import Suspect, named_suspects
 from polydraulic.watch.drift import with_course
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
-from polydraulic.watch.kernels.evidence import KEPT, LEAST_BLOCKS
-from polydraulic.watch.kernels.rows import FILLED, FULL, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN, keep_rows, take_row
-from polydraulic.watch.kernels.stays import FLAT, MOVES, RESTS
+from polydraulic.watch.kernels.alarms import ALONE, BEGINS, DIAGNOSED, NONE
+from polydraulic.watch.kernels.numbers import BLOCKS, FILLED, LISTED, OPENED, STUCK, SUSPECTS, UNTIL
+from polydraulic.watch.kernels.rows import JUDGED, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN
+from polydraulic.watch.kernels.stays import RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.naming import FaultNetworks, Opinion
 from polydraulic.watch.sequential import EvidenceSums, Limits, Since, threshold_for
 from polydraulic.watch.watched import Watched, plan_of, tests_of, ways_of
 
-QUIET = 30  # blocks without an alarm after which it is over
-DIAGNOSED = 60  # blocks since the beginning that a diagnosis is made of
-ALONE = 3  # times as long a sensor stays until that alone is an alarm
 FREEZE = ".freeze"
 
 
@@ -64,14 +62,6 @@ class Outlook(NamedTuple):
     share: float
 
 
-class Frozen(NamedTuple):
-    """A sensor that stays at one value: for how many blocks, and whether for so long that this alone is an alarm."""
-
-    column: str
-    blocks: int
-    alone: bool
-
-
 class FaultWatch:
     """A machine that is watched, row by row or block by block.
 
@@ -89,8 +79,10 @@ class FaultWatch:
     ----------
     alarms : list of Alarm
         So far; the last one may go on. Kept are the last 1000.
-    blocks : int
-        That were judged.
+    judge_parts : BlockJudge
+        Numbers and state as plain arrays, and the kernels that read them: what is exported.
+    evidence : EvidenceSums
+        Of all tests.
     seen : Since or None
         What the last alarm was named by.
     """
@@ -103,20 +95,28 @@ class FaultWatch:
         self.of, self.expected, self.rate, self.networks = of, expected, rate, networks
         self.seen: Since | None = None
         threshold = threshold_for(rate, tests_of(of.directions), of.shape.seconds)
-        self.evidence = EvidenceSums(Limits(threshold, expected.together, ways_of(of.directions)))
-        self._common = float(np.median(expected.together))
+        limits = [too_long(expected.longest[column]) for column in of.columns]
+        tests = AlarmTests(expected.together, float(np.median(expected.together)), threshold, limits)
+        plan, n = plan_of(of, expected.noise), len(of.directions)
+        judge = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
+        kept = judge.live[judge.numbers.at_sums : judge.numbers.at_chances]
+        began = judge.marks[judge.numbers.in_marks :][: 2 * n]
+        self.judge_parts = judge
+        self.evidence = EvidenceSums(Limits(threshold, expected.together, ways_of(of.directions)), kept, began)
         self.alarms: list[Alarm] = []
-        self.blocks = 0
-        self._opened = -1  # block at which the present alarm seems to have begun
-        self._last = 0  # block at which a test was last beyond its threshold
-        self._times = np.zeros(KEPT + 1)  # of the beginnings of blocks
-        self._judge = BlockJudge(plan_of(of, expected.noise), expected.scales, expected.offset, expected.jitter)
-        self._counts = np.zeros(2, dtype=np.int64)
-        self._limits = np.array([too_long(expected.longest[column]) for column in of.columns])
-        self._flat = np.zeros(len(of.columns), dtype=np.int64)
         self._worked = np.zeros(len(of.columns), dtype=np.int64)  # blocks in which the function of each sensor worked
         # of the present alarm, errors of sensors not yet told apart by their course
         self._suspects: tuple[Suspect, ...] = ()
+
+    @property
+    def blocks(self) -> int:
+        """How many were judged."""
+        return int(self.judge_parts.marks[BLOCKS])
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Evidence for each direction as a share of the threshold, (n_direction,)."""
+        return np.asarray(self.evidence.sums.max(axis=1) / self.evidence.limits.threshold)
 
     def update(self, time: float, row: np.ndarray) -> Alarm | None:
         """Take a row of the log; the present alarm whenever a block is full and there is one.
@@ -133,21 +133,17 @@ class FaultWatch:
         InputError
             Values that are not one finite number per column; rows that do not come at the raster that was learnt.
         """
-        shape, values = self.of.shape, np.ascontiguousarray(row, dtype=np.float64)
+        values = np.ascontiguousarray(row, dtype=np.float64)
         if values.shape != (len(self.of.columns),):
             raise InputError(
                 f"row at {time:g} s: its shape is {values.shape}; it must have one value for each of {', '.join(self.of.columns)}"
             )
-        rows = self._judge.rows
-        became = take_row(float(time), values, rows, self._counts, shape.raster)
+        became = self.judge_parts.row(float(time), values)
         if became == TAKEN:
             return None
-        if became != FULL:
+        if became < JUDGED:
             raise InputError(self._refused(became, time, values))
-        self._judge.judge()
-        begin = float(rows[shape.before * (1 + len(values))])
-        keep_rows(rows, self._counts, 1 + len(values), shape.inside)
-        return self._block(begin)
+        return self._alarm(became - JUDGED)
 
     def _refused(self, became: int, time: float, values: np.ndarray) -> str:
         """Why a row was not taken."""
@@ -157,7 +153,7 @@ class FaultWatch:
             return f"row at {time:g} s: {which} is no finite number; leave the row out, a gap begins a new block"
         if became == NEVER_APART:
             return f"row at {time:g} s: none of the last {MOST_GAPS} rows came {raster:g} s after the one before it, the raster that was learnt"
-        apart = (time - float(self._judge.rows[0])) / (self.of.shape.rows - 1)
+        apart = (time - float(self.judge_parts.rows[0, 0])) / (self.of.shape.rows - 1)
         return f"rows until {time:g} s are {apart:.4g} s apart, those that were learnt from {raster:g} s: give rows at that raster"
 
     def judge(self, readings: Readings, begins: np.ndarray, each: Callable[[], None] | None = None) -> Alarm | None:
@@ -172,79 +168,43 @@ class FaultWatch:
             Called after each block.
         """
         now = None
-        self._counts[FILLED] = 0
+        self.judge_parts.marks[FILLED] = 0
         for k, begin in enumerate(begins.tolist()):
-            self._judge.load(readings, k)
-            self._judge.judge()
-            now = self._block(begin)
+            self.judge_parts.load(readings, k)
+            self.judge_parts.rows[self.of.shape.before, 0] = begin
+            now = self._alarm(self.judge_parts.block())
             if each is not None:
                 each()
         return now
 
-    def _block(self, begin: float) -> Alarm | None:
-        evidence, frozen = self.evidence, self._frozen()
-        self._times[self.blocks % len(self._times)] = begin
-        evidence.add(self._judge.white_pull, self._judge.white_information)
-        self.blocks += 1
-        beyond = evidence.alarms
-        seconds = self.of.shape.seconds
-        if self._opened >= 0 and self.blocks - self._last > QUIET:
-            self._opened = -1
-        if not (beyond.any() or any(sensor.alone for sensor in frozen)):
+    def _alarm(self, means: int) -> Alarm | None:
+        """The alarm that there is after a block."""
+        judge = self.judge_parts
+        marks, live, self.evidence.count = judge.marks, judge.live, self.blocks
+        self._worked += judge.states != RESTS
+        if means == NONE:
             return None
-        if self._opened >= 0 and (later := self._behind_unusual_work(beyond)).any():
-            self._opened, beyond = -1, later
-        if self._opened < 0:
-            where = np.unravel_index(int(np.argmax(np.where(beyond, evidence.sums, -1.0))), beyond.shape)
-            stays = max((sensor.blocks for sensor in frozen if sensor.alone), default=1)
-            began = int(evidence.began[where]) if beyond.any() else self.blocks - stays
-            self._opened = max(began, self.blocks - len(self._times) + 1, 0)
-            since = float(self._times[self._opened % len(self._times)])
-            self.alarms.append(Alarm(since, begin + seconds, begin + seconds, ()))
+        since, seen, until = live[: UNTIL + 1].tolist()
+        if means == BEGINS:
+            self.alarms.append(Alarm(since, seen, until, ()))
             del self.alarms[: -self.MOST_ALARMS]
-        self._last = self.blocks
-        alarm = self.alarms[-1]
+        alarm, n, sensors, opened = self.alarms[-1], len(self.of.directions), len(self.of.columns), int(marks[OPENED])
         suspects, opinion = alarm.suspects, alarm.opinion
-        if not (suspects and suspects[0].name.endswith(FREEZE)):
-            if self.blocks - self._opened <= DIAGNOSED or not suspects:
-                self.seen = evidence.since(self._opened)
-                self._suspects = tuple(suspects_of(self.of.directions, self.seen, self._common))
+        if marks[STUCK] > 0:
+            named = marks[judge.numbers.in_marks + 2 * n + sensors :][:sensors]
+            suspects, opinion = tuple(_frozen_sensor(self.of.columns[k]) for k in np.flatnonzero(named).tolist()), None
+        else:
+            if self.blocks - opened <= DIAGNOSED or not suspects:
+                self.seen = self.evidence.since(opened)
+                chances = live[judge.numbers.at_chances :][:n]
+                listed = marks[SUSPECTS : SUSPECTS + marks[LISTED]].tolist()
+                common = judge.numbers.common
+                self._suspects = tuple(named_suspects(self.of.directions, self.seen, common, chances, listed))
                 if self.networks is not None:
-                    opinion = self.networks.opinion(self.of.directions, self.seen, self._common)
-            suspects = with_course(self._suspects, self.of.directions, evidence, self._opened)
-            owners = {s.name.partition(".")[0] for s in suspects}
-            still = [sensor.column for sensor in frozen if sensor.alone or owners & self._owners(sensor.column)]
-            if still:
-                suspects, opinion = tuple(map(_frozen_sensor, still)), None
-        self.alarms[-1] = alarm._replace(until=begin + seconds, suspects=suspects, opinion=opinion)
+                    opinion = self.networks.opinion(self.of.directions, self.seen, common)
+            suspects = with_course(self._suspects, self.of.directions, self.evidence, opened)
+        self.alarms[-1] = Alarm(since, seen, until, suspects, opinion)
         return self.alarms[-1]
-
-    def _behind_unusual_work(self, beyond: np.ndarray) -> np.ndarray:
-        """Of an alarm that is no fault: the tests that began when it was diagnosed, and that something else explains."""
-        suspects, began = self.alarms[-1].suspects, self.evidence.began
-        later = beyond & (began > self._opened + DIAGNOSED)
-        if not (later.any() and suspects and suspects[0].harmless):
-            return np.zeros_like(beyond)
-        first = int(began[later].min())
-        found = suspects_of(self.of.directions, self.evidence.since(first), self._common)
-        known = {suspect.name for suspect in suspects}
-        other = self.blocks - first >= LEAST_BLOCKS and bool(found) and found[0].name not in known
-        return later if other else np.zeros_like(beyond)
-
-    def _frozen(self) -> list[Frozen]:
-        """Sensors that have not moved for longer than they ever did."""
-        states = self._judge.states[: len(self._flat)]
-        self._worked += states != RESTS
-        self._flat = np.where(states == FLAT, self._flat + 1, np.where(states == MOVES, 0, self._flat))
-        return [
-            Frozen(self.of.columns[k], int(self._flat[k]), bool(self._flat[k] >= ALONE * self._limits[k]))
-            for k in np.flatnonzero(self._flat >= self._limits).tolist()
-        ]
-
-    def _owners(self, column: str) -> set[str]:
-        """Names that faults begin with which a sensor that stays looks like: its function, and the circuit of that."""
-        function = column.partition(".")[0]
-        return {function, *(c.name for c in self.of.machine.circuits if function in c.functions)}
 
     def findings(self) -> list[Outlook]:
         """Of each fault that is watched, whether it would have shown by now."""
@@ -252,7 +212,9 @@ class FaultWatch:
         found: dict[str, Outlook] = {}
         for d, share in zip(self.of.directions, shares, strict=True):  # the smallest size of each comes first
             found.setdefault(d.name, Outlook(d.name, d.smallest, share >= 1.0, share))
-        for column, worked, limit in zip(self.of.columns, self._worked.tolist(), self._limits.tolist(), strict=True):
+        for column, worked, limit in zip(
+            self.of.columns, self._worked.tolist(), self.judge_parts.numbers.limits.tolist(), strict=True
+        ):
             sensor, share = _frozen_sensor(column), worked / (ALONE * limit)
             found[sensor.name] = Outlook(sensor.name, sensor.title, share >= 1.0, min(share, 1.0))
         return list(found.values())

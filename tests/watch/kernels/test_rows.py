@@ -18,7 +18,7 @@ RASTER, N = 0.1, 5
 
 def taken(times, values=(1.0, 2.0)):
     rows, counts = np.zeros(3 * N), np.zeros(2, dtype=np.int64)
-    return [take_row(t, np.array(values), rows, counts, RASTER) for t in times], rows.reshape(N, 3), counts
+    return [take_row(t, np.array(values), N, rows, 0, counts, RASTER) for t in times], rows.reshape(N, 3), counts
 
 
 def test_a_block_fills_and_the_next_one_keeps_what_it_needs():
@@ -26,7 +26,7 @@ def test_a_block_fills_and_the_next_one_keeps_what_it_needs():
     assert became == [TAKEN] * (N - 1) + [FULL]
     assert np.array_equal(rows[:, 0], np.arange(N) * RASTER)
     assert np.all(rows[:, 1:] == [1.0, 2.0])
-    keep_rows(rows.ravel(), counts, 3, 2)
+    keep_rows(rows.ravel(), 0, N, 2, 3, counts)
     assert rows[0, 0] == 2 * RASTER
     assert counts.tolist() == [N - 2, 0]
 

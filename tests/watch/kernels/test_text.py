@@ -7,8 +7,11 @@ from polydraulic import load_machine
 from polydraulic._kernel import in_plain_python
 from polydraulic.flow.layout.circuit_sample import solved_valves
 from polydraulic.machine.pump import limited_pump
-from polydraulic.watch.block import BlockJudge
+from polydraulic.watch.block import AlarmTests, BlockJudge
 from polydraulic.watch.channels import position_of
+from polydraulic.watch.kernels.alarms import BEGINS, GOES_ON, NONE
+from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE
+from polydraulic.watch.kernels.rows import JUDGED, TAKEN
 from polydraulic.watch.kernels.signals import NOTHING, is_known
 from polydraulic.watch.kernels.stays import FLAT
 from polydraulic.watch.kernels.text import block_text, kernels_for
@@ -47,20 +50,50 @@ def test_a_block_has_the_same_bits_in_plain_python():
     noise = {c: 1e5 if ".p_" in c else 8e-6 if ".q_" in c else 1e-4 for c in columns}
     n = len(of.directions)
     judge = BlockJudge(plan_of(of, noise), [(0.0, 1.0)] * len(of.channels), np.full(n, 0.01), np.full(n, 0.01))
-    judge.rows[:] = made_rows(of, np.random.default_rng(2)).ravel()
+    judge.rows[:] = made_rows(of, np.random.default_rng(2))
     judge.judge()
-    results = [judge.work, judge.pull, judge.information, judge.white_pull, judge.white_information, judge.states]
+    results = [judge.work, judge.states]
     kept = [values.copy() for values in results]
     assert np.all(np.isfinite(judge.pull))
     assert np.all(judge.white_information >= 0.0)
     assert np.sum(judge.white_information > 0.1) > 0.7 * n
-    assert FLAT not in judge.states[: len(columns)]
+    assert FLAT not in judge.states
     for values in results:
         values[:] = 0
-    compiled = judge.kernels.judge_block
-    judge.kernels = type("Plain", (), {"judge_block": staticmethod(in_plain_python(compiled))})
-    judge.judge()
+    in_plain_python(judge.kernels.judge_block)(judge.numbers, judge.work, judge.live, judge.marks)
     assert all(np.array_equal(a, b) for a, b in zip(kept, results, strict=True))
+
+
+def test_rows_have_the_same_bits_in_plain_python():
+    machine = load_machine("wheel_loader")
+    columns = [f"{f.name}.{what}" for f in machine.functions for what in ("spool", "voltage")]
+    of = watched(machine, columns, 0.1)
+    n, rng = len(of.directions), np.random.default_rng(5)
+    tests = AlarmTests(np.ones(n), 1.0, 4.0, [2] * len(columns))
+    watches = [
+        BlockJudge(
+            plan_of(of, dict.fromkeys(columns, 1e-4)),
+            [(1e-9, 1.0)] * len(of.channels),
+            np.zeros(n),
+            np.full(n, 0.01),
+            tests,
+        )
+        for _ in range(2)
+    ]
+    whole = in_plain_python(watches[1].kernels.watch_row)
+    became = []
+    for k in range(200):
+        f = machine.functions[0]
+        row = np.array([0.5e-3 * np.sin(0.3 * k), 0.1 * np.sin(0.3 * k)] * (len(columns) // 2)) + rng.normal(
+            0.0, 1e-4, len(columns)
+        )
+        row[0] += 0.2 * f.valve.knots[-1] if k > 60 else 0.0
+        judge = watches[1]
+        became.append(watches[0].row(0.1 * k, row))
+        assert became[-1] == whole(judge.numbers, judge.work, judge.live, judge.marks, 0.1 * k, row)
+    assert {TAKEN, JUDGED + NONE, JUDGED + BEGINS, JUDGED + GOES_ON} <= set(became)
+    assert np.array_equal(watches[0].live, watches[1].live)
+    assert np.array_equal(watches[0].marks, watches[1].marks)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +110,8 @@ def test_flows_are_those_of_the_circuit(name, valves):
         rows[:, 1 + columns.index(f"{f}.spool")] = 0.6 * machine.function(f).valve.knots[-1]
     arrays = residuals.plan.arrays()
     work, kernels = np.zeros(arrays.size), kernels_for(len(c.functions) for c in machine.circuits)
-    kernels.run_plan(arrays.ints, arrays.floats, rows.ravel(), work)
+    live = np.concatenate([np.zeros(HEAD_OF_LIVE), rows.ravel()])
+    kernels.run_plan(arrays.ints, arrays.floats, live, work)
     curves = [machine.function(f).valve for f in c.functions]
     travel = np.array([[0.6 * v.knots[-1] for v in curves]] * of.shape.inside)
     judged = rows[of.shape.judged]

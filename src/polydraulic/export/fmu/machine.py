@@ -11,6 +11,7 @@ import numpy as np
 
 from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
+from polydraulic.export.fmu.due import steps_due
 from polydraulic.export.fmu.machine_parameters import MachineParameter, direct_parameters
 from polydraulic.export.fmu.package import write_fmu
 from polydraulic.export.layout import FORCE
@@ -208,22 +209,7 @@ static void fmu_outputs(double *v, const double *memory)
     v[{n_in + n_out}] = memory[STATUS];
 }}
 
-/* Steps that a communication step makes due. One that is a whole number of them, up to the rounding of its ends, counts
-   as that number, however large the times are and however often it comes; of any other the rest is carried over. */
-static double steps_due(double *rest, double from, double to)
-{{
-    const double steps = (to - from) / {name.upper()}_DT;
-    const double rounding = 2.0 * DBL_EPSILON * fmax(fabs(from), fabs(to)) / {name.upper()}_DT;
-    const double whole = floor(steps + 0.5);
-    if (whole >= 1.0 && fabs(steps - whole) <= 1e-9 * whole + rounding) {{
-        return whole;
-    }}
-    const double passed = *rest + steps;
-    const double due = floor(passed + 1e-6 + rounding);
-    *rest = passed - due;
-    return due;
-}}
-
+{steps_due(name)}
 static int fmu_advance(double *v, double *memory, double from, double to)
 {{
     Prepared own;

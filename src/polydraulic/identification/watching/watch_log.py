@@ -222,7 +222,7 @@ def watch_log(
     watch, seen = FaultWatch(of, expected, rate, named), np.empty((len(starts), len(of.directions)))
 
     def note() -> None:
-        seen[watch.blocks - 1] = watch.evidence.sums.max(axis=1) / watch.evidence.limits.threshold
+        seen[watch.blocks - 1] = watch.shares
 
     for k in range(0, len(starts), _AT_ONCE):
         progress("watch", k, len(starts))

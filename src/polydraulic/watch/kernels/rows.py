@@ -5,51 +5,54 @@ from math import inf
 import numpy as np
 
 from polydraulic._kernel import driver
+from polydraulic.watch.kernels.numbers import FILLED, GAPS
 
 TAKEN, FULL, NO_NUMBER, NEVER_APART, OTHER_RASTER = 0, 1, 2, 3, 4  # what became of a row
-FILLED, GAPS = 0, 1  # places in `counts`
+JUDGED = 8  # of one that completed a block which was judged; what that means for alarms is added
 JITTER = 0.05  # of the raster, by which rows of a block may be nearer or farther apart in the mean
 MOST_GAPS = 100  # in succession, after which rows do not come at the raster
 _GAP = 1.5  # times the raster
 
 
 @driver
-def take_row(time: float, row: np.ndarray, rows: np.ndarray, counts: np.ndarray, raster: float) -> int:
-    """Put a row behind those of the block; `counts` holds how many there are, and how many gaps there were in succession."""
+def take_row(
+    time: float, row: np.ndarray, n: int, live: np.ndarray, at_rows: int, marks: np.ndarray, raster: float
+) -> int:
+    """Put a row behind those of a block of n rows; `marks` holds how many there are, and how many gaps there were in succession."""
     width = row.shape[0] + 1
     fine = abs(time) < inf
     for k in range(width - 1):
         fine = fine and abs(row[k]) < inf
     if not fine:
         return NO_NUMBER
-    filled, gaps = counts[FILLED], 0
+    filled, gaps = marks[FILLED], 0
     if filled > 0:
-        apart = time - rows[(filled - 1) * width]
+        apart = time - live[at_rows + (filled - 1) * width]
         if apart <= 0.0 or apart >= _GAP * raster:
-            filled, gaps = 0, counts[GAPS] + 1
+            filled = 0
+            gaps = marks[GAPS] + 1
     else:
-        gaps = counts[GAPS]
-    at = filled * width
-    rows[at] = time
+        gaps = marks[GAPS]
+    at = at_rows + filled * width
+    live[at] = time
     for k in range(width - 1):
-        rows[at + 1 + k] = row[k]
-    counts[FILLED] = filled + 1
-    counts[GAPS] = gaps
+        live[at + 1 + k] = row[k]
+    marks[FILLED] = filled + 1
+    marks[GAPS] = gaps
     if gaps > MOST_GAPS:
         return NEVER_APART
-    if (filled + 1) * width < rows.shape[0]:
+    if filled + 1 < n:
         return TAKEN
-    mean = (time - rows[0]) / float(filled)
+    mean = (time - live[at_rows]) / float(filled)
     if abs(mean / raster - 1.0) > JITTER:
-        counts[FILLED] = 0
+        marks[FILLED] = 0
         return OTHER_RASTER
     return FULL
 
 
 @driver
-def keep_rows(rows: np.ndarray, counts: np.ndarray, width: int, inside: int) -> None:
+def keep_rows(live: np.ndarray, at_rows: int, n: int, inside: int, width: int, marks: np.ndarray) -> None:
     """Begin the next block with the rows behind the first `inside`."""
-    kept = rows.shape[0] - inside * width
-    for k in range(kept):
-        rows[k] = rows[k + inside * width]
-    counts[FILLED] -= inside
+    for k in range((n - inside) * width):
+        live[at_rows + k] = live[at_rows + inside * width + k]
+    marks[FILLED] = n - inside

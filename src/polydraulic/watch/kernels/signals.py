@@ -34,12 +34,12 @@ def interpolated(floats: np.ndarray, knots: int, values: int, n: int, x: float) 
 
 
 @driver
-def read(ints: np.ndarray, floats: np.ndarray, rows: np.ndarray, work: np.ndarray, s: int) -> None:
-    """A sensor less what it reads too much."""
+def read(ints: np.ndarray, floats: np.ndarray, live: np.ndarray, work: np.ndarray, s: int) -> None:
+    """A sensor less what it reads too much; its place is that in the first row."""
     out, n, column, width, number = ints[s], ints[s + 1], ints[s + 2], ints[s + 3], ints[s + 4]
     shift = floats[number]
     for i in range(n):
-        work[out + i] = rows[i * width + column] - shift
+        work[out + i] = live[column + i * width] - shift
 
 
 @driver

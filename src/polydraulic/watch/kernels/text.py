@@ -12,7 +12,7 @@ from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
 
 # kinds of steps in the order of their numbers: module, and arrays that a step is given
 STEPS = {
-    "read": ("signals", "ints, floats, rows, work"),
+    "read": ("signals", "ints, floats, live, work"),
     "smooth": ("signals", "ints, floats, work"),
     "not_below_zero": ("signals", "ints, work"),
     "spool_by_voltage": ("signals", "ints, floats, work"),
@@ -74,6 +74,9 @@ def block_text(sizes: tuple[int, ...]) -> str:
         "from polydraulic.machine.circuits.series_short import series_1, series_2",
         "from polydraulic.machine.valve import Orifices",
         *(line for line in SERIES_IMPORTS if max(sizes, default=0) > 2 and "_kernel" not in line),
+        "from polydraulic.watch.kernels.alarms import decide",
+        "from polydraulic.watch.kernels.numbers import WatchNumbers",
+        "from polydraulic.watch.kernels.rows import FULL, JUDGED, keep_rows, take_row",
         "from polydraulic.watch.kernels.scores import score, whiten",
         "from polydraulic.watch.kernels.stays import sensor_states",
         *(f"from polydraulic.watch.kernels.{module} import {name}" for name, (module, _) in STEPS.items()),
@@ -133,7 +136,7 @@ def _plan(sizes: tuple[int, ...]) -> str:
     )
     return f'''
 @driver
-def run_plan(ints: np.ndarray, floats: np.ndarray, rows: np.ndarray, work: np.ndarray) -> None:
+def run_plan(ints: np.ndarray, floats: np.ndarray, live: np.ndarray, work: np.ndarray) -> None:
     """All steps of a plan: `ints` begins with how many there are, and where each stands."""
     for k in range(ints[0]):
         kind, s = ints[ints[k + 1]], ints[k + 1] + 1
@@ -143,26 +146,24 @@ def run_plan(ints: np.ndarray, floats: np.ndarray, rows: np.ndarray, work: np.nd
 
 _JUDGED = '''
 @driver
-def judge_block(
-    ints: np.ndarray,
-    floats: np.ndarray,
-    rows: np.ndarray,
-    scales: np.ndarray,
-    offset: np.ndarray,
-    jitter: np.ndarray,
-    work: np.ndarray,
-    pull: np.ndarray,
-    information: np.ndarray,
-    room: np.ndarray,
-    white_pull: np.ndarray,
-    white_information: np.ndarray,
-    states: np.ndarray,
-    s_score: int,
-    s_states: int,
-) -> None:
+def judge_block(numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, marks: np.ndarray) -> None:
     """What a block says of each direction, and of each sensor."""
-    run_plan(ints, floats, rows, work)
-    score(ints, scales, work, pull, information, s_score)
-    whiten(pull, information, offset, jitter, room, white_pull, white_information)
-    sensor_states(ints, floats, rows, states, s_states)
+    run_plan(numbers.ints, numbers.floats, live, work)
+    score(numbers.ints, numbers.scales, work, numbers.directions, numbers.in_work, numbers.score_table)
+    whiten(numbers.offset, numbers.jitter, work, numbers.directions, numbers.in_work)
+    states = numbers.in_marks + 2 * (numbers.directions + numbers.sensors) + numbers.owners
+    sensor_states(numbers.ints, numbers.floats, live, numbers.at_rows, marks, states, numbers.states_table)
+
+
+@driver
+def watch_row(
+    numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, marks: np.ndarray, time: float, row: np.ndarray
+) -> int:
+    """Take a row: what became of it, and of one that completes a block, whether there is an alarm."""
+    became = take_row(time, row, numbers.rows, live, numbers.at_rows, marks, numbers.raster)
+    if became == FULL:
+        judge_block(numbers, work, live, marks)
+        became = JUDGED + decide(numbers, work, live, marks)
+        keep_rows(live, numbers.at_rows, numbers.rows, numbers.inside, numbers.sensors + 1, marks)
+    return became
 '''

@@ -30,8 +30,9 @@ def volume_balance(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: in
         for i in range(long + 1):
             at = begin + i
             p = work[pressure + at]
-            ahead = (work[spool + at] >= 0.0) == (side_a != 0)
-            through = work[into + at] if ahead else -work[away + at]
+            fed = work[spool + at] >= 0.0
+            fed = fed if side_a != 0 else not fed
+            through = work[into + at] if fed else -work[away + at]
             through = through - leakage * (p - work[other + at]) - external * p
             share = 0.5 if i == 0 or i == long else 1.0
             passing += share * through

@@ -1,0 +1,1 @@
+"""A machine that is watched, as C99 and as an FMU."""
