@@ -6,7 +6,7 @@ Several tables are taken as one. Where one ends and the next begins is kept: no 
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from polydraulic.tables import Table, began, finite, read_table
 
 TIMES = ("time", "segment")  # what tells a log from any table
 _FILES = "files"  # in the info of a table: names and numbers of rows of those that it was made of
+_SHIFTS = "shifts"  # in the info of such a table: s by which the times of each are later than its own
 _APART = 60.0  # s between tables whose times begin anew: nobody knows how long it was
 _DATES = 315_532_800.0  # s since 1970: from 1980 on times are dates
 _NAMED = 3  # tables in the name of several
@@ -64,6 +65,33 @@ def names_of_parts(table: Table) -> list[str]:
     return [str(name) for name, _ in files] if len(parts_of(table)) > 1 else []
 
 
+class PartTimes(NamedTuple):
+    """One of several logs that were joined.
+
+    Attributes
+    ----------
+    name : str
+    begins : float, s
+        First of its times, as they were joined.
+    shift : float, s
+        By which these are later than its own.
+    """
+
+    name: str
+    begins: float
+    shift: float
+
+
+def times_of_parts(table: Table) -> tuple[PartTimes, ...]:
+    """The logs that a table was made of, by their times; empty for any other."""
+    names, shifts = names_of_parts(table), cast("list[float]", table.info.get(_SHIFTS, []))
+    if not names or len(shifts) != len(names) or "time" not in table.names:
+        return ()
+    firsts = np.cumsum([0, *parts_of(table)])[:-1]
+    begins = table["time"][firsts].tolist()
+    return tuple(PartTimes(*part) for part in zip(names, begins, map(float, shifts), strict=True))
+
+
 def _one(given: Table | str | Path, columns: Sequence[str] | None, optional: Sequence[str]) -> tuple[Table, str]:
     if not isinstance(given, Table):
         return read_table(given, columns, optional=optional), Path(given).name
@@ -106,6 +134,8 @@ def _joined(named: list[tuple[Table, str]]) -> tuple[Table, str]:
     unit_of = first.units | {"segment": "1"}
     names = [name for _, name in named]
     info = {**named[0][0].info, _FILES: [[name, len(table)] for table, name in named]}
+    if times:
+        info[_SHIFTS] = [float(time[0] - table["time"][0]) for time, (table, _) in zip(times, named, strict=True)]
     if not all(began(table) for table, _ in named):  # times are not counted from one date
         info.pop("began", None)
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""

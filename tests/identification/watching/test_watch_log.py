@@ -6,6 +6,7 @@ import pytest
 from helpers.watched_logs import healthy_log, log_of
 from polydraulic import InputError, load_machine
 from polydraulic.identification import watch_log
+from polydraulic.identification.arguments import table_of, times_of_parts
 from polydraulic.identification.watching import watch_log as watch_log_module
 from polydraulic.identification.watching.watch_log import alarm_rows, learnt_from
 from polydraulic.tables import Table
@@ -112,3 +113,23 @@ def test_of_much_healthy_work_runs_from_all_over_are_learnt_from(monkeypatch):
     )
     learnt_from(of, many, np.ones(len(many), dtype=bool), 0.1)
     assert 1700 < len(asked[0]["lift.angle"]) <= 1900
+
+
+def test_alarms_of_joined_logs_are_told_in_the_time_of_their_log():
+    first, second = (
+        healthy_log(seconds=150.0),
+        log_of(load_machine("wheel_loader"), 22, 60.0, ["lift.leak_across 10 % from 20 s"]),
+    )
+    joined, _ = table_of([first, second])
+    parts = times_of_parts(joined)
+    assert [part.name for part in parts] == ["table (1)", "table (2)"]
+    assert parts[0].shift == 0.0
+    assert joined["time"][len(first)] == second["time"][0] + parts[1].shift
+    found = watch_log([first, second], "wheel_loader", healthy=first)
+    (row,) = alarm_rows(found.alarms, found.began, found.parts)
+    own, name = row[0].split(" s of ")
+    assert name == "table (2)"
+    assert float(own) == pytest.approx(found.alarms[0].since - parts[1].shift, abs=0.06)
+    assert 15.0 < float(own) < 60.0
+    assert row[1].endswith(" s")
+    assert times_of_parts(first) == ()

@@ -9,7 +9,7 @@ import numpy as np
 
 from polydraulic.display import dated, moment
 from polydraulic.errors import InputError
-from polydraulic.identification.arguments import table_of
+from polydraulic.identification.arguments import PartTimes, table_of, times_of_parts
 from polydraulic.identification.equations.log_pieces import raster_of
 from polydraulic.identification.equations.noise import noise_level
 from polydraulic.identification.plausible import UNITS, check_plausible, check_units
@@ -60,6 +60,8 @@ class WatchedLog:
         Of each direction, as a share of the threshold.
     began : float, s since 1970
         When the log's time was zero; 0 if that is not known, or its times are dates themselves.
+    parts : tuple of PartTimes
+        Of several logs, which times are of which.
     """
 
     of: Watched
@@ -72,6 +74,7 @@ class WatchedLog:
     time: np.ndarray = field(repr=False)
     evidence: np.ndarray = field(repr=False)
     began: float = 0.0
+    parts: tuple[PartTimes, ...] = ()
 
     @property
     def faulty(self) -> bool:
@@ -86,7 +89,7 @@ class WatchedLog:
             f"{len(self.findings)} faults; what is to be expected from {self.healthy}"
         ]
         if self.alarms:
-            lines += text_table(alarm_heads(self.alarms), alarm_rows(self.alarms, self.began))
+            lines += text_table(alarm_heads(self.alarms), alarm_rows(self.alarms, self.began, self.parts))
         else:
             lines.append(f"no alarm (set to {self.rate:g} false ones per hour)")
         shown = [f for f in self.findings if f.could_show]
@@ -111,11 +114,17 @@ def alarm_heads(alarms: Sequence[Alarm]) -> tuple[str, ...]:
     return (*ALARM_HEADS, "networks") if any(alarm.opinion for alarm in alarms) else ALARM_HEADS
 
 
-def alarm_rows(alarms: Sequence[Alarm], zero: float = 0.0) -> list[list[str]]:
-    """Texts under `alarm_heads`; times are dates where time zero, in s since 1970, is known."""
+def alarm_rows(alarms: Sequence[Alarm], zero: float = 0.0, parts: Sequence[PartTimes] = ()) -> list[list[str]]:
+    """Texts under `alarm_heads`; times are dates where time zero, in s since 1970, is known, those of joined logs are of the log they are in."""
 
     def times(alarm: Alarm) -> list[str]:
-        return [moment(t + zero) if dated(t + zero) else f"{t:.1f} s" for t in alarm[:3]]
+        found, before = [], ""
+        for t in alarm[:3]:
+            own = next((part for part in reversed(parts) if part.begins <= t), None)
+            shown = moment(t + zero) if dated(t + zero) else f"{t - (own.shift if own else 0.0):.1f} s"
+            found.append(f"{shown} of {own.name}" if own and own.name != before else shown)
+            before = own.name if own else ""
+        return found
 
     def networks(alarm: Alarm) -> list[str]:
         if len(alarm_heads(alarms)) == len(ALARM_HEADS):
@@ -229,7 +238,19 @@ def watch_log(
         part = starts[k : k + _AT_ONCE]
         watch.judge(log_blocks(of, table, part), table["time"][part + of.shape.before], note)
     ends = table["time"][starts + of.shape.before] + of.shape.seconds
-    return WatchedLog(of, watch.alarms, watch.findings(), expected, words, source, rate, ends, seen, began(table))
+    return WatchedLog(
+        of,
+        watch.alarms,
+        watch.findings(),
+        expected,
+        words,
+        source,
+        rate,
+        ends,
+        seen,
+        began(table),
+        times_of_parts(table),
+    )
 
 
 def _checked(log: Table | str | Path | Sequence[Table | str | Path], machine: LayoutMachine) -> tuple[Table, str]:

@@ -64,7 +64,7 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
         f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
         f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
         "<h2>Alarms</h2>",
-        html_table("", alarm_heads(found.alarms), alarm_rows(found.alarms, found.began))
+        html_table("", alarm_heads(found.alarms), alarm_rows(found.alarms, found.began, found.parts))
         if found.alarms
         else "<p>None.</p>",
         "<h2>Evidence</h2>",
