@@ -96,7 +96,6 @@ TESTED_ELSEWHERE = {
     "watch/learning.py": ("watch/test_watch.py", "what is to be expected of the machines that are watched there"),
     "watch/plan.py": ("watch/test_residuals.py", "what cases share is one step there"),
     "watch/watched.py": ("watch/test_watch.py", "machines that are watched, or refused"),
-    "watch/kernels/alarms.py": ("watch/kernels/test_text.py", "blocks decide there, and in ../test_watch.py"),
     "watch/kernels/numbers.py": ("watch/kernels/test_text.py", "what kernels are given there"),
     "watch/kernels/evidence.py": ("watch/test_sequential.py", "sums of evidence are gathered there"),
     "watch/kernels/scores.py": (

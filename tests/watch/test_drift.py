@@ -58,5 +58,5 @@ def test_suspects_that_are_no_errors_of_sensors_stay_as_they_are():
     watch = FaultWatch(of, expected)
     watch.judge(*blocks(of, log_of(of.machine, 22, 60.0, ["work.pump_worn from 20 s"])))
     suspects = watch.alarms[0].suspects
-    assert with_course(suspects, of.directions, watch.evidence, 20) == suspects
-    assert with_course((), of.directions, watch.evidence, 20) == ()
+    assert with_course(suspects, of.directions, watch.judge_parts) == suspects
+    assert with_course((), of.directions, watch.judge_parts) == ()

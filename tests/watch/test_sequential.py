@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.watch.expected import Whitened
-from polydraulic.watch.kernels.evidence import KEPT
+from polydraulic.watch.kernels.evidence import KEPT, course_since, gather, room_of_evidence, sum_since
 from polydraulic.watch.sequential import EvidenceSums, Limits, highest, threshold_for
 
 
@@ -55,24 +55,26 @@ def test_ways_and_rates():
     assert threshold_for(1.0, 50, 1.0) < threshold_for(0.1, 50, 1.0)
 
 
-def test_memory_does_not_grow_and_goes_back_so_far():
+def test_evidence_is_what_was_added():
     evidence = EvidenceSums(limits(5.0))
-    for _ in range(KEPT + 100):
+    for _ in range(20):
         evidence.add(np.array([1.0]), np.array([2.0]))
-    pull, information, squares, blocks = evidence.since(0)
-    assert (pull[0], information[0], blocks) == (KEPT, 2.0 * KEPT, KEPT)
-    assert squares[0] == pytest.approx(0.5 * KEPT)
-    assert evidence.since(evidence.count - 5).pull[0] == 5.0
     assert evidence.showing[0] > 5.0
     white = Whitened(np.full((20, 1), 4.0), np.full((20, 1), 4.0))
     assert highest(white, limits(5.0))[0] == 10.0
 
 
-def test_the_course_of_one_direction_is_what_was_added_as_far_back_as_is_kept():
-    rng, evidence = np.random.default_rng(5), EvidenceSums(limits(5.0, 2))
+def test_memory_does_not_grow_and_goes_back_so_far():
+    """Sums of all directions, and the course of one, are what was added as far back as is kept."""
+    rng, live, began = np.random.default_rng(5), np.zeros(room_of_evidence(2)), np.zeros(4, dtype=np.int64)
     pull, information = rng.normal(size=(KEPT + 50, 2)), rng.uniform(size=(KEPT + 50, 2))
-    for one, other in zip(pull, information, strict=True):
-        evidence.add(one, other)
-    for first in (0, KEPT):
-        kept = evidence.course(1, first)
+    for count, white in enumerate(np.column_stack([pull, information]), 1):
+        gather(white, 0, np.ones(2), np.ones(2, dtype=np.int64), 5.0, count, live, 0, began, 0)
+    for first in (50, KEPT):
+        seen = np.zeros(6)
+        sum_since(live, 0, 2, first, KEPT + 50, seen, 0)
+        added = [pull[first:], information[first:], pull[first:] ** 2 / information[first:]]
+        assert np.allclose(seen.reshape(3, 2), [part.sum(axis=0) for part in added], rtol=1e-9, atol=1e-9)
+    for first in (-3, 0, KEPT):
+        kept = course_since(live, 0, 2, 1, first, KEPT + 50)
         assert np.allclose(kept, (pull[max(first, 50) :, 1], information[max(first, 50) :, 1]), rtol=0.0, atol=1e-9)

@@ -100,11 +100,11 @@ def test_blocks_between_rows_do_not_stand_in_for_them():
         mixed.update(times[k], values[k])
     readings, begins = blocks(of, log)
     mixed.judge({column: 2.0 * r[:1] for column, r in readings.items()}, begins[:1])
-    before = mixed.evidence.showing.copy()
+    before = mixed.judge_parts.showing.copy()
     for k in range(half, half + of.shape.rows):
         mixed.update(times[k], values[k])
     assert (plain.blocks, mixed.blocks) == (1, 2)
-    assert np.allclose(mixed.evidence.showing - before, plain.evidence.showing)
+    assert np.allclose(mixed.judge_parts.showing - before, plain.judge_parts.showing)
 
 
 def test_what_cannot_be_watched_is_refused():

@@ -11,8 +11,17 @@ from polydraulic.watch.channels import WatchChannel
 from polydraulic.watch.directions import Direction, Scores
 from polydraulic.watch.flat import states_table
 from polydraulic.watch.kernels.alarms import decide
-from polydraulic.watch.kernels.evidence import KEPT, room_of_evidence
-from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE, HEAD_OF_MARKS, OPENED, WatchNumbers
+from polydraulic.watch.kernels.evidence import KEPT, course_since, room_of_evidence
+from polydraulic.watch.kernels.numbers import (
+    BLOCKS,
+    HEAD_OF_LIVE,
+    HEAD_OF_MARKS,
+    LISTED,
+    OPENED,
+    STUCK,
+    SUSPECTS,
+    WatchNumbers,
+)
 from polydraulic.watch.kernels.rows import FULL, JUDGED, keep_rows, take_row
 from polydraulic.watch.kernels.scores import room_of_scores
 from polydraulic.watch.kernels.text import kernels_for
@@ -123,6 +132,16 @@ class BlockJudge:
     information : (n_direction, n_direction) array
     states : (n_column,) array of int
         `FLAT`, `MOVES` or `RESTS` of each sensor.
+    worked : (n_column,) array of int
+        Blocks in which the function of each sensor worked.
+    sums : (n_direction, 2) array
+        Evidence for each direction, both ways.
+    showing : (n_direction,) array
+        Evidence that its smallest fault would have given by now.
+    seen : (3, n_direction) array
+        Pull, information and squares since the alarm that there is began, in blocks of which a diagnosis is made.
+    chances : (n_direction,) array
+        Probability of each direction by that diagnosis.
     """
 
     def __init__(
@@ -155,14 +174,19 @@ class BlockJudge:
             common=float(tests.common), raster=float(plan.shape.raster),
         )  # fmt: skip
         self.live = np.zeros(at_chances + n)
-        self.marks = np.zeros(HEAD_OF_MARKS + 2 * n + 4 * sensors + len(names), dtype=np.int64)
+        self.marks = np.zeros(HEAD_OF_MARKS + 2 * n + 5 * sensors + len(names), dtype=np.int64)
         self.marks[OPENED] = -1
         self.work = np.zeros(plan.arrays.size + room_of_scores(n))
         self.rows = self.live[HEAD_OF_LIVE:at_times].reshape(plan.shape.rows, 1 + sensors)
         scores = np.split(self.work[plan.arrays.size :], np.cumsum([n, n * n, n, n]))
-        self.pull, self.information, self.white_pull, self.white_information, self.seen = scores
-        self.information = self.information.reshape(n, n)
-        self.states = self.marks[HEAD_OF_MARKS + 2 * n + 2 * sensors + len(names) :][:sensors]
+        self.pull, self.information, self.white_pull, self.white_information, room = scores
+        self.information, self.seen = self.information.reshape(n, n), room[: 3 * n].reshape(3, n)
+        self.sums, self.showing = self.live[at_sums:][: 2 * n].reshape(n, 2), self.live[at_sums + 2 * n :][:n]
+        self.chances = self.live[at_chances:]
+        # behind the states of sensors stands what the kernel needs for them
+        of_sensors = self.marks[HEAD_OF_MARKS + 2 * n + 2 * sensors + len(names) :].reshape(3, sensors)
+        self.states, self.worked = of_sensors[0], of_sensors[2]
+        self._named = self.marks[HEAD_OF_MARKS + 2 * n + sensors :][:sensors]
 
     def load(self, readings: Readings, k: int) -> None:
         """Fill `rows` with a block of readings; its times stay what they are."""
@@ -185,6 +209,21 @@ class BlockJudge:
         """Judge the block in `rows` and take what it says: `NONE`, `GOES_ON` or `BEGINS`, of an alarm."""
         self.judge()
         return int(decide(self.numbers, self.work, self.live, self.marks))
+
+    @property
+    def listed(self) -> list[int]:
+        """Directions that the alarm may be of, the most likely first."""
+        return list(self.marks[SUSPECTS : SUSPECTS + self.marks[LISTED]].tolist())
+
+    @property
+    def stuck(self) -> list[int]:
+        """Sensors that stay at what they read, which the alarm is of if there are any."""
+        return list(np.flatnonzero(self._named).tolist()) if self.marks[STUCK] > 0 else []
+
+    def course(self, direction: int, block: int) -> tuple[np.ndarray, np.ndarray]:
+        """Whitened pull and information of one direction in each block from after a block on, as far back as is kept; (n_block,) each."""
+        of = self.numbers
+        return course_since(self.live, of.at_sums, of.directions, direction, block, int(self.marks[BLOCKS]))
 
     def row(self, time: float, row: np.ndarray) -> int:
         """Take a row: what became of it, and `JUDGED` with what that means for alarms of one that completes a block."""

@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.watch.block import BlockJudge
 from polydraulic.watch.diagnosis import Suspect, sized
 from polydraulic.watch.directions import Direction
 from polydraulic.watch.kernels.evidence import ELSE
-from polydraulic.watch.sequential import EvidenceSums
+from polydraulic.watch.kernels.numbers import OPENED
 
 BIAS, DRIFT = ".bias", ".drift"
 BEFORE = 300  # blocks before an alarm seems to have begun, in which a drift may have
@@ -59,26 +60,23 @@ def course_of(pull: np.ndarray, information: np.ndarray, together: float) -> Err
     return ErrorCourse(grows / (stays + grows), float(ramp.size[best]), float(np.sqrt(scatter / ramp.known[best])))
 
 
-def with_course(
-    suspects: Sequence[Suspect], directions: Sequence[Direction], evidence: EvidenceSums, opened: int
-) -> tuple[Suspect, ...]:
+def with_course(suspects: Sequence[Suspect], directions: Sequence[Direction], judge: BlockJudge) -> tuple[Suspect, ...]:
     """Suspects, of whom the first is two if it is an error of a sensor: a bias and a drift, as likely as its course makes them.
 
     Parameters
     ----------
     suspects : sequence of Suspect
-        From `suspects_of`.
+        From `named_suspects`.
     directions : sequence of Direction
-    evidence : EvidenceSums
-    opened : int
-        Block after which the alarm seems to have begun.
+    judge : BlockJudge
+        Of the blocks so far.
     """
     if not (suspects and suspects[0].name.endswith(BIAS)):
         return tuple(suspects)
     bias = suspects[0]
     place = next(k for k, d in enumerate(directions) if d.name == bias.name)
-    pull, information = evidence.course(place, opened - BEFORE)
-    course = course_of(pull, information, float(evidence.limits.together[place]))
+    pull, information = judge.course(place, int(judge.marks[OPENED]) - BEFORE)
+    course = course_of(pull, information, float(judge.numbers.together[place]))
     column, whole = bias.name.removesuffix(BIAS), directions[place].size
     title = sized(
         f"sensor of {column} drifts, by now to {{}} of its range too much", whole * course.size, whole * course.error

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.networks.model.model import Model
-from polydraulic.watch.diagnosis import evidence_of, scatter_of
+from polydraulic.watch.diagnosis import scatter_of
 from polydraulic.watch.directions import Direction
+from polydraulic.watch.kernels.evidence import best_evidence
 from polydraulic.watch.sequential import Since
 
 _LEAST, _LEAST_SCATTER = 1e-9, 1e-3
@@ -88,7 +89,9 @@ def features(directions: Sequence[Direction], seen: Since, together: float) -> n
     Of the strongest direction of each kind the square root of its share in the most evidence; the logarithm of that; and of each kind's again the
     logarithm of the scatter of blocks about it, which is large where it explains one block and not the next.
     """
-    evidence = np.maximum(evidence_of(directions, seen, together), 0.0)
+    down = [int(d.both) for d in directions]
+    fits = zip(seen.pull.tolist(), seen.information.tolist(), down, strict=True)
+    evidence = np.array([max(best_evidence(pull, known, together, both), 0.0) for pull, known, both in fits])
     scatter = np.maximum(scatter_of(seen), _LEAST_SCATTER * together) / together
     kinds = np.array([d.kind for d in directions])
     strongest = [

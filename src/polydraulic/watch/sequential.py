@@ -11,7 +11,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.watch.expected import Whitened
-from polydraulic.watch.kernels.evidence import KEPT, gather, room_of_evidence, sum_since
+from polydraulic.watch.kernels.evidence import gather, room_of_evidence
 
 
 class Limits(NamedTuple):
@@ -65,8 +65,6 @@ class EvidenceSums:
     Parameters
     ----------
     limits : Limits
-    live, began : arrays of float and int, optional
-        Where it is kept; arrays of its own if not given.
 
     Attributes
     ----------
@@ -79,15 +77,13 @@ class EvidenceSums:
         Evidence that the smallest fault would have given by now.
     """
 
-    def __init__(self, limits: Limits, live: np.ndarray | None = None, began: np.ndarray | None = None) -> None:
+    def __init__(self, limits: Limits) -> None:
         n = len(limits.together)
         self.limits, self.count = limits, 0
-        self._live = np.zeros(room_of_evidence(n)) if live is None else live
-        self._began = np.zeros(2 * n, dtype=np.int64) if began is None else began
+        self._live, self._began = np.zeros(room_of_evidence(n)), np.zeros(2 * n, dtype=np.int64)
         self._down = limits.ways[:, 1].astype(np.int64)
         self.sums, self.began = self._live[: 2 * n].reshape(n, 2), self._began.reshape(n, 2)
         self.showing = self._live[2 * n : 3 * n]
-        self._totals = self._live[3 * n :].reshape(KEPT + 1, 3, n)
 
     def add(self, pull: np.ndarray, information: np.ndarray) -> None:
         """Take a block, (n_direction,) each of its whitened scores."""
@@ -100,21 +96,6 @@ class EvidenceSums:
     def alarms(self) -> np.ndarray:
         """Which tests are beyond their threshold, (n_direction, 2) of bool."""
         return self.sums >= self.limits.threshold
-
-    def since(self, block: int) -> Since:
-        """What was seen of all directions from after a block on; no further back than is kept."""
-        n, first = len(self.showing), max(block, self.count - KEPT, 0)
-        seen = np.empty(3 * n)
-        sum_since(self._live, 0, n, first, self.count, seen, 0)
-        pull, information, squares = seen.reshape(3, n)
-        return Since(pull, information, squares, self.count - first)
-
-    def course(self, direction: int, block: int) -> tuple[np.ndarray, np.ndarray]:
-        """Whitened pull and information of one direction in each block from after a block on, as far back as is kept; (n_block,) each."""
-        first = max(block, self.count - KEPT, 0)
-        kept = self._totals[np.arange(first, self.count + 1) % (KEPT + 1), :2, direction]
-        pull, information = np.diff(kept, axis=0).T
-        return pull, information
 
 
 def highest(white: Whitened, limits: Limits) -> np.ndarray:

@@ -12,13 +12,13 @@ from polydraulic.watch.drift import with_course
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
 from polydraulic.watch.kernels.alarms import ALONE, BEGINS, DIAGNOSED, NONE
-from polydraulic.watch.kernels.numbers import BLOCKS, FILLED, LISTED, OPENED, STUCK, SUSPECTS, UNTIL
+from polydraulic.watch.kernels.evidence import KEPT
+from polydraulic.watch.kernels.numbers import BLOCKS, FILLED, OPENED, UNTIL
 from polydraulic.watch.kernels.rows import JUDGED, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN
-from polydraulic.watch.kernels.stays import RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.naming import FaultNetworks, Opinion
-from polydraulic.watch.sequential import EvidenceSums, Limits, Since, threshold_for
-from polydraulic.watch.watched import Watched, plan_of, tests_of, ways_of
+from polydraulic.watch.sequential import Since, threshold_for
+from polydraulic.watch.watched import Watched, plan_of, tests_of
 
 FREEZE = ".freeze"
 
@@ -79,10 +79,6 @@ class FaultWatch:
     ----------
     alarms : list of Alarm
         So far; the last one may go on. Kept are the last 1000.
-    judge_parts : BlockJudge
-        Numbers and state as plain arrays, and the kernels that read them: what is exported.
-    evidence : EvidenceSums
-        Of all tests.
     seen : Since or None
         What the last alarm was named by.
     """
@@ -97,14 +93,9 @@ class FaultWatch:
         threshold = threshold_for(rate, tests_of(of.directions), of.shape.seconds)
         limits = [too_long(expected.longest[column]) for column in of.columns]
         tests = AlarmTests(expected.together, float(np.median(expected.together)), threshold, limits)
-        plan, n = plan_of(of, expected.noise), len(of.directions)
-        judge = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
-        kept = judge.live[judge.numbers.at_sums : judge.numbers.at_chances]
-        began = judge.marks[judge.numbers.in_marks :][: 2 * n]
-        self.judge_parts = judge
-        self.evidence = EvidenceSums(Limits(threshold, expected.together, ways_of(of.directions)), kept, began)
+        plan = plan_of(of, expected.noise)
+        self.judge_parts = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
         self.alarms: list[Alarm] = []
-        self._worked = np.zeros(len(of.columns), dtype=np.int64)  # blocks in which the function of each sensor worked
         # of the present alarm, errors of sensors not yet told apart by their course
         self._suspects: tuple[Suspect, ...] = ()
 
@@ -116,7 +107,7 @@ class FaultWatch:
     @property
     def shares(self) -> np.ndarray:
         """Evidence for each direction as a share of the threshold, (n_direction,)."""
-        return np.asarray(self.evidence.sums.max(axis=1) / self.evidence.limits.threshold)
+        return np.asarray(self.judge_parts.sums.max(axis=1) / self.judge_parts.numbers.threshold)
 
     def update(self, time: float, row: np.ndarray) -> Alarm | None:
         """Take a row of the log; the present alarm whenever a block is full and there is one.
@@ -179,43 +170,41 @@ class FaultWatch:
 
     def _alarm(self, means: int) -> Alarm | None:
         """The alarm that there is after a block."""
-        judge = self.judge_parts
-        marks, live, self.evidence.count = judge.marks, judge.live, self.blocks
-        self._worked += judge.states != RESTS
         if means == NONE:
             return None
-        since, seen, until = live[: UNTIL + 1].tolist()
+        judge = self.judge_parts
+        since, seen, until = judge.live[: UNTIL + 1].tolist()
         if means == BEGINS:
             self.alarms.append(Alarm(since, seen, until, ()))
             del self.alarms[: -self.MOST_ALARMS]
-        alarm, n, sensors, opened = self.alarms[-1], len(self.of.directions), len(self.of.columns), int(marks[OPENED])
-        suspects, opinion = alarm.suspects, alarm.opinion
-        if marks[STUCK] > 0:
-            named = marks[judge.numbers.in_marks + 2 * n + sensors :][:sensors]
-            suspects, opinion = tuple(_frozen_sensor(self.of.columns[k]) for k in np.flatnonzero(named).tolist()), None
+            self._suspects = ()
+        directions, opened, opinion = self.of.directions, int(judge.marks[OPENED]), self.alarms[-1].opinion
+        stays = any(s.name.endswith(FREEZE) for s in self.alarms[-1].suspects)
+        if not stays and (self.blocks - opened <= DIAGNOSED or not self._suspects):
+            pull, information, squares = judge.seen.copy()
+            self.seen = Since(pull, information, squares, min(self.blocks - opened, KEPT))
+            self._suspects = tuple(
+                named_suspects(directions, self.seen, judge.numbers.common, judge.chances, judge.listed)
+            )
+            if self.networks is not None:
+                opinion = self.networks.opinion(directions, self.seen, judge.numbers.common)
+        if stuck := judge.stuck:
+            suspects, opinion = tuple(_frozen_sensor(self.of.columns[k]) for k in stuck), None
         else:
-            if self.blocks - opened <= DIAGNOSED or not suspects:
-                self.seen = self.evidence.since(opened)
-                chances = live[judge.numbers.at_chances :][:n]
-                listed = marks[SUSPECTS : SUSPECTS + marks[LISTED]].tolist()
-                common = judge.numbers.common
-                self._suspects = tuple(named_suspects(self.of.directions, self.seen, common, chances, listed))
-                if self.networks is not None:
-                    opinion = self.networks.opinion(self.of.directions, self.seen, common)
-            suspects = with_course(self._suspects, self.of.directions, self.evidence, opened)
+            suspects = with_course(self._suspects, directions, judge)
         self.alarms[-1] = Alarm(since, seen, until, suspects, opinion)
         return self.alarms[-1]
 
     def findings(self) -> list[Outlook]:
         """Of each fault that is watched, whether it would have shown by now."""
-        shares = np.minimum(self.evidence.showing / self.evidence.limits.threshold, 1.0).tolist()
+        judge = self.judge_parts
+        shares = np.minimum(judge.showing / judge.numbers.threshold, 1.0).tolist()
         found: dict[str, Outlook] = {}
         for d, share in zip(self.of.directions, shares, strict=True):  # the smallest size of each comes first
             found.setdefault(d.name, Outlook(d.name, d.smallest, share >= 1.0, share))
-        for column, worked, limit in zip(
-            self.of.columns, self._worked.tolist(), self.judge_parts.numbers.limits.tolist(), strict=True
-        ):
-            sensor, share = _frozen_sensor(column), worked / (ALONE * limit)
+        stays = judge.worked / (ALONE * judge.numbers.limits)
+        for column, share in zip(self.of.columns, stays.tolist(), strict=True):
+            sensor = _frozen_sensor(column)
             found[sensor.name] = Outlook(sensor.name, sensor.title, share >= 1.0, min(share, 1.0))
         return list(found.values())
 

@@ -18,7 +18,7 @@ from polydraulic.watch.kernels.numbers import (
     UNTIL,
     WatchNumbers,
 )
-from polydraulic.watch.kernels.stays import FLAT, MOVES
+from polydraulic.watch.kernels.stays import FLAT, MOVES, RESTS
 
 QUIET = 30  # blocks without an alarm after which it is over
 DIAGNOSED = 60  # blocks since the beginning that a diagnosis is made of
@@ -35,6 +35,7 @@ def decide(numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, marks: np.
     began = numbers.in_marks
     flat = began + 2 * n
     states = flat + 2 * sensors + numbers.owners
+    worked = states + 2 * sensors
     count = marks[BLOCKS] + 1
     marks[BLOCKS] = count
     live[numbers.at_times + ring_place(count - 1)] = begin
@@ -42,6 +43,7 @@ def decide(numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, marks: np.
     alone, stays = False, 1
     for c in range(sensors):
         state = marks[states + c]
+        marks[worked + c] += 0 if state == RESTS else 1
         longer = marks[flat + c] + 1 if state == FLAT else (0 if state == MOVES else marks[flat + c])
         marks[flat + c] = longer
         own = longer >= ALONE * numbers.limits[c]

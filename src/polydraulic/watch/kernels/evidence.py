@@ -22,6 +22,16 @@ def room_of_evidence(n: int) -> int:
     return 3 * n + 3 * n * (KEPT + 1)
 
 
+def course_since(
+    live: np.ndarray, at_sums: int, n: int, direction: int, first: int, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whitened pull and information of one direction in each block from after a block on, of those that are kept; (n_block,) each."""
+    totals = live[at_sums + 3 * n : at_sums + room_of_evidence(n)].reshape(KEPT + 1, 3, n)
+    kept = totals[np.arange(max(first, count - KEPT, 0), count + 1) % (KEPT + 1), :2, direction]
+    pull, information = np.diff(kept, axis=0).T
+    return pull, information
+
+
 @driver
 def ring_place(block: int) -> int:
     """Place of a block among those that are kept; the first of all blocks has the place 0."""
@@ -76,6 +86,13 @@ def sum_since(live: np.ndarray, at_sums: int, n: int, first: int, count: int, se
 
 
 @driver
+def best_evidence(pull: float, information: float, together: float, down: int) -> float:
+    """Logarithm of the likelihood ratio of a direction in the size that fits best; very negative where that would go the wrong way."""
+    allowed = information > 0.0 and (down != 0 or pull > 0.0)
+    return 0.5 * pull * pull / max(information, 1e-300) / together if allowed else _NEVER
+
+
+@driver
 def diagnose(
     seen: np.ndarray,
     at_seen: int,
@@ -95,11 +112,8 @@ def diagnose(
     best = _NEVER
     for k in range(n):
         pull, information = seen[at_seen + k], seen[at_seen + n + k]
-        known = max(information, 1e-300)
-        allowed = information > 0.0 and (down[k] != 0 or pull > 0.0)
-        evidence = 0.5 * pull * pull / known / together if allowed else _NEVER
         # of a size that is free
-        evidence = evidence - 0.5 * log(1.0 + information / together)
+        evidence = best_evidence(pull, information, together, down[k]) - 0.5 * log(1.0 + information / together)
         chances[at_chances + k] = evidence
         best = max(best, evidence)
     total = 0.0
