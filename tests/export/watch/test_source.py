@@ -70,8 +70,9 @@ def test_every_row_has_the_bits_of_the_package(exported, fault):
     for d, share in zip(of.directions, watch.shares.tolist(), strict=True):
         shares[d.name] = max(shares[d.name], share)
     assert [exported.call.w_share(exported.at, k) for k in range(len(names))] == list(shares.values())
-    could = [exported.call.w_could_show(exported.at, k) for k in range(len(names))]
-    assert could == [int(f.could_show) for f in watch.findings()[: len(names)]]
+    could = [exported.call.w_could_show(exported.at, k) for k in range(len(names) + len(of.columns))]
+    assert could == [int(f.could_show) for f in watch.findings()]
+    assert exported.call.w_could_show(exported.at, len(could)) == exported.call.w_could_show(exported.at, -1) == 0
 
 
 def test_rows_that_are_no_numbers_are_told(exported):

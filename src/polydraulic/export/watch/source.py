@@ -15,6 +15,7 @@ from polydraulic.export.exported import Exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
 from polydraulic.files import write_texts
+from polydraulic.watch.kernels.alarms import ALONE
 from polydraulic.watch.kernels.numbers import LISTED, OPENED, STUCK, SUSPECTS
 from polydraulic.watch.watch import FREEZE, FaultWatch
 
@@ -72,6 +73,7 @@ def watch_c(watch: FaultWatch, *, name: str = "watch") -> dict[str, str]:
         "n_sensors": sensors, "n_faults": len(faults), "n_live": len(judge.live), "n_work": len(judge.work), "n_marks": len(judge.marks),
         "n_directions": n, "opened": OPENED, "stuck": STUCK, "listed": LISTED, "suspects": SUSPECTS, "at_sums": numbers.at_sums,
         "at_showing": numbers.at_sums + 2 * n, "at_chances": numbers.at_chances, "in_named": numbers.in_marks + 2 * n + sensors,
+        "in_worked": len(judge.marks) - sensors, "alone": ALONE,
     }  # fmt: skip
     fill = {
         "name": name,
