@@ -1,4 +1,5 @@
 import re
+import tomllib
 
 import pytest
 
@@ -50,3 +51,18 @@ def test_dates_in_doubt_are_asked_for(tmp_path, ending):
     text = suggest_channels(tmp_path / f"log.{ending}")
     assert '# "03/04/2024 10:00:00" can be read in two ways; say which:\n# dates = "dd/mm/yyyy"\n' in text
     assert 'raster = "1 s"' in text
+
+
+def test_channels_of_one_unit_have_one_range_and_angles_none(tmp_path):
+    log = tmp_path / "log.csv"
+    columns = {
+        "time [s]": (0, 2), "p_a [bar]": (0, 200), "p_b [bar]": (20, 318), "left [%]": (-100, 20), "right [%]": (0, 90),
+        "slew.angle [deg]": (-150, 80), "turned [rad]": (0, 3), "depth [mm]": (5, 5), "reach [mm]": (100, 300), "a": (1, 3), "b": (10, 30),
+    }  # fmt: skip
+    rows = (",".join(str(low + (high - low) * k / 8) for low, high in columns.values()) for k in range(9))
+    log.write_text("\n".join([",".join(columns), *rows]) + "\n")
+    found = {c["source"]: c.get("range") for c in tomllib.loads(suggest_channels(log))["channel"]}
+    assert found == {
+        "time": None, "p_a": [-160, 480], "p_b": [-160, 480], "left": [-200, 200], "right": [-200, 200],
+        "slew.angle": None, "turned": None, "depth": None, "reach": [0, 400], "a": [0, 4], "b": [0, 40],
+    }  # fmt: skip

@@ -45,7 +45,8 @@ _HEAD = """\
 # - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out.
 # - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; from bar(a), psia and the like an
 #   atmosphere is taken: put atmosphere = "1.013 bar" at the top.
-# - range: what was seen in the log, and half as much on either side; values beyond it are taken as missing, so put what is physically possible.
+# - range: what was seen in all channels of that unit, half as much on either side, and symmetric where both signs were seen; values
+#   beyond it are taken as missing, so put what is physically possible. Angles have none: they may add up turn by turn.
 # - between: "linear" or "hold", what is true between two samples. sign = -1 turns a channel round.
 # - name: the column in the table, such as "boom.p_a"; the source if not given.
 """
@@ -98,6 +99,8 @@ def suggest_channels(
         if s is not time and not s.kind and seen[s.name].n and seen[s.name].low < seen[s.name].high
     ]
     rasters = [seen[s.name].raster for s in used if np.isfinite(seen[s.name].raster)]
+    units = {s.name: _unit(s) for s in used}
+    ranges = _ranges(units, seen)
     lines = [_HEAD, f"raster = {_text(_span(min(rasters, default=0.01)))}  # of the table"]
     if time is None and not log.own_clock:
         lines.append('interval = "10 ms"  # between rows: the log does not tell, so correct it')
@@ -114,12 +117,13 @@ def suggest_channels(
             why = "it holds times" if signal.kind else "it holds no numbers" if not found.n else "it is constant"
             lines += [f'role = "ignore"  # {why}']
             continue
-        lines += ['role = "input"', _unit_line(signal)]
+        lines += ['role = "input"', *units[signal.name].lines]
         if np.isfinite(found.raster):
             lines.append(f"raster = {_text(_span(found.raster))}")
         lines.append(f"between = {_text('hold' if found.held > _HOLD else 'linear')}")
-        low, high = _round_range(found.low, found.high)
-        lines.append(f"range = [{low:.10g}, {high:.10g}]")
+        if signal.name in ranges:
+            low, high = ranges[signal.name]
+            lines.append(f"range = [{low:.10g}, {high:.10g}]")
         if signal.name in log.duplicates:
             lines.append("# the log has this name more than once: this is the first")
     if log.left_out:
@@ -204,20 +208,26 @@ def _merge(before: _Seen, clock: np.ndarray | None, value: np.ndarray) -> _Seen:
     return _Seen(low, high, before.n + count, raster, held)
 
 
-def _unit_line(signal: Signal) -> str:
+class _Unit(NamedTuple):
+    unit: str
+    lines: list[str]
+
+
+def _unit(signal: Signal) -> _Unit:
+    """Unit that a channel gets, empty if it is not known, and the lines that say so."""
     if not signal.unit:
         guess = _unit_in(signal.name)
         said = "from its name: the log itself does not tell" if guess else "the log does not tell"
-        return f"unit = {_text(guess)}  # {said}"
+        return _Unit(guess, [f"unit = {_text(guess)}  # {said}"])
     pressure = says_pressure(signal.name)
     try:
         found = conversion(signal.unit, kind="Pa" if pressure else "")
     except InputError as error:
-        return f'unit = ""  # the log says {_text(signal.unit)}: {_text(str(error))[1:-1]}'
-    line = f"unit = {_text(signal.unit)}" + (f"  # or {signal.other_unit}" if signal.other_unit else "")
+        return _Unit("", [f'unit = ""  # the log says {_text(signal.unit)}: {_text(str(error))[1:-1]}'])
+    lines = [f"unit = {_text(signal.unit)}" + (f"  # or {signal.other_unit}" if signal.other_unit else "")]
     if pressure and found.si != "Pa":  # a sensor that is logged as it is
-        line += f'\nkind = "{unit_kind(found.si).name}"  # its name says pressure, its unit does not'
-    return line
+        lines.append(f'kind = "{unit_kind(found.si).name}"  # its name says pressure, its unit does not')
+    return _Unit(signal.unit, lines)
 
 
 def _unit_in(name: str) -> str:
@@ -237,12 +247,27 @@ def _span(seconds: float) -> str:
     return f"{seconds:.6g} s" if seconds >= 1.0 else f"{float(f'{1e3 * seconds:.3g}'):g} ms"
 
 
+def _ranges(units: dict[str, _Unit], seen: dict[str, _Seen]) -> dict[str, tuple[float, float]]:
+    """Ranges of channels: one for all of a unit, as another day drives another of them; of its own where the unit is not known."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for name, (unit, _) in units.items():
+        if _known(unit) != "rad":
+            alike.setdefault((unit, "" if unit else name), []).append(name)
+    return {
+        name: _round_range(min(seen[n].low for n in names), max(seen[n].high for n in names))
+        for names in alike.values()
+        for name in names
+    }
+
+
 def _round_range(low: float, high: float) -> tuple[float, float]:
-    """What was seen and half as much on either side, on round numbers: another day reaches further."""
+    """What was seen and half as much on either side, on round numbers; of both signs as far to either: another day reaches further."""
     step = 10.0 ** floor(log10((high - low) / 10.0))
     step = next(s * step for s in (*_ROUND, 10.0) if s * step * 20.0 >= high - low)
     margin = 0.5 * (high - low)
-    return step * floor((low - margin) / step), step * ceil((high + margin) / step)
+    below, above = step * floor((low - margin) / step), step * ceil((high + margin) / step)
+    most = max(-below, above)
+    return (-most, most) if low < 0.0 < high else (below, above)
 
 
 def _text(text: str) -> str:
