@@ -3,6 +3,7 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
 from helpers.can_made import DBC, bus, write_bus
@@ -60,6 +61,24 @@ def test_findings_are_printed_and_the_report_lies_beside_the_table(call, files):
     assert (files / "table.quality.json").is_file()
     assert "0 finding(s)" in call("import log.csv --channels map.toml --out t.parquet --report r/q.html")[1]
     assert (files / "r" / "q.html").is_file()
+
+
+def test_dropouts_of_many_channels_are_one_line_behind_the_errors(call, files):
+    columns = healthy(n=600)
+    columns["p_head"][100:150] = np.nan
+    write_csv(files / "one.csv", columns)
+    assert (
+        "warning: dropout 'p_head' (1 gap) before row 151" in call("import one.csv --channels map.toml --out t.csv")[1]
+    )
+    columns["lever"][300:400] = np.nan
+    columns["p_head"][10] = 999.0
+    write_csv(files / "many.csv", columns)
+    told = call("import many.csv --channels map.toml --out t.csv")[1].splitlines()
+    assert [line.partition(" 'p")[0] for line in told[:2]] == [
+        "error: implausible",
+        "warning: dropouts in 2 channels, 1.52 s in all; the table has no rows there; see t.quality.html",
+    ]
+    assert not any("dropout '" in line for line in told)
 
 
 def test_strict_is_an_exit_code_for_what_is_wrong(call, files):

@@ -1,13 +1,16 @@
 """Commands of measured logs: import, record, fit-machine, replay."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from polydraulic.cli.application import METRIC, FaultOption, MachineOption, UnitsOption, app
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
+
+if TYPE_CHECKING:
+    from polydraulic.measure.importing import Imported
 
 
 @app.command("import")
@@ -73,8 +76,8 @@ def import_(
         imported = import_log(log, given, out, dbc=dbc or (), progress=progress)
         progress("deadbands, coverage, quality report", 0, 1)
         told = write_quality(imported, page, units=units)
-    for finding in imported.findings:
-        print(f"{finding.level}: {finding}")
+    for line in _told(imported, page):
+        print(line)
     for found in told.deadbands:
         print(found.statement(imported.shown(units).get(found.input)))
     if imported.n_row == 0:
@@ -86,6 +89,19 @@ def import_(
     if strict and errors:
         print(f"--strict: {errors} error(s) above")
         raise typer.Exit(1)
+
+
+def _told(imported: "Imported", page: Path) -> list[str]:
+    """A line for each finding, errors first; dropouts, which most channels of a log have, in one for all."""
+    dropouts = imported.findings.of("dropout")
+    single = [f for f in imported.findings if f.kind != "dropout" or len(dropouts) == 1]
+    lines = [f"{finding.level}: {finding}" for finding in single]
+    if len(dropouts) > 1:
+        lost = sum(check.lost for check in imported.checks)
+        lines.append(
+            f"{dropouts[0].level}: dropouts in {len(dropouts)} channels, {lost:.4g} s in all; the table has no rows there; see {page}"
+        )
+    return lines
 
 
 @app.command()
