@@ -47,6 +47,12 @@ def test_only_the_columns_asked_for_are_checked(tmp_path):
         ("x,y\n1,red\n3,blue\n", "column 'y' holds 'red'"),
         ("x,x [m]\n1,2\n", "column 'x' appears twice"),
         ("x,y\n1\n", "cannot be read as a csv table"),
+        (
+            "t [s];p [bar]\n0,0;1,5\n0,1;1,6\n",
+            "cannot be read as a csv table .*; a log as .* goes through `polydraulic import` first",
+        ),
+        ("t [s];p [bar]\n0;1\n", "every value must be a number; a log as .* goes through `polydraulic import` first"),
+        ("x,y\n1,\n3,4\n", "drop these rows or fill them first; a log as .* goes through `polydraulic import` first"),
         ("", "cannot be read as a csv table"),
     ],
 )
@@ -63,6 +69,11 @@ def test_missing_things_are_named(tmp_path):
     write_table(TABLE, tmp_path / "a.csv")
     with pytest.raises(InputError, match=r"no column 'q'; the table has \['t', 'p x'\]"):
         read_table(tmp_path / "a.csv", ["q"])
+    (tmp_path / "b.csv").write_text("t;p\n0;1\n")
+    with pytest.raises(
+        InputError, match=r"no column 'p'; .*\['t;p'\]; a log as .* goes through `polydraulic import` first"
+    ):
+        read_table(tmp_path / "b.csv", ["p"])
     with pytest.raises(InputError, match="no column 'q'"):
         TABLE["q"]
     with pytest.raises(InputError, match="ends in .csv or .parquet"):

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 _HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$", re.DOTALL)
 _INFO_KEY = b"polydraulic"
+_OF_LOGS = "a log as it was recorded goes through `polydraulic import` first"
 _SHOWN_ROWS, _SHOWN_COLUMNS = 5, 30  # at both ends; of a table that is displayed
 
 
@@ -288,7 +289,8 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
         given, info = [_unit_of(entry) for entry in raw.schema], _info_of(raw.schema)
     except (pa.ArrowException, OSError, ValueError, RecursionError) as error:  # the latter from damaged units and info
         why = (str(error).splitlines() or ["damaged"])[0]
-        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why})") from error
+        hint = f"; {_OF_LOGS}" if ending == ".csv" else ""
+        raise InputError(f"{path}: cannot be read as a {ending[1:]} table ({why}){hint}") from error
     if raw.num_rows == 0:
         raise InputError(f"{path}: the table has no rows")
     split = list(map(_name_and_unit, heads)) if ending == ".csv" else list(zip(heads, given, strict=True))
@@ -299,7 +301,8 @@ def read_table(path: str | Path, columns: Sequence[str] | None = None, *, option
     wanted = names if columns is None else [*columns, *also]
     missing = [name for name in wanted if name not in units]
     if missing:
-        raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}")
+        hint = f"; {_OF_LOGS}" if any(mark in name for name in names for mark in ";\t") else ""
+        raise InputError(f"{path}: no column {missing[0]!r}; the table has {names}{hint}")
     data = {
         name: finite(_numbers(raw.column(names.index(name)), name, f"{path}: "), name, f"{path}: ") for name in wanted
     }
@@ -320,7 +323,7 @@ def _numbers(column: Any, name: str, where: str) -> np.ndarray:
 
     if len(column) and not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
         shown = next((str(v) for v in column.to_pylist() if v is not None), "no values")
-        raise InputError(f"{where}column {name!r} holds {shown!r}; every value must be a number")
+        raise InputError(f"{where}column {name!r} holds {shown!r}; every value must be a number; {_OF_LOGS}")
     try:
         floats = column.cast(pa.float64())
     except pa.ArrowInvalid as error:
@@ -334,7 +337,7 @@ def finite(values: np.ndarray, name: str, where: str = "") -> np.ndarray:
     if bad.size:
         raise InputError(
             f"{where}column {name!r} holds {values[bad[0]]} in row {bad[0] + 1} ({bad.size} of {values.size} rows); "
-            "every value must be a finite number: drop these rows or fill them first"
+            f"every value must be a finite number: drop these rows or fill them first{f'; {_OF_LOGS}' if where else ''}"
         )
     return values
 
