@@ -278,6 +278,12 @@ def test_joints_state_how_they_follow_their_commands(joints, tmp_path):
     assert "fully at" in (tmp_path / "j.html").read_text()
 
 
+def test_more_rows_than_are_read_are_refused():
+    told = r"longest = 7 s takes 140 rows of 0.05 s, 120 are the most: .* raster of 58.4 ms or more .*, or give --longest 6 or less"
+    with pytest.raises(InputError, match=told):
+        fit_joints(joint_log(gap=False), ["lever.a"], ["a"], longest=7.0)
+
+
 SENSORS = """
 seed = 5
 

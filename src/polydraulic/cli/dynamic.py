@@ -30,7 +30,8 @@ def fit_joints(
         str | None, typer.Option(help="What else speeds may depend on, such as engine speed, separated by commas.")
     ] = None,
     longest: Annotated[
-        float, typer.Option(help="Time in s after which the response of a speed to its command is over.")
+        float,
+        typer.Option(help="Time in s after which the response of a speed to its command is over, at most 120 rows."),
     ] = 0.8,
     horizon: Annotated[float, typer.Option(help="Length in s of the free runs that are fitted.")] = 10.0,
     card: Annotated[

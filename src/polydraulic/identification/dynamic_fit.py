@@ -16,7 +16,7 @@ from polydraulic.identification.arguments import check_columns, parts_of, table_
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
-from polydraulic.networks.dynamic.command_response import response_facts, response_in_words
+from polydraulic.networks.dynamic.command_response import longest_lag_in_rows, response_facts, response_in_words
 from polydraulic.networks.dynamic.dynamic_regressor import DynamicRegressor
 from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.networks.dynamic.joint_regressor import JointRegressor
@@ -36,7 +36,6 @@ from polydraulic.tables import Table
 LAST, LINEAR = "last value held", "linear, same lags"  # models for scale
 _SMALLEST = 20  # rows that a block must hold beside the longest lag
 _FEWER = 0.1  # by which the share of rows in their intervals may fall below the level without a word
-_MOST_LAGS = 60  # of a joint's command
 _FEW_BLOCKS = 10  # of a short log, two of them held out
 
 
@@ -192,7 +191,7 @@ def fit_joints(
     more_inputs : sequence of str
         What else rates may depend on, such as engine speed.
     longest : float, s
-        After which the response of a rate to its command must be over, nearly.
+        After which the response of a rate to its command must be over, nearly; at most 120 rows.
     horizon : float, s
         Of the free runs that are fitted.
     progress : Progress, optional
@@ -216,7 +215,7 @@ def fit_joints(
             raise InputError(f"{name} = {value!r} s: must be a time above 0")
 
     def lag(raster: float) -> int:
-        return max(4, min(_MOST_LAGS, round(longest / raster)))
+        return longest_lag_in_rows(longest, raster)
 
     def learner(raster: float, tell: Progress) -> JointRegressor:
         return JointRegressor(

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 
@@ -69,6 +71,33 @@ def test_a_response_is_told_in_units_of_the_log(found):
     assert words.endswith("s; it was driven against its lower and its upper stop")
 
 
+def test_what_a_log_cannot_show_is_no_number(found):
+    short = found[0]._replace(
+        edges=((0.3, 1.621), (-0.2, -0.8)), seen=(0.805, -0.805), dead_time=0.49, lag=1.5, play=0.0
+    )
+    facts = response_facts(short, "u", "V", 0.02)
+    assert (facts["edges"], facts["seen"], facts["dead_time"]) == ([[0.3, None], [-0.2, -0.8]], [0.805, -0.805], 0.0)
+    assert response_in_words(facts).startswith(
+        "u moves it beyond 0.3, fully beyond the 0.805 V seen and beyond -0.2, fully at -0.8 V, with no dead time and a lag of 0.03 s;"
+    )
+    there = response_facts(short._replace(dead_time=0.5, edges=((0.3, 0.805),), seen=(0.805,)), "u", "V", 0.02)
+    assert (there["dead_time"], there["edges"]) == (0.01, [[0.3, 0.805]])
+    assert ", fully at 0.805 V, after a dead time of 0.01 s with a lag of 0.03 s;" in response_in_words(there)
+
+
+def test_a_response_longer_than_the_longest_lag_says_which_would_do():
+    late = np.concatenate([np.full(8, LOG["a"][0]), LOG["a"][:-8]])
+    for raster, unit, remedy in ((None, "rows", r"longest_lag = (\S+)"), (0.05, "s", r"--longest (\S+)")):
+        told = (
+            rf"'y' follows 'u' with a dead time of \S+ {unit} and a lag of \S+ {unit}, .* {unit}: give {remedy} or more"
+        )
+        with pytest.raises(InputError, match=told) as refused:
+            find_response(LOG["lever.a"], late, SPANS, 12, ("u", "y"), raster)
+        needed = float(re.search(remedy, str(refused.value))[1]) / (raster or 1.0)
+        assert needed > 12.0
+        assert find_response(LOG["lever.a"], late, SPANS, round(needed), ("u", "y")).dead_time > 7.0
+
+
 def test_what_cannot_be_found_is_refused():
     n = len(LOG)
     rest, other = np.zeros(n), np.random.default_rng(0).uniform(-1.0, 1.0, n)
@@ -78,6 +107,3 @@ def test_what_cannot_be_found_is_refused():
         find_response(other, LOG["a"], SPANS, 16, ("u", "y"))
     with pytest.raises(InputError, match="no 33 rows follow each other"):
         find_response(LOG["lever.a"], LOG["a"], [(0, 20)], 16, ("u", "y"))
-    slow = np.concatenate([np.zeros(8), LOG["a"][:-8]])
-    with pytest.raises(InputError, match=r"not over after the longest lag of 6 rows|explains \d+%"):
-        find_response(LOG["lever.a"], slow, SPANS, 6, ("u", "y"))

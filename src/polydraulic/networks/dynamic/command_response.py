@@ -24,6 +24,8 @@ _EXPLAINED = 0.2  # of the travel, below which the command does not move the joi
 _CUT = 0.1  # of a response, that may come later than the longest lag
 _KEPT = 0.005  # of the whole: weights below are left out
 _NEAR, _TOWARD, _STANDS = 0.03, 0.03, 0.2  # a stop: so near the end, so much travel expected, so little of it found
+_SHORTEST = 0.5  # dead time in rows; a shorter one cannot be told from none
+_LEAST_ROWS, _MOST_ROWS = 4, 120  # of the longest lag
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
 _SCALE = 0.02  # of the range: errors of the travel beyond it count less
 _EVALUATIONS = 40
@@ -46,6 +48,8 @@ class Response(NamedTuple):
         Of the command, from where it is taken to have come.
     edges : tuple of (float, float)
         One for each side on which the command moves the joint: where motion begins, and where it is at its fastest.
+    seen : tuple of float
+        How far the command went, for each side.
     stops : (bool, bool)
         Whether the joint was driven against its lower end, and its upper one.
     """
@@ -56,6 +60,7 @@ class Response(NamedTuple):
     play: float
     rest: float
     edges: tuple[tuple[float, float], ...]
+    seen: tuple[float, ...]
     stops: tuple[bool, bool]
 
     def ramps(self, command: np.ndarray) -> np.ndarray:
@@ -63,9 +68,27 @@ class Response(NamedTuple):
         return _ramps(_filtered(command, self.weights, self.play, self.rest), self.edges)
 
 
+def longest_lag_in_rows(longest: float, raster: float) -> int:
+    """Rows of the longest lag, from times in s.
+
+    Raises
+    ------
+    InputError
+        More rows than a search can take.
+    """
+    rows = max(_LEAST_ROWS, round(longest / raster))
+    if rows > _MOST_ROWS:
+        raise InputError(
+            f"longest = {longest:g} s takes {rows} rows of {raster:g} s, {_MOST_ROWS} are the most: bring the log onto a raster of "
+            f"{np.ceil(1e4 * longest / _MOST_ROWS) / 10.0:g} ms or more (`polydraulic import`), or give --longest {_MOST_ROWS * raster:.6g} or less"
+        )
+    return rows
+
+
 def find_response(
-    command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int, names: tuple[str, str]
-) -> Response:
+    command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int, names: tuple[str, str],
+    raster: float | None = None,
+) -> Response:  # fmt: skip
     """Dead time, lag and dead zone with which the travel over windows of rows fits best.
 
     Parameters
@@ -77,6 +100,8 @@ def find_response(
         Rows after which the response to a command must be over, nearly.
     names : (str, str)
         Of command and joint, for messages.
+    raster : float, optional
+        Time between rows in s; messages tell rows without it.
 
     Raises
     ------
@@ -129,22 +154,40 @@ def find_response(
         )
     dead_time, lag = float(best[0]), float(np.exp(best[1]))
     if np.exp(-(longest_lag - dead_time) / lag) > _CUT:
-        raise InputError(
-            f"{names[1]!r} follows {names[0]!r} with a dead time of {dead_time:.1f} and a lag of {lag:.1f} rows, which is not over after the "
-            f"longest lag of {longest_lag} rows: read further back, or bring the log onto a coarser raster"
-        )
-    return Response(dead_time, lag, weights, play, rest, edges, stops)
+        raise InputError(f"{names[1]!r} follows {names[0]!r} with {_not_over(dead_time, lag, longest_lag, raster)}")
+    return Response(dead_time, lag, weights, play, rest, edges, tuple(end for _, end in sides), stops)
+
+
+def _not_over(dead_time: float, lag: float, longest_lag: int, raster: float | None) -> str:
+    """What is wrong with a response that is longer than the longest lag, and what would do; times in rows."""
+    needed = dead_time - np.log(_CUT) * lag
+    if raster is None:
+        step, unit, remedy = 1.0, "rows", f"longest_lag = {np.ceil(needed):.0f}"
+    else:
+        # two digits, rounded up
+        digit = 10.0 ** (np.floor(np.log10(needed * raster)) - 1.0)
+        step, unit, remedy = raster, "s", f"--longest {digit * np.ceil(needed * raster / digit):.2g}"
+    return (
+        f"a dead time of {dead_time * step:.2g} {unit} and a lag of {lag * step:.2g} {unit}, which is not over after the longest lag of "
+        f"{longest_lag * step:.3g} {unit}: give {remedy} or more"
+    )
 
 
 def response_facts(response: Response, command: str, unit: str, raster: float) -> dict[str, Any]:
-    """How a joint follows its command, as it stands in a model file; times in s, edges in the unit of the command."""
+    """How a joint follows its command, as it stands in a model file; times in s, edges in the unit of the command.
+
+    What a log cannot show is left out: a dead time of less than half a row is 0, and where the command never went as far as full opening,
+    this is None.
+    """
+    ends = zip(response.edges, response.seen, strict=True)
     return {
         "command": command,
         "unit": unit,
-        "dead_time": response.dead_time * raster,
+        "dead_time": response.dead_time * raster if response.dead_time >= _SHORTEST else 0.0,
         "lag": response.lag * raster,
         "play": response.play,
-        "edges": [list(ends) for ends in response.edges],
+        "edges": [[first, full if abs(full - first) <= abs(end - first) else None] for (first, full), end in ends],
+        "seen": list(response.seen),
         "stops": list(response.stops),
     }
 
@@ -152,12 +195,20 @@ def response_facts(response: Response, command: str, unit: str, raster: float) -
 def response_in_words(facts: Mapping[str, Any]) -> str:
     """The same in words."""
     unit = f" {facts['unit']}" if facts["unit"] not in ("", "1") else ""
-    sides = " and ".join(f"beyond {first:.4g}, fully at {full:.4g}{unit}" for first, full in facts["edges"])
+    sides = " and ".join(
+        f"beyond {first:.4g}, fully {f'beyond the {end:.4g}{unit} seen' if full is None else f'at {full:.4g}{unit}'}"
+        for (first, full), end in zip(facts["edges"], facts["seen"], strict=True)
+    )
     stops = [end for end, met in zip(("lower", "upper"), facts["stops"], strict=True) if met]
     met = f"driven against its {' and its '.join(stops)} stop" if stops else "never driven against a stop"
-    times = f"a dead time of {facts['dead_time']:.2g} s with a lag of {facts['lag']:.2g} s"
+    lag = f"a lag of {facts['lag']:.2g} s"
+    times = (
+        f"after a dead time of {facts['dead_time']:.2g} s with {lag}"
+        if facts["dead_time"]
+        else f"with no dead time and {lag}"
+    )
     play = f"with a play of {facts['play']:.2g}{unit}, " if facts.get("play") else ""
-    return f"{facts['command']} moves it {sides}, {play}after {times}; it was {met}"
+    return f"{facts['command']} moves it {sides}, {play}{times}; it was {met}"
 
 
 class _Windows:

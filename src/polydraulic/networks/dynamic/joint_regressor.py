@@ -128,7 +128,9 @@ class JointRegressor(FreeRunner):
             self.progress(f"dead zone of {said[k]}", k, 2 * n)
             of = said[k], said[self.n_features_in_ + k]
             self.responses_.append(
-                find_response(signals[:, k], signals[:, self.n_features_in_ + k], spans, self.longest_lag, of)
+                find_response(
+                    signals[:, k], signals[:, self.n_features_in_ + k], spans, self.longest_lag, of, self.raster
+                )
             )
         targets = answered(spans, self.longest_lag)
         found = []
