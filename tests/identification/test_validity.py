@@ -114,7 +114,31 @@ def test_a_model_that_mostly_has_to_guess_does_not_hold(outside, holds, said):
     a = np.repeat([1.0, -1.0, 1.01, -1.01], [1, 99 - outside, outside // 2, outside - outside // 2])
     found = judged(np.zeros(100), static(held_out_rms=1.0), a)
     assert (found.outside, found.holds) == (outside / 100, holds)
-    assert found.statements[1:] == ([] if said is None else [said])
+    share = f"{outside:.1f}%"
+    assert found.statements[1:] == ([] if said is None else [f"{said}; a in {share}, known from -1 m to 1 m"])
+
+
+def test_inputs_that_leave_the_domain_are_named_the_worst_first():
+    shares = {"a": 5, "b": 40, "c": 0, "d": 30, "e": 20, "f": 20}
+    flat = Network((), (0.0,) * 6, (1.0,) * 6, (-1.0,) * 6, (1.0,) * 6, 0.0, 1.0)
+    model = Model(tuple(Variable(name, "Pa") for name in shares), Variable("y"), (flat,))
+    columns = {name: np.where(np.arange(100) < share, 2.0, 0.0) for name, share in shares.items()}
+    table = Table({**columns, "y": np.zeros(100)}, {})
+    assert validity(model, table, "si").statements[-1] == (
+        "40.0% of the rows lie outside its domain: inputs were moved to the border of what it knows; b in 40.0%, known from -1 Pa to 1 Pa, "
+        "d in 30.0%, known from -1 Pa to 1 Pa, e in 20.0%, known from -1 Pa to 1 Pa"
+    )
+    assert "b in 40.0%, known from -1e-05 bar to 1e-05 bar" in validity(model, table).statements[-1]
+
+
+def test_lags_of_a_signal_are_named_as_one():
+    flat = Network((), (0.0,) * 3, (1.0,) * 3, (-1.0, -1.0, -9.0), (1.0, 1.0, 9.0), 0.0, 1.0)
+    read = (Variable("u[t-1]", "V"), Variable("u[t-3]", "V"), Variable("y[t-1]", "V"))
+    model = Model(read, Variable("y", "V"), (flat,), dynamics=Dynamics((Lag("u", 1), Lag("u", 3), Lag("y", 1))))
+    log = rows(np.zeros(103), u=np.where(np.arange(103) == 50, 2.0, 0.0))
+    (found,) = run_validity([model], log)
+    assert found.outside == 0.02
+    assert "2.0% of the rows lie outside its domain: few; u in 2.0%, known from -1 V to 1 V" in found.statements
 
 
 def test_one_reason_is_enough():

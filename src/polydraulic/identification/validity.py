@@ -19,6 +19,7 @@ from polydraulic.tables import Table
 _WORSE = 1.5  # times the error on rows held out, above which a model no longer holds
 _FEWER = 0.1  # by which the share of rows in their intervals may fall below the level, or what it was
 _OUTSIDE = 0.05  # share of rows outside the domain that is worth a word
+_NAMED = 3  # inputs that leave it, at most; those that do half as often as the first
 
 
 class Validity(NamedTuple):
@@ -161,9 +162,29 @@ def _judged(
         )
     if outside > 0.0:
         known = "inputs were moved to the border of what it knows" if outside > _OUTSIDE else "few"
-        statements.append(f"{outside:.1%} of the rows lie outside its domain: {known}")
+        statements.append(
+            f"{outside:.1%} of the rows lie outside its domain: {known}; {_inputs_outside(model, X, units)}"
+        )
         holds &= outside <= 0.5
     return Validity(bool(holds), statements, rms, largest, covered, outside, regions)
+
+
+def _inputs_outside(model: Model, X: np.ndarray, units: str) -> str:
+    """Inputs that leave the domain most often, all lags of a signal as one: their share of the rows, and the range that is known."""
+    signals = [lag.signal for lag in model.dynamics.lags] if model.dynamics else [v.name for v in model.inputs]
+    beyond, domain = model.beyond(X), model.domain()
+    found = []
+    for signal in dict.fromkeys(signals):
+        columns = [k for k, name in enumerate(signals) if name == signal]
+        worst = max(columns, key=lambda k: float(beyond[:, k].mean()))
+        found.append((float(beyond[:, columns].any(axis=1).mean()), signal, worst))
+    found.sort(key=lambda one: -one[0])
+    told = []
+    for share, signal, k in found[:_NAMED]:
+        if share >= 0.5 * found[0][0]:
+            low, high = (amount(end, model.inputs[k].unit, units) for end in domain[k].tolist())
+            told.append(f"{signal} in {share:.1%}, known from {low} to {high}")
+    return ", ".join(told)
 
 
 def _check_units(table: Table, variables: Sequence[Variable]) -> None:

@@ -96,9 +96,13 @@ class Model:
 
     def inside(self, X: np.ndarray) -> np.ndarray:
         """Whether each row lies in the domain of the network that answers for it; (n_row,) array of bool."""
+        return np.asarray(~self.beyond(X).any(axis=1))
+
+    def beyond(self, X: np.ndarray) -> np.ndarray:
+        """Which inputs of each row lie outside the domain of the network that answers for it; (n_row, n_input) array of bool."""
         low, high = (np.array([getattr(network, end) for network in self.networks]) for end in ("x_low", "x_high"))
         k = region_of(self.partition, X)
-        return np.asarray(np.all((low[k] <= X) & (high[k] >= X), axis=1))
+        return np.asarray(~((low[k] <= X) & (high[k] >= X)))
 
     @property
     def n_coefficients(self) -> int:
