@@ -165,3 +165,14 @@ def test_of_several_logs_no_block_goes_over_the_end_of_one():
     assert not (expected[699] and expected[700])
     assert not np.array_equal(expected, held_rows(1800, 20))
     assert (both.source, both.outputs[0].model.training["rows"]) == ("table (1), table (2)", 1800)
+
+
+def test_a_model_that_is_no_better_than_the_mean_is_named():
+    rng = np.random.default_rng(3)
+    few = Table({name: rng.uniform(size=11) for name in "abcy"}, {})
+    found = fit_table(few, ["a", "b", "c"], ["y"])
+    assert found.outputs[0].r2 <= 0.0
+    warnings = [line for line in str(found).splitlines() if line.startswith("warning: ")]
+    assert len(warnings) == 1
+    assert warnings[0].startswith("warning: y: nothing was learnt from 11 rows that helps on others: the mean would do")
+    assert "warning" not in str(fit_table(TABLE, ["a", "b"], ["y"], estimator=AbductiveRegressor(max_layers=1)))

@@ -82,6 +82,17 @@ class OutputFit(NamedTuple):
             f"largest {amount(self.largest, unit, units)}"
         )
 
+    @property
+    def doubt(self) -> str:
+        """Sentence on a model that errs no less than the mean of the rows held out would; empty if it errs less."""
+        if self.r2 > 0.0 or np.ptp(self.held.y) == 0.0:
+            return ""
+        rows: Any = self.model.training["rows"]
+        return (
+            f"{self.model.output.name}: nothing was learnt from {rows} rows that helps on others: the mean would do as well on those held out "
+            f"(R2 {self.r2:.4g}); give more rows, or inputs that it depends on"
+        )
+
     def __str__(self) -> str:
         return self.text()
 

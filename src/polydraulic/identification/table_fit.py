@@ -57,7 +57,8 @@ class TableFit:
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""
         deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
-        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs)])
+        doubts = [f"warning: {found.doubt}" for found in self.outputs if found.doubt]
+        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs), *doubts])
 
     def __str__(self) -> str:
         return self.text()

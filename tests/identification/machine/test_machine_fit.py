@@ -15,7 +15,7 @@ from polydraulic.identification import Drift, fit_machine, machine_coverage, wri
 from polydraulic.identification.log_replay import drift_rows
 from polydraulic.identification.machine import machine_fit
 from polydraulic.identification.machine.machine_fit import heads, kept, summary
-from polydraulic.identification.machine.machine_judging import contradicted, held_out, one_sided
+from polydraulic.identification.machine.machine_judging import contradicted, held_out, one_sided, weak
 from polydraulic.identification.machine.machine_log import Known, as_judged, by_port, judging_rows
 from polydraulic.identification.validity import validity
 from polydraulic.tables import Table
@@ -115,7 +115,8 @@ def test_a_table_in_the_units_asked_for(learnt):
     lines = str(learnt).splitlines()
     assert lines[0].startswith(f"{learnt.held.sum()} of 4501 rows held out, every fifth block of time")
     assert lines[2].split()[:2] == rows[0][:2]
-    assert lines[-1] == learnt.windows == "not run against the log: it has no swing.voltage"
+    assert lines[-2] == learnt.windows == "not run against the log: it has no swing.voltage"
+    assert lines[-1].startswith("warning: weak on the rows held out: ")
 
 
 def test_blocks_last_half_a_minute_of_a_long_log():
@@ -233,6 +234,22 @@ def points_of(machine, circuit, n=3000):
             columns[f"{f}.{port}"] = np.where(side, table[f"{f}.p_in"], table[f"{f}.p_out"])
         columns |= {f"{f}.{what}": table[f"{f}.{what}"] for what in ("spool", "q_in", "q_out")}
     return Table(columns, {})
+
+
+@pytest.mark.parametrize(
+    ("r2", "rms", "words"),
+    [
+        (0.99, 0.04, None),
+        (0.85, 0.04, "boom.q_in (R2 0.850, rms 4.0% of the pump's flow); a longer log"),
+        (0.99, 0.06, "boom.q_in (R2 0.990, rms 6.0% of the pump's flow); a longer log"),
+    ],
+)
+def test_weak_networks_are_named(r2, rms, words):
+    model = SimpleNamespace(
+        output=SimpleNamespace(name="boom.q_in"), training={"held_out_flow_rms": rms, "pump_flow": 1.0}
+    )
+    found = weak([SimpleNamespace(model=model, r2=r2)])
+    assert found == [] if words is None else words in found[0]
 
 
 def test_a_pump_at_its_torque_limit_is_learnt_of_another_machine():

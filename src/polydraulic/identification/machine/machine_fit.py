@@ -20,6 +20,7 @@ from polydraulic.identification.machine.machine_judging import (
     held_out,
     judged_network,
     one_sided,
+    weak,
 )
 from polydraulic.identification.machine.machine_learning import REGIONS, ROWS, learn, tasks_of
 from polydraulic.identification.machine.machine_log import Known, by_port, some_rows
@@ -53,7 +54,7 @@ class MachineFit:
     drifts : list of Drift
         How far joints and tip drift there; empty if it was not run.
     warnings : list of str
-        What the log does not show.
+        What the log does not show, and which networks are weak.
     machine : LayoutMachine
     known : Known
         What was known of its circuits that were learnt.
@@ -173,7 +174,7 @@ def fit_machine(
         windows, drifts = f"not run against the log: nothing is learnt of {', '.join(idle)}", list[Drift]()
     else:
         windows, drifts = against_log(plant, build_flow("polynomial", plant, models=without), read, held)
-    warnings = one_sided(log, known) + contradicted(outputs, known)
+    warnings = one_sided(log, known) + contradicted(outputs, known) + weak(outputs)
     return MachineFit(outputs, without, held, windows, drifts, warnings, plant, known, log, source)
 
 

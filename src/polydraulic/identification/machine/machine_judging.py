@@ -20,6 +20,10 @@ _BLOCK = 30.0  # s, of a longer log: what a pump does comes and goes with the wo
 _WORSE = 1.1  # times the error of the earlier network on rows that it has not seen, above which one that has seen them is not released
 _LEARNT, _HELD = 200, 50  # rows with an open valve that it takes to learn a network, and to judge it
 _BEYOND = 1.5  # times what a machine can do, above which a number has the wrong unit
+_LEAST_R2, _MOST_ERROR = (
+    0.9,
+    0.05,
+)  # on rows held out, and rms as a share of the pump's flow: a network beyond them is weak
 _NO_PRESSURE = 1e4  # Pa; a machine whose pressures all stay below it does not work, or they are no Pa
 
 
@@ -79,6 +83,17 @@ def contradicted(outputs: Sequence[OutputFit], known: Known) -> list[str]:
         rms: Any = output.model.training["held_out_flow_rms"]
         left[function] = max(left.get(function, 0.0), rms)
     return [text for name, flow in left.items() for text in contradictions(name, flow, known.circuit(name).flow)]
+
+
+def weak(outputs: Sequence[OutputFit]) -> list[str]:
+    """One sentence on the networks that say little of the rows held out, if there are any."""
+    found = []
+    for output in outputs:
+        training: Any = output.model.training
+        share = training["held_out_flow_rms"] / training["pump_flow"]
+        if output.r2 < _LEAST_R2 or share > _MOST_ERROR:
+            found.append(f"{output.model.output.name} (R2 {output.r2:.3f}, rms {share:.1%} of the pump's flow)")
+    return [f"weak on the rows held out: {', '.join(found)}; a longer log, or full strokes, help"] if found else []
 
 
 def check_numbers(machine: LayoutMachine, known: Known, log: Table) -> None:
