@@ -266,7 +266,7 @@ def test_a_range_that_holds():
     model = model_of(single(0.0, -1.0, 0.0, 1.0), unit="m")
     check = check_range(model, -0.385, 0.385)  # 2 / sqrt(27) = 0.3849
     assert check.holds is True
-    assert str(check).startswith("y cannot leave [-0.385, 0.385] m anywhere in the box: proved range [-0.38")
+    assert str(check).startswith("y cannot leave [-0.385, 0.385] m anywhere in the box: it lies within [-0.38")
     assert check_range(model, -np.inf, 0.5).holds is True
     assert check_range(model, 0.0, 1.0, [[-0.9, -0.1]]).holds is True
 

@@ -249,7 +249,9 @@ def range_sentence(model: Model, answer: RangeCheck) -> str:
             f"{name}: not decided with {answer.max_boxes} boxes per region whether it stays in {asked}; it is proved to stay "
             f"in {proved}, and no point outside was found; open: {'; '.join(answer.undecided)}"
         )
-    return f"{name} cannot leave {asked} anywhere in the box: proved range {proved}"
+    return (
+        f"{name} cannot leave {asked} anywhere in the box: it lies within {proved}, which may be wider than its range"
+    )
 
 
 def _checked_box(box: np.ndarray, names: list[str]) -> np.ndarray:
