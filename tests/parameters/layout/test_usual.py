@@ -26,6 +26,23 @@ def test_absurd_values_are_named_with_what_is_usual(tmp_path, old, new, words):
         assert any(line.startswith(words) and "usual is" in line for line in found), found
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("valve.bypass = {value = [30, 14, 2, 0]", "valve.bypass = {value = [0, 0, 10, 15]", "bypass rises with travel at"),
+        ("valve.inlet = {value = [0, 0, 6, 20]", "valve.inlet = {value = [0, 20, 6, 0]", "inlet falls with travel at"),
+        ("valve.inlet = {value = [0, 0, 6, 20]", "valve.inlet = {value = [0, 0, 6, 6]", None),
+    ],
+)  # fmt: skip
+def test_an_orifice_that_closes_where_it_should_open_is_named(tmp_path, old, new, words):
+    found = unusual(load_machine(write_crane(tmp_path, old, new)))
+    if words is None:
+        assert found == []
+    else:
+        assert found
+        assert all(f".valve.{words}" in line and "check the order" in line for line in found), found
+
+
 def test_the_machines_of_the_package_are_usual():
     for name in machine_names():
         if name != "cat215b":

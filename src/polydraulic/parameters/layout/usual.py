@@ -47,12 +47,26 @@ GRAVITY = Usual(9.7, 9.9, "m/s2")
 
 def unusual(machine: LayoutMachine) -> list[str]:
     """Say which values of a machine are far from usual: path, value, and what is usual; an empty list if none is."""
-    return [
+    far = [
         f"{path} = {amount(value, usual.unit)}: usual is {amount(usual.low, usual.unit)} to {amount(usual.high, usual.unit)}; "
         "check the unit and the digits"
         for path, value, usual in _values(machine)
         if not usual.low <= abs(value) <= usual.high
     ]
+    return far + [line for f in machine.functions for line in _wrong_ways(f)]
+
+
+def _wrong_ways(f: MachineFunction) -> Iterator[str]:
+    """Which orifices of a valve close where those of nearly all valves open, or the other way round."""
+    for name in ("inlet", "bypass", "outlet_positive", "outlet_negative"):
+        way, usual, sign = ("rises", "falls", -1.0) if name == "bypass" else ("falls", "rises", 1.0)
+        areas = getattr(f.valve, name)
+        at = next((k for k in range(1, len(areas)) if sign * (areas[k] - areas[k - 1]) < 0.0), None)
+        if at is not None:
+            yield (
+                f"functions.{f.name}.valve.{name} {way} with travel at {amount(f.valve.knots[at], 'm')}: usual is that it {usual}; "
+                "check the order of the numbers"
+            )
 
 
 def _values(machine: LayoutMachine) -> Iterator[tuple[str, float, Usual]]:
