@@ -10,6 +10,8 @@ from polydraulic.export.names import c_name, unique_names
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.slopes import distance_outside, model_slopes
 
+_SHOWN = 3  # names that differ in C, of which there may be hundreds
+
 
 @dataclass(frozen=True)
 class Bundle:
@@ -48,9 +50,10 @@ class Bundle:
         return {name: c for name, c in zip(names, [*inputs, *outputs], strict=True) if name != c}
 
     def name_notes(self) -> list[str]:
-        """The same in words, if there are any."""
-        renamed = self.renamed()
-        return ["names: " + ", ".join(f"{old} is {new}" for old, new in renamed.items())] if renamed else []
+        """The same in words, if there are any: the first few, and how many more there are."""
+        shown = [f"{old} is {new}" for old, new in self.renamed().items()]
+        more = f" and {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
+        return [f"names: {', '.join(shown[:_SHOWN])}{more}"] if shown else []
 
     def domain(self) -> np.ndarray:
         """Smallest box around the domains of all models, (n_input, 2)."""
