@@ -54,6 +54,7 @@ def test_scenarios_are_listed_and_named_in_the_help(call):
     assert code == 0
     assert [line.split()[0] for line in out.splitlines()] == [*scenario_names(), "random:SEED"]
     assert re.search(r"single_08 +10 s +cat215b +boom +Boom alone", out)
+    assert len({re.search(r" s  \S", line).start() for line in out.splitlines()}) == 1
     assert all(name in call("simulate", "--help")[1] for name in scenario_names())
 
 

@@ -235,8 +235,9 @@ def scenarios() -> None:
         moved = ", ".join(f for f in load_machine(machine).names if f not in what.locked)
         rows.append((name, what.duration, machine, moved, what.title))
     rows.append(("random:SEED", 60.0, "any", "all", "Random operator; random:SEED:SECONDS for another duration"))
+    first, second, third = (max(len(str(row[column])) for row in rows) for column in (0, 2, 3))
     for name, duration, machine, moved, title in rows:
-        print(f"{name:18s} {duration:5g} s  {machine:14s}  {moved:32s} {title}")
+        print(f"{name:{first}s} {duration:5g} s  {machine:{second}s}  {moved:{third}s}  {title}")
 
 
 @app.command()
