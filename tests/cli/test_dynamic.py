@@ -34,6 +34,7 @@ def test_a_log_becomes_a_model_that_runs_and_is_judged(call, files):
     assert code == 0
     assert out.startswith("y [bar]\n  4 free runs of up to 29 rows (0.58 s) that were held out: R2 0.99")
     assert re.search(r"reads u [01, ]+; y 1 rows ago", out)
+    assert out.endswith("\nm.json: written\nm.html: written\n")
     assert "free run" in (files / "m.html").read_text()
     assert (files / "m.card.json").is_file()
     rms = float(re.search(r"held out: R2 \S+, rms (\S+) bar", out)[1])
@@ -123,6 +124,7 @@ def test_joints_are_learnt_from_their_commands(call, tmp_path, monkeypatch):
     )
     assert code == 0
     assert "lever.a moves it beyond" in out
+    assert out.endswith("\nj.json: written\n")
     assert load_models("j.json")[0].output.name == "a"
     code, _, err = call("fit-joints log.parquet --commands lever.a,lever.b --joints a --out k.json")
     assert (code, "2 commands for 1 joints" in err) == (2, True)

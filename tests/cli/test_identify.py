@@ -108,3 +108,12 @@ def test_networks_of_an_earlier_machine_are_named(call, silent, tmp_path, monkey
     assert call(line)[1].endswith("left.json: not written, no network holds on blocks held out\n")
     (tmp_path / "left.json").write_text("{}")
     assert call(line)[1].endswith("held out; the file of that name belongs to an earlier machine\n")
+
+
+def test_files_that_were_written_are_named(call, silent, monkeypatch):
+    found = SimpleNamespace(write=lambda path: None, text=lambda units: "found")
+    monkeypatch.setattr("polydraulic.identification.equations.identify.identify", lambda *_, **__: found)
+    monkeypatch.setattr("polydraulic.identification.equations.card.write_identification_card", lambda *_, **__: None)
+    line = "identify silent.csv --machine wheel_loader --out m.toml"
+    assert call(line)[1] == "found\nm.toml: written\n"
+    assert call(f"{line} --card m.html")[1] == "found\nm.toml: written\nm.html: written\n"

@@ -183,6 +183,7 @@ def test_a_machine_from_its_log_with_card_and_check(call, machine_files):
     code, out, _ = call(f"fit-machine table.parquet --out machine.json --card machine.html {quick}")
     assert code == 0
     assert "of 4501 rows held out, every fifth block of time" in out
+    assert out.endswith("\nmachine.json: written\nmachine.html: written\n")
     shares = [float(share) for share in re.findall(r"^  \w+\.\w+ .*?(\S+)%", out, re.MULTILINE)]
     assert len(shares) == 6
     assert all(0.0 < share < 20.0 for share in shares)

@@ -1,5 +1,6 @@
 """The application that commands join, and what several of them take."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -40,6 +41,13 @@ def _checked(units: str) -> str:
     from polydraulic.display import checked_units
 
     return checked_units(units)
+
+
+def say_written(*paths: Path | None) -> None:
+    """One line for each file that was asked for."""
+    for path in paths:
+        if path is not None:
+            print(f"{path}: written")
 
 
 METRIC = "metric"  # what people read if they ask for nothing else

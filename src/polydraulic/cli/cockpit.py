@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import MachineOption, app
+from polydraulic.cli.application import MachineOption, app, say_written
 from polydraulic.terminal import progress_bar
 
 
@@ -101,6 +101,4 @@ def cockpit_export(
         export_drive(found, scenario=scenario, log=log, raster=raster, models=model or (), progress=progress)
     seconds = found.end * found.head["dt"]
     print(f"{drive}: {seconds:.2f} s" + ("" if found.whole else "; it was not ended: up to what was written"))
-    for path in (scenario, log):
-        if path is not None:
-            print(f"{path}: written")
+    say_written(scenario, log)

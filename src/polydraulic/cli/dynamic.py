@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, UnitsOption, app
+from polydraulic.cli.application import METRIC, UnitsOption, app, say_written
 from polydraulic.terminal import progress_bar
 
 
@@ -68,6 +68,7 @@ def fit_joints(
         if card is not None:
             write_card(found, card, max_boxes=boxes, units=units, progress=progress)
     print(found.text(units))
+    say_written(out, card)
 
 
 @app.command()

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, UnitsOption, app
+from polydraulic.cli.application import METRIC, UnitsOption, app, say_written
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -98,14 +98,14 @@ def identify(
         if card is not None:
             write_identification_card(found, card, units=units, progress=progress)
     print(found.text(units))
-    print(f"{out}: written")
+    say_written(out, card)
     if residuals is not None:  # what was identified is told whatever comes of these
         with progress_bar("residuals") as progress:
             left = learn_residuals(found, progress=progress)
         print(left)
         if left.models:
             save_models(left.models, residuals)
-            print(f"{residuals}: written")
+            say_written(residuals)
         else:
             stale = "; the file of that name belongs to an earlier machine" if residuals.exists() else ""
             print(f"{residuals}: not written, no network holds on blocks held out{stale}")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from polydraulic.cli.application import METRIC, FaultOption, MachineOption, UnitsOption, app
+from polydraulic.cli.application import METRIC, FaultOption, MachineOption, UnitsOption, app, say_written
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -247,6 +247,7 @@ def fit_machine(
         if card is not None:
             write_card(found, card, max_boxes=boxes, units=units, progress=progress)
     print(found.text(units))
+    say_written(out, card)
 
 
 @app.command()

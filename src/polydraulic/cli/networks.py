@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from polydraulic.cli.application import METRIC, UnitsOption, app
+from polydraulic.cli.application import METRIC, UnitsOption, app, say_written
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -136,6 +136,7 @@ def fit(
         if card is not None:
             write_card(found, card, max_boxes=boxes, units=units, progress=progress)
     print(found.text(units))
+    say_written(out, card)
 
 
 @app.command()

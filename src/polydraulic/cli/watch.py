@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from polydraulic.cli.application import app
+from polydraulic.cli.application import app, say_written
 from polydraulic.errors import InputError
 from polydraulic.terminal import progress_bar
 
@@ -93,8 +93,7 @@ def watch(
         if out is not None:
             write_watch_page(found, out)
     print(found)
-    if out is not None:
-        print(f"{out}: written")
+    say_written(out)
     for path in export or ():
         watch, name = FaultWatch(found.of, found.expected, rate), c_name(path.stem)
         print(export_watch_fmu(watch, path, name=name) if path.suffix else export_watch(watch, path, name=name))
