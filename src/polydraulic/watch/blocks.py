@@ -1,5 +1,6 @@
 """Blocks of a log: equally many rows each, with rows before and after that filters and pilots need."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -53,12 +54,15 @@ def block_shape(raster: float) -> BlockShape:
     return BlockShape(raster, round(BEFORE / raster), max(4, round(BLOCK / raster)), round(AFTER / raster))
 
 
+def piece_ends(time: np.ndarray, segment: np.ndarray, raster: float) -> np.ndarray:
+    """Rows at which a piece without a gap ends and the next begins, (n_piece - 1,)."""
+    return np.flatnonzero((np.diff(segment) != 0) | (np.diff(time) > 1.5 * raster)) + 1
+
+
 def starts_of(time: np.ndarray, segment: np.ndarray, shape: BlockShape) -> np.ndarray:
     """First rows of blocks whose judged rows follow each other; none goes over a gap or the end of a segment, (n_block,)."""
-    cuts = np.flatnonzero((np.diff(segment) != 0) | (np.diff(time) > 1.5 * shape.raster)) + 1
-    found = []
-    for begin, end in zip([0, *cuts.tolist()], [*cuts.tolist(), len(time)], strict=True):
-        found.append(np.arange(begin, end - shape.rows + 1, shape.inside))
+    ends = [0, *piece_ends(time, segment, shape.raster).tolist(), len(time)]
+    found = [np.arange(begin, end - shape.rows + 1, shape.inside) for begin, end in pairwise(ends)]
     return np.concatenate(found).astype(np.int64)
 
 

@@ -11,6 +11,7 @@ from polydraulic.identification.watching import watch_log as watch_log_module
 from polydraulic.identification.watching.watch_log import alarm_rows, learnt_from
 from polydraulic.tables import Table
 from polydraulic.watch import Alarm, Suspect
+from polydraulic.watch.blocks import block_shape, starts_of
 from polydraulic.watch.watched import watched
 
 
@@ -40,6 +41,21 @@ def test_without_a_healthy_log_the_beginning_counts_as_healthy():
     assert "its first 80 s, taken for healthy" in str(found)
     assert "no alarm" in str(found)
     assert found.time[0] > 80.0
+    assert "not judged: 1.4 of the 4.0 min that the rows last: 1.3 min are what is taken for healthy\n" in str(found)
+
+
+def test_how_much_is_not_judged_is_said_with_the_reason():
+    shape, time = block_shape(0.1), 0.1 * np.arange(600.0)
+    # 20 s, then pieces of 2 s, of which none holds a block
+    segment = np.where(np.arange(600) < 200, 0, np.arange(600) // 20)
+    blocks = len(starts_of(time, segment, shape))
+    said = watch_log_module._not_judged(Table({"time": time, "segment": segment}, {}), 0, blocks, shape)
+    assert blocks == 18
+    assert watch_log_module._not_judged(Table({"time": time}, {}), 0, 58, shape) == ""
+    assert said.startswith(
+        "0.7 of the 1.0 min that the rows last: 0.7 min are, of each of 21 pieces without a gap, the"
+    )
+    assert said.endswith("the first 1 s and the last 0.4 s, which filters need, and what fills no block of 1 s")
 
 
 def test_fewer_sensors_watch_fewer_faults():

@@ -9,6 +9,7 @@ from helpers.watched_logs import healthy_log, log_of
 from polydraulic import InputError, load_machine
 from polydraulic.identification import plot_watch, watch_log, write_watch_page
 from polydraulic.watch import Alarm, Suspect
+from polydraulic.watch.watch import Outlook
 
 
 @pytest.fixture(scope="module")
@@ -22,10 +23,28 @@ def test_the_page_says_what_was_found_and_what_cannot_be_told(found, tmp_path):
     page = (tmp_path / "watch.html").read_text(encoding="utf-8")
     assert "pump of work worn" in page
     assert "named in an alarm" in page
-    assert "cannot tell" in page
+    assert "cannot tell: " in page
+    assert "of the evidence" not in page
+    assert "Not judged" not in page
+    write_watch_page(replace(found, not_judged="half of it: no reason"), tmp_path / "watch.html")
+    assert "<p>Not judged: half of it: no reason.</p>" in (tmp_path / "watch.html").read_text(encoding="utf-8")
     assert "data:image/svg+xml" in page
     with pytest.raises(InputError, match=r"ends in \.html"):
         write_watch_page(found, tmp_path / "watch.txt")
+
+
+@pytest.mark.parametrize(
+    ("name", "share", "words"),
+    [
+        ("lift.relief_low", 0.001, "the work in this log gave it no occasion to show"),
+        ("lift.relief_low", 0.9, "in this log it would have given only 90% of what an alarm takes"),
+        ("lift.relief_low", 0.999, "in this log it would have given only 99% of what an alarm takes"),
+        ("lift.p_a.freeze", 0.5, "its function moved for only 50% of the time that it takes to be sure"),
+    ],
+)
+def test_why_nothing_is_said_of_a_fault(found, tmp_path, name, share, words):
+    write_watch_page(replace(found, findings=[Outlook(name, "title", False, share)]), tmp_path / "watch.html")
+    assert f"cannot tell: {words}</td>" in (tmp_path / "watch.html").read_text(encoding="utf-8")
 
 
 def test_the_picture_names_the_fault_beyond_the_threshold(found):

@@ -19,7 +19,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, began
-from polydraulic.watch.blocks import starts_of
+from polydraulic.watch.blocks import BlockShape, piece_ends, starts_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.learning import FALSE_ALARMS, learn_expected
@@ -34,6 +34,7 @@ _OWN_SHARE, _OWN_MOST = 1.0 / 3.0, 600.0  # of a log that is taken for healthy i
 _AT_ONCE = 64  # blocks between two words of progress
 _RASTERS = 0.01  # by which two of them may differ
 _NAMED = 6
+_SHORT = 0.05  # min, which nobody asks about: beginning and end of a log without gaps
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,8 @@ class WatchedLog:
         When the log's time was zero; 0 if that is not known, or its times are dates themselves.
     parts : tuple of PartTimes
         Of several logs, which times are of which.
+    not_judged : str
+        How much of the log was not judged, and why; empty if next to nothing.
     """
 
     of: Watched
@@ -75,6 +78,7 @@ class WatchedLog:
     evidence: np.ndarray = field(repr=False)
     began: float = 0.0
     parts: tuple[PartTimes, ...] = ()
+    not_judged: str = ""
 
     @property
     def faulty(self) -> bool:
@@ -88,6 +92,8 @@ class WatchedLog:
             f"{self.source}: {minutes:.1f} min of {self.of.machine.title} watched by {len(self.of.columns)} sensors, "
             f"{len(self.findings)} faults; what is to be expected from {self.healthy}"
         ]
+        if self.not_judged:
+            lines.append(f"not judged: {self.not_judged}")
         if self.alarms:
             lines += text_table(alarm_heads(self.alarms), alarm_rows(self.alarms, self.began, self.parts))
         else:
@@ -250,7 +256,24 @@ def watch_log(
         seen,
         began(table),
         times_of_parts(table),
+        _not_judged(table, first, len(starts), of.shape),
     )
+
+
+def _not_judged(table: Table, first: int, blocks: int, shape: BlockShape) -> str:
+    """How much of a log whose rows are judged from `first` on is in no block, and why, in words."""
+    minutes = shape.raster / 60.0
+    own, left = first * minutes, (len(table) - first - blocks * shape.inside) * minutes
+    pieces = len(piece_ends(table["time"][first:], _segment(table)[first:], shape.raster)) + 1
+    reasons = [f"{own:.1f} min are what is taken for healthy"] if first else []
+    if left >= _SHORT:
+        each = f"each of {pieces} pieces" if pieces > 1 else "the one piece"
+        reasons.append(
+            f"{left:.1f} min are, of {each} without a gap, the first {shape.before * shape.raster:.3g} s and the last "
+            f"{shape.after * shape.raster:.3g} s, which filters need, and what fills no block of {shape.seconds:.3g} s"
+        )
+    whole = f"{own + left:.1f} of the {len(table) * minutes:.1f} min that the rows last"
+    return f"{whole}: {'; '.join(reasons)}" if reasons else ""
 
 
 def _checked(log: Table | str | Path | Sequence[Table | str | Path], machine: LayoutMachine) -> tuple[Table, str]:

@@ -15,11 +15,12 @@ from polydraulic.identification.watching.watch_log import WatchedLog, alarm_head
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
 from polydraulic.watch.drift import BIAS, DRIFT
-from polydraulic.watch.watch import Outlook
+from polydraulic.watch.watch import FREEZE, Outlook
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_NOTHING = 0.005  # share of what an alarm takes that is shown as 0 %
 _LINES = 6  # directions that are drawn by name
 _COLOURS = ("#c0392b", "#2a6fb0", "#e07a1f", "#3a8f5c", "#7d4fa1", "#8a6d3b")
 
@@ -57,12 +58,13 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
             return "named in an alarm, as a drift"
         if f.name in beyond:
             return "what an alarm named explains the same evidence better"
-        return "no sign of it" if f.could_show else f"cannot tell: {f.share:.0%} of the evidence"
+        return "no sign of it" if f.could_show else _why_unsure(f)
 
     rows = [[f.title, told(f)] for f in found.findings]
     parts = [
         f"<p>{escape(found.source)}: {minutes:.1f} min, {len(found.of.columns)} sensors. What is to be expected from "
         f"{escape(found.healthy)}, {found.expected.blocks} blocks of {found.of.shape.seconds:g} s. Tests are set to {found.rate:g} false alarms per hour.</p>",
+        *([f"<p>Not judged: {escape(found.not_judged)}.</p>"] if found.not_judged else []),
         "<h2>Alarms</h2>",
         html_table("", alarm_heads(found.alarms), alarm_rows(found.alarms, found.began, found.parts))
         if found.alarms
@@ -75,6 +77,16 @@ def write_watch_page(found: WatchedLog, path: str | Path) -> None:
         html_table("", ("fault", "in this log"), rows),
     ]
     write_text(path, document(f"{found.of.machine.title}: watched", "\n".join(parts)))
+
+
+def _why_unsure(f: Outlook) -> str:
+    """Why nothing is said of a fault that would not have shown."""
+    if f.share < _NOTHING:
+        return "cannot tell: the work in this log gave it no occasion to show"
+    share = f"{min(f.share, 0.99):.0%}"
+    if f.name.endswith(FREEZE):
+        return f"cannot tell: its function moved for only {share} of the time that it takes to be sure"
+    return f"cannot tell: in this log it would have given only {share} of what an alarm takes"
 
 
 def plot_watch(found: WatchedLog) -> "Figure":
