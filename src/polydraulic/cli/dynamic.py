@@ -30,9 +30,12 @@ def fit_joints(
         str | None, typer.Option(help="What else speeds may depend on, such as engine speed, separated by commas.")
     ] = None,
     longest: Annotated[
-        float,
-        typer.Option(help="Time in s after which the response of a speed to its command is over, at most 120 rows."),
-    ] = 0.8,
+        float | None,
+        typer.Option(
+            help="Time in s after which the response of a speed to its command is over, at most 120 rows; 0.8 if not given, or 120 rows where "
+            "these are shorter."
+        ),
+    ] = None,
     horizon: Annotated[float, typer.Option(help="Length in s of the free runs that are fitted.")] = 10.0,
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: errors of free runs, intervals, proofs, equations.")

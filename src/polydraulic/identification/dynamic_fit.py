@@ -173,7 +173,7 @@ def fit_joints(
     joints: Sequence[str],
     *,
     more_inputs: Sequence[str] = (),
-    longest: float = 0.8,
+    longest: float | None = None,
     horizon: float = 10.0,
     progress: Progress = quiet,
 ) -> DynamicFit:
@@ -190,8 +190,9 @@ def fit_joints(
         The first command moves the first joint, and so on.
     more_inputs : sequence of str
         What else rates may depend on, such as engine speed.
-    longest : float, s
-        After which the response of a rate to its command must be over, nearly; at most 120 rows.
+    longest : float, s, optional
+        After which the response of a rate to its command must be over, nearly; at most 120 rows. 0.8 if not given, or 120 rows where these
+        are shorter.
     horizon : float, s
         Of the free runs that are fitted.
     progress : Progress, optional
@@ -211,7 +212,7 @@ def fit_joints(
             f"{len(commands)} commands for {len(joints)} joints: name the command of each joint, in the order of the joints"
         )
     for name, value in (("longest", longest), ("horizon", horizon)):
-        if not 0.0 < value < inf:
+        if value is not None and not 0.0 < value < inf:
             raise InputError(f"{name} = {value!r} s: must be a time above 0")
 
     def lag(raster: float) -> int:

@@ -5,7 +5,12 @@ import pytest
 
 from helpers.joint_log import DEAD_TIME, EDGES, LAG, joint_log
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.command_response import find_response, response_facts, response_in_words
+from polydraulic.networks.dynamic.command_response import (
+    find_response,
+    longest_lag_in_rows,
+    response_facts,
+    response_in_words,
+)
 
 LOG = joint_log(gap=False)
 SPANS = [(0, 900), (950, len(LOG))]
@@ -107,3 +112,12 @@ def test_what_cannot_be_found_is_refused():
         find_response(other, LOG["a"], SPANS, 16, ("u", "y"))
     with pytest.raises(InputError, match="no 33 rows follow each other"):
         find_response(LOG["lever.a"], LOG["a"], [(0, 20)], 16, ("u", "y"))
+
+
+def test_the_usual_longest_lag_fits_any_raster():
+    assert [longest_lag_in_rows(None, raster) for raster in (0.5, 0.05, 0.02, 0.005, 0.001)] == [4, 16, 40, 120, 120]
+    assert longest_lag_in_rows(1.5, 0.02) == 75
+    with pytest.raises(
+        InputError, match=r"longest = 0.8 s takes 160 rows of 0.005 s, 120 are the most.* give --longest 0.6 or less"
+    ):
+        longest_lag_in_rows(0.8, 0.005)

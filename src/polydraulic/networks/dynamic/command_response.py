@@ -26,6 +26,7 @@ _KEPT = 0.005  # of the whole: weights below are left out
 _NEAR, _TOWARD, _STANDS = 0.03, 0.03, 0.2  # a stop: so near the end, so much travel expected, so little of it found
 _SHORTEST = 0.5  # dead time in rows; a shorter one cannot be told from none
 _LEAST_ROWS, _MOST_ROWS = 4, 120  # of the longest lag
+_USUAL = 0.8  # s
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
 _SCALE = 0.02  # of the range: errors of the travel beyond it count less
 _EVALUATIONS = 40
@@ -68,14 +69,16 @@ class Response(NamedTuple):
         return _ramps(_filtered(command, self.weights, self.play, self.rest), self.edges)
 
 
-def longest_lag_in_rows(longest: float, raster: float) -> int:
-    """Rows of the longest lag, from times in s.
+def longest_lag_in_rows(longest: float | None, raster: float) -> int:
+    """Rows of the longest lag, from times in s; as many as usual of None.
 
     Raises
     ------
     InputError
         More rows than a search can take.
     """
+    if longest is None:
+        return max(_LEAST_ROWS, min(_MOST_ROWS, round(_USUAL / raster)))
     rows = max(_LEAST_ROWS, round(longest / raster))
     if rows > _MOST_ROWS:
         raise InputError(
