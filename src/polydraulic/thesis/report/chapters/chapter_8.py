@@ -117,6 +117,8 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
 
     others = SWEEPS["operator"][1:]
     noise = [USUAL._replace(noise=noise) for noise in (0.0, 0.01, 0.03)]
+    silent = [USUAL._replace(dropout=dropout) for dropout in (0.05, 0.2)]
+    quiet = [f"{100.0 * c.dropout:.0f}" for c in silent]
     short = SWEEPS["minutes"][0]
     part = SWEEPS["stroke"][0]
     rubbing = [USUAL._replace(friction=friction) for friction in (0.0, 1.0, 5.0)]
@@ -152,7 +154,7 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             "What can be expected.",
         ),
         Paragraph(
-            "Structure that is known need not be learnt: this is the difference between the two ways, and it is the larger the less data there are. After "
+            "Structure that is known need not be learnt: this is the difference between the two ways. After "
             f"{short.minutes:g} min the medians are {of(networks, short)} and {of(equations, short)}. Networks buy something else: they need no "
             "equations, so that a valve which nobody can describe is no obstacle. Here the identified equations are those of the machine that was logged; docs/identify.md has "
             "a machine with hysteresis, flow forces and stiction that the equations do not have, and there the identified machine is far off.",
@@ -162,7 +164,10 @@ def _text(found: dict[Conditions, Outcome]) -> list[Paragraph]:
             f"An operator who uses only {100.0 * part.stroke:.0f} % of the travel of the test runs leaves errors of {of(networks, part)} with networks, even if the log is as long, and of "
             f"{of(equations, part)} with the identified machine, whose curves go on in the shape that they had before; "
             f"{100.0 * equations(part).outside:.0f} % of its steps are flagged as beyond the log. Sensor noise: without any, with 1 % and with 3 % of the range the medians are {of(networks, *noise)} "
-            f"with networks and {of(equations, *noise)} with the identified machine.",
+            f"with networks and {of(equations, *noise)} with the identified machine. Sensors that are silent {quiet[0]} and {quiet[1]} % of the time leave "
+            f"{found[silent[0]].rows} and {found[silent[1]].rows} rows in which all of them read something; the medians are {of(networks, *silent)} with networks and "
+            f"{of(equations, *silent)} with the identified machine. Where too few rows follow each other for a spool to be seen following its lever, its pilot is kept as "
+            "it was in the file to begin with, 10 to 20 % off, and that is an error in every run.",
             "Coverage and noise.",
         ),
         Paragraph(
