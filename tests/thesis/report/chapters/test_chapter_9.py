@@ -67,9 +67,9 @@ def test_text_and_tables_name_what_went_wrong(every_outcome):
     assert "Of 7 faults 3 were found within 60 s" in said
     assert "found later: 1 (a.spool_slow);" in said
     assert "had as long: 1 (b.spool_weak)." in said
-    assert "to 1 (b.line_relief_low) the work gave no occasion" in said
-    assert "1 (b.friction_high) would have had one if the identified machine were the true one" in said
-    assert "(1 of those that were found had less than 60 s, too)" in said
+    assert "The work gave no occasion to: 1 (b.line_relief_low)." in said
+    assert "if the identified machine had no errors to: 1 (b.friction_high)." in said
+    assert "Of those that were found 1 had less than 60 s, too." in said
     assert "1 of 4 name the fault itself, 2 its kind" in said
     assert "there were 2." in said
     delays, kinds, false, unusual = content.tables

@@ -191,9 +191,9 @@ def _text(studies: Sequence[Diagnosis]) -> list[Paragraph]:
         ),
         Paragraph(
             f"Of {len(faults)} faults {sum(f.outcome == 'in time' for f in could)} were found within {WITHIN} s in which they could show; found later: {_count(late)}; "
-            f"not found although they had as long: {_count(missed)}. Counted apart are those with less than {WITHIN} s in which they could show, and no alarm: to {_count(none)} the work "
-            f"gave no occasion, {_count(hidden)} would have had one if the identified machine were the true one, and are hidden by its errors "
-            f"({few} of those that were found had less than {WITHIN} s, too).{delays}",
+            f"not found although they had as long: {_count(missed)}. Counted apart are those with less than {WITHIN} s in which they could show, and no alarm. The work "
+            f"gave no occasion to: {_count(none)}. It would have given one if the identified machine had no errors to: {_count(hidden)}. "
+            f"Of those that were found {few} had less than {WITHIN} s, too.{delays}",
             "What was found.",
         ),
         Paragraph(
@@ -204,7 +204,7 @@ def _text(studies: Sequence[Diagnosis]) -> list[Paragraph]:
         ),
         Paragraph(
             "No real machine was watched. The true machines obey the equations of the identified ones, whose curves and numbers differ; logs are of random operators; faults are "
-            "single, begin at once and stay; each was tried once. docs/diagnosis.md has the method, a larger study in which "
+            "single and stay, and but for drifts they begin at once; each was tried once. docs/diagnosis.md has the method, a larger study in which "
             "the true machine also has hysteresis, flow forces and friction that holds, of which the watched one knows nothing, and what the method cannot do.",
             "What was not measured.",
         ),
