@@ -76,7 +76,7 @@ def test_dropouts_of_many_channels_are_one_line_behind_the_errors(call, files):
     told = call("import many.csv --channels map.toml --out t.csv")[1].splitlines()
     assert [line.partition(" 'p")[0] for line in told[:2]] == [
         "error: implausible",
-        "warning: dropouts in 2 channels, 1.52 s in all; the table has no rows there; see t.quality.html",
+        "warning: dropouts in 2 channels, up to 1.01 s in one; the table has no rows there; see t.quality.html",
     ]
     assert not any("dropout '" in line for line in told)
 

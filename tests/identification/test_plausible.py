@@ -42,8 +42,16 @@ def test_one_column_in_another_unit_is_named(excavator, name, factor, unit):
 
 def test_pressures_that_are_all_in_bar_are_named_and_a_dead_sensor_is_none():
     with pytest.raises(InputError, match="the largest pressure at a port of the log is 110 Pa"):
-        check_pressures(Table({name: 1e-5 * PLAIN[name] for name in ("boom.p_a", "boom.p_b")}, {}))
-    check_pressures(Table({"boom.p_a": PLAIN["boom.p_a"], "boom.p_b": np.full(100, 12.0)}, {}))
+        check_pressures(Table({name: 1e-5 * PLAIN[name] for name in ("boom.p_a", "boom.p_b")}, {}), ["boom"])
+    check_pressures(Table({"boom.p_a": PLAIN["boom.p_a"], "boom.p_b": np.full(100, 12.0)}, {}), ["boom"])
+
+
+def test_pressures_of_what_the_machine_does_not_have_are_not_looked_at():
+    idle = np.abs(np.random.default_rng(0).normal(size=100))
+    table = Table({"boom.p_a": PLAIN["boom.p_a"], "boom.p_b": PLAIN["boom.p_b"], "winch.p_a": idle}, {})
+    check_pressures(table, ["boom"])
+    with pytest.raises(InputError, match="column 'winch.p_a' comes to"):
+        check_pressures(table, ["boom", "winch"])
 
 
 def test_the_column_of_a_joint_goes_by_its_kind(excavator):

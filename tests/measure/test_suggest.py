@@ -66,3 +66,11 @@ def test_channels_of_one_unit_have_one_range_and_angles_none(tmp_path):
         "time": None, "p_a": [-160, 480], "p_b": [-160, 480], "left": [-200, 200], "right": [-200, 200],
         "slew.angle": None, "turned": None, "depth": None, "reach": [0, 400], "a": [0, 4], "b": [0, 40],
     }  # fmt: skip
+
+
+def test_numbers_that_stand_for_no_value_widen_no_range(tmp_path):
+    log = tmp_path / "log.csv"
+    largest = [1.7976931348623157e308 if k % 9 == 0 else 100.0 + k for k in range(50)]
+    log.write_text("time [s],pa [bar],pb [bar]\n" + "".join(f"{k},{v!r},{k}\n" for k, v in enumerate(largest)))
+    ranges = re.findall(r"range = (.*)", suggest_channels(log))
+    assert ranges == ["[-80, 230]"] * 2

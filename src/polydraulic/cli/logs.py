@@ -97,9 +97,9 @@ def _told(imported: "Imported", page: Path) -> list[str]:
     single = [f for f in imported.findings if f.kind != "dropout" or len(dropouts) == 1]
     lines = [f"{finding.level}: {finding}" for finding in single]
     if len(dropouts) > 1:
-        lost = sum(check.lost for check in imported.checks)
+        lost = max(check.lost for check in imported.checks)
         lines.append(
-            f"{dropouts[0].level}: dropouts in {len(dropouts)} channels, {lost:.4g} s in all; the table has no rows there; see {page}"
+            f"{dropouts[0].level}: dropouts in {len(dropouts)} channels, up to {lost:.4g} s in one; the table has no rows there; see {page}"
         )
     return lines
 

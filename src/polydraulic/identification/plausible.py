@@ -1,5 +1,7 @@
 """Whether the numbers of a log can be those of a machine in SI, whatever its table says of units."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from polydraulic.display import amount
@@ -75,12 +77,13 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
                 name,
                 f"and by the file's pilot {amount(full, 'V')} gives full travel: it must be in V, not in per cent of a lever's way",
             )
-    check_pressures(table)
+    check_pressures(table, machine.names)
 
 
-def check_pressures(table: Table) -> None:
-    """Refuse pressures that are not in Pa: none of the log comes to one bar, or a single one that varies not to a tenth of it."""
-    highest = {name: float(table[name].max()) for name in table.names if name.split(".")[-1] in ("p_a", "p_b")}
+def check_pressures(table: Table, functions: Collection[str]) -> None:
+    """Refuse pressures at ports of functions that are not in Pa: none of the log comes to one bar, or a single one that varies not to a tenth of it."""
+    ports = [f"{function}.{port}" for function in functions for port in ("p_a", "p_b")]
+    highest = {name: float(table[name].max()) for name in ports if name in table.names}
     most = max(highest.values(), default=0.0)
     if 0.0 < most < _LEAST_PRESSURE:
         raise InputError(

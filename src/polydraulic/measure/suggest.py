@@ -10,6 +10,7 @@ import numpy as np
 
 from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
+from polydraulic.measure.checks.channel_check import NO_VALUE
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.campaign import expand
 from polydraulic.measure.formats.log import Log, Signal, by_reason
@@ -192,7 +193,7 @@ def _wider(a: _Seen, b: _Seen | None) -> _Seen:
 
 
 def _merge(before: _Seen, clock: np.ndarray | None, value: np.ndarray) -> _Seen:
-    there = np.isfinite(value)
+    there = np.abs(value) < NO_VALUE
     count = int(there.sum())
     if count == 0:
         return before

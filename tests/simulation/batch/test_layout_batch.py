@@ -124,6 +124,7 @@ def test_every_stage_is_vector_instructions(name):
         "block": block,
         "limit": True,
         "power": False,
+        "seen": np.full((3, len(machine.names), LANES), np.inf),
     }
     given |= {"inputs": np.zeros((1, 1, len(machine.names))), "k": 0, "n_step": 1}
     stages = {

@@ -114,7 +114,7 @@ def check_numbers(machine: LayoutMachine, known: Known, log: Table) -> None:
                 f"{function}.p_a and {function}.p_b go to {highest:.4g} Pa; the relief valve opens at {relief:.4g} Pa: "
                 "give the channel map the unit of the log"
             )
-    check_pressures(log)
+    check_pressures(log, known.functions)
 
 
 def check_rows(log: Table, held: np.ndarray, known: Known) -> None:

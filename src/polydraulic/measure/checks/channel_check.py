@@ -20,9 +20,8 @@ _SPIKE, _SPIKE_WITHIN, _SPIKE_NOISE = 0.1, 0.3, 10.0  # of the range, of the ran
 _MOST, _NEARLY_ALL = 0.5, 0.95
 _PEAK = 1.0  # of the range: what is no farther beyond it may be a peak that the range cuts
 _KEPT = 20_000  # values kept to try other units on
-_NO_VALUE = (
-    1e30  # nothing at a machine is as large; loggers write 9.91E+37 or the largest float where they have no value
-)
+# nothing at a machine is as large; loggers write 9.91E+37 or the largest float where they have no value
+NO_VALUE = 1e30
 
 
 class Samples:
@@ -63,9 +62,9 @@ class ChannelCheck:
         c, f = self.channel, self.findings
         raw, name = rows.values[c.source], c.source
         f.add_rows("text", name, rows.rows[rows.text[name]])
-        there = np.flatnonzero(np.abs(raw) < _NO_VALUE)
+        there = np.flatnonzero(np.abs(raw) < NO_VALUE)
         if len(there) < len(raw):
-            f.add_rows("infinite", name, rows.rows[np.abs(raw) >= _NO_VALUE])
+            f.add_rows("infinite", name, rows.rows[np.abs(raw) >= NO_VALUE])
         given = raw if len(there) == len(raw) else raw[there]
         value = c.sign * given if c.sign != 1 else given
         self.given += len(value)
