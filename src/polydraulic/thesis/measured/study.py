@@ -5,6 +5,7 @@ networks in place of pump and valves, and the equations of the circuits with cur
 whom they never saw.
 """
 
+import warnings
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -76,10 +77,13 @@ def outcomes(lab: Lab, conditions: Sequence[Conditions]) -> list[Outcome]:
     keys = {c: f"measured {_name(c)}" for c in conditions}
     missing = [c for c, key in keys.items() if not lab.computed.has_data(key)]
     n_jobs = min(len(missing), cpu_count()) or 1
-    made = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_made)(lab.machine, c) for c in missing)
-    for number, c in enumerate(missing, 1):
-        lab.say(f"learn from measurements, {number} of {len(missing)}: {conditions_in_words(c)}")
-        lab.computed.data(keys[c], lambda: next(made))
+    with warnings.catch_warnings():
+        # joblib begins a worker anew whose memory has grown, which long logs make it do, and warns of it
+        warnings.filterwarnings("ignore", message="A worker stopped while some jobs")
+        made = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_made)(lab.machine, c) for c in missing)
+        for number, c in enumerate(missing, 1):
+            lab.say(f"learn from measurements, {number} of {len(missing)}: {conditions_in_words(c)}")
+            lab.computed.data(keys[c], lambda: next(made))
     return [_outcome(*lab.computed.data(keys[c], list)) for c in conditions]
 
 
