@@ -138,7 +138,7 @@ def test_networks_of_ones_own_drive_the_machine(call):
     for line in block.replace("\\\n", " ").splitlines():
         code, out, _ = call(*shlex.split(line)[1:])
         assert code == 0, line
-    tip = re.search(r"tip +(\S+) ", out)[1]
+    tip = re.search(r"(?m)^ *tip +(\d\S*) ", out)[1]
     assert float(tip) < 15.0  # mm; the page says what it was
     assert f"within {float(tip):.1f} mm of the exact run in `sine`" in page
 
@@ -337,6 +337,10 @@ def test_the_machine_leaves_python(call, tmp_path):
         (("fit", "{0}/good.csv", *FIT, "--edges", "a=x"), "--edges a"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "q=1"), "edges name the column 'q'"),
         (("fit", "{0}/good.csv", *FIT, "--edges", "q=1 mm"), "no column 'q'"),
+        (
+            ("fit", "{0}/good.csv", *FIT, "--edges", "a=5 mm,10 mm"),
+            "--edges a '5 mm,10 mm': must be EDGE,EDGE,..., with a unit behind",
+        ),
         (("fit", "{0}/good.csv", *FIT, "--bounds", "1,2 l/min"), "is in 'l/min', the column in ''"),
         (("check", "{0}/bad.json"), "bad.json: not a model file"),
         (("check", "{0}/c.json", "--box", "z=0,1"), "the model of 'c' reads ['a']"),

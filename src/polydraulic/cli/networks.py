@@ -300,7 +300,11 @@ def _in_unit(text: str, option: str, own: Callable[[], list[str]], count: int | 
 
     numbers, comma, last = text.rpartition(",")
     number, _, unit = last.strip().partition(" ")
-    values = _numbers(f"{numbers}{comma}{number}", option, count)
+    try:
+        values = _numbers(f"{numbers}{comma}{number}", option, count)
+    except InputError as error:
+        form = "LOW,HIGH" if count == 2 else "EDGE,EDGE,..."
+        raise InputError(f"{option} {text!r}: must be {form}, with a unit behind the last number or none") from error
     if not unit:
         return values
     units = own()
