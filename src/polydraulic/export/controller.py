@@ -4,20 +4,16 @@ Two files: ``NAME.h``, which a program includes, and ``NAME.c``. A call has the 
 """
 
 from pathlib import Path
-from string import Template
 
 import numpy as np
 
 from polydraulic.control.coordinated import VELOCITIES, CoordinatedControl
 from polydraulic.errors import InputError
-from polydraulic.export.exported import Exported
+from polydraulic.export.exported import Exported, filled, write_exported
 from polydraulic.export.machine import MOST_NUMBERS
 from polydraulic.export.machine_parts import check_size
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
-from polydraulic.files import write_texts
-
-_TEMPLATES = Path(__file__).parent / "templates"
 
 
 def controller_c(control: CoordinatedControl, *, name: str = "controller") -> dict[str, str]:
@@ -66,12 +62,7 @@ def controller_c(control: CoordinatedControl, *, name: str = "controller") -> di
         "data": program.scope.data(parts.numbers, f"{name}_numbers", "static "),
         "code": program.code(),
     }
-    return {
-        f"{name}{ending}": Template((_TEMPLATES / f"controller{ending}.txt").read_text(encoding="utf-8")).substitute(
-            fill
-        )
-        for ending in (".h", ".c")
-    }
+    return filled("controller", name, fill)
 
 
 def export_controller(control: CoordinatedControl, folder: str | Path, *, name: str = "controller") -> Exported:
@@ -94,6 +85,4 @@ def export_controller(control: CoordinatedControl, folder: str | Path, *, name: 
     InputError
         As `controller_c`, or if the folder cannot be written.
     """
-    files = {Path(folder) / file: text for file, text in controller_c(control, name=name).items()}
-    write_texts(files)
-    return Exported(tuple(files))
+    return write_exported(controller_c(control, name=name), folder)

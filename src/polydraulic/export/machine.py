@@ -6,24 +6,21 @@ a step (`polydraulic machine show`); ``NAME_parameters.c``, the numbers of the m
 
 from collections.abc import Collection
 from pathlib import Path
-from string import Template
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.exported import Exported
+from polydraulic.export.exported import Exported, filled, write_exported
 from polydraulic.export.layout import FORCE, layout_parts
 from polydraulic.export.machine_parts import MachineParts
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
-from polydraulic.files import write_texts
 from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
 from polydraulic.simulation.layout.stability.text import SLOPE
 
 MOST_NUMBERS = 200_000  # in tables of a flow model: 4 MB of text
-_TEMPLATES = Path(__file__).parent / "templates"
 
 
 def machine_parts(
@@ -126,11 +123,7 @@ def c_files(parts: MachineParts, name: str, dt: float, locked: Collection[str]) 
         "code": program.code(),
         "data": program.scope.data(parts.numbers, f"{name}_parameters"),
     }
-    files = {
-        file: Template((_TEMPLATES / f"machine{file}.txt").read_text(encoding="utf-8")).substitute(fill)
-        for file in (".h", ".c", "_kernels.h", "_kernels.c", "_parameters.c")
-    }
-    return {f"{name}{file}": text for file, text in files.items()}
+    return filled("machine", name, fill, (".h", ".c", "_kernels.h", "_kernels.c", "_parameters.c"))
 
 
 def export_machine(
@@ -163,9 +156,7 @@ def export_machine(
         As `machine_c`, or if the folder cannot be written.
     """
     texts = machine_c(machine, flow, name=name, dt=dt, locked=locked, force=force, stability=stability)
-    files = {Path(folder) / file: text for file, text in texts.items()}
-    write_texts(files)
-    return Exported(tuple(files))
+    return write_exported(texts, folder)
 
 
 def _enumerators(name: str, parts: MachineParts) -> str:

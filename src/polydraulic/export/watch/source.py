@@ -5,21 +5,17 @@ Two files: ``NAME.h``, which a program includes, and ``NAME.c``. A row has the b
 
 from collections.abc import Sequence
 from pathlib import Path
-from string import Template
 
 import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.export.c.text import string
-from polydraulic.export.exported import Exported
+from polydraulic.export.exported import Exported, filled, write_exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
-from polydraulic.files import write_texts
 from polydraulic.watch.kernels.alarms import ALONE
 from polydraulic.watch.kernels.numbers import LISTED, OPENED, STUCK, SUSPECTS
 from polydraulic.watch.watch import FREEZE, FaultWatch
-
-_TEMPLATES = Path(__file__).parents[1] / "templates"
 
 
 def fault_names(watch: FaultWatch) -> list[str]:
@@ -89,10 +85,7 @@ def watch_c(watch: FaultWatch, *, name: str = "watch") -> dict[str, str]:
         "code": program.code(),
         **{key: str(place) for key, place in places.items()},
     }
-    return {
-        f"{name}{ending}": Template((_TEMPLATES / f"watch{ending}.txt").read_text(encoding="utf-8")).substitute(fill)
-        for ending in (".h", ".c")
-    }
+    return filled("watch", name, fill)
 
 
 def export_watch(watch: FaultWatch, folder: str | Path, *, name: str = "watch") -> Exported:
@@ -115,9 +108,7 @@ def export_watch(watch: FaultWatch, folder: str | Path, *, name: str = "watch") 
     InputError
         As `watch_c`, or if the folder cannot be written.
     """
-    files = {Path(folder) / file: text for file, text in watch_c(watch, name=name).items()}
-    write_texts(files)
-    return Exported(tuple(files))
+    return write_exported(watch_c(watch, name=name), folder)
 
 
 def _enumerators(name: str, of: Sequence[str]) -> str:
