@@ -74,3 +74,11 @@ def test_numbers_that_stand_for_no_value_widen_no_range(tmp_path):
     log.write_text("time [s],pa [bar],pb [bar]\n" + "".join(f"{k},{v!r},{k}\n" for k, v in enumerate(largest)))
     ranges = re.findall(r"range = (.*)", suggest_channels(log))
     assert ranges == ["[-80, 230]"] * 2
+
+
+def test_a_little_below_zero_is_no_other_sign(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text(
+        "time [s],p [bar],u [V]\n" + "".join(f"{k},{-0.3 if k == 7 else 5.0 * k},{k % 9 - 4}\n" for k in range(51))
+    )
+    assert re.findall(r"range = (.*)", suggest_channels(log)) == ["[-140, 380]", "[-8, 8]"]

@@ -38,7 +38,10 @@ KINDS = {
     ),
     "gap": ("warning", "no row for longer than samples may be apart; the table has a new segment after it"),
     "irregular": ("warning", "intervals between samples differ by more than a quarter of the usual one"),
-    "raster": ("error", "samples come at another interval than the map says"),
+    "raster": (
+        "error",
+        "samples come at another interval than the map says, or are far more or fewer than rows of the table",
+    ),
     "duplicate": ("error", "the log has this name more than once; the first was taken"),
     "unit": ("error", "the log and the map give different units; the map's was taken"),
     "atmosphere": (

@@ -40,6 +40,7 @@ _ENDINGS |= {
 }
 _HOLD = 0.6  # share of samples like the one before, from which on a channel is a held one
 _ROUND = (1.0, 2.0, 5.0)
+_OTHER_SIGN = 0.05  # of the larger values: less to the other side of 0 is noise, or an offset
 
 _HEAD = """\
 # A first channel map, made from what the log shows. Go through it:
@@ -268,7 +269,7 @@ def _round_range(low: float, high: float) -> tuple[float, float]:
     margin = 0.5 * (high - low)
     below, above = step * floor((low - margin) / step), step * ceil((high + margin) / step)
     most = max(-below, above)
-    return (-most, most) if low < 0.0 < high else (below, above)
+    return (-most, most) if _OTHER_SIGN * max(-low, high) < min(-low, high) else (below, above)
 
 
 def _text(text: str) -> str:

@@ -61,6 +61,13 @@ def test_a_number_far_from_all_others_is_named_and_kept():
     samples, findings, _ = checked(changed)
     assert ("sentinel", [(701, 705)]) in findings
     assert len(samples.values) == N
+    assert ("sentinel", [(701, 705)]) in checked(changed, between="hold")[1]
+
+
+def test_a_signal_that_is_cut_off_is_clipped_and_no_sentinel():
+    rest = np.random.default_rng(1).normal(0.0, 0.01, N)
+    cut = np.where(np.arange(N) // 100 % 4 == 1, 5.0, rest)
+    assert [kind for kind, _ in checked(cut)[1]] == ["clipped"]
 
 
 def test_a_spike_stands_out_of_the_usual_range_or_of_the_noise_by_far():

@@ -78,16 +78,18 @@ def test_a_response_is_told_in_units_of_the_log(found):
 
 def test_what_a_log_cannot_show_is_no_number(found):
     short = found[0]._replace(
-        edges=((0.3, 1.621), (-0.2, -0.8)), seen=(0.805, -0.805), dead_time=0.49, lag=1.5, play=0.0
+        edges=((0.3, 1.621), (-0.2, -0.7)), seen=(0.805, -0.805), dead_time=0.49, lag=1.5, play=0.0
     )
     facts = response_facts(short, "u", "V", 0.02)
-    assert (facts["edges"], facts["seen"], facts["dead_time"]) == ([[0.3, None], [-0.2, -0.8]], [0.805, -0.805], 0.0)
+    assert (facts["edges"], facts["seen"], facts["dead_time"]) == ([[0.3, None], [-0.2, -0.7]], [0.805, -0.805], 0.0)
     assert response_in_words(facts).startswith(
-        "u moves it beyond 0.3, fully beyond the 0.805 V seen and beyond -0.2, fully at -0.8 V, with no dead time and a lag of 0.03 s;"
+        "u moves it beyond 0.3, fully beyond the 0.805 V seen and beyond -0.2, fully at -0.7 V, with no dead time and a lag of 0.03 s;"
     )
-    there = response_facts(short._replace(dead_time=0.5, edges=((0.3, 0.805),), seen=(0.805,)), "u", "V", 0.02)
-    assert (there["dead_time"], there["edges"]) == (0.01, [[0.3, 0.805]])
-    assert ", fully at 0.805 V, after a dead time of 0.01 s with a lag of 0.03 s;" in response_in_words(there)
+    there = response_facts(short._replace(dead_time=0.5, edges=((0.3, 0.75),), seen=(0.805,)), "u", "V", 0.02)
+    assert (there["dead_time"], there["edges"]) == (0.01, [[0.3, 0.75]])
+    near = response_facts(short._replace(edges=((0.3, 0.8),), seen=(0.805,)), "u", "V", 0.02)
+    assert near["edges"] == [[0.3, None]]  # hardly any lever went beyond it
+    assert ", fully at 0.75 V, after a dead time of 0.01 s with a lag of 0.03 s;" in response_in_words(there)
 
 
 def test_a_response_longer_than_the_longest_lag_says_which_would_do():

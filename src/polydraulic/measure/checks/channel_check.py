@@ -74,13 +74,13 @@ class ChannelCheck:
             self._kept.append(value[:: max(1, len(value) // 2000)].copy())
         if value.size and not (c.low <= value.min() and value.max() <= c.high):
             there, value = self._within(rows, there, value)
+        self.runs.add(value, _taken(rows.rows, there))
         if c.between == "linear":
-            self.runs.add(value, _taken(rows.rows, there))
             alone = _spikes(value)
             if alone.any():
                 f.add_rows("spike", name, rows.rows[there[alone]])
                 there, value = there[~alone], value[~alone]
-            self.sentinels.add(value, _taken(rows.rows, there))
+        self.sentinels.add(value, _taken(rows.rows, there))
         self._count(value)
         time = _taken(rows.time, there)
         self._spacing(rows, there, time)
@@ -145,15 +145,17 @@ class ChannelCheck:
             self._wrong_unit(np.concatenate(self._kept))
         if self.count and self.low == self.high:
             f.add("constant", c.source, f"{self.low:.6g} {c.unit}")
-        elif c.between == "linear":
-            for kind, runs, detail in self.runs.findings():
-                f.add(kind, c.source, f"{detail} {c.unit}".strip())
-                for run in runs:
-                    f.add_span(kind, c.source, run.first, run.last, run.length)
-            if self.runs.many:
-                for number, count, at in self.sentinels.found():
-                    f.add_rows("sentinel", c.source, at, f"{number:.6g} {c.unit}".strip())
-                    f.add("sentinel", c.source).count += count - len(at)
+            return
+        clipped: set[float] = set()
+        for kind, runs, detail in self.runs.findings() if c.between == "linear" else ():
+            f.add(kind, c.source, f"{detail} {c.unit}".strip())
+            clipped |= {run.value for run in runs} if kind == "clipped" else set()
+            for run in runs:
+                f.add_span(kind, c.source, run.first, run.last, run.length)
+        for number, count, at in self.sentinels.found() if self.runs.many else ():
+            if number not in clipped:  # the end of a range, and named as such
+                f.add_rows("sentinel", c.source, at, f"{number:.6g} {c.unit}".strip())
+                f.add("sentinel", c.source).count += count - len(at)
 
     def _wrong_unit(self, value: np.ndarray) -> None:
         c = self.channel

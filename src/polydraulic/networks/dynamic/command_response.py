@@ -24,6 +24,7 @@ _EXPLAINED = 0.2  # of the travel, below which the command does not move the joi
 _CUT = 0.1  # of a response, that may come later than the longest lag
 _KEPT = 0.005  # of the whole: weights below are left out
 _NEAR, _TOWARD, _STANDS = 0.03, 0.03, 0.2  # a stop: so near the end, so much travel expected, so little of it found
+_SHOWN = 0.9  # of the way from where motion begins to the end of the lever: a full opening beyond it is hardly seen
 _SHORTEST = 0.5  # dead time in rows; a shorter one cannot be told from none
 _LEAST_ROWS, _MOST_ROWS = 4, 120  # of the longest lag
 _USUAL = 0.8  # s
@@ -189,7 +190,9 @@ def response_facts(response: Response, command: str, unit: str, raster: float) -
         "dead_time": response.dead_time * raster if response.dead_time >= _SHORTEST else 0.0,
         "lag": response.lag * raster,
         "play": response.play,
-        "edges": [[first, full if abs(full - first) <= abs(end - first) else None] for (first, full), end in ends],
+        "edges": [
+            [first, full if abs(full - first) <= _SHOWN * abs(end - first) else None] for (first, full), end in ends
+        ],
         "seen": list(response.seen),
         "stops": list(response.stops),
     }
