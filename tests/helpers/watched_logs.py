@@ -62,3 +62,10 @@ def watched_by(of, expected, log, rate=RATE):
     watch = FaultWatch(of, expected, rate)
     watch.judge(*blocks(of, log))
     return watch
+
+
+def held(log, column, begin, end):
+    """A log in which a sensor reads the same from one time to another."""
+    time, values = log["time"], log[column].copy()
+    values[(time >= begin) & (time < end)] = values[time >= begin][0]
+    return Table({n: values if n == column else log[n] for n in log.names}, {n: log.unit(n) for n in log.names})

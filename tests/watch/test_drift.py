@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from helpers.watched_logs import blocks, known, log_of
-from polydraulic.watch.drift import course_of, with_course
+from polydraulic.watch.drift import course_of, course_so_far, with_course
+from polydraulic.watch.kernels.evidence import KEPT
 from polydraulic.watch.watch import FaultWatch
 
 KNOWN = 20.0  # information of a block
@@ -53,10 +54,29 @@ def test_a_drift_is_named_as_what_it_is_and_a_bias_too(fault, named, other):
     assert alarm.suspects[0].size == pytest.approx(0.028 if "drift" in named else 0.02, rel=0.3)
 
 
+def test_a_drift_whose_beginning_is_no_longer_kept_keeps_its_name():
+    of, expected = known()
+    watch = FaultWatch(of, expected)
+    found = {}
+
+    def keep():
+        found[watch.blocks] = watch.alarms[-1].suspects[0] if watch.alarms else None
+
+    watch.judge(*blocks(of, log_of(of.machine, 26, 960.0, ["tilt.voltage.drift 8 % from 20 s over 800 s"])), keep)
+    assert len(watch.alarms) == 1
+    assert {suspect.name for blocks, suspect in found.items() if blocks > 160} == {"tilt.voltage.drift"}
+    assert "by now" in found[KEPT].title
+    assert watch.blocks > KEPT + 300
+    assert "in the first minutes of the alarm" in found[watch.blocks].title
+    assert found[watch.blocks].size == found[KEPT].size
+
+
 def test_suspects_that_are_no_errors_of_sensors_stay_as_they_are():
     of, expected = known()
     watch = FaultWatch(of, expected)
     watch.judge(*blocks(of, log_of(of.machine, 22, 60.0, ["work.pump_worn from 20 s"])))
     suspects = watch.alarms[0].suspects
-    assert with_course(suspects, of.directions, watch.judge_parts) == suspects
-    assert with_course((), of.directions, watch.judge_parts) == ()
+    assert course_so_far(suspects, of.directions, watch.judge_parts, None) is None
+    assert course_so_far((), of.directions, watch.judge_parts, None) is None
+    assert with_course(suspects, of.directions, None) == suspects
+    assert with_course((), of.directions, None) == ()

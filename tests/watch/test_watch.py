@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from helpers.watched_logs import blocks, healthy_log, known, log_of, watched_by
+from helpers.watched_logs import blocks, healthy_log, held, known, log_of, watched_by
 from polydraulic import InputError
 from polydraulic.watch.learning import learn_expected
 from polydraulic.watch.watch import FaultWatch
@@ -52,6 +52,26 @@ def test_a_fault_that_begins_during_unusual_work_is_an_alarm_of_its_own():
     assert not second.suspects[0].harmless
     (alone,) = watched_by(of, expected, log_of(of.machine, 25, 180.0, faults[:1])).alarms
     assert alone.suspects[0].harmless
+
+
+def test_a_fault_behind_a_sensor_that_moves_again_is_named():
+    of, expected = known()
+    log = held(log_of(of.machine, 28, 130.0, ["lift.leak_across 10 % from 20 s"]), "lift.q_in", 50.0, 90.0)
+    watch, names = FaultWatch(of, expected), []
+    watch.judge(*blocks(of, log), lambda: names.append(watch.alarms[-1].suspects[0].name if watch.alarms else ""))
+    assert names[45] == "lift.leak_across"
+    assert set(names[70:90]) == {"lift.q_in.freeze"}
+    assert set(names[100:]) == {"lift.leak_across"}
+    (alarm,) = watch.alarms
+    assert watch.seen.blocks < 45
+    assert alarm.suspects[0].size == pytest.approx(0.1, rel=0.1)
+
+
+def test_a_sensor_that_stayed_for_a_while_keeps_its_name_where_nothing_goes_on():
+    of, expected = known()
+    watch = watched_by(of, expected, held(log_of(of.machine, 28, 130.0), "lift.q_in", 50.0, 90.0))
+    assert [alarm.suspects[0].name for alarm in watch.alarms] == ["lift.q_in.freeze"]
+    assert watch.alarms[0].until < 120.0
 
 
 def test_of_sensors_that_stay_nothing_is_told_before_their_functions_work():

@@ -20,6 +20,7 @@ from polydraulic.watch.kernels.numbers import (
     OPENED,
     STUCK,
     SUSPECTS,
+    TOLD,
     WatchNumbers,
 )
 from polydraulic.watch.kernels.rows import FULL, JUDGED, keep_rows, take_row
@@ -139,7 +140,7 @@ class BlockJudge:
     showing : (n_direction,) array
         Evidence that its smallest fault would have given by now.
     seen : (3, n_direction) array
-        Pull, information and squares since the alarm that there is began, in blocks of which a diagnosis is made.
+        Pull, information and squares in the blocks that the last diagnosis was made of.
     chances : (n_direction,) array
         Probability of each direction by that diagnosis.
     """
@@ -174,7 +175,7 @@ class BlockJudge:
             common=float(tests.common), raster=float(plan.shape.raster),
         )  # fmt: skip
         self.live = np.zeros(at_chances + n)
-        self.marks = np.zeros(HEAD_OF_MARKS + 2 * n + 5 * sensors + len(names), dtype=np.int64)
+        self.marks = np.zeros(HEAD_OF_MARKS + 2 * n + 6 * sensors + len(names), dtype=np.int64)
         self.marks[OPENED] = -1
         self.work = np.zeros(plan.arrays.size + room_of_scores(n))
         self.rows = self.live[HEAD_OF_LIVE:at_times].reshape(plan.shape.rows, 1 + sensors)
@@ -184,7 +185,7 @@ class BlockJudge:
         self.sums, self.showing = self.live[at_sums:][: 2 * n].reshape(n, 2), self.live[at_sums + 2 * n :][:n]
         self.chances = self.live[at_chances:]
         # behind the states of sensors stands what the kernel needs for them
-        of_sensors = self.marks[HEAD_OF_MARKS + 2 * n + 2 * sensors + len(names) :].reshape(3, sensors)
+        of_sensors = self.marks[HEAD_OF_MARKS + 2 * n + 2 * sensors + len(names) :].reshape(4, sensors)
         self.states, self.worked = of_sensors[0], of_sensors[2]
         self._named = self.marks[HEAD_OF_MARKS + 2 * n + sensors :][:sensors]
 
@@ -214,6 +215,11 @@ class BlockJudge:
     def listed(self) -> list[int]:
         """Directions that the alarm may be of, the most likely first."""
         return list(self.marks[SUSPECTS : SUSPECTS + self.marks[LISTED]].tolist())
+
+    @property
+    def told(self) -> bool:
+        """Whether the last block was diagnosed."""
+        return bool(self.marks[TOLD] == self.marks[BLOCKS])
 
     @property
     def stuck(self) -> list[int]:

@@ -11,8 +11,8 @@ import numpy as np
 from polydraulic.watch.block import BlockJudge
 from polydraulic.watch.diagnosis import Suspect, sized
 from polydraulic.watch.directions import Direction
-from polydraulic.watch.kernels.evidence import ELSE
-from polydraulic.watch.kernels.numbers import OPENED
+from polydraulic.watch.kernels.evidence import ELSE, KEPT
+from polydraulic.watch.kernels.numbers import BLOCKS, FIRST, OPENED
 
 BIAS, DRIFT = ".bias", ".drift"
 BEFORE = 300  # blocks before an alarm seems to have begun, in which a drift may have
@@ -28,11 +28,14 @@ class ErrorCourse(NamedTuple):
         Probability that it grew evenly rather than came at once.
     size, error : float
         Of one that grew, by now, in sizes of the direction, with a standard error.
+    past : bool
+        Whether it is of blocks that are no longer kept.
     """
 
     grows: float
     size: float
     error: float
+    past: bool = False
 
 
 def course_of(pull: np.ndarray, information: np.ndarray, together: float) -> ErrorCourse:
@@ -60,8 +63,10 @@ def course_of(pull: np.ndarray, information: np.ndarray, together: float) -> Err
     return ErrorCourse(grows / (stays + grows), float(ramp.size[best]), float(np.sqrt(scatter / ramp.known[best])))
 
 
-def with_course(suspects: Sequence[Suspect], directions: Sequence[Direction], judge: BlockJudge) -> tuple[Suspect, ...]:
-    """Suspects, of whom the first is two if it is an error of a sensor: a bias and a drift, as likely as its course makes them.
+def course_so_far(
+    suspects: Sequence[Suspect], directions: Sequence[Direction], judge: BlockJudge, known: ErrorCourse | None
+) -> ErrorCourse | None:
+    """The course of the first suspect, if it is an error of a sensor; of a beginning that is no longer kept, what was known of it.
 
     Parameters
     ----------
@@ -70,16 +75,40 @@ def with_course(suspects: Sequence[Suspect], directions: Sequence[Direction], ju
     directions : sequence of Direction
     judge : BlockJudge
         Of the blocks so far.
+    known : ErrorCourse or None
+        Of the blocks before.
     """
     if not (suspects and suspects[0].name.endswith(BIAS)):
+        return None
+    opened, first = int(judge.marks[OPENED]), int(judge.marks[FIRST])
+    # blocks in which another sensor stayed are left out
+    begin = max(opened - BEFORE, 0) if first == opened else first
+    if known is not None and begin < int(judge.marks[BLOCKS]) - KEPT:
+        return known._replace(past=True)
+    place = _place(suspects[0], directions)
+    return course_of(*judge.course(place, begin), float(judge.numbers.together[place]))
+
+
+def with_course(
+    suspects: Sequence[Suspect], directions: Sequence[Direction], course: ErrorCourse | None
+) -> tuple[Suspect, ...]:
+    """Suspects, of whom the first is two if it is an error of a sensor: a bias and a drift, as likely as its course makes them.
+
+    Parameters
+    ----------
+    suspects : sequence of Suspect
+        From `named_suspects`.
+    directions : sequence of Direction
+    course : ErrorCourse or None
+        From `course_so_far`.
+    """
+    if course is None:
         return tuple(suspects)
     bias = suspects[0]
-    place = next(k for k, d in enumerate(directions) if d.name == bias.name)
-    pull, information = judge.course(place, int(judge.marks[OPENED]) - BEFORE)
-    course = course_of(pull, information, float(judge.numbers.together[place]))
-    column, whole = bias.name.removesuffix(BIAS), directions[place].size
+    column, whole = bias.name.removesuffix(BIAS), directions[_place(bias, directions)].size
+    when = "in the first minutes of the alarm" if course.past else "by now"
     title = sized(
-        f"sensor of {column} drifts, by now to {{}} of its range too much", whole * course.size, whole * course.error
+        f"sensor of {column} drifts, {when} to {{}} of its range too much", whole * course.size, whole * course.error
     )
     drift = Suspect(
         f"{column}{DRIFT}", title, bias.probability * course.grows, whole * course.size, whole * course.error, False
@@ -90,6 +119,10 @@ def with_course(suspects: Sequence[Suspect], directions: Sequence[Direction], ju
         likely[0],
         *(s for s in sorted((likely[1], *suspects[1:]), key=lambda s: -s.probability) if s.probability >= ELSE),
     )
+
+
+def _place(suspect: Suspect, directions: Sequence[Direction]) -> int:
+    return next(k for k, d in enumerate(directions) if d.name == suspect.name)
 
 
 class _Fit(NamedTuple):

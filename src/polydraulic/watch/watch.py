@@ -8,12 +8,12 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.watch.block import AlarmTests, BlockJudge, Readings
 from polydraulic.watch.diagnosis import Suspect, named_suspects
-from polydraulic.watch.drift import with_course
+from polydraulic.watch.drift import ErrorCourse, course_so_far, with_course
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
-from polydraulic.watch.kernels.alarms import ALONE, BEGINS, DIAGNOSED, NONE
+from polydraulic.watch.kernels.alarms import ALONE, BEGINS, NONE
 from polydraulic.watch.kernels.evidence import KEPT
-from polydraulic.watch.kernels.numbers import BLOCKS, FILLED, OPENED, UNTIL
+from polydraulic.watch.kernels.numbers import BLOCKS, FILLED, FIRST, UNTIL
 from polydraulic.watch.kernels.rows import JUDGED, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.naming import FaultNetworks, Opinion
@@ -96,8 +96,9 @@ class FaultWatch:
         plan = plan_of(of, expected.noise)
         self.judge_parts = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
         self.alarms: list[Alarm] = []
-        # of the present alarm, errors of sensors not yet told apart by their course
+        # of the present alarm, errors of sensors not yet told apart by their course, and that of the first
         self._suspects: tuple[Suspect, ...] = ()
+        self._course: ErrorCourse | None = None
 
     @property
     def blocks(self) -> int:
@@ -177,12 +178,11 @@ class FaultWatch:
         if means == BEGINS:
             self.alarms.append(Alarm(since, seen, until, ()))
             del self.alarms[: -self.MOST_ALARMS]
-            self._suspects = ()
-        directions, opened, opinion = self.of.directions, int(judge.marks[OPENED]), self.alarms[-1].opinion
-        stays = any(s.name.endswith(FREEZE) for s in self.alarms[-1].suspects)
-        if not stays and (self.blocks - opened <= DIAGNOSED or not self._suspects):
-            pull, information, squares = judge.seen.copy()
-            self.seen = Since(pull, information, squares, min(self.blocks - opened, KEPT))
+        directions, opinion = self.of.directions, self.alarms[-1].opinion
+        if judge.told:
+            (pull, information, squares), first = judge.seen.copy(), int(judge.marks[FIRST])
+            self.seen = Since(pull, information, squares, min(self.blocks - first, KEPT))
+            self._course = None
             self._suspects = tuple(
                 named_suspects(directions, self.seen, judge.numbers.common, judge.chances, judge.listed)
             )
@@ -191,7 +191,8 @@ class FaultWatch:
         if stuck := judge.stuck:
             suspects, opinion = tuple(_frozen_sensor(self.of.columns[k]) for k in stuck), None
         else:
-            suspects = with_course(self._suspects, directions, judge)
+            self._course = course_so_far(self._suspects, directions, judge, self._course)
+            suspects = with_course(self._suspects, directions, self._course)
         self.alarms[-1] = Alarm(since, seen, until, suspects, opinion)
         return self.alarms[-1]
 

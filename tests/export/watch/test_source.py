@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from helpers.watched_logs import known, log_of
+from helpers.watched_logs import held, known, log_of
 from polydraulic import InputError
 from polydraulic.export.watch.source import export_watch, fault_names, watch_c
 from polydraulic.watch.kernels.rows import JUDGED
@@ -47,17 +47,29 @@ def exported(tmp_path_factory):
     return CWatch(FaultWatch(of, expected), tmp_path_factory.mktemp("watch"))
 
 
-@pytest.mark.parametrize("fault", ["lift.leak_across 10 %", "lift.q_in.freeze", "tip.payload_unknown"])
-def test_every_row_has_the_bits_of_the_package(exported, fault):
+@pytest.mark.parametrize(
+    ("fault", "stays"),
+    [
+        ("lift.leak_across 10 %", None),
+        ("lift.q_in.freeze", None),
+        ("tip.payload_unknown", None),
+        ("lift.leak_across 10 %", (50.0, 90.0)),
+    ],
+)
+def test_every_row_has_the_bits_of_the_package(exported, fault, stays):
     of, expected = known()
     watch = FaultWatch(of, expected)
     parts, names = watch.judge_parts, fault_names(watch)
-    log = log_of(of.machine, 22, 80.0, [f"{fault} from 20 s"])
+    log = log_of(of.machine, 28 if stays else 22, 130.0 if stays else 80.0, [f"{fault} from 20 s"])
+    log = held(log, "lift.q_in", *stays) if stays else log
     exported.call.w_init(exported.at)
     for time, row in zip(log["time"].tolist(), log.matrix(list(of.columns)), strict=True):
         row = np.ascontiguousarray(row)
         status, alarm = exported.update(time, row), watch.update(time, row)
         assert (status >= ALARM) == (alarm is not None)
+        if alarm is not None:
+            name = exported.call.w_fault_name(exported.call.w_named(exported.at)).decode()
+            assert name.removesuffix(".bias") == alarm.suspects[0].name.removesuffix(".drift").removesuffix(".bias")
     assert np.array_equal(exported.state[: exported.live], parts.live)
     assert np.array_equal(exported.state[exported.live + len(parts.work) :].view(np.int64), parts.marks)
     first = watch.alarms[-1].suspects[0]

@@ -69,7 +69,7 @@ def watch_c(watch: FaultWatch, *, name: str = "watch") -> dict[str, str]:
         "n_sensors": sensors, "n_faults": len(faults), "n_live": len(judge.live), "n_work": len(judge.work), "n_marks": len(judge.marks),
         "n_directions": n, "opened": OPENED, "stuck": STUCK, "listed": LISTED, "suspects": SUSPECTS, "at_sums": numbers.at_sums,
         "at_showing": numbers.at_sums + 2 * n, "at_chances": numbers.at_chances, "in_named": numbers.in_marks + 2 * n + sensors,
-        "in_worked": len(judge.marks) - sensors, "alone": ALONE,
+        "in_worked": len(judge.marks) - 2 * sensors, "alone": ALONE,
     }  # fmt: skip
     fill = {
         "name": name,

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 # places in `marks`, whole numbers that are kept from block to block
-FILLED, GAPS, BLOCKS, OPENED, LAST, ALARMS, LISTED, STUCK, SUSPECTS = 0, 1, 2, 3, 4, 5, 6, 7, 8
+FILLED, GAPS, BLOCKS, OPENED, LAST, ALARMS, LISTED, STUCK, FIRST, TOLD, SUSPECTS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
 MOST_LISTED = 5
 OTHERS = SUSPECTS + MOST_LISTED
 HEAD_OF_MARKS = OTHERS + MOST_LISTED
