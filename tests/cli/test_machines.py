@@ -27,6 +27,11 @@ def test_a_good_file_is_described_and_doubtful_values_are_warned_of(call, tmp_pa
     assert code == 0
     assert "  boom: revolute about -y on column, 250 kg" in out
     assert "warning: circuits.main.pump.relief = 17.24 bar: usual is 50 bar to 500 bar" in out
+    assert "\n  extend: stroke 1400 mm, " in out
+    assert (
+        "bar hold it at its initial position, but circuits.main.pump.relief is 17.24 bar, so that it is not raised"
+        in out
+    )
     assert out.rstrip().endswith("crane.toml: good")
 
 
@@ -55,6 +60,7 @@ def test_circuits_offered_are_those_of_the_machine(call, tmp_path):
 def test_a_new_file_is_a_machine_and_overwrites_nothing(call, tmp_path):
     assert call("machine new mine.toml --like loader_crane")[0] == 0
     assert load_machine(tmp_path / "mine.toml") == load_machine("loader_crane")
+    assert call("machine new --like loader_crane")[1] == (tmp_path / "mine.toml").read_text(encoding="utf-8")
     code, _, err = call("machine new mine.toml")
     assert code == 2
     assert "mine.toml is there already" in err

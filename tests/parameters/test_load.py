@@ -207,3 +207,19 @@ def test_values_in_messages_are_cut():
 def test_a_folder_in_the_place_of_a_file_is_one_error(tmp_path):
     with pytest.raises(InputError, match="cannot be read .Is a directory"):
         read_toml(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", 'title = "nothing else"\n'])
+def test_a_file_without_any_table_of_a_machine_says_how_to_begin_one(tmp_path, text):
+    (tmp_path / "empty.toml").write_text(text)
+    with pytest.raises(
+        InputError, match=r"empty\.toml: is no machine, for it has no \[links\].*polydraulic machine new"
+    ):
+        load_machine(tmp_path / "empty.toml")
+
+
+@pytest.mark.parametrize("line", ["gain = { value = 12,5, unit = 'mm/V' }", "gain = 12,5"])
+def test_a_decimal_comma_is_named(tmp_path, line):
+    (tmp_path / "m.toml").write_text(f"title = 'a'\n{line}\n")
+    with pytest.raises(InputError, match=r"not a TOML file .*; decimals have a point: 12\.5, not 12,5$"):
+        read_toml(tmp_path / "m.toml")

@@ -33,7 +33,7 @@ def test_flows_and_pressures_have_dashed_lines_where_there_is_something_to_show(
     assert [len(axis.lines) for axis in panels] == [2, 2, 4, 3, 2, 1]  # networks give no pump pressure
     assert [axis.get_title(loc="right") for axis in panels[2:4]] == [
         "full: into the actuator, dashed: out of it",
-        "full: inlet, dashed: pump (exact alone)",
+        "full: inlet (A, or B at a negative spool), dashed: pump (exact alone)",
     ]
 
 
@@ -91,5 +91,5 @@ def test_texts_of_many_functions_do_not_cover_each_other():
     figure.draw_without_rendering()
     texts = [t for axis in figure.axes for t in (axis.title, axis._right_title, axis.yaxis.label) if t.get_text()]
     boxes = [text.get_window_extent() for text in texts]
-    assert len(boxes) == 8 + 8 + 5 + 1 + 1  # names, what lines are, labels at the left, one joint that slides, the tip
+    assert len(boxes) == 8 + 9 + 5 + 1 + 1  # names, what lines are, labels at the left, one joint that slides, the tip
     assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])

@@ -48,7 +48,10 @@ def list_machines(
 
 @machines.command()
 def check(machine: MachineArgument) -> None:
-    """Check a machine file: all that is wrong at once, or a summary, the methods of `simulate` that serve it, and what is unusual.
+    """Check a machine file: all that is wrong at once, or a summary with what to set next to its data sheet, and what is unusual.
+
+    Strokes, times from stop to stop and the pressures that hold the machine tell whether pins, pumps and masses are right; then follow
+    the methods of `simulate` that serve it.
 
     Exits with 2 if the file cannot be used; unusual values are warnings.
 
@@ -56,6 +59,7 @@ def check(machine: MachineArgument) -> None:
 
     What comes next: `polydraulic machine draw my_machine.toml --out my_machine.svg`, and look whether it is what you meant.
     """
+    from polydraulic.machine.data_sheet import doubtful_statics, sheet_lines
     from polydraulic.parameters.layout.describe import described
     from polydraulic.parameters.layout.usual import unusual
     from polydraulic.parameters.load import load_machine
@@ -64,9 +68,10 @@ def check(machine: MachineArgument) -> None:
     found = load_machine(machine)
     for line in described(found):
         print(line)
-    for line in method_lines(found):
+    print("from these numbers, with all oil of its pump and no load, and at the initial positions:")
+    for line in (*sheet_lines(found), *method_lines(found)):
         print(line)
-    for line in unusual(found):
+    for line in (*unusual(found), *doubtful_statics(found)):
         print(f"warning: {line}")
     if found.chassis is not None:
         print(_stands(found))
@@ -137,7 +142,7 @@ def show(
 
 @machines.command()
 def new(
-    out: Annotated[Path, typer.Argument(help="File to write, .toml.")],
+    out: Annotated[Path | None, typer.Argument(help="File to write, .toml; printed if left out.")] = None,
     like: Annotated[str, typer.Option(help="Machine to start from, by name or file.")] = "excavator_22t",
 ) -> None:
     """Write a machine file to start from: another machine's, with a comment on how to get each kind of number.
@@ -151,9 +156,9 @@ def new(
     from polydraulic.parameters.layout.skeleton import skeleton
     from polydraulic.parameters.load import load_machine, machine_text
 
-    if out.suffix != ".toml":
+    if out is not None and out.suffix != ".toml":
         raise InputError(f"{out}: a machine file ends in .toml")
-    if out.exists():
+    if out is not None and out.exists():
         raise InputError(f"{out} is there already; choose another name, or remove it first")
     text = machine_text(like)
     load_machine(like)
@@ -161,5 +166,8 @@ def new(
         raise InputError(
             f"{like}: has the older form, without [links], [functions] and [circuits], and is no pattern for a new machine"
         )
+    if out is None:
+        print(skeleton(text, like), end="")
+        return
     write_text(out, skeleton(text, like))
     print(f"{out}: a machine like {like}; put in your numbers, then: polydraulic machine check {out}")

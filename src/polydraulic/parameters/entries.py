@@ -58,9 +58,17 @@ def read_toml(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
     except ValueError as error:  # also whole numbers of thousands of digits
-        raise InputError(f"{path}: not a TOML file ({error})") from error
+        raise InputError(f"{path}: not a TOML file ({error}){_about_commas(text, str(error))}") from error
     _check_sizes(data, path)
     return data
+
+
+def _about_commas(text: str, error: str) -> str:
+    """What to do about the line of an error, where it has a number with a decimal comma."""
+    at = re.search(r"at line (\d+)", error)
+    line = text.splitlines()[int(at[1]) - 1] if at else ""
+    found = re.search(r"= *([+-]?\d+),(\d+)", line)
+    return f"; decimals have a point: {found[1]}.{found[2]}, not {found[1]},{found[2]}" if found else ""
 
 
 def _check_sizes(data: dict[str, Any], path: Path) -> None:

@@ -7,7 +7,7 @@ from polydraulic.errors import InputError
 from polydraulic.parameters.entries import find, read_toml
 from polydraulic.parameters.keys import is_layout
 from polydraulic.parameters.layout.load import build_layout
-from polydraulic.parameters.layout.older_form import build_older
+from polydraulic.parameters.layout.older_form import build_older, is_older
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 _SETS = Path(__file__).parent / "sets"
@@ -47,6 +47,11 @@ def load_machine(source: str | Path) -> LayoutMachine:
         return build_layout(data, path)
     if {"duration", "voltage"} <= set(data):
         raise InputError(f"{path}: is a scenario, not a machine; run it by `polydraulic simulate {path}`")
+    if not is_older(data):
+        raise InputError(
+            f"{path}: is no machine, for it has no [links], [functions] and [circuits]; "
+            "`polydraulic machine new FILE.toml` writes one to begin with"
+        )
     return build_older(data, path)
 
 

@@ -32,9 +32,10 @@ PANELS = (
     Panel("joystick", "voltage"),
     Panel("spool", "spool"),
     Panel("flow", "q_in", "q_out", "full: into the actuator, dashed: out of it"),
-    Panel("pressure", "p_in", "p_pump", "full: inlet, dashed: pump"),
+    Panel("pressure", "p_in", "p_pump", "full: inlet (A, or B at a negative spool), dashed: pump"),
     Panel("angle", "angle", shared=False),  # links work in different ranges
 )
+_ABOUT_LINES: dict[str, Any] = {"fontsize": "x-small", "color": "0.4", "pad": 2.0}  # above a panel, where no curve is
 # The first run lies broad and pale below the others.
 FIRST = ("#9ec5e8", 3.5)
 OTHERS = ("#e07a1f", "#2f8f4e", "#b5367a", "#5b4bb5", "#7a6a3a")
@@ -154,7 +155,7 @@ def _draw_panel(axis: "Axes", runs: Mapping[str, Table], link: str, panel: Panel
     axis.set_ylabel(with_unit(full.rpartition(".")[2] if panel.full == "angle" else panel.title, unit))
     if dashed:
         alone = f" ({as_drawn(', '.join(dashed))} alone)" if len(dashed) < len(runs) else ""
-        axis.set_title(panel.lines + alone, loc="right", fontsize="x-small", color="0.4", pad=2.0)
+        axis.set_title(panel.lines + alone, loc="right", **_ABOUT_LINES)
     axis.grid(alpha=0.3)
 
 
@@ -172,7 +173,7 @@ def _draw_effector(axis: "Axes", runs: Mapping[str, Table], units: str) -> None:
             values, unit = shown_column(reference, name, units)
             axis.plot(reference["time"], values, style, color="0.25", linewidth=1.3, label=name[-1])
             axis.set_ylabel(with_unit("tip position", unit))
-        axis.legend(ncols=3, fontsize="small", frameon=False, loc="upper right")
+        axis.set_title("full: x, dashed: y, dotted: z", loc="right", **_ABOUT_LINES)
     axis.set_xlim(float(reference["time"][0]), float(np.max(reference["time"])))
     axis.grid(alpha=0.3)
 

@@ -9,7 +9,7 @@ from polydraulic.parameters.load import machine_names
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('at.x = {value = 1.8, unit = "m"', 'at.x = {value = 5, unit = "km"', "links.arm.at.x = 5000000 mm"),
+        ('at.x = {value = 1.8, unit = "m"', 'at.x = {value = 5, unit = "km"', "links.arm.at.x = 5000 m: usual is 0 m to 15 m"),
         ('pump.relief = {value = 250, unit = "bar"', 'pump.relief = {value = 250, unit = "psi"', "circuits.main.pump.relief = 17.24 bar"),
         ('pump.flow = {value = 40, unit = "L/min"', 'pump.flow = {value = 40, unit = "m3/h"', None),
         ('pump.flow = {value = 40, unit = "L/min"', 'pump.flow = {value = 16810, unit = "in3/s"', "circuits.main.pump.flow"),

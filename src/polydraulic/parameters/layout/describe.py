@@ -8,13 +8,9 @@ from polydraulic.parameters.layout.chassis import Chassis, edge_names
 from polydraulic.parameters.layout.geometry import lever
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
+from polydraulic.parameters.schema import SwingMotor
 
-_ACTUATORS = {
-    "motor": "a motor",
-    "cylinder": "cylinders",
-    "four_bar": "a cylinder through a four-bar linkage",
-    "ram": "a ram",
-}
+_THROUGH = {"cylinder": "", "four_bar": " through a four-bar linkage", "ram": " along its joint"}
 _TURN = 2.0 * pi
 _SHOWN_DROP = 1e6  # Pa
 
@@ -68,7 +64,7 @@ def _function(f: MachineFunction, machine: LayoutMachine) -> str:
     link = machine.link(f.moves)
     slides = link.joint == "prismatic"
     unit = "m" if slides else "rad"
-    text = f"{f.name}: {_ACTUATORS[f.actuator]} on {f.moves}"
+    text = f"{f.name}: {_actuator(f)} on {f.moves}"
     if slides or f.stops.high - f.stops.low < _TURN:
         text += f", {amount(f.stops.low, unit)} to {amount(f.stops.high, unit)}"
     if f.pins is not None:
@@ -78,3 +74,10 @@ def _function(f: MachineFunction, machine: LayoutMachine) -> str:
     if f.effects.declared:
         text += f"; with {', '.join(f.effects.declared)}"
     return text
+
+
+def _actuator(f: MachineFunction) -> str:
+    if isinstance(f.drive, SwingMotor):
+        return "a motor"
+    cylinders = "a cylinder" if f.drive.number == 1.0 else f"{f.drive.number:.0f} cylinders"
+    return cylinders + _THROUGH[f.actuator]

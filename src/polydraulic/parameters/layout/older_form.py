@@ -5,7 +5,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from importlib.resources import files
 from math import cos, radians, sin
@@ -51,6 +51,11 @@ def build_older(data: Mapping[str, Any], path: Path) -> LayoutMachine:
     if wrong:
         raise InputError(f"{path}: " + "; ".join(wrong))
     return machine
+
+
+def is_older(data: Collection[str]) -> bool:
+    """Whether a parameter file has any table of the older form."""
+    return any(place.partition(".")[0] in data for _, place in _places(_template(), ""))
 
 
 @cache

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import sqrt
 from typing import NamedTuple
 
-from polydraulic.display import amount
+from polydraulic.display import amount, readable
 from polydraulic.parameters.layout.chassis import Chassis
 from polydraulic.parameters.layout.parts import MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
@@ -48,12 +48,17 @@ GRAVITY = Usual(9.7, 9.9, "m/s2")
 def unusual(machine: LayoutMachine) -> list[str]:
     """Say which values of a machine are far from usual: path, value, and what is usual; an empty list if none is."""
     far = [
-        f"{path} = {amount(value, usual.unit)}: usual is {amount(usual.low, usual.unit)} to {amount(usual.high, usual.unit)}; "
+        f"{path} = {_said(value, usual)}: usual is {_said(usual.low, usual)} to {_said(usual.high, usual)}; "
         "check the unit and the digits"
         for path, value, usual in _values(machine)
         if not usual.low <= abs(value) <= usual.high
     ]
     return far + [line for f in machine.functions for line in _wrong_ways(f)]
+
+
+def _said(value: float, usual: Usual) -> str:
+    """A value as it is shown; lengths of links in metres, since nobody reads thousands of kilometres in mm."""
+    return f"{readable(value)} m" if usual.unit == "m" and usual.high >= 1.0 else amount(value, usual.unit)
 
 
 def _wrong_ways(f: MachineFunction) -> Iterator[str]:
