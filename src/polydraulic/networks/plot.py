@@ -14,6 +14,8 @@ from polydraulic.networks.model.table import Network, Node
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+ROW = 0.4  # in, what a row of nodes needs of a figure's height
+_FARTHEST = 3.0  # rows between nodes of a layer that is shorter than others
 _BOX = {"boxstyle": "round,pad=0.35", "linewidth": 0.8}
 
 
@@ -33,8 +35,9 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
     place: dict[int, tuple[float, float]] = {}
     for column in range(last):
         members = [slot for slot, at in enumerate(layer) if at == column]
+        apart = min(_FARTHEST, rows_of(network) / len(members))
         for row, slot in enumerate(members):
-            place[slot] = (column, (len(members) - 1) / 2 - row)
+            place[slot] = (column, apart * ((len(members) - 1) / 2 - row))
     used = {slot for node in network.nodes for slot in node.inputs}
     for number, node in enumerate(network.nodes):
         x, y = place[network.n_inputs + number]
@@ -70,6 +73,12 @@ def layers_of(network: Network) -> list[int]:
     for node in network.nodes:
         layer.append(1 + max(layer[slot] for slot in node.inputs))
     return layer
+
+
+def rows_of(network: Network) -> int:
+    """How many nodes, or inputs, stand above each other in the drawing of a network."""
+    layer = layers_of(network)
+    return max(layer.count(column) for column in set(layer))
 
 
 def _shares(node: Node) -> list[float]:

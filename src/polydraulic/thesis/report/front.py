@@ -86,7 +86,8 @@ def front_page(chapters: Sequence[Chapter], figures: Mapping[str, Shown], rows: 
         Paragraph(
             "A thesis of the 1990s simulated a Caterpillar 215B excavator and replaced the iterative calculation of its pump and main "
             "valve flows by polynomial abductive networks. This report repeats that study with polydraulic and continues it. "
-            f"{n_printed} printed numbers stand next to computed ones, with a note where they differ."
+            f"In its chapters {n_printed} printed numbers stand next to computed ones, with a note where they differ; this page has those "
+            "that tell most."
         )
     ]
     pictures = "\n".join(figure_html(name, figures[name], see=see) for name, see in STORY if name in figures)
