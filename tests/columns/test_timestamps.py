@@ -28,6 +28,11 @@ MOMENTS = [datetime(2000, 1, 1, tzinfo=UTC) + timedelta(days=137 * k, seconds=36
         ("%Y%m%dT%H%M%S.%f", None),
         ("%Y%m%d %H%M%S,%f", None),
         ("%Y%m%d_%H%M%S.%fZ", None),
+        ("%b %d, %Y %I:%M:%S.%f %p", None),
+        ("%B %d, %Y, %H:%M:%S.%f", None),
+        ("%a, %d %b %Y %H:%M:%S.%f +0000", None),
+        ("%a %b %d %H:%M:%S.%f %Y", None),
+        ("%Y-%m-%dT%H:%M:%S.%fZ[Europe/Berlin]", None),
     ],
 )
 def test_dates_of_every_common_form(form, order):
@@ -36,6 +41,23 @@ def test_dates_of_every_common_form(form, order):
     found = seconds(pa.array([*texts, None, "later"]), "stamp", order)
     assert found[:-2] == pytest.approx([moment.timestamp() for moment in MOMENTS], abs=1e-6)
     assert np.isnan(found[-2:]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "hours"), [("CET", 1), ("CEST", 2), ("MESZ", 2), ("EST", -5), ("PDT", -7), ("GMT", 0)]
+)
+def test_zones_may_be_said_by_name(name, hours):
+    texts = [
+        moment.astimezone(timezone(timedelta(hours=hours))).strftime(f"%d.%m.%Y %H:%M:%S.%f {name}")
+        for moment in MOMENTS
+    ]
+    assert time_kind(texts) == "stamp"
+    assert has_zone(texts)
+    assert seconds(pa.array(texts), "stamp") == pytest.approx([moment.timestamp() for moment in MOMENTS], abs=1e-6)
+
+
+def test_a_name_of_two_zones_is_no_time():
+    assert time_kind(["2024-03-31T01:59:57 IST"]) == ""
 
 
 @pytest.mark.parametrize("hours", [-7.5, 0.0, 2.0])

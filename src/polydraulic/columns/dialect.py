@@ -1,6 +1,7 @@
 """What a text file is: its delimiter, where its rows begin, names and units of its columns; from its first lines."""
 
 import csv
+import itertools
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -9,13 +10,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polydraulic.columns.header import is_unit, names_and_units, type_line, unit_line
-from polydraulic.columns.source import HEAD, Scan
+from polydraulic.columns.source import Scan
 from polydraulic.columns.timestamps import time_kind
 from polydraulic.errors import InputError
 
 BLANKS = "blanks"  # as a delimiter: any run of blanks or tabs
 _LINES = 200  # that are looked at
 _USUAL = 0.05  # share of the rows that may be shorter than the header and are no damage
+_LONGEST_CELL = 5  # lines that a name and its unit may take
+_OPEN = re.compile(rb'(^|[,;\t|])\s*"')  # where a cell in quotes begins
+_WRAPPED = re.compile(r"\s*[\r\n]\s*")
 _NUMBER = re.compile(
     r"^\s*[-+\u2212]?(\d+([.,]\d+)*[.,]?|[.,]\d+|\d{1,3}([ '’\u00a0\u202f]\d{3})+([.,]\d*)?)([eEdD][+-]?\d+)?\s*$"
 )
@@ -67,8 +71,8 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     """
     head = found.head
     lines = head.splitlines(keepends=True)
-    lines = lines[:-1] if len(head) >= HEAD and len(lines) > 1 else lines  # the last may be cut
-    lines = lines[:_LINES]
+    lines = lines[:-1] if found.cut and len(lines) > 1 else lines  # the last may be cut
+    lines = _logical(lines[:_LINES])
     texts = [line.decode("utf-8", "replace").lstrip("\ufeff").rstrip("\r\n") for line in lines]
     if not any(text.strip() for text in texts):
         raise InputError(f"{path}: the file is empty")
@@ -83,9 +87,9 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     cells = {n: fields(texts[n], delimiter) for n in plain}
     first = _first_row(plain, cells)
     if first is None:
-        if len(plain) < 2 and len(head) >= HEAD:
+        if len(plain) < 2 and found.cut:
             raise InputError(
-                f"{path}: the names of the columns and a first row must stand in the first {HEAD} bytes; leave columns out, or write Parquet"
+                f"{path}: the names of the columns and a first row must stand in the first {len(head)} bytes; leave columns out, or write Parquet"
             )
         if len(plain) < 2:
             raise InputError(f"{path}: the log has no rows")
@@ -96,7 +100,7 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     header: list[str] | None = None
     kept = above
     if above:
-        wide = [n for n in above if len(_trimmed(cells[n])) > 1 or len(_trimmed(body[0])) == 1]
+        wide = [n for n in above if len(_trimmed(cells[n])) > 1 or len(_trimmed(body[0])) == 1 or _one_unit(n, cells)]
         wide = wide[:-1] if len(wide) > 1 and type_line(cells[wide[-1]]) else wide
         last = wide[-1] if wide else above[-1]
         header, kept = cells[last], [n for n in above if n < last]
@@ -105,6 +109,8 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
             header, units, kept = cells[wide[-2]], cells[last], [n for n in kept if n < wide[-2]]
         elif len(wide) > 1 and wide[-2] == last - 1 and all(is_unit(cell) for cell in cells[wide[-2]]):
             units = cells[wide[-2]]  # above the names
+        if kept:
+            header = _in_groups(header, cells[kept[-1]])
     elif (named := _commented_header(texts, first, delimiter, body[0])) is not None:
         header = named
     width, short = _widths(body, header)
@@ -130,11 +136,25 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     )
 
 
+def _logical(lines: Sequence[bytes]) -> list[bytes]:
+    """Lines, of which those are one that a cell in quotes goes over: names with their units below them."""
+    found: list[bytes] = []
+    place = 0
+    while place < len(lines):
+        end = place + 1
+        if _OPEN.search(lines[place]):
+            quotes = itertools.accumulate(line.count(b'"') for line in lines[place : place + _LONGEST_CELL])
+            end += next((n for n, count in enumerate(quotes) if count % 2 == 0), 0)
+        found.append(b"".join(lines[place:end]))
+        place = end
+    return found
+
+
 def fields(line: str, delimiter: str) -> list[str]:
     """Cells of a line, without the blanks around them."""
     if delimiter == BLANKS:
         return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+    return [_WRAPPED.sub(" ", cell.strip()) for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
 @lru_cache(1 << 14)  # each cell is looked at several times
@@ -231,6 +251,21 @@ def _torn(body: Sequence[Sequence[str]], width: int, named: int) -> bool:
 
 def _value(cell: str) -> bool:
     return looks_numeric(cell) or bool(time_kind([cell]))
+
+
+def _one_unit(n: int, cells: dict[int, list[str]]) -> bool:
+    """Whether a line gives the unit of the first column alone."""
+    above = cells.get(n - 1, [])
+    return len(above) > 1 and len(cells[n]) == len(above) and unit_line(cells[n], above)
+
+
+def _in_groups(header: list[str], above: Sequence[str]) -> list[str]:
+    """Names, of which those that come again are ``group/name`` where the line above parts them; a group reaches to the next, as in merged cells."""
+    again = {name for name, count in Counter(header).items() if name and count > 1}
+    if not again or not _heads(above) or len(above) != len(header):
+        return header
+    groups = itertools.accumulate(above, lambda group, own: own or group)
+    return [f"{group}/{name}" if group and name in again else name for group, name in zip(groups, header, strict=True)]
 
 
 def _commented_header(texts: Sequence[str], first: int, delimiter: str, row: Sequence[str]) -> list[str] | None:

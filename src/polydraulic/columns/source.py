@@ -13,6 +13,8 @@ from polydraulic.errors import InputError
 
 CHUNK = 1 << 20  # bytes
 HEAD = 1 << 16  # bytes that the first lines are looked for in
+_LONGEST_HEAD = 1 << 22  # the same where lines are long
+_LEAST_LINES = 4  # that are looked for
 _BLANKS = re.compile(rb"[ \t]+")
 DAMAGED = (OSError, EOFError, zlib.error)  # what gzip raises on damaged files, and a disk
 
@@ -20,7 +22,8 @@ DAMAGED = (OSError, EOFError, zlib.error)  # what gzip raises on damaged files, 
 class Scan(NamedTuple):
     """What a first pass over all bytes found.
 
-    `comma`, `point` and `quote` say whether these come at all after the first `HEAD` bytes; `head` is where the file begins, as UTF-8.
+    `comma`, `point` and `quote` say whether these come at all after the first bytes; `head` is these, as UTF-8, and `cut` whether the
+    file goes on behind them.
     """
 
     encoding: str
@@ -28,6 +31,7 @@ class Scan(NamedTuple):
     comma: bool
     point: bool
     quote: bool
+    cut: bool
 
 
 def scan_bytes(path: Path) -> Scan:
@@ -50,13 +54,19 @@ def scan_bytes(path: Path) -> Scan:
 def _scan(path: Path) -> Scan:
     with _binary(path) as file:
         first = file.read(HEAD)
+        while first.count(b"\n") + first.count(b"\r") < _LEAST_LINES and len(first) < _LONGEST_HEAD:
+            more = file.read(HEAD)
+            if not more:
+                break
+            first += more
+        following = file.read(CHUNK)
         wide = _wide(first)
         if wide:
             try:
                 head = b"".join(_narrow(iter([first[: len(first) // 4 * 4]]), wide))
             except UnicodeDecodeError as error:
                 raise InputError(f"{path}: cannot be read as {wide} ({error.reason})") from error
-            return Scan(wide, head, True, True, True)
+            return Scan(wide, head, True, True, True, bool(following))
         if b"\0" in first:
             raise InputError(f"{path}: is not text; a CSV log must be")
         marks = dict.fromkeys((b",", b".", b'"'), False)
@@ -74,11 +84,11 @@ def _scan(path: Path) -> Scan:
             if chunk is not first:
                 for mark, seen in marks.items():
                     marks[mark] = seen or mark in chunk
-            chunk = file.read(CHUNK)
+            chunk = following if chunk is first else file.read(CHUNK)
         valid = valid and not pending
     encoding = "utf-8" if valid else "cp1252" if windows else "latin-1"
     head = first if valid else b"".join(_narrow(iter([first]), encoding))
-    return Scan(encoding, head, *marks.values())
+    return Scan(encoding, head, *marks.values(), cut=bool(following))
 
 
 _WINDOWS = [bytes([n]) for n in (0x80, 0x82, 0x84, 0x85, 0x89, 0x91, 0x92, 0x93, 0x94, 0x96, 0x97)]

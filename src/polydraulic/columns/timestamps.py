@@ -20,12 +20,23 @@ _DATE = r"(?P<a>\d{1,4})(?P<mark>[-./ ])(?P<b>\d{1,2}|[A-Za-zä]{3})[-./ ](?P<c>
 _OF_DAY = (
     r"(?P<h>\d{1,3}):(?P<m>\d{1,2})(?::(?P<s>\d{1,2}(?:[.,]\d*|:\d{3}(?:\d{3})?)?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
 )
-_ZONE = r"\s*(?P<zone>[Zz]|UTC|GMT|[+-]\d{2}:?\d{2}|[+-]\d{2})?"
+# h; of RFC 5322, and of Europe; what means two things, such as IST, is none
+_ZONES = {
+    "EST": -5, "EDT": -4, "CST": -6, "CDT": -5, "MST": -7, "MDT": -6, "PST": -8, "PDT": -7,
+    "WET": 0, "WEST": 1, "CET": 1, "CEST": 2, "MEZ": 1, "MESZ": 2, "EET": 2, "EEST": 3,
+}  # fmt: skip
+_ZONE = rf"\s*(?P<zone>[Zz]|UTC|GMT|[+-]\d{{2}}:?\d{{2}}|[+-]\d{{2}}|{'|'.join(_ZONES)})?(?:\[[\w/+-]+\])?"
 _STAMP = rf"^{_DATE}(?:(?:[T,_]\s*|\s+){_OF_DAY}{_ZONE})?$"
 _CLOCK = rf"^(?:(?P<days>-?\d{{1,5}}) days?,?\s+\+?)?(?P<sign>-?){_OF_DAY}$"  # days, as durations of pandas have
 # dates and times without marks between their numbers, and with them
 _CLOSE = r"^(\d{4})(\d{2})(\d{2})[Tt _](\d{2})(\d{2})(\d{2})"
 _APART = r"\1-\2-\3T\4:\5:\6"
+# weekdays and months before the day: Sun, 31 Mar 2024; Mar 31, 2024; Sun Mar 31 13:59:57 2024
+_DAY_LAST = (
+    (r"^(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun),?\s+", ""),
+    (r"^([A-Z][a-z]{2})[a-z]*\s+(\d{1,2}),?\s+(\d{4})\b", r"\2-\1-\3"),
+    (r"^([A-Z][a-z]{2})\s+(\d{1,2})\s+(\d[\d:.]+)\s+(\d{4})$", r"\2-\1-\4 \3"),
+)
 _SHORT = r"^(?P<m>\d{1,2}):(?P<s>\d{1,2}[.,]\d+)$"  # minutes and seconds, as Excel writes them
 
 
@@ -40,9 +51,18 @@ def time_kind(cells: Iterable[str]) -> str:
 
 @lru_cache(1 << 14)  # of the cells that a file is known by, each is looked at several times
 def _kind(text: str) -> str:
-    if re.match(_STAMP, re.sub(_CLOSE, _APART, text)):
+    if re.match(_STAMP, _in_order(text)):
         return "stamp"
     return "clock" if ":" in text and (re.match(_CLOCK, text) or re.match(_SHORT, text)) else ""
+
+
+def _in_order(text: str) -> str:
+    """A date that `_STAMP` knows, where a text is one."""
+    text = re.sub(_CLOSE, _APART, text)
+    if text[:1].isalpha():
+        for written, read in _DAY_LAST:
+            text = re.sub(written, read, text)
+    return text
 
 
 def has_time_of_day(cells: Iterable[str]) -> bool:
@@ -52,7 +72,7 @@ def has_time_of_day(cells: Iterable[str]) -> bool:
 
 def has_zone(cells: Iterable[str]) -> bool:
     """Whether texts that are times say their zone."""
-    found = (re.search(rf":\d[\d.,]*{_ZONE}$", re.sub(_CLOSE, _APART, cell.strip())) for cell in cells)
+    found = (re.search(rf":\d[\d.,]*{_ZONE}$", _in_order(cell.strip())) for cell in cells)
     return any(match["zone"] for match in found if match)
 
 
@@ -118,6 +138,9 @@ def seconds(cells: Any, kind: str, order: str | None = None) -> np.ndarray:
         except pa.ArrowInvalid:
             continue
         return since_1970(exact, 1_000_000_000)
+    if pc.any(pc.match_substring_regex(cells, "^[A-Z]")).as_py():
+        for written, read in _DAY_LAST:
+            cells = pc.replace_substring_regex(cells, written, read)
     parts = pc.extract_regex(cells, _STAMP)
     part = {field.name: pc.struct_field(parts, field.name) for field in parts.type}
     return _days(part, order) * DAY + _of_day(part, 0.0) - _offset(part["zone"])
@@ -184,12 +207,15 @@ def _days(part: dict[str, Any], order: str | None) -> np.ndarray:
 
 
 def _offset(zone: Any) -> np.ndarray:
+    import pyarrow as pa
     import pyarrow.compute as pc
 
     if zone.null_count == len(zone):
         return np.zeros(len(zone))
     parts = pc.extract_regex(zone, r"^(?P<h>[+-]\d{2}):?(?P<m>\d{2})?$")
     h, m = (np.nan_to_num(_float(pc.struct_field(parts, name))) for name in ("h", "m"))
+    named = pc.index_in(zone, pa.array(list(_ZONES))).fill_null(len(_ZONES)).to_numpy(zero_copy_only=False)
+    h = h + np.array([*_ZONES.values(), 0])[named]
     return 3600.0 * h + np.where(_is(zone, "-", first=True), -60.0, 60.0) * m
 
 

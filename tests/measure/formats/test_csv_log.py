@@ -50,11 +50,57 @@ def test_a_suggested_map_is_one_that_imports(tmp_path, given):
     assert import_log(log, load_channels(tmp_path / "map.toml"), tmp_path / "t.parquet").n_row >= 58
 
 
+def wide(names, rows):
+    return (
+        "\n".join([",".join(names), *(",".join([f"{n / 100:.2f}", *["0.5"] * (len(names) - 1)]) for n in range(rows))])
+        + "\n"
+    )
+
+
 def test_a_file_whose_header_is_too_long_is_not_said_to_have_no_rows(tmp_path):
-    names = ["time", *(f"channel_{n}" for n in range(8000))]
-    (tmp_path / "log.csv").write_text("\n".join([",".join(names), *(",".join(["0.5"] * len(names)) for _ in range(3))]))
-    with pytest.raises(InputError, match=r"log\.csv: the names .* first 65536 bytes.*Parquet"):
+    names = ["time", *(f"channel_{n}_{'x' * 99}" for n in range(40_000))]
+    (tmp_path / "log.csv").write_text(wide(names, 1))
+    with pytest.raises(InputError, match=r"log\.csv: the names .* first 4194304 bytes.*Parquet"):
         open_log(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize("rows", [1, 2, 60])
+def test_thousands_of_columns_are_read(tmp_path, rows):
+    names = ["time", *(f"channel_{n}" for n in range(8000)), "p"]
+    (tmp_path / "log.csv").write_text(wide(names, rows))
+    _, table = import_of(tmp_path / "log.csv")
+    assert len(table) == rows
+    assert set(table["p"]) == {0.5e5}
+
+
+def test_names_and_units_go_over_lines_in_quotes_alone(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_bytes(b'time,"Pressure,\r\nboom\r\n(bar)","pipe 5"" wide"\r\n0.00,1,2\r\n0.01,3,4\r\n')
+    with open_log(log) as found:
+        assert [(s.name, s.unit) for s in found.signals] == [
+            ("time", ""),
+            ("Pressure, boom", "bar"),
+            ('pipe 5" wide', ""),
+        ]
+    log.write_text('a "quoted word, \n"Time,p\n0.00,1\n0.01,2\n0.02,3\n0.03,4\n0.04,5\n0.05,6\n')
+    with open_log(log) as found:
+        assert len(found.signals) == 2
+
+
+def test_the_unit_of_the_first_column_may_stand_alone(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("time,p\nms,\n" + "".join(f"{10 * k},{k % 7}\n" for k in range(50)))
+    assert 'role = "time"\nunit = "ms"' in suggest_channels(log)
+
+
+def test_names_that_come_again_are_parted_by_the_line_above_them(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("Clock,Boom,,Stick\ntime,p,q,p\ns,bar,l/min,bar\n" + "".join(f"{k},1,2,{k}\n" for k in range(9)))
+    with open_log(log) as found:
+        assert [(s.name, s.unit) for s in found.signals] == [
+            ("time", "s"), ("Boom/p", "bar"), ("q", "l/min"), ("Stick/p", "bar")
+        ]  # fmt: skip
+        assert not found.duplicates
 
 
 def test_a_whole_column_is_read_in_one_way(tmp_path):
