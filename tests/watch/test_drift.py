@@ -1,40 +1,11 @@
-"""A sensor's error that came at once, and one that grows."""
+"""Alarms of a sensor's error that came at once, and of one that grows."""
 
-import numpy as np
 import pytest
 
 from helpers.watched_logs import blocks, known, log_of
-from polydraulic.watch.drift import course_of, course_so_far, with_course
+from polydraulic.watch.drift import with_course
 from polydraulic.watch.kernels.evidence import KEPT
 from polydraulic.watch.watch import FaultWatch
-
-KNOWN = 20.0  # information of a block
-
-
-def pulled(amounts, seed=1):
-    """Pull and information of blocks in which an error of these amounts is seen."""
-    noise = np.random.default_rng(seed).normal(0.0, np.sqrt(KNOWN), len(amounts))
-    return KNOWN * amounts + noise, np.full(len(amounts), KNOWN)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_what_came_at_once_is_told_from_what_grows(sign):
-    at = np.arange(200.0)
-    step = course_of(*pulled(sign * (at >= 130.0)), 1.0)
-    assert step.grows < 0.01
-    ramp = course_of(*pulled(sign * 0.8 * np.clip((at - 40.0) / 160.0, 0.0, 1.0)), 1.0)
-    assert ramp.grows > 0.99
-    assert ramp.size == pytest.approx(sign * 0.8, abs=3.0 * ramp.error)
-    assert 0.0 < ramp.error < 0.1
-
-
-def test_few_blocks_that_say_little_leave_it_open():
-    pull, information = pulled(np.full(6, 0.7))
-    assert 0.05 < course_of(0.05 * pull, 0.05 * information, 1.0).grows < 0.95
-
-
-def test_no_block_that_says_anything_leaves_it_open():
-    assert course_of(np.zeros(10), np.zeros(10), 1.0).grows == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +47,6 @@ def test_suspects_that_are_no_errors_of_sensors_stay_as_they_are():
     watch = FaultWatch(of, expected)
     watch.judge(*blocks(of, log_of(of.machine, 22, 60.0, ["work.pump_worn from 20 s"])))
     suspects = watch.alarms[0].suspects
-    assert course_so_far(suspects, of.directions, watch.judge_parts, None) is None
-    assert course_so_far((), of.directions, watch.judge_parts, None) is None
+    assert watch.judge_parts.course is None
     assert with_course(suspects, of.directions, None) == suspects
     assert with_course((), of.directions, None) == ()

@@ -11,9 +11,13 @@ from polydraulic.watch.channels import WatchChannel
 from polydraulic.watch.directions import Direction, Scores
 from polydraulic.watch.flat import states_table
 from polydraulic.watch.kernels.alarms import decide
-from polydraulic.watch.kernels.evidence import KEPT, course_since, room_of_evidence
+from polydraulic.watch.kernels.courses import BEGAN_BEFORE, NO_COURSE, ROOM_OF_COURSE, GrownError
+from polydraulic.watch.kernels.evidence import KEPT, room_of_evidence
 from polydraulic.watch.kernels.numbers import (
     BLOCKS,
+    COURSE,
+    GROWN_ERROR,
+    GROWS,
     HEAD_OF_LIVE,
     HEAD_OF_MARKS,
     LISTED,
@@ -161,23 +165,25 @@ class BlockJudge:
         at_times = HEAD_OF_LIVE + plan.shape.rows * (1 + sensors)
         at_sums = at_times + KEPT + 1
         at_chances = at_sums + room_of_evidence(n)
+        in_course = plan.arrays.size + room_of_scores(n)
         kinds = [d.name for d in plan.directions]
         owners = [d.name.partition(".")[0] for d in plan.directions] + [c.partition(".")[0] for c in plan.columns]
         self.numbers = WatchNumbers(
             ints=plan.arrays.ints, floats=plan.arrays.floats, scales=np.array(scales, dtype=np.float64).ravel(),
             offset=offset.astype(np.float64), jitter=jitter.astype(np.float64), together=tests.together.astype(np.float64),
             down=_whole([d.both for d in plan.directions]), group=_whole([kinds.index(kind) for kind in kinds]),
-            harmless=_whole([d.harmless for d in plan.directions]), owner=_whole([names.index(owner) for owner in owners]),
-            belongs=_belonging(plan.machine, plan.columns, names), limits=_whole(tests.longest), directions=n, sensors=sensors,
-            owners=len(names), rows=plan.shape.rows, before=plan.shape.before, inside=plan.shape.inside,
-            score_table=plan.arrays.tables[0], states_table=plan.arrays.tables[1], in_work=plan.arrays.size, at_rows=HEAD_OF_LIVE,
-            at_times=at_times, at_sums=at_sums, at_chances=at_chances, in_marks=HEAD_OF_MARKS, threshold=float(tests.threshold),
-            common=float(tests.common), raster=float(plan.shape.raster),
+            harmless=_whole([d.harmless for d in plan.directions]), errors=_whole([d.kind == "bias" for d in plan.directions]),
+            owner=_whole([names.index(owner) for owner in owners]), belongs=_belonging(plan.machine, plan.columns, names),
+            limits=_whole(tests.longest), directions=n, sensors=sensors, owners=len(names), rows=plan.shape.rows,
+            before=plan.shape.before, inside=plan.shape.inside,
+            score_table=plan.arrays.tables[0], states_table=plan.arrays.tables[1], in_work=plan.arrays.size, in_course=in_course,
+            at_rows=HEAD_OF_LIVE, at_times=at_times, at_sums=at_sums, at_chances=at_chances, in_marks=HEAD_OF_MARKS,
+            threshold=float(tests.threshold), common=float(tests.common), raster=float(plan.shape.raster),
         )  # fmt: skip
         self.live = np.zeros(at_chances + n)
         self.marks = np.zeros(HEAD_OF_MARKS + 2 * n + 6 * sensors + len(names), dtype=np.int64)
         self.marks[OPENED] = -1
-        self.work = np.zeros(plan.arrays.size + room_of_scores(n))
+        self.work = np.zeros(in_course + ROOM_OF_COURSE)
         self.rows = self.live[HEAD_OF_LIVE:at_times].reshape(plan.shape.rows, 1 + sensors)
         scores = np.split(self.work[plan.arrays.size :], np.cumsum([n, n * n, n, n]))
         self.pull, self.information, self.white_pull, self.white_information, room = scores
@@ -226,10 +232,15 @@ class BlockJudge:
         """Sensors that stay at what they read, which the alarm is of if there are any."""
         return list(np.flatnonzero(self._named).tolist()) if self.marks[STUCK] > 0 else []
 
-    def course(self, direction: int, block: int) -> tuple[np.ndarray, np.ndarray]:
-        """Whitened pull and information of one direction in each block from after a block on, as far back as is kept; (n_block,) each."""
-        of = self.numbers
-        return course_since(self.live, of.at_sums, of.directions, direction, block, int(self.marks[BLOCKS]))
+    @property
+    def course(self) -> GrownError | None:
+        """How the error of a sensor went on that the alarm is named by."""
+        return None if self.marks[COURSE] == NO_COURSE else GrownError(*self.live[GROWS : GROWN_ERROR + 1].tolist())
+
+    @property
+    def began_before(self) -> bool:
+        """Whether that is of blocks that are no longer kept."""
+        return bool(self.marks[COURSE] == BEGAN_BEFORE)
 
     def row(self, time: float, row: np.ndarray) -> int:
         """Take a row: what became of it, and `JUDGED` with what that means for alarms of one that completes a block."""

@@ -54,7 +54,9 @@ def named_suspects(
     for k in listed:
         d, known = directions[k], max(float(seen.information[k]), 1e-300)
         size, error = float(seen.pull[k] / known * d.size), float(np.sqrt(scatter[k] / known) * d.size)
-        likely = sum(float(chance) for other, chance in zip(directions, chances, strict=True) if other.name == d.name)
+        likely = 0.0  # one after the other, as kernels and C do: `sum` of newer Pythons rounds otherwise
+        for other, chance in zip(directions, chances.tolist(), strict=True):
+            likely += chance if other.name == d.name else 0.0
         found.append(Suspect(d.name, _title(d, size, error), likely, size, error, d.harmless))
     return found
 

@@ -8,7 +8,7 @@ import numpy as np
 from polydraulic.errors import InputError
 from polydraulic.watch.block import AlarmTests, BlockJudge, Readings
 from polydraulic.watch.diagnosis import Suspect, named_suspects
-from polydraulic.watch.drift import ErrorCourse, course_so_far, with_course
+from polydraulic.watch.drift import with_course
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
 from polydraulic.watch.kernels.alarms import ALONE, BEGINS, NONE
@@ -96,9 +96,8 @@ class FaultWatch:
         plan = plan_of(of, expected.noise)
         self.judge_parts = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
         self.alarms: list[Alarm] = []
-        # of the present alarm, errors of sensors not yet told apart by their course, and that of the first
+        # of the present alarm, errors of sensors not yet told apart by their course
         self._suspects: tuple[Suspect, ...] = ()
-        self._course: ErrorCourse | None = None
 
     @property
     def blocks(self) -> int:
@@ -182,7 +181,6 @@ class FaultWatch:
         if judge.told:
             (pull, information, squares), first = judge.seen.copy(), int(judge.marks[FIRST])
             self.seen = Since(pull, information, squares, min(self.blocks - first, KEPT))
-            self._course = None
             self._suspects = tuple(
                 named_suspects(directions, self.seen, judge.numbers.common, judge.chances, judge.listed)
             )
@@ -191,8 +189,7 @@ class FaultWatch:
         if stuck := judge.stuck:
             suspects, opinion = tuple(_frozen_sensor(self.of.columns[k]) for k in stuck), None
         else:
-            self._course = course_so_far(self._suspects, directions, judge, self._course)
-            suspects = with_course(self._suspects, directions, self._course)
+            suspects = with_course(self._suspects, directions, judge.course, judge.began_before)
         self.alarms[-1] = Alarm(since, seen, until, suspects, opinion)
         return self.alarms[-1]
 

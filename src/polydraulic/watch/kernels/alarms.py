@@ -3,6 +3,7 @@
 import numpy as np
 
 from polydraulic._kernel import driver
+from polydraulic.watch.kernels.courses import follow_course
 from polydraulic.watch.kernels.evidence import (
     KEPT,
     LEAST_BLOCKS,
@@ -107,6 +108,7 @@ def decide(numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, marks: np.
         )
         marks[TOLD] = count
     name_sensors(numbers, marks)
+    follow_course(numbers, work, live, marks)
     return found
 
 

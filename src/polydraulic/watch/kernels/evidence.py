@@ -22,16 +22,6 @@ def room_of_evidence(n: int) -> int:
     return 3 * n + 3 * n * (KEPT + 1)
 
 
-def course_since(
-    live: np.ndarray, at_sums: int, n: int, direction: int, first: int, count: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Whitened pull and information of one direction in each block from after a block on, of those that are kept; (n_block,) each."""
-    totals = live[at_sums + 3 * n : at_sums + room_of_evidence(n)].reshape(KEPT + 1, 3, n)
-    kept = totals[np.arange(max(first, count - KEPT, 0), count + 1) % (KEPT + 1), :2, direction]
-    pull, information = np.diff(kept, axis=0).T
-    return pull, information
-
-
 @driver
 def ring_place(block: int) -> int:
     """Place of a block among those that are kept; the first of all blocks has the place 0."""

@@ -5,11 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 # places in `marks`, whole numbers that are kept from block to block
-FILLED, GAPS, BLOCKS, OPENED, LAST, ALARMS, LISTED, STUCK, FIRST, TOLD, SUSPECTS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
+FILLED, GAPS, BLOCKS, OPENED, LAST, ALARMS, LISTED, STUCK, FIRST, TOLD, COURSE, SUSPECTS = range(12)
 MOST_LISTED = 5
 OTHERS = SUSPECTS + MOST_LISTED
 HEAD_OF_MARKS = OTHERS + MOST_LISTED
-SINCE, SEEN, UNTIL, HEAD_OF_LIVE = 0, 1, 2, 3  # places in `live`, numbers that are kept, s
+SINCE, SEEN, UNTIL = 0, 1, 2  # places in `live`, numbers that are kept: times of an alarm, s
+GROWS, GROWN, GROWN_ERROR = 3, 4, 5  # how the error went on that it is named by
+HEAD_OF_LIVE = 6
 
 
 class WatchNumbers(NamedTuple):
@@ -27,6 +29,7 @@ class WatchNumbers(NamedTuple):
     down: np.ndarray
     group: np.ndarray
     harmless: np.ndarray
+    errors: np.ndarray
     owner: np.ndarray
     belongs: np.ndarray
     limits: np.ndarray
@@ -39,6 +42,7 @@ class WatchNumbers(NamedTuple):
     score_table: int
     states_table: int
     in_work: int
+    in_course: int
     at_rows: int
     at_times: int
     at_sums: int
