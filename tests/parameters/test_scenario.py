@@ -127,7 +127,7 @@ voltage_column = "v"
         ("amplitude", "amplitud", "unknown key 'amplitud' in voltage.boom"),
         ("voltage.boom", "voltage.bucket", "unknown key 'bucket' in voltage"),
         ('"stick"', '"bucket"', "locked = .*must be a list of"),
-        ("value = 2.0, unit = \"s\"", "value = 0.0, unit = \"s\"", "duration = 0.0 s: must be finite and above 0"),
+        ("value = 2.0, unit = \"s\"", "value = 0.0, unit = \"s\"", "duration = 0.0 s: must be above 0"),
         ('unit = "V"', 'unit = "psi"', "voltage.boom.amplitude has unit 'psi'"),
         ('title = "mine"', "", "missing key 'title'"),
         ('title = "mine"', 'title = "mine"\ncolour = 1', "unknown key 'colour'"),

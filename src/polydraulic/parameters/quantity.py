@@ -22,18 +22,19 @@ class Quantity:
     high: float = inf
     above: float = -inf
 
-    @property
-    def range(self) -> str:
-        """The range in words."""
-        if self.above > -inf:
-            return f"above {self.above:g}" + (f", at most {self.high:g}" if self.high < inf else "")
-        return f"in [{self.low:g}, {self.high:g}]"
-
     def demand(self, value: float) -> str:
         """What every value must be, in words that tell what is wrong with this one, in SI."""
         if abs(value) < inf and not _has_usual_size(value):
             return f"must be 0 or of a size from {SMALLEST:g} to {LARGEST:g} in SI units"
-        return f"must be finite and {self.range} {self.unit}"
+        return f"must be {'' if abs(value) < inf else 'finite and '}{self._range()}"
+
+    def _range(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if self.above > -inf:
+            return f"above {self.above:g}{unit}" + (f", at most {self.high:g}{unit}" if self.high < inf else "")
+        if self.high < inf:
+            return f"in [{self.low:g}, {self.high:g}]{unit}"
+        return f"{self.low:g}{unit} or more" if self.low > -inf else f"a number{f' of{unit}' if unit else ''}"
 
     def allows(self, value: float) -> bool:
         """Whether a value is finite and lies in the range."""

@@ -41,7 +41,7 @@ def test_a_run_of_it_is_that_of_the_shipped_file():
         (
             "r_base = { value = 0.75",
             "r_base = { value = -1.0",
-            "boom.cylinder.r_base = -1.0 m: must be finite and above 0 m",
+            "boom.cylinder.r_base = -1.0 m: must be above 0 m",
         ),
         ("[geometry]", "[geometrie]", "unknown key 'geometrie'; allowed here: "),
         ("[tank]", "[[tank]]", "tank must be a table, not"),

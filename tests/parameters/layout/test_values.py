@@ -95,7 +95,7 @@ def test_numbers_of_a_crossover_have_the_paths_of_a_file(tmp_path):
     [
         ({"functions.lift.pilot": 1}, "functions.lift.pilot: holds functions.lift.pilot.gain, .*; give one of them"),
         ({"links.boom.mas": 1}, "links.boom.mas: there is no such value; near it: links.boom.mass"),
-        ({"links.boom.mass": -1}, r"links.boom.mass = -1: must be finite and in \[0, inf\] kg"),
+        ({"links.boom.mass": -1}, r"links.boom.mass = -1: must be 0 kg or more"),
         ({"links.boom.cg.y": 0.1}, "links.boom.cg.y: there is no such value"),
         ({"functions.lift.backlash": 0.1}, "functions.lift.backlash: there is no such value"),
         ({"functions.extend.initial.angle": 0.1}, "functions.extend.initial.angle: there is no such value"),
@@ -104,7 +104,7 @@ def test_numbers_of_a_crossover_have_the_paths_of_a_file(tmp_path):
         ({"functions.lift.valve.inlet": []}, r"functions.lift.valve.inlet = \[\]: must be a list of numbers"),
         ({"functions.lift.valve.inlet[0]": 1e-6}, r"functions.lift.valve.inlet\[0\]: must be 0 at the centred spool"),
         ({"functions.lift.cylinder.number": 1.5}, "functions.lift.cylinder.number = 1.5: must be a whole number"),
-        ({"gravity": 40.0}, r"gravity = 40.0: must be finite and in \[0, 30\] m/s2"),
+        ({"gravity": 40.0}, r"gravity = 40.0: must be in \[0, 30\] m/s2"),
     ],
 )
 def test_what_cannot_be_is_one_clear_error(crane, values, message):
