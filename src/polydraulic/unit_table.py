@@ -73,7 +73,7 @@ KINDS: tuple[UnitKind, ...] = (
     _kind("resistance", "Ohm", "kg m2 s-3 A-2", "kOhm", {1.0: "Ohm ohms", 1e3: "kOhm", 1e6: "MOhm", 1e-3: "mOhm"}),
     _kind("charge", "A s", "A s", "Ah", {1.0: "coulomb coulombs", 3600.0: "Ah", 3.6: "mAh"}),
     _kind("time", "s", "s", "ms", {
-        1.0: "s sec secs second seconds Sek", 1e-3: "ms msec millisecond milliseconds", 1e-6: "us usec microsecond",
+        1.0: "s sec secs second seconds Sek Sekunde Sekunden", 1e-3: "ms msec millisecond milliseconds", 1e-6: "us usec microsecond",
         1e-9: "ns nsec nanosecond", 60.0: "min Min mins minute minutes", 3600.0: "h hr hrs hour hours Std", 86400.0: "d day days",
     }),
     _kind("frequency", "1/s", "s-1", "Hz, kHz", {1.0: "Hz hertz", 1e3: "kHz", 1e6: "MHz"}),

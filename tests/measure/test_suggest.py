@@ -3,7 +3,7 @@ import tomllib
 
 import pytest
 
-from polydraulic.measure import suggest_channels
+from polydraulic.measure import load_channels, suggest_channels
 
 
 def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path):
@@ -30,6 +30,11 @@ def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path
         ("Elapsed Time (ms)", 0, 10, "ms"),
         ("time_us", 0, 10_000, "us"),
         ("time", 0, 1, "s"),
+        ("tout", 0, 1, "s"),
+        ("millis", 0, 10, "ms"),
+        ("seconds", 0, 1, "s"),
+        ("Date", 45_382.5, 0.01 / 86_400.0, "d"),  # as spreadsheets count days
+        ("t", 739_342.5, 0.01 / 86_400.0, "d"),  # as MATLAB does
     ],
 )
 def test_the_time_and_its_unit_are_seen(tmp_path, header, first, step, unit):
@@ -82,3 +87,18 @@ def test_a_little_below_zero_is_no_other_sign(tmp_path):
         "time [s],p [bar],u [V]\n" + "".join(f"{k},{-0.3 if k == 7 else 5.0 * k},{k % 9 - 4}\n" for k in range(51))
     )
     assert re.findall(r"range = (.*)", suggest_channels(log)) == ["[-140, 380]", "[-8, 8]"]
+
+
+def test_a_column_that_counts_the_rows_is_no_input(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text(",time,p,index\n" + "".join(f"{k + 7},{k},{k % 5},{k % 9}\n" for k in range(50)))
+    assert re.findall(r'source = "(.*)"\nrole = "(?:input|time)"', suggest_channels(log)) == ["time", "p", "index"]
+
+
+@pytest.mark.parametrize(("first", "step"), [(0.0, 1e-300), (1e9, 1e-4), (2.0**60, 512.0)])
+def test_a_suggested_range_is_one_whatever_the_numbers(tmp_path, first, step):
+    log = tmp_path / "log.csv"
+    log.write_text("time,p\n" + "".join(f"{k * 1e-8},{first + k % 7 * step}\n" for k in range(50)))
+    (tmp_path / "map.toml").write_text(suggest_channels(log))
+    channel = load_channels(tmp_path / "map.toml").used[0]
+    assert channel.low <= first < first + 6 * step <= channel.high

@@ -10,7 +10,9 @@ import numpy as np
 
 from polydraulic.columns.timestamps import ORDERS
 from polydraulic.errors import InputError
+from polydraulic.measure.channels import LONGEST, SHORTEST
 from polydraulic.measure.checks.channel_check import NO_VALUE
+from polydraulic.measure.checks.clock import day_zero
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.campaign import expand
 from polydraulic.measure.formats.log import Log, Signal, by_reason
@@ -22,10 +24,15 @@ from polydraulic.units import unit_kind
 _TIME_NAME = re.compile(
     r"(?i)^([\w.\[\]]+\.)?"  # structures that it is in
     r"((elapsed|relative|absolute|system|utc|local|log|sample|rel|abs)[ _]?)?"
-    r"(time|t|timestamps?|time[ _]?stamp|date[ _]?time|zeit|zeitstempel|uhrzeit|zeitpunkt|epoch|datum|date)"
+    r"(time|t|tout|timestamps?|time[ _]?stamp|date[ _]?time|zeit|zeitstempel|uhrzeit|zeitpunkt|epoch|datum|date)"
     r"([ _]?(?P<unit>s|sec|ms|us|µs|ns))?$"
 )
 _UNITS = {"sec": "s"}
+_UNIT_NAME = re.compile(
+    r"(?i)^(?P<s>s|secs?|seconds?|sekunden?)$|^(?P<ms>ms|msec|millis|milliseconds|millisekunden)$|^(?P<us>us|µs|micros|microseconds)$"
+)
+_COUNTER = re.compile(r"(?i)^(column 1|unnamed: \d+|index|row|no\.?|nr\.?|#|samples?|scan|record|point|n|count|id)$")
+_LEAST_DAY = 9e-5  # steps below it are days, where the numbers can be: no log has more than 10,000 rows a second
 _SINCE_1970 = ((1e8, "s"), (1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
 _ENDINGS = {
@@ -40,6 +47,7 @@ _ENDINGS |= {
 }
 _HOLD = 0.6  # share of samples like the one before, from which on a channel is a held one
 _ROUND = (1.0, 2.0, 5.0)
+_ALIKE = 1e-8  # of ends of ranges that need all their digits
 _OTHER_SIGN = 0.05  # of the larger values: less to the other side of 0 is noise, or an offset
 
 _HEAD = """\
@@ -98,9 +106,13 @@ def suggest_channels(
     used = [
         s
         for s in log.signals
-        if s is not time and not s.kind and seen[s.name].n and seen[s.name].low < seen[s.name].high
+        if s is not time
+        and not s.kind
+        and seen[s.name].n
+        and seen[s.name].low < seen[s.name].high
+        and not _counts_rows(s, seen[s.name])
     ]
-    rasters = [seen[s.name].raster for s in used if np.isfinite(seen[s.name].raster)]
+    rasters = [seen[s.name].raster for s in used if SHORTEST <= seen[s.name].raster <= LONGEST]
     units = {s.name: _unit(s) for s in used}
     ranges = _ranges(units, seen)
     lines = [_HEAD, f"raster = {_text(_span(min(rasters, default=0.01)))}  # of the table"]
@@ -117,15 +129,17 @@ def suggest_channels(
         found = seen[signal.name]
         if signal not in used:
             why = "it holds times" if signal.kind else "it holds no numbers" if not found.n else "it is constant"
+            why = "it counts the rows" if _counts_rows(signal, found) else why
             lines += [f'role = "ignore"  # {why}']
             continue
         lines += ['role = "input"', *units[signal.name].lines]
-        if np.isfinite(found.raster):
+        if SHORTEST <= found.raster <= LONGEST:
             lines.append(f"raster = {_text(_span(found.raster))}")
         lines.append(f"between = {_text('hold' if found.held > _HOLD else 'linear')}")
         if signal.name in ranges:
             low, high = ranges[signal.name]
-            lines.append(f"range = [{low:.10g}, {high:.10g}]")
+            ends = f"{low:.10g}, {high:.10g}"
+            lines.append(f"range = [{ends if high - low > _ALIKE * abs(low) else f'{low!r}, {high!r}'}]")
         if signal.name in log.duplicates:
             lines.append("# the log has this name more than once: this is the first")
     if log.left_out:
@@ -135,11 +149,17 @@ def suggest_channels(
     return "\n".join(lines) + "\n"
 
 
+def _counts_rows(signal: Signal, found: _Seen) -> bool:
+    """Whether a column without a name of its own, or with that of a counter, rises by one from row to row, as pandas writes an index."""
+    return bool(_COUNTER.match(signal.name.strip())) and found.n > 1 and found.high - found.low == found.n - 1
+
+
 def _time_of(log: Log) -> Signal | None:
-    """The channel of the time: by its name, or by dates or times of day that it holds."""
+    """The channel of the time: by its name, by dates or times of day that it holds, or by a name that is a unit of time."""
     named = [s for s in log.signals if _TIME_NAME.match(s.name.strip()) and _known(s.unit or "s") == "s"]
     typed = [s for s in log.signals if s.kind]
-    both = [s for s in named if s.kind] or named or typed
+    units = [s for s in log.signals if _UNIT_NAME.match(s.name.strip()) and _known(s.unit or "s") == "s"]
+    both = [s for s in named if s.kind] or named or typed or units
     # of a date and a time of day that stand side by side the second one is named
     return next((s for s in both if not (s.beside and s.kind == "stamp")), both[0] if both else None)
 
@@ -150,14 +170,16 @@ def _unit_of_time(log: Log, time: Signal) -> str:
         return time.unit
     if time.kind:
         return "s"
-    match = _TIME_NAME.match(time.name.strip())
-    unit = match["unit"] if match else None
+    match, alone = _TIME_NAME.match(time.name.strip()), _UNIT_NAME.match(time.name.strip())
+    unit = match["unit"] if match else alone.lastgroup if alone else None
     if unit:
         return _UNITS.get(unit.lower(), unit.lower())
     block = next(iter(log.read(time.group, [time.name], None, Findings())), None)
     first = block.values[time.name] if block is not None else np.zeros(0)
     first = np.abs(first[np.isfinite(first)])
     usual = float(np.median(first)) if first.size else 0.0
+    if day_zero(usual) and float(np.median(np.abs(np.diff(first)))) < _LEAST_DAY:
+        return "d"
     return next((unit for least, unit in reversed(_SINCE_1970) if usual >= least), "s")
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.measure.checks.clock import Clock
+from polydraulic.measure.checks.clock import Clock, day_zero
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import LogBlock
 
@@ -247,3 +247,22 @@ def test_the_first_twenty_irregular_intervals_are_shown(blocks):
     _, _, findings, clock = checked(np.cumsum(steps), blocks=blocks)
     assert findings == [("irregular", [(row, row) for row in range(11, 91, 4)])]
     assert [found.count for found in clock.findings] == [28]
+
+
+def test_days_count_from_the_zero_of_their_calendar():
+    day = 19_813.5  # since 1970, of 2024
+    for zero in (0.0, 25_569.0, 719_529.0, 2_440_587.5):
+        assert day_zero(day + zero) == zero
+        kept, _, findings, _ = checked(day + zero + STEADY / 86_400.0, factor=86_400.0)
+        assert kept == pytest.approx(day * 86_400.0 + STEADY, abs=1e-4)
+        assert [kind for kind, _ in findings if kind != "irregular"] == []
+    for none in (-1.0, 0.5, 99.0, 100_000.0, 1e7):
+        assert day_zero(none) == 0.0
+
+
+def test_a_clock_that_ticks_more_slowly_than_rows_come_is_named():
+    _, _, findings, clock = checked(np.floor(STEADY / 0.1))
+    assert [kind for kind, _ in findings] == ["time repeats"]
+    assert "interval between rows" in str(next(iter(clock.findings)))
+    _, _, _, clock = checked(np.repeat(STEADY, 2)[:-1])
+    assert "interval between rows" not in str(next(iter(clock.findings)))

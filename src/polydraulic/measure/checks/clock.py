@@ -12,6 +12,10 @@ JOIN = 2.5  # samples at most so many rasters apart belong together; farther apa
 _IRREGULAR = 0.25  # of the raster
 _SHARE = 0.01  # of the intervals that may be irregular
 _FROM, _TO = 315_532_800.0, 4_102_444_800.0  # s since 1970: 1980 and 2100
+_DAY = 86_400.0  # s
+_DAYS = (3652.0, 47482.0)  # the same, in days
+_UNTIL_2050 = 29_220.0  # days since 1970
+_ZEROS = (25_569.0, 719_529.0, 2_440_587.5)  # days before 1970 from which spreadsheets, MATLAB and astronomers count
 _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
 _FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
@@ -38,6 +42,13 @@ class ClockedRows(NamedTuple):
     text: dict[str, np.ndarray]
     after_gap: np.ndarray
     done: float
+
+
+def day_zero(day: float) -> float:
+    """Days before 1970 from which a time in days counts: 0 where it can be of no other calendar."""
+    if day < _UNTIL_2050:
+        return 0.0
+    return next((zero for zero in _ZEROS if _DAYS[0] <= day - zero <= _DAYS[1]), 0.0)
 
 
 class Clock:
@@ -73,10 +84,12 @@ class Clock:
         self.first = np.nan
         self.last = -np.inf
         self.gaps, self.lost = 0, 0.0
+        self._zero: float | None = None  # of times in days
         self._behind = False
         # the last row, if it lies behind: the next ones say whether it is alone
         self._alone = np.zeros(0, dtype=np.int64)
         self._n_interval = self._n_irregular = 0
+        self._n_row = self._n_same = 0
         self._irregular: list[int] = []
 
     def rows(self, blocks: Iterator[LogBlock]) -> Iterator[ClockedRows]:
@@ -97,7 +110,12 @@ class Clock:
         if block.time is None:
             assert self.interval is not None
             return (block.rows - 1) * self.interval
-        return block.time * self.factor
+        if self.factor != _DAY:
+            return block.time * self.factor
+        if self._zero is None:
+            known = block.time[np.isfinite(block.time)]
+            self._zero = day_zero(float(known[0])) if known.size else None
+        return (block.time - (self._zero or 0.0)) * _DAY
 
     def _check(self, block: LogBlock, following: float) -> ClockedRows:
         time, rows, f = self._times(block), block.rows, self.findings
@@ -114,6 +132,7 @@ class Clock:
         highest = np.maximum.accumulate(np.concatenate([[self.last], t]))[:-1]
         behind, same = t < highest, t == highest
         f.add_rows("time repeats", self.name, rows[place[same]])
+        self._n_row, self._n_same = self._n_row + t.size, self._n_same + int(same.sum())
         self._note_behind(rows[place], behind)
         keep = ~behind & ~same
         place, t = place[keep], t[keep]
@@ -189,6 +208,11 @@ class Clock:
 
     def _end(self) -> None:
         self.findings.add_rows("clock jump", self.name, self._alone)
+        if self._n_same > 0.5 * self._n_row:
+            detail = (
+                "the clock ticks more slowly than rows come: leave it out, and give the interval between rows instead"
+            )
+            self.findings.add("time repeats", self.name, detail)
         if self._n_irregular > max(5, _SHARE * self._n_interval):
             found = self.findings.add("irregular", self.name, f"usual interval {self.raster:.4g} s")
             found.count = self._n_irregular
