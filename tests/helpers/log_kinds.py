@@ -141,6 +141,9 @@ def parquet_tables():
         "ns since 1970 as 64-bit integers": (pa.table({"time": day * 1_000_000, "p": p}), READ),
         "the least or largest 64-bit integer": (pa.table({"time": TIME, "p": sentinel}), ("text",)),
         "on and off as strings": (pa.table({"time": TIME, "p": ["on" if i % 7 < 3 else "off" for i in range(60)]}), ("on and off",)),
+        "numbers as strings with decimal commas": (pa.table({"time": [f"{t:.2f}".replace(".", ",") for t in TIME],
+                                                             "p": [f"{x}".replace(".", ",") for x in PRESSURE]}), READ),
+        "two columns of one name": (pa.table([pa.array(TIME), p, pa.array(["x"] * 60)], names=["time", "p", "p"]), ("duplicate",)),
         "no rows": (pa.table({"time": TIME[:0], "p": PRESSURE[:0]}), REFUSED),
         "columns of lists alone": (pa.table({"time": [[1.0]] * 60}), REFUSED),
     }  # fmt: skip

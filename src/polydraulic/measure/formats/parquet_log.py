@@ -29,11 +29,12 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
         raise InputError(f"{path}: cannot be read as a Parquet log ({_said(error)})") from error
     if n_row == 0:
         raise InputError(f"{path}: the log has no rows")
+    fields: dict[str, Any] = {}
+    for f in schema:
+        fields.setdefault(f.name, f)  # of columns of one name the first is read
     left_out = {f.name: f"values of kind {f.type}, not single numbers" for f in schema if pa.types.is_nested(f.type)}
-    kinds = {f.name: _kind(path, f) for f in schema if not pa.types.is_nested(f.type)}
-    orders = {
-        f.name: _order(path, f.name, kinds[f.name], dates) for f in schema if f.name in kinds and _is_text(f.type)
-    }
+    kinds = {f.name: _kind(path, f) for f in fields.values() if not pa.types.is_nested(f.type)}
+    orders = {name: _order(path, name, kind, dates) for name, kind in kinds.items() if _is_text(fields[name].type)}
     doubts = {name: "" if order.settled else order.example for name, order in orders.items()}
     signals, twice = once(
         [Signal(f.name, _unit(f), 0, kinds[f.name], doubt=doubts.get(f.name, "")) for f in schema if f.name in kinds]
@@ -47,17 +48,12 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
         texts = {
             name: _Texts(path, name, kinds[name], orders[name], findings)
             for name in names
-            if _is_text(schema.field(name).type)
+            if _is_text(fields[name].type)
         }
         if time in texts:
             texts[time].refuse_doubt(path)
         local = None
-        if (
-            time
-            and kinds[time]
-            and not getattr(schema.field(time).type, "tz", None)
-            and not _elapsed(schema.field(time))
-        ):
+        if time and kinds[time] and not getattr(fields[time].type, "tz", None) and not _elapsed(fields[time]):
             local = LocalClock(time, kinds[time] == "clock", findings)
         for batch in _batches(path, names):
             of = {}
@@ -105,7 +101,7 @@ class _Texts:
                 findings.add(found.kind, name, found.detail)
             return found
 
-        self.column = TextColumn(Notation(), whole)
+        self.column = TextColumn(Notation() if kind else whole(), whole)
 
     def refuse_doubt(self, path: Path) -> None:
         """Raise an error if the dates can be read in two ways."""
