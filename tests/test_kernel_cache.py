@@ -6,8 +6,10 @@ import sys
 
 import numba
 import pytest
+from numba.core.codegen import JITCodeLibrary, JitEngine
 
-from polydraulic import _kernel_cache
+from polydraulic import _kernel, _kernel_cache
+from polydraulic._kernel import driver, kernel
 from polydraulic._kernel_cache import keep_compiled
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
@@ -122,3 +124,70 @@ def test_kernels_run_without_a_cache_and_say_so_in_one_line(place):
     )
     assert (run.returncode, run.stdout) == (0, "1.0\n")
     assert re.fullmatch(rf".*compiled functions cannot be kept in {place}/polydraulic/\w+ .*\n", run.stderr)
+
+
+def third(x):
+    return x / 3.0
+
+
+def third_more(x):
+    return third(x) + 1.0
+
+
+@pytest.fixture
+def nested(tmp_path, monkeypatch):
+    """A kernel that calls another, as a new process would have them, with a cache of their own."""
+    monkeypatch.setattr(_kernel, "_FOLDER", str(tmp_path))
+    plain = third
+
+    def made():
+        monkeypatch.setitem(third_more.__globals__, "third", kernel(plain))
+        return kernel(third_more)
+
+    return made
+
+
+def calling(inner):
+    @driver
+    def sum_of(x):
+        return inner(x) + inner(2.0 * x)
+
+    return sum_of
+
+
+def test_only_a_caller_becomes_machine_code(nested, monkeypatch):
+    made = []
+    finalize = JitEngine.finalize_object
+    monkeypatch.setattr(JitEngine, "finalize_object", lambda engine: made.append(engine) or finalize(engine))
+    assert calling(nested())(6.0) == 8.0
+    assert len(made) == 1
+
+
+def test_kernels_on_disk_are_taken_in_by_another_caller(nested, monkeypatch, tmp_path):
+    assert calling(nested())(6.0) == 8.0
+    inner = nested()
+    compiled = []
+    add = JITCodeLibrary.add_ir_module
+    monkeypatch.setattr(
+        JITCodeLibrary, "add_ir_module", lambda library, module: compiled.append(library.name) or add(library, module)
+    )
+
+    @driver
+    def difference_of(x):
+        return inner(2.0 * x) - inner(x)
+
+    assert difference_of(6.0) == 2.0
+    assert {name.rpartition(".")[2] for name in compiled} == {"difference_of"}
+    assert inner(6.0) == 3.0  # with a way in from Python, and machine code
+    assert "third_more" in " ".join(compiled)
+    assert len(list(tmp_path.rglob("*.third_more-*.nbc"))) == 2
+
+
+def test_what_was_inlined_has_the_machine_code_of_one_function(nested):
+    def written_out(x):
+        return (x / 3.0 + 1.0) + (2.0 * x / 3.0 + 1.0)
+
+    taken_in = calling(nested())
+    assert taken_in(1.7) == written_out(1.7)
+    written = [line for line in taken_in.inspect_llvm((numba.float64,)).splitlines() if line.startswith("define")]
+    assert not [line for line in written if "third" in line]

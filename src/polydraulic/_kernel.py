@@ -22,7 +22,7 @@ from typing import Any, TypeVar
 
 import numba
 
-from polydraulic._kernel_cache import keep_compiled, warn_uncached
+from polydraulic._kernel_cache import InlinedCompiler, keep_compiled, warn_uncached
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -105,8 +105,8 @@ def cache_folder() -> str | None:
     return _FOLDER
 
 
-def _compiled(function: F, options: dict[str, Any]) -> F:
-    compiled: F = numba.njit(**options)(function)
+def _compiled(function: F, options: dict[str, Any], **compiler: type) -> F:
+    compiled: F = numba.njit(**options, **compiler)(function)
     if _FOLDER is not None:
         # numba reads the folder when a cache is made; other packages must not see ours
         theirs = numba.config.CACHE_DIR
@@ -127,7 +127,9 @@ def kernel(function: F) -> F:
     called: Any = _compiled(function, _KERNEL_OPTIONS)
     if not numba.config.DISABLE_JIT:
         # made when a caller is compiled: a run that finds its callers on disk needs none
-        inlined: Callable[[], Any] = cache(partial(_compiled, function, INLINED_OPTIONS))
+        inlined: Callable[[], Any] = cache(
+            partial(_compiled, function, INLINED_OPTIONS, pipeline_class=InlinedCompiler)
+        )
         called.get_call_template = lambda *types: inlined().get_call_template(*types)
         called.get_overload = lambda signature: inlined().get_overload(signature)
     compiled: F = called

@@ -3,6 +3,9 @@
 numba's own cache takes its folder for sound: a full disk or a damaged file ends the program, and of two processes that compile one
 function for different types at once, one may later load the code of the other. Here a file holds one signature, begins with a
 digest, and says what it is of; whatever is wrong with it, the function is compiled again and the file replaced.
+
+Of kernels that compiled code alone calls bitcode is kept, which their callers take in. numba makes machine code of whatever it
+compiles, and loads it, which nobody would run where a function is inlined wherever it is called; its callers become the same.
 """
 
 import hashlib
@@ -16,10 +19,14 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from llvmlite import binding
 from numba.core import caching
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult, compile_result
 from numba.core.serialize import dumps
 
 _DIGEST = hashlib.sha256().digest_size
+_BITCODE = "bitcode"
 _warned = False
 
 
@@ -40,6 +47,71 @@ def keep_compiled(dispatcher: Any, function: Callable[..., Any]) -> None:
     dispatcher._cache = KernelCache(function, dispatcher.targetoptions)
 
 
+class _NoMachineCode:
+    """In place of the code generator, which would write the address of a function's environment into its machine code."""
+
+    def set_env(self, env_name: str, env: Any) -> None:
+        pass
+
+
+class _InlinedLibrary(JITCodeLibrary):
+    """A kernel with all that it calls, optimised, and no way to run it."""
+
+    @classmethod
+    def kept(cls, codegen: Any, name: str, bitcode: bytes) -> "_InlinedLibrary":
+        """The library that `serialize_using_object_code` has kept."""
+        library = cls(codegen, name)
+        library._final_module = binding.parse_bitcode(bitcode)
+        library._finalize_final_module()
+        return library
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """No function has an address."""
+        return 0
+
+    @property
+    def codegen(self) -> _NoMachineCode:
+        return _NoMachineCode()
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """What is kept, by the name under which numba asks for it."""
+        return self.name, _BITCODE, self._get_module_for_linking().as_bitcode()
+
+
+class InlinedCompiler(Compiler):
+    """numba's compiler for functions of which no machine code is made: an argument `pipeline_class`."""
+
+    def compile_extra(self, func: Callable[..., Any]) -> Any:
+        """Compile a function into a library of its own."""
+        self.state.library = _InlinedLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        return super().compile_extra(func)
+
+
+def _rebuilt(target_context: Any, kept: tuple[Any, ...]) -> CompileResult:
+    """A compiled function from what numba reduces one to, its library being bitcode."""
+    (name, _, bitcode), fndesc, env, signature, objectmode, lifted, annotation, reload_init, environments = kept
+    library = _InlinedLibrary.kept(target_context.codegen(), name, bitcode)
+    return compile_result(
+        target_context=target_context,
+        typing_context=target_context.typing_context,
+        library=library,
+        environment=env,
+        entry_point=target_context.get_executable(library, fndesc, env),
+        fndesc=fndesc,
+        type_annotation=annotation,
+        signature=signature,
+        objectmode=objectmode,
+        lifted=lifted,
+        reload_init=reload_init,
+        referenced_envs=environments,
+    )
+
+
 class _Locator(caching.UserProvidedCacheLocator):
     """The folder that is set, and no other: its files may be read even where none can be added."""
 
@@ -49,6 +121,10 @@ class _Locator(caching.UserProvidedCacheLocator):
 
 class _Implementation(caching.CompileResultCacheImpl):
     _locator_classes = (_Locator,)
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        library = payload[0]
+        return (_rebuilt if library[1] == _BITCODE else super().rebuild)(target_context, payload)
 
 
 class _Files:
