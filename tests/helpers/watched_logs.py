@@ -6,10 +6,12 @@ import numpy as np
 
 from polydraulic import load_machine, random_operator, simulate
 from polydraulic.identification.watching.watch_log import learnt_from, log_blocks, watched_columns
+from polydraulic.networks.model.table import Network, Node
 from polydraulic.parameters.fault_catalogue import timed_faults
 from polydraulic.parameters.faults import faulty_column
 from polydraulic.tables import Table
 from polydraulic.watch.blocks import starts_of
+from polydraulic.watch.naming import FaultNetworks, inputs_of, kinds_of
 from polydraulic.watch.watch import FaultWatch
 from polydraulic.watch.watched import watched
 
@@ -69,3 +71,23 @@ def held(log, column, begin, end):
     time, values = log["time"], log[column].copy()
     values[(time >= begin) & (time < end)] = values[time >= begin][0]
     return Table({n: values if n == column else log[n] for n in log.names}, {n: log.unit(n) for n in log.names})
+
+
+def made_networks(directions, seed=3):
+    """Networks of three kinds, of nodes of every kind with coefficients by chance."""
+    from polydraulic.networks import Model, Variable
+    from polydraulic.networks.model.nodes import KIND_NAMES, terms
+
+    rng, inputs = np.random.default_rng(seed), [Variable(name) for name in inputs_of(directions)]
+    n, reads = len(inputs), {"single": 1, "double": 2, "triple": 3, "linear": 4, "sigmoid": 3, "ramp": 2}
+    models = []
+    for kind in kinds_of(directions)[:3]:
+        nodes = []
+        for name, count in reads.items():
+            number = KIND_NAMES.index(name)
+            slots = (*rng.choice(n, count - 1, replace=False).tolist(), n + len(nodes) - 1 if nodes else 0)
+            nodes.append(Node(number, slots, tuple(rng.normal(0.0, 0.6, len(terms(number, count))).tolist())))
+        network = Network(tuple(nodes), (0.2,) * n, (1.5,) * n, (-4.0,) * n, (3.0,) * n, 0.1, 2.0)
+        models.append(Model(tuple(inputs), Variable(kind), (network,)))
+    link = np.column_stack([2.0 * np.eye(3) + 0.3 * rng.normal(size=(3, 3)), rng.normal(size=3)])
+    return FaultNetworks(tuple(d.name for d in directions), tuple(models), link)

@@ -1,11 +1,14 @@
 """Networks that name faults: what they read, and what they say with which certainty."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from polydraulic import load_machine
+from polydraulic import InputError, load_machine
 from polydraulic.networks import Model, Variable
 from polydraulic.networks.model.nodes import KIND_NAMES
+from polydraulic.networks.model.partition import Split
 from polydraulic.networks.model.table import Network, Node
 from polydraulic.watch.directions import directions_of
 from polydraulic.watch.naming import FaultNetworks, features, inputs_of, kinds_of
@@ -71,3 +74,12 @@ def test_the_certainty_is_that_of_the_link(networks):
 
 def test_evidence_beyond_what_was_learnt_is_said_to_be(networks):
     assert not networks.opinion(DIRECTIONS, seen(work_pump_worn=40.0), 1.0).known
+
+
+def test_networks_of_other_faults_and_of_regions_are_refused(networks):
+    with pytest.raises(InputError, match="learnt for other faults"):
+        networks.asked(DIRECTIONS[1:])
+    first, *others = networks.models
+    split = Model(first.inputs, first.output, first.networks * 2, Split(0, 0.5, 0, 1))
+    with pytest.raises(InputError, match="of pump_worn has regions"):
+        replace(networks, models=(split, *others)).asked(DIRECTIONS)

@@ -9,13 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.networks.model.model import Model
-from polydraulic.watch.diagnosis import scatter_of
+from polydraulic.networks.model.table import pack, work_size
 from polydraulic.watch.directions import Direction
-from polydraulic.watch.kernels.evidence import best_evidence
+from polydraulic.watch.kernels.opinions import KindNumbers, opinion_of, read_evidence
 from polydraulic.watch.sequential import Since
-
-_LEAST, _LEAST_SCATTER = 1e-9, 1e-3
 
 
 class Opinion(NamedTuple):
@@ -36,6 +35,14 @@ class Opinion(NamedTuple):
     known: bool
 
 
+class AskedNetworks(NamedTuple):
+    """Networks as kernels ask them: their numbers, room for what they read and say, and for their nodes."""
+
+    numbers: KindNumbers
+    room: np.ndarray
+    slots: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class FaultNetworks:
     """Networks of all kinds of faults of one machine with some sensors.
@@ -45,7 +52,7 @@ class FaultNetworks:
     directions : tuple of str
         Names of the directions whose evidence they read.
     models : tuple of Model
-        One for each kind, which is the name of its output; inputs are as of `features`.
+        One for each kind, which is the name of its output, of one network everywhere; inputs are as of `features`.
     link : (n_kind, n_kind + 1) array
         From their outputs to logarithms of probabilities: factors, and a constant last.
     """
@@ -69,13 +76,32 @@ class FaultNetworks:
         together : float
             What evidence is divided by.
         """
-        row = features(directions, seen, together)[None, :]
-        outputs = np.array([model.predict(row)[0] for model in self.models])
-        likely = self.link[:, :-1] @ outputs + self.link[:, -1]
-        share = np.exp(likely - likely.max())
-        best = int(np.argmax(share))
-        known = bool(self.models[best].inside(row)[0])
-        return Opinion(self.kinds[best], float(share[best] / share.sum()), known)
+        numbers, room, slots = self.asked(directions)
+        said = opinion_of(numbers, np.concatenate(seen[:3]), 0, seen.blocks, together, _down(directions), room, slots)
+        return Opinion(self.kinds[said.kind], said.certainty, bool(said.familiar))
+
+    def asked(self, directions: Sequence[Direction]) -> AskedNetworks:
+        """The networks as kernels ask them about what is seen of these directions.
+
+        Raises
+        ------
+        InputError
+            If they were learnt for others, or have regions.
+        """
+        inputs = len(inputs_of(directions))
+        same = self.directions == tuple(d.name for d in directions)
+        if not (same and all(len(model.inputs) == inputs for model in self.models)):
+            raise InputError(
+                "networks: learnt for other faults than those that are watched; learn networks for this machine with these sensors"
+            )
+        if several := [model.output.name for model in self.models if len(model.networks) > 1]:
+            raise InputError(
+                f"networks: that of {several[0]} has regions; of each kind of fault there must be one network"
+            )
+        table, known = pack([network for model in self.models for network in model.networks]), len(self.models)
+        kind, watched = _kind_numbers(directions), len(kinds_of(directions))
+        numbers = KindNumbers(table, self.link.astype(np.float64), kind, known, watched, inputs)
+        return AskedNetworks(numbers, np.zeros(inputs + 2 * known), np.zeros(work_size(table)))
 
 
 def kinds_of(directions: Sequence[Direction]) -> tuple[str, ...]:
@@ -84,23 +110,20 @@ def kinds_of(directions: Sequence[Direction]) -> tuple[str, ...]:
 
 
 def features(directions: Sequence[Direction], seen: Since, together: float) -> np.ndarray:
-    """What networks read, (2 n_kind + 1,).
+    """What networks read, (2 n_kind + 1,): shares of kinds in the most evidence, how much that is, and how blocks scatter (`read_evidence`)."""
+    flat, watched = np.concatenate(seen[:3]), len(kinds_of(directions))
+    found = np.empty(2 * watched + 1)
+    read_evidence(_kind_numbers(directions), watched, flat, 0, seen.blocks, together, _down(directions), found)
+    return found
 
-    Of the strongest direction of each kind the square root of its share in the most evidence; the logarithm of that; and of each kind's again the
-    logarithm of the scatter of blocks about it, which is large where it explains one block and not the next.
-    """
-    down = [int(d.both) for d in directions]
-    fits = zip(seen.pull.tolist(), seen.information.tolist(), down, strict=True)
-    evidence = np.array([max(best_evidence(pull, known, together, both), 0.0) for pull, known, both in fits])
-    scatter = np.maximum(scatter_of(seen), _LEAST_SCATTER * together) / together
-    kinds = np.array([d.kind for d in directions])
-    strongest = [
-        places[np.argmax(evidence[places])]
-        for kind in kinds_of(directions)
-        for places in [np.flatnonzero(kinds == kind)]
-    ]
-    most = max(float(evidence.max()), _LEAST)
-    return np.concatenate([np.sqrt(evidence[strongest] / most), [np.log10(most)], np.log10(scatter[strongest])])
+
+def _kind_numbers(directions: Sequence[Direction]) -> np.ndarray:
+    kinds = kinds_of(directions)
+    return np.array([kinds.index(d.kind) for d in directions], dtype=np.int64)
+
+
+def _down(directions: Sequence[Direction]) -> np.ndarray:
+    return np.array([d.both for d in directions], dtype=np.int64)
 
 
 def inputs_of(directions: Sequence[Direction]) -> tuple[str, ...]:

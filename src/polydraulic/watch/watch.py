@@ -13,7 +13,8 @@ from polydraulic.watch.expected import Expected
 from polydraulic.watch.flat import too_long
 from polydraulic.watch.kernels.alarms import ALONE, BEGINS, NONE
 from polydraulic.watch.kernels.evidence import KEPT
-from polydraulic.watch.kernels.numbers import BLOCKS, FILLED, FIRST, UNTIL
+from polydraulic.watch.kernels.numbers import BLOCKS, CERTAINTY, FAMILIAR, FILLED, FIRST, KIND, UNTIL
+from polydraulic.watch.kernels.opinions import ask_networks
 from polydraulic.watch.kernels.rows import JUDGED, MOST_GAPS, NEVER_APART, NO_NUMBER, TAKEN
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.naming import FaultNetworks, Opinion
@@ -95,6 +96,7 @@ class FaultWatch:
         tests = AlarmTests(expected.together, float(np.median(expected.together)), threshold, limits)
         plan = plan_of(of, expected.noise)
         self.judge_parts = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
+        self.asked = None if networks is None else networks.asked(of.directions)
         self.alarms: list[Alarm] = []
         # of the present alarm, errors of sensors not yet told apart by their course
         self._suspects: tuple[Suspect, ...] = ()
@@ -177,21 +179,30 @@ class FaultWatch:
         if means == BEGINS:
             self.alarms.append(Alarm(since, seen, until, ()))
             del self.alarms[: -self.MOST_ALARMS]
-        directions, opinion = self.of.directions, self.alarms[-1].opinion
+        directions = self.of.directions
         if judge.told:
             (pull, information, squares), first = judge.seen.copy(), int(judge.marks[FIRST])
             self.seen = Since(pull, information, squares, min(self.blocks - first, KEPT))
             self._suspects = tuple(
                 named_suspects(directions, self.seen, judge.numbers.common, judge.chances, judge.listed)
             )
-            if self.networks is not None:
-                opinion = self.networks.opinion(directions, self.seen, judge.numbers.common)
         if stuck := judge.stuck:
-            suspects, opinion = tuple(_frozen_sensor(self.of.columns[k]) for k in stuck), None
+            suspects = tuple(_frozen_sensor(self.of.columns[k]) for k in stuck)
         else:
             suspects = with_course(self._suspects, directions, judge.course, judge.began_before)
-        self.alarms[-1] = Alarm(since, seen, until, suspects, opinion)
+        self.alarms[-1] = Alarm(since, seen, until, suspects, self._opinion())
         return self.alarms[-1]
+
+    def _opinion(self) -> Opinion | None:
+        """What networks, if there are some, take the fault for, after they have been asked about the block."""
+        judge = self.judge_parts
+        if self.networks is None or self.asked is None:
+            return None
+        ask_networks(judge.numbers, self.asked.numbers, judge.work, judge.live, judge.marks, *self.asked[1:])
+        if judge.marks[KIND] == 0:
+            return None
+        kind = self.networks.kinds[judge.marks[KIND] - 1]
+        return Opinion(kind, float(judge.live[CERTAINTY]), bool(judge.marks[FAMILIAR]))
 
     def findings(self) -> list[Outlook]:
         """Of each fault that is watched, whether it would have shown by now."""

@@ -5,13 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 # places in `marks`, whole numbers that are kept from block to block
-FILLED, GAPS, BLOCKS, OPENED, LAST, ALARMS, LISTED, STUCK, FIRST, TOLD, COURSE, SUSPECTS = range(12)
+FILLED, GAPS, BLOCKS, OPENED, LAST, ALARMS, LISTED, STUCK, FIRST, TOLD, COURSE = range(11)
+KIND, FAMILIAR, SUSPECTS = 11, 12, 13  # of the kind that networks take a fault for: 1 and its number, 0 none
 MOST_LISTED = 5
 OTHERS = SUSPECTS + MOST_LISTED
 HEAD_OF_MARKS = OTHERS + MOST_LISTED
 SINCE, SEEN, UNTIL = 0, 1, 2  # places in `live`, numbers that are kept: times of an alarm, s
 GROWS, GROWN, GROWN_ERROR = 3, 4, 5  # how the error went on that it is named by
-HEAD_OF_LIVE = 6
+CERTAINTY, HEAD_OF_LIVE = 6, 7  # of networks
 
 
 class WatchNumbers(NamedTuple):
