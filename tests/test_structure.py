@@ -105,6 +105,8 @@ TESTED_ELSEWHERE = {
     "watch/kernels/signals.py": ("watch/kernels/test_text.py", "steps of a block"),
     "watch/kernels/stays.py": ("watch/kernels/test_text.py", "sensors of a block there, and in ../test_flat.py"),
     "watch/kernels/windows.py": ("watch/kernels/test_text.py", "steps of a block"),
+    "export/watch/networks.py": ("export/watch/test_source.py", "what networks say there is that of the package"),
+    "export/watch/texts.py": ("export/watch/test_source.py", "lists in the text that is compiled there"),
     "export/translate/signatures.py": ("export/translate/test_program.py", "a record"),
     "simulation/layout/module.py": ("simulation/layout/test_text.py", "the module of a text"),
     "flow/interface.py": ("flow/test_dispatch.py", "records that every flow model gives"),

@@ -47,7 +47,7 @@ def watch(
     export: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Folder to write the watch to as C99, or an .fmu file: rows in, alarms out; repeat for both."
+            help="Folder to write the watch to as C99, or an .fmu file: rows in, alarms out, networks with it if there are some; repeat for both."
         ),
     ] = None,
     strict: Annotated[
@@ -75,6 +75,7 @@ def watch(
     from polydraulic.export.model_bundle import c_name
     from polydraulic.export.watch.fmu import export_watch_fmu
     from polydraulic.export.watch.source import export_watch
+    from polydraulic.identification.watching.fault_networks import networks_for
     from polydraulic.identification.watching.watch_log import watch_log
     from polydraulic.identification.watching.watch_page import watch_page_ending, write_watch_page
     from polydraulic.watch.learning import FALSE_ALARMS
@@ -94,8 +95,9 @@ def watch(
             write_watch_page(found, out)
     print(found)
     say_written(out)
+    asked = networks_for(networks, found.of, found.expected) if networks is not None and export else None
     for path in export or ():
-        watch, name = FaultWatch(found.of, found.expected, rate), c_name(path.stem)
+        watch, name = FaultWatch(found.of, found.expected, rate, asked), c_name(path.stem)
         print(export_watch_fmu(watch, path, name=name) if path.suffix else export_watch(watch, path, name=name))
     if strict and found.faulty:
         raise typer.Exit(1)

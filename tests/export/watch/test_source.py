@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from helpers.watched_logs import held, known, log_of
+from helpers.watched_logs import held, known, log_of, made_networks
 from polydraulic import InputError
 from polydraulic.export.watch.source import export_watch, fault_names, watch_c
 from polydraulic.watch.kernels.rows import JUDGED
@@ -26,11 +26,12 @@ class CWatch:
         library = folder / "w.so"
         subprocess.run(["gcc", *CHECKED, "-shared", "-fPIC", "w.c", "-o", library, "-lm"], cwd=folder, check=True)
         self.call, parts = ctypes.CDLL(str(library)), watch.judge_parts
-        for name in ("w_share", "w_chance", "w_since"):
+        for name in ("w_share", "w_chance", "w_since", "w_certainty"):
             getattr(self.call, name).restype = ctypes.c_double
-        self.call.w_fault_name.restype = ctypes.c_char_p
-        self.live = len(parts.live)
-        self.state = np.zeros(self.live + len(parts.work) + len(parts.marks))
+        self.call.w_fault_name.restype = self.call.w_kind_name.restype = ctypes.c_char_p
+        self.live, self.work, self.marks = len(parts.live), len(parts.work), len(parts.marks)
+        asked = sum(map(len, watch.asked[1:]))
+        self.state = np.zeros(self.live + self.work + self.marks + asked)
         self.call.w_init(self.at)
 
     @property
@@ -40,27 +41,50 @@ class CWatch:
     def update(self, time, row):
         return self.call.w_update(self.at, ctypes.c_double(time), row.ctypes.data_as(ctypes.c_void_p))
 
+    def named(self):
+        return self.call.w_fault_name(self.call.w_named(self.at)).decode()
+
+    def opinion(self):
+        kind = self.call.w_kind(self.at)
+        return (
+            self.call.w_kind_name(kind).decode(),
+            self.call.w_certainty(self.at),
+            bool(self.call.w_familiar(self.at)),
+        )
+
+    def has_the_bits_of(self, parts):
+        marks = self.state[self.live + self.work :][: self.marks].view(np.int64)
+        return np.array_equal(self.state[: self.live], parts.live) and np.array_equal(marks, parts.marks)
+
 
 @pytest.fixture(scope="module")
-def exported(tmp_path_factory):
+def networks():
+    return made_networks(known()[0].directions)
+
+
+@pytest.fixture(scope="module")
+def exported(networks, tmp_path_factory):
     of, expected = known()
-    return CWatch(FaultWatch(of, expected), tmp_path_factory.mktemp("watch"))
+    return CWatch(FaultWatch(of, expected, networks=networks), tmp_path_factory.mktemp("watch"))
 
 
 @pytest.mark.parametrize(
-    ("fault", "stays"),
+    ("fault", "operator", "seconds", "stays"),
     [
-        ("lift.leak_across 10 %", None),
-        ("lift.q_in.freeze", None),
-        ("tip.payload_unknown", None),
-        ("lift.leak_across 10 %", (50.0, 90.0)),
+        ("lift.leak_across 10 % from 20 s", 22, 80.0, None),
+        ("lift.q_in.freeze from 20 s", 22, 80.0, None),
+        ("tip.payload_unknown from 20 s", 22, 80.0, None),
+        ("lift.leak_across 10 % from 20 s", 28, 130.0, (50.0, 90.0)),
+        ("tilt.voltage.drift 4 % from 20 s over 200 s", 26, 160.0, None),
+        ("tilt.voltage.bias from 20 s", 26, 80.0, None),
+        pytest.param("tilt.voltage.drift 8 % from 20 s over 800 s", 26, 960.0, None, marks=pytest.mark.slow),
     ],
 )
-def test_every_row_has_the_bits_of_the_package(exported, fault, stays):
+def test_every_row_has_the_bits_of_the_package(exported, networks, fault, operator, seconds, stays):
     of, expected = known()
-    watch = FaultWatch(of, expected)
+    watch = FaultWatch(of, expected, networks=networks)
     parts, names = watch.judge_parts, fault_names(watch)
-    log = log_of(of.machine, 28 if stays else 22, 130.0 if stays else 80.0, [f"{fault} from 20 s"])
+    log = log_of(of.machine, operator, seconds, [fault])
     log = held(log, "lift.q_in", *stays) if stays else log
     exported.call.w_init(exported.at)
     for time, row in zip(log["time"].tolist(), log.matrix(list(of.columns)), strict=True):
@@ -68,15 +92,15 @@ def test_every_row_has_the_bits_of_the_package(exported, fault, stays):
         status, alarm = exported.update(time, row), watch.update(time, row)
         assert (status >= ALARM) == (alarm is not None)
         if alarm is not None:
-            name = exported.call.w_fault_name(exported.call.w_named(exported.at)).decode()
-            assert name.removesuffix(".bias") == alarm.suspects[0].name.removesuffix(".drift").removesuffix(".bias")
-    assert np.array_equal(exported.state[: exported.live], parts.live)
-    assert np.array_equal(exported.state[exported.live + len(parts.work) :].view(np.int64), parts.marks)
+            first = alarm.suspects[0] if alarm.suspects else None
+            assert exported.named() == (first.name if first else "")
+            assert exported.call.w_chance(exported.at) == (first.probability if first else 0.0)
+            assert exported.opinion() == (tuple(alarm.opinion) if alarm.opinion else ("", 0.0, False))
+    assert exported.has_the_bits_of(parts)
     first = watch.alarms[-1].suspects[0]
-    named = exported.call.w_named(exported.at)
-    assert exported.call.w_fault_name(named).decode() == first.name == fault.split()[0]
+    assert first.name == fault.split()[0]
+    assert (watch.alarms[-1].opinion is None) == first.name.endswith(".freeze")
     assert exported.call.w_harmless(exported.at) == int(first.harmless)
-    assert exported.call.w_chance(exported.at) == pytest.approx(first.probability, rel=1e-12)
     assert exported.call.w_since(exported.at) == watch.alarms[-1].since
     shares = dict.fromkeys(names, 0.0)
     for d, share in zip(of.directions, watch.shares.tolist(), strict=True):
@@ -84,7 +108,12 @@ def test_every_row_has_the_bits_of_the_package(exported, fault, stays):
     assert [exported.call.w_share(exported.at, k) for k in range(len(names))] == list(shares.values())
     could = [exported.call.w_could_show(exported.at, k) for k in range(len(names) + len(of.columns))]
     assert could == [int(f.could_show) for f in watch.findings()]
-    assert exported.call.w_could_show(exported.at, len(could)) == exported.call.w_could_show(exported.at, -1) == 0
+    for k, column in enumerate(of.columns, len(could)):  # a drift shows as the bias that it becomes
+        bias = names.index(f"{column}.bias")
+        assert exported.call.w_could_show(exported.at, k) == could[bias]
+        assert exported.call.w_share(exported.at, k) == shares[f"{column}.bias"]
+    beyond = len(could) + len(of.columns)
+    assert exported.call.w_could_show(exported.at, beyond) == exported.call.w_could_show(exported.at, -1) == 0
 
 
 def test_rows_that_are_no_numbers_are_told(exported):
@@ -93,6 +122,14 @@ def test_rows_that_are_no_numbers_are_told(exported):
     assert exported.update(0.0, np.full(len(of.columns), np.nan)) == 2
     assert exported.call.w_named(exported.at) == -1
     assert exported.call.w_fault_name(-1) == exported.call.w_fault_name(10**6) == b""
+    assert exported.opinion() == ("", 0.0, False)
+    assert exported.call.w_kind_name(3) == b""
+
+
+def test_a_watch_without_networks_has_none_of_their_functions():
+    header, source = watch_c(FaultWatch(*known()), name="w").values()
+    assert "w_kind" not in header
+    assert "evaluate" not in source
 
 
 def test_names_are_those_of_c():

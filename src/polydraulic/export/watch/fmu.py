@@ -3,6 +3,7 @@
 The C is that of `export.watch.source`; here are its variables, and the functions that ``fmu.h`` asks for.
 """
 
+from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 
@@ -10,9 +11,9 @@ from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.description import FmuDescription, FmuVariable
 from polydraulic.export.fmu.due import steps_due
 from polydraulic.export.fmu.package import write_fmu
-from polydraulic.export.watch.source import fault_names, watch_c
+from polydraulic.export.watch.source import all_names, fault_names, watch_c
 from polydraulic.pages.html import document, table
-from polydraulic.watch.watch import FREEZE, FaultWatch
+from polydraulic.watch.watch import FaultWatch
 
 _UNITS = {"voltage": "V", "spool": "m", "p_a": "Pa", "p_b": "Pa", "q_in": "m3/s", "q_out": "m3/s", "angle": "rad", "position": "m"}  # fmt: skip
 _NOMINAL = {"V": 1.0, "m": 0.01, "Pa": 1e7, "m3/s": 1e-3, "rad": 1.0}
@@ -62,38 +63,62 @@ def export_watch_fmu(
 
 
 def describe_watch(watch: FaultWatch, name: str) -> FmuDescription:
-    """Variables of the FMU: sensors in; evidence of each fault, alarm, its name by number, how sure and since when, status."""
+    """Variables of the FMU: sensors in; evidence of each fault, alarm, its name by number, how sure and since when, what networks say, status."""
     of, faults = watch.of, fault_names(watch)
-    numbers = [*faults, *(f"{column}{FREEZE}" for column in of.columns)]
     found = []
     for column in of.columns:
         unit = _UNITS[column.rpartition(".")[2]]
         found.append(FmuVariable(column, "input", unit, nominal=_NOMINAL[unit], description="What the sensor reads"))
     about = "Evidence, as a share of what makes an alarm"
     found += [FmuVariable(f"{fault}.evidence", "output", "1", nominal=1.0, description=about, dependencies=()) for fault in faults]  # fmt: skip
-    named = "What it is: 0 nothing that is known, else by number: " + ", ".join(
-        f"{k} {number}" for k, number in enumerate(numbers, 1)
-    )
+    named = f"What it is: 0 nothing that is known, else by number: {_numbered(all_names(watch))}"
     for output, unit, text in (
         ("alarm", "1", "0 none, 1 there is one, 2 of unusual work that is no fault"),
         ("named", "1", named),
         ("chance", "1", "Probability of what it is named, among all faults, one of them alone"),
         ("since", "s", "When the last alarm began, by what was seen"),
+        *_of_networks(watch),
         ("status", "1", "0, or of the last row: 2 a value is not finite, 3 or 4 rows come at another raster"),
     ):
         found.append(FmuVariable(output, "output", unit, nominal=1.0, description=text, dependencies=()))
-    parts = watch.judge_parts
-    memory = len(parts.live) + len(parts.work) + len(parts.marks) + 5
+    memory = _state_size(watch) + 5
     about = f"{of.machine.title} watched for faults by rows every {of.shape.raster:g} s"
     return FmuDescription(
         name, tuple(found), about, model_exchange=False, derivatives=False, step=of.shape.raster, memory=memory, stop=_STOP
     )  # fmt: skip
 
 
+def _of_networks(watch: FaultWatch) -> list[tuple[str, str, str]]:
+    """Outputs that networks fill, if there are some: name, unit, meaning."""
+    if watch.networks is None:
+        return []
+    return [
+        ("kind", "1", f"Kind of fault that networks take it for: 0 none, else by number: {_numbered(watch.networks.kinds)}"),
+        ("certainty", "1", "How certain networks are of the kind: a probability among those that they were learnt from"),
+        ("familiar", "1", "1 if the evidence is like that which networks were learnt from; else their certainty tells little"),
+    ]  # fmt: skip
+
+
+def _numbered(names: Iterable[str]) -> str:
+    return ", ".join(f"{k} {name}" for k, name in enumerate(names, 1))
+
+
+def _state_size(watch: FaultWatch) -> int:
+    """Numbers of a state in C."""
+    parts, asked = watch.judge_parts, () if watch.asked is None else watch.asked[1:]
+    return sum(map(len, (parts.live, parts.work, parts.marks, *asked)))
+
+
 def _equations(name: str, watch: FaultWatch) -> str:
-    parts, sensors, faults = watch.judge_parts, len(watch.of.columns), len(fault_names(watch))
-    size = len(parts.live) + len(parts.work) + len(parts.marks)
-    upper = name.upper()
+    sensors, faults, size = len(watch.of.columns), len(fault_names(watch)), _state_size(watch)
+    upper, status = name.upper(), faults + 4
+    said = ""
+    if watch.networks is not None:
+        status += 3
+        said = f"""
+    out[{faults + 4}] = alarm ? {name}_kind(w) + 1.0 : 0.0;
+    out[{faults + 5}] = alarm ? {name}_certainty(w) : 0.0;
+    out[{faults + 6}] = alarm ? {name}_familiar(w) : 0.0;"""
     return f"""/* A machine that is watched in terms of fmu.h; memory holds it, steps that are due, and what became of its rows. */
 #include "{name}.h"
 
@@ -127,8 +152,8 @@ static void fmu_outputs(double *v, const double *memory)
     out[{faults}] = alarm ? ({name}_harmless(w) ? 2.0 : 1.0) : 0.0;
     out[{faults + 1}] = alarm ? {name}_named(w) + 1.0 : 0.0;
     out[{faults + 2}] = alarm ? {name}_chance(w) : 0.0;
-    out[{faults + 3}] = {name}_since(w);
-    out[{faults + 4}] = memory[STATUS];
+    out[{faults + 3}] = {name}_since(w);{said}
+    out[{status}] = memory[STATUS];
 }}
 
 {steps_due(name)}

@@ -3,24 +3,42 @@
 Two files: ``NAME.h``, which a program includes, and ``NAME.c``. A row has the bits of the package, and allocates nothing.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.export.c.text import string
 from polydraulic.export.exported import Exported, filled, write_exported
 from polydraulic.export.model_bundle import c_name
 from polydraulic.export.translate.program import Program
+from polydraulic.export.watch.networks import networks_c
+from polydraulic.export.watch.self_test import self_test_texts
+from polydraulic.export.watch.texts import enumerators, number_lines, strings
+from polydraulic.watch.drift import BIAS, DRIFT
 from polydraulic.watch.kernels.alarms import ALONE
-from polydraulic.watch.kernels.numbers import LISTED, OPENED, STUCK, SUSPECTS
+from polydraulic.watch.kernels.numbers import COURSE, GROWS, LISTED, OPENED, STUCK, SUSPECTS
 from polydraulic.watch.watch import FREEZE, FaultWatch
+
+# behind the name, of what the file declares itself
+_WORDS = (
+    "state", "init", "update", "share", "could_show", "named", "harmless", "chance", "since", "fault_name", "fault_of", "bias_of", "shown_by", "likely",
+    "drifts", "numbers", "kinds", "kind", "certainty", "familiar", "kind_name",
+)  # fmt: skip
 
 
 def fault_names(watch: FaultWatch) -> list[str]:
     """Faults that a machine is watched for, by their numbers."""
     return list(dict.fromkeys(d.name for d in watch.of.directions))
+
+
+def all_names(watch: FaultWatch) -> list[str]:
+    """What an alarm may be named, by number: faults, sensors that stay, sensors that drift."""
+    columns = watch.of.columns
+    return [
+        *fault_names(watch),
+        *(f"{column}{FREEZE}" for column in columns),
+        *(f"{column}{DRIFT}" for column in columns),
+    ]
 
 
 def watch_c(watch: FaultWatch, *, name: str = "watch") -> dict[str, str]:
@@ -42,50 +60,50 @@ def watch_c(watch: FaultWatch, *, name: str = "watch") -> dict[str, str]:
         raise InputError(
             f"name = {name!r}: must be a C identifier, for example {c_name(name)!r}, that no library has taken"
         )
-    judge, of = watch.judge_parts, watch.of
-    numbers, n, sensors = judge.numbers, len(of.directions), len(of.columns)
-    words = (
-        "state",
-        "init",
-        "update",
-        "share",
-        "could_show",
-        "named",
-        "harmless",
-        "chance",
-        "since",
-        "fault_name",
-        "fault_of",
-        "numbers",
-    )
-    program = Program([f"{name}_{word}" for word in words])
-    row = np.zeros(sensors)
+    judge = watch.judge_parts
+    program = Program([f"{name}_{word}" for word in _WORDS])
+    row = np.zeros(len(watch.of.columns))
     program.entry(
-        f"{name}_kernel_row", judge.kernels.watch_row, [numbers, judge.work, judge.live, judge.marks, 0.0, row]
+        f"{name}_kernel_row", judge.kernels.watch_row, [judge.numbers, judge.work, judge.live, judge.marks, 0.0, row]
     )
-    faults = fault_names(watch)
-    stays = [f"{column}{FREEZE}" for column in of.columns]
+    texts = _texts(watch, name)
+    networks = networks_c(watch, program, texts)
+    data = program.scope.data(judge.numbers, f"{name}_numbers", "static ")
+    texts |= {
+        "ask": networks.ask,
+        "rooms": networks.rooms,
+        "structs": program.scope.structs(),
+        "data": "\n".join([data, networks.data]),
+        "code": program.code(),
+        "self_test": filled("watch_self_test", name, texts | self_test_texts(watch), (".c",))[f"{name}.c"],
+    }
+    header = filled("watch", name, {**texts, "networks": networks.header}, (".h",))
+    return header | filled("watch", name, {**texts, "networks": networks.source}, (".c",))
+
+
+def _texts(watch: FaultWatch, name: str) -> dict[str, str]:
+    """Names, and places in the state, that the templates are filled with."""
+    judge, of, faults = watch.judge_parts, watch.of, fault_names(watch)
+    n, sensors, at_sums = len(of.directions), len(of.columns), judge.numbers.at_sums
+    biases = [f"{column}{BIAS}" for column in of.columns]
     places = {
         "n_sensors": sensors, "n_faults": len(faults), "n_live": len(judge.live), "n_work": len(judge.work), "n_marks": len(judge.marks),
-        "n_directions": n, "opened": OPENED, "stuck": STUCK, "listed": LISTED, "suspects": SUSPECTS, "at_sums": numbers.at_sums,
-        "at_showing": numbers.at_sums + 2 * n, "at_chances": numbers.at_chances, "in_named": numbers.in_marks + 2 * n + sensors,
-        "in_worked": len(judge.marks) - 2 * sensors, "alone": ALONE,
+        "n_directions": n, "opened": OPENED, "stuck": STUCK, "listed": LISTED, "suspects": SUSPECTS, "course": COURSE, "grows": GROWS,
+        "at_sums": at_sums, "at_showing": at_sums + 2 * n, "at_chances": judge.numbers.at_chances,
+        "in_named": judge.numbers.in_marks + 2 * n + sensors, "in_worked": len(judge.marks) - 2 * sensors, "alone": ALONE,
     }  # fmt: skip
-    fill = {
+    return {
         "name": name,
         "NAME": name.upper(),
         "title": of.machine.title.replace("*/", "* /"),
         "dt": repr(float(of.shape.raster)),
-        "sensors": _enumerators(f"{name}_row", of.columns),
-        "faults": _enumerators(f"{name}_fault", faults),
-        "fault_of": ", ".join(str(faults.index(d.name)) for d in of.directions),
-        "names": ",\n".join(f"        {string(fault)}" for fault in (*faults, *stays)),
-        "structs": program.scope.structs(),
-        "data": program.scope.data(numbers, f"{name}_numbers", "static "),
-        "code": program.code(),
+        "sensors": enumerators(f"{name}_row", of.columns),
+        "faults": enumerators(f"{name}_fault", faults),
+        "fault_of": number_lines([faults.index(d.name) for d in of.directions]),
+        "bias_of": number_lines([faults.index(bias) if bias in faults else -1 for bias in biases]),
+        "names": strings(all_names(watch)),
         **{key: str(place) for key, place in places.items()},
     }
-    return filled("watch", name, fill)
 
 
 def export_watch(watch: FaultWatch, folder: str | Path, *, name: str = "watch") -> Exported:
@@ -109,7 +127,3 @@ def export_watch(watch: FaultWatch, folder: str | Path, *, name: str = "watch") 
         As `watch_c`, or if the folder cannot be written.
     """
     return write_exported(watch_c(watch, name=name), folder)
-
-
-def _enumerators(name: str, of: Sequence[str]) -> str:
-    return "\n".join(f"    {name}_{each.replace('.', '_')}".upper() + f" = {k}," for k, each in enumerate(of))
