@@ -21,6 +21,15 @@ def test_all_sensors_allow_all_and_few_allow_few():
     assert few == [f"{f}.{what}" for f in loader.names for what in ("volume_a", "volume_b", "torque")]
 
 
+def test_flows_of_circuits_that_a_crossover_joins_take_the_sensors_of_both():
+    excavator = load_machine("cat215b_crossover")
+    assert len(names(excavator, ALL)) == 6 * 4
+    columns = {f"{f}.{what}" for f in excavator.names for what in ("spool", "p_a", "p_b", "q_in")}
+    known = {c.name for c in channels_of(excavator, frozenset(columns))}
+    assert known == {f"{f}.q_in" for f in excavator.names}
+    assert channels_of(excavator, frozenset(columns - {"swing.p_a"})) == ()
+
+
 def test_a_joint_that_slides_has_a_position_and_a_force():
     crane = load_machine("loader_crane")
     slides = next(f for f in crane.functions if crane.link(f.moves).joint == "prismatic")

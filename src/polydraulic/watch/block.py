@@ -1,13 +1,14 @@
 """Blocks judged by compiled kernels: what each says of every direction, and of every sensor. Plain arrays, filled anew with each block."""
 
 from collections.abc import Mapping, Sequence
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.watch.blocks import BlockShape
-from polydraulic.watch.channels import WatchChannel
+from polydraulic.watch.channels import WatchChannel, valves_beside
 from polydraulic.watch.directions import Direction, Scores
 from polydraulic.watch.flat import states_table
 from polydraulic.watch.kernels.alarms import decide
@@ -160,7 +161,7 @@ class BlockJudge:
         n, sensors = len(plan.directions), len(plan.columns)
         tests = AlarmTests(np.ones(n), 1.0, np.inf, [1] * sensors) if tests is None else tests
         self.plan = plan
-        self.kernels = kernels_for(len(c.functions) for c in plan.machine.circuits if c.kind != "crossover")
+        self.kernels = kernels_of(plan.machine)
         names = owner_names(plan.machine, plan.directions)
         at_times = HEAD_OF_LIVE + plan.shape.rows * (1 + sensors)
         at_sums = at_times + KEPT + 1
@@ -250,6 +251,12 @@ class BlockJudge:
             became = JUDGED + self.block()
             keep_rows(self.live, of.at_rows, of.rows, of.inside, of.sensors + 1, self.marks)
         return became
+
+
+def kernels_of(machine: LayoutMachine) -> ModuleType:
+    """The kernels of a block of a machine."""
+    joined = [len(valves_beside(machine, machine.circuit(x.taking).functions[0])) for x in machine.crossovers]
+    return kernels_for((len(c.functions) for c in machine.circuits if c.kind != "crossover"), joined)
 
 
 def owner_names(machine: LayoutMachine, directions: Sequence[Direction]) -> list[str]:

@@ -13,7 +13,7 @@ Each follows from measured signals through few equations, so that a fault shows 
 
 from typing import NamedTuple
 
-from polydraulic.parameters.layout.parts import MachineFunction
+from polydraulic.parameters.layout.parts import Crossover, MachineFunction, SupplyCircuit
 from polydraulic.parameters.layout.schema import LayoutMachine
 
 
@@ -39,16 +39,30 @@ def position_of(machine: LayoutMachine, f: MachineFunction) -> str:
     return f"{f.name}.{'position' if machine.link(f.moves).joint == 'prismatic' else 'angle'}"
 
 
+def crossover_of(machine: LayoutMachine, name: str) -> Crossover | None:
+    """The crossover that joins a function's circuit with another one, if there is one."""
+    own = next(c.name for c in machine.circuits if name in c.functions)
+    return next((x for x in machine.crossovers if own in (x.giving, x.taking)), None)
+
+
+def circuits_beside(machine: LayoutMachine, name: str) -> tuple[SupplyCircuit, ...]:
+    """Circuits that the flow into a function depends on: its own, or the giving and the taking one that a crossover joins."""
+    x = crossover_of(machine, name)
+    if x is None:
+        return (next(c for c in machine.circuits if name in c.functions),)
+    return machine.circuit(x.giving), machine.circuit(x.taking)
+
+
+def valves_beside(machine: LayoutMachine, name: str) -> tuple[str, ...]:
+    """Functions whose valves the flow into one depends on, in the order of those circuits."""
+    return tuple(f for c in circuits_beside(machine, name) for f in c.functions)
+
+
 def channels_of(machine: LayoutMachine, columns: frozenset[str]) -> tuple[WatchChannel, ...]:
     """Residuals that these columns of a log allow, in the order of the functions."""
     known = [f.name for f in machine.functions if _has_spool(f.name, columns)]
-    solved = {
-        f
-        for c in machine.circuits
-        if c.kind != "crossover"
-        for f in c.functions
-        if all(g in known and {f"{g}.p_a", f"{g}.p_b"} <= columns for g in c.functions)
-    }
+    seen = {name for name in known if {f"{name}.p_a", f"{name}.p_b"} <= columns}
+    solved = {f.name for f in machine.functions if seen.issuperset(valves_beside(machine, f.name))}
     moved = all({position_of(machine, f), f"{f.name}.p_a", f"{f.name}.p_b"} <= columns for f in machine.functions)
     found: list[WatchChannel] = []
     for f in machine.functions:

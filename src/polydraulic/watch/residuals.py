@@ -18,7 +18,7 @@ from polydraulic.parameters.layout.payload import with_payload
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.schema import Friction
 from polydraulic.watch.blocks import MOTION_STRIDE, SMOOTH, BlockShape, motion_filters, smoothing
-from polydraulic.watch.channels import WatchChannel, position_of
+from polydraulic.watch.channels import WatchChannel, circuits_beside, crossover_of, position_of, valves_beside
 from polydraulic.watch.kernels.motion import ROOM_OF_LINK
 from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE
 from polydraulic.watch.plan import Plan
@@ -102,11 +102,10 @@ class Residuals:
             pump = next(c.pump for c in case.machine.circuits if name in c.functions)
             return plan.filled(shape.inside, "above", out, shape.before, plan.numbers((_FLOWS * pump.flow,)))
         # where a valve of the circuit feeds a port near the relief setting, flows fall from all to nothing within what a sensor tells
-        c = next((c for c in case.machine.circuits if name in c.functions and what == "q_in"), None)
-        functions = () if c is None else c.functions
+        functions = valves_beside(case.machine, name) if what == "q_in" else ()
         edges = [spool_edges(case.machine.function(g).valve)[0] for g in functions]
         valves = [place for g in functions for place in (self._ports(g, case)[0], self._spool(g, case))]
-        limit = 0.0 if c is None else c.pump.relief - _FROM_RELIEF
+        limit = min(c.pump.relief for c in circuits_beside(case.machine, name)) - _FROM_RELIEF if functions else 0.0
         numbers = plan.numbers((limit, *edges))
         return plan.filled(shape.inside, "clear_of_relief", shape.before, numbers, len(functions), *valves)
 
@@ -200,23 +199,31 @@ class Residuals:
         return both[0], both[1]
 
     def _flow_in(self, name: str, case: Case) -> int:
-        c = next(c for c in case.machine.circuits if name in c.functions)
-        valves = [case.machine.function(f).valve for f in c.functions]
-        pump = limited_pump(c.pump.flow, c.pump.relief, case.machine.tank.return_pressure, c.pump)
-        number = self.plan.numbers(pump)
+        machine, functions, x = case.machine, valves_beside(case.machine, name), crossover_of(case.machine, name)
+        curves = [machine.function(f).valve for f in functions]
+        pumps = [
+            limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
+            for c in circuits_beside(machine, name)
+        ]
+        number = self.plan.numbers([value for pump in pumps for value in pump])
         places = [
             (self._spool(f, case), self._ports(f, case)[0], self.plan.numbers((*v.knots, *v.inlet, *v.bypass)), len(v.knots))
-            for f, v in zip(c.functions, valves, strict=True)
+            for f, v in zip(functions, curves, strict=True)
         ]  # fmt: skip
+        crossing: tuple[int, ...] = ()
+        if x is not None:
+            opens = (x.valve.opening_pressure, *curves[-1].knots, *x.valve.conductance)
+            crossing = (self.plan.numbers(opens), len(curves[-1].knots))
 
         def made() -> int:
-            out, rows = self.plan.room(len(valves) * self.shape.rows), self.shape.rows
-            each = [part for k, (x, p, *curve) in enumerate(places) for part in (x, p, out + k * rows, *curve)]
-            self.plan.step(f"circuit_{len(valves)}", self.shape.before, self.shape.inside + 1, number, *each)
+            out, rows = self.plan.room(len(functions) * self.shape.rows), self.shape.rows
+            each = [part for k, (spool, p, *curve) in enumerate(places) for part in (spool, p, out + k * rows, *curve)]
+            kind = f"{'circuit' if x is None else 'crossing'}_{len(functions)}"
+            self.plan.step(kind, self.shape.before, self.shape.inside + 1, number, *each, *crossing)
             return out
 
-        first = self.plan.once(("circuit", c.name, number, tuple(places)), made)
-        return first + c.functions.index(name) * self.shape.rows
+        first = self.plan.once(("circuit", functions, number, tuple(places), crossing), made)
+        return first + functions.index(name) * self.shape.rows
 
     def _outlet(self, name: str, case: Case) -> int:
         """Conductance of the outlet."""

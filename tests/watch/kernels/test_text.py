@@ -3,18 +3,21 @@
 import numpy as np
 import pytest
 
+from helpers.small_crane import write_crossover_crane
 from polydraulic import load_machine
 from polydraulic._kernel import in_plain_python
 from polydraulic.flow.layout.circuit_sample import solved_valves
+from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4
 from polydraulic.machine.pump import limited_pump
-from polydraulic.watch.block import AlarmTests, BlockJudge
+from polydraulic.machine.valve import Orifices
+from polydraulic.watch.block import AlarmTests, BlockJudge, kernels_of
 from polydraulic.watch.channels import position_of
 from polydraulic.watch.kernels.alarms import BEGINS, GOES_ON, NONE
 from polydraulic.watch.kernels.numbers import HEAD_OF_LIVE
 from polydraulic.watch.kernels.rows import JUDGED, TAKEN
 from polydraulic.watch.kernels.signals import NOTHING, is_known
 from polydraulic.watch.kernels.stays import FLAT
-from polydraulic.watch.kernels.text import block_text, kernels_for
+from polydraulic.watch.kernels.text import block_text
 from polydraulic.watch.kernels.windows import volume_balance
 from polydraulic.watch.residuals import Residuals, case_of
 from polydraulic.watch.watched import plan_of, watched
@@ -96,33 +99,62 @@ def test_rows_have_the_same_bits_in_plain_python():
     assert np.array_equal(watches[0].marks, watches[1].marks)
 
 
+def flows_in(machine, functions):
+    """What a plan finds to flow into actuators whose spools rest at 0.6 of their travel, (n_row, n); ports there, and those travels."""
+    columns = [f"{f}.{what}" for f in functions for what in ("spool", "p_a", "p_b", "q_in")]
+    of = watched(machine, columns, 0.05)
+    residuals = Residuals(columns, of.shape, of.channels)
+    own, rows = residuals.of(case_of(machine)), made_rows(of, np.random.default_rng(3))
+    for f in functions:  # still spools, since sensors are smoothed
+        rows[:, 1 + columns.index(f"{f}.spool")] = 0.6 * machine.function(f).valve.knots[-1]
+    arrays = residuals.plan.arrays()
+    work, kernels = np.zeros(arrays.size), kernels_of(machine)
+    live = np.concatenate([np.zeros(HEAD_OF_LIVE), rows.ravel()])
+    kernels.run_plan(arrays.ints, arrays.floats, live, work)
+    judged, found = rows[of.shape.judged], []
+    for f in functions:
+        begin = own[[channel.name for channel in of.channels].index(f"{f}.q_in")]
+        found.append(judged[:, 1 + columns.index(f"{f}.q_in")] - work[begin : begin + of.shape.inside])
+    ports = judged[:, [1 + columns.index(f"{f}.p_a") for f in functions]]
+    return np.column_stack(found), ports, [0.6 * machine.function(f).valve.knots[-1] for f in functions]
+
+
 @pytest.mark.parametrize(
     ("name", "valves"), [("wheel_loader", 2), pytest.param("excavator_22t", 3, marks=pytest.mark.slow)]
 )
 def test_flows_are_those_of_the_circuit(name, valves):
     machine = load_machine(name)
     c = next(c for c in machine.circuits if len(c.functions) >= valves)
-    columns = [f"{f}.{what}" for f in c.functions for what in ("spool", "p_a", "p_b", "q_in")]
-    of = watched(machine, columns, 0.05)
-    residuals = Residuals(columns, of.shape, of.channels)
-    own, rows = residuals.of(case_of(machine)), made_rows(of, np.random.default_rng(3))
-    for f in c.functions:  # still spools, since sensors are smoothed
-        rows[:, 1 + columns.index(f"{f}.spool")] = 0.6 * machine.function(f).valve.knots[-1]
-    arrays = residuals.plan.arrays()
-    work, kernels = np.zeros(arrays.size), kernels_for(len(c.functions) for c in machine.circuits)
-    live = np.concatenate([np.zeros(HEAD_OF_LIVE), rows.ravel()])
-    kernels.run_plan(arrays.ints, arrays.floats, live, work)
+    flows, ports, travels = flows_in(machine, c.functions)
     curves = [machine.function(f).valve for f in c.functions]
-    travel = np.array([[0.6 * v.knots[-1] for v in curves]] * of.shape.inside)
-    judged = rows[of.shape.judged]
-    ports = judged[:, [1 + columns.index(f"{f}.p_a") for f in c.functions]]
     pump = limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
-    sample, proved = solved_valves(curves, pump, travel, ports)
+    sample, proved = solved_valves(curves, pump, np.array([travels] * len(ports)), ports)
     assert proved.all()
-    for place, f in enumerate(c.functions):
-        begin = own[[channel.name for channel in of.channels].index(f"{f}.q_in")]
-        flow = judged[:, 1 + columns.index(f"{f}.q_in")] - work[begin : begin + of.shape.inside]
-        assert flow == pytest.approx(sample.q_in[:, place], rel=1e-9, abs=1e-12)
+    assert flows == pytest.approx(sample.q_in, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.slow_to_compile
+@pytest.mark.parametrize("valves", [3, 4])
+def test_flows_are_those_of_circuits_that_a_crossover_joins(valves, tmp_path):
+    machine = load_machine(write_crossover_crane(tmp_path) if valves == 3 else "cat215b_crossover")
+    x, solve = machine.crossovers[0], crossover_3 if valves == 3 else crossover_4
+    both = [machine.circuit(x.giving), machine.circuit(x.taking)]
+    functions = [f for c in both for f in c.functions]
+    flows, ports, travels = flows_in(machine, functions)
+    curves = [machine.function(f).valve for f in functions]
+    opened = [
+        Orifices(float(np.interp(at, v.knots, v.inlet)), float(np.interp(at, v.knots, v.bypass)), 0.0)
+        for at, v in zip(travels, curves, strict=True)
+    ]
+    conductance = float(np.interp(travels[-1], curves[-1].knots, x.valve.conductance))
+    pumps = [limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump) for c in both]
+    crossing, passed = CrossoverOrifice(conductance, x.valve.opening_pressure), 0
+    for row, port in zip(flows, ports.tolist(), strict=True):
+        found = solve(crossing, *opened, *port, *pumps)
+        giving = [found.giving.q_in_1] if valves == 3 else [found.giving.q_in_1, found.giving.q_in_2]
+        assert row == pytest.approx([*giving, found.taking.q_in_1, found.taking.q_in_2], rel=1e-9, abs=1e-12)
+        passed += found.q_cross > 0.0
+    assert passed > 0
 
 
 @pytest.mark.parametrize("relief", [300e5, 101e5, 50e5])
@@ -143,3 +175,5 @@ def test_a_balance_of_flows_that_are_not_known_is_not_known(relief):
 def test_texts_hold_the_circuits_that_are_asked_for():
     assert "def circuit_3" in block_text((1, 3))
     assert "def circuit_2" not in block_text((1, 3))
+    assert "def crossing_4" in block_text((1,), (4,))
+    assert "crossover" not in block_text((1, 3))

@@ -38,33 +38,34 @@ STEPS = {
     "torque_left": ("motion", "ints, work"),
     "needed_torques": ("motion", "ints, floats, work"),
 }
-_CIRCUIT = "circuit_"
+_CIRCUIT, _CROSSING, _MOST = "circuit_", "crossing_", 16  # kinds of circuits, and more valves than one has
 
 
 def kind_of_step(name: str) -> int:
-    """Number of a kind of step; ``circuit_N`` of circuits of N valves."""
-    if name.startswith(_CIRCUIT):
-        return len(STEPS) + int(name.removeprefix(_CIRCUIT))
+    """Number of a kind of step; ``circuit_N`` of circuits of N valves, ``crossing_N`` of two that a crossover joins."""
+    for first, prefix in ((len(STEPS), _CIRCUIT), (len(STEPS) + _MOST, _CROSSING)):
+        if name.startswith(prefix):
+            return first + int(name.removeprefix(prefix))
     return list(STEPS).index(name)
 
 
-def kernels_for(sizes: Iterable[int]) -> ModuleType:
-    """The kernels of a block for machines whose circuits have so many valves."""
-    return _module(tuple(sorted(set(sizes))))
+def kernels_for(sizes: Iterable[int], joined: Iterable[int] = ()) -> ModuleType:
+    """The kernels of a block for machines whose circuits have so many valves, and so many together those that a crossover joins."""
+    return _module(tuple(sorted(set(sizes))), tuple(sorted(set(joined))))
 
 
 @cache
-def _module(sizes: tuple[int, ...]) -> ModuleType:
-    return loaded(block_text(sizes))
+def _module(sizes: tuple[int, ...], joined: tuple[int, ...]) -> ModuleType:
+    return loaded(block_text(sizes, joined))
 
 
-def block_text(sizes: tuple[int, ...]) -> str:
+def block_text(sizes: tuple[int, ...], joined: tuple[int, ...] = ()) -> str:
     """The text of the kernels of a block.
 
     Parameters
     ----------
-    sizes : tuple of int
-        Numbers of valves of circuits, rising.
+    sizes, joined : tuple of int
+        Numbers of valves of circuits, and of two that a crossover joins, rising.
     """
     imports = [
         "import numpy as np",
@@ -74,6 +75,7 @@ def block_text(sizes: tuple[int, ...]) -> str:
         "from polydraulic.machine.circuits.series_short import series_1, series_2",
         "from polydraulic.machine.valve import Orifices",
         *(line for line in SERIES_IMPORTS if max(sizes, default=0) > 2 and "_kernel" not in line),
+        *(f"from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_{n}" for n in joined),
         "from polydraulic.watch.kernels.alarms import decide",
         "from polydraulic.watch.kernels.numbers import WatchNumbers",
         "from polydraulic.watch.kernels.rows import FULL, JUDGED, keep_rows, take_row",
@@ -87,16 +89,64 @@ def block_text(sizes: tuple[int, ...]) -> str:
         "\n".join(imports),
         *(series_text(n) for n in sizes if n > 2),
         *(_circuit(n) for n in sizes),
-        _plan(sizes),
+        *(_crossing(n) for n in joined),
+        _plan(sizes, joined),
         _JUDGED,
     ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
 
 
 def _circuit(n: int) -> str:
-    valves = range(n)
-    places = "\n".join(f"    valve_{k} = s + {3 + 5 * k}" for k in valves)
-    orifices = "\n".join(
+    return f'''
+@driver
+def circuit_{n}(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: int) -> None:
+    """Flows into the actuators of a circuit, `NOTHING` where they are not proved; of each valve spool, port, output, curves and their knots."""
+    first, n, number = ints[s], ints[s + 1], ints[s + 2]
+    pump = {_pump(0)}
+{_places(n)}
+    for i in range(first, first + n):
+{_orifices(n)}
+        found = series_{n}({_each("k", range(n))}, {_each("p", range(n))}, pump)
+{_results([f"found.q_in_{k + 1}" for k in range(n)], "found.status")}
+'''
+
+
+def _crossing(n: int) -> str:
+    giving = n - 2
+    flows = [*(f"found.giving.q_in_{k + 1}" for k in range(giving)), "found.taking.q_in_1", "found.taking.q_in_2"]
+    return f'''
+@driver
+def crossing_{n}(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: int) -> None:
+    """The same of two circuits that a crossover joins, valves of the giving one first; behind them the crossover's opening pressure and curve."""
+    first, n, number = ints[s], ints[s + 1], ints[s + 2]
+    gives = {_pump(0)}
+    takes = {_pump(6)}
+{_places(n)}
+    cross = s + {3 + 5 * n}
+    opens, count = ints[cross], ints[cross + 1]
+    for i in range(first, first + n):
+{_orifices(n)}
+        conductance = interpolated(floats, opens + 1, opens + 1 + count, count, x_{n - 1})
+        orifice = CrossoverOrifice(conductance, floats[opens])
+        found = crossover_{n}(orifice, {_each("k", range(n))}, {_each("p", range(n))}, gives, takes)
+{_results(flows, "found.taking.status")}
+'''
+
+
+def _pump(at: int) -> str:
+    return f"Pump({', '.join(f'floats[number + {at + k}]' if at + k else 'floats[number]' for k in range(6))})"
+
+
+def _each(name: str, numbers: Iterable[int]) -> str:
+    return ", ".join(f"{name}_{k}" for k in numbers)
+
+
+def _places(n: int) -> str:
+    return "\n".join(f"    valve_{k} = s + {3 + 5 * k}" for k in range(n))
+
+
+def _orifices(n: int) -> str:
+    return "\n".join(
         f"""        x_{k} = abs(work[ints[valve_{k}] + i])
         knots_{k}, count_{k} = ints[valve_{k} + 3], ints[valve_{k} + 4]
         k_{k} = Orifices(
@@ -105,31 +155,21 @@ def _circuit(n: int) -> str:
             0.0,
         )
         p_{k} = work[ints[valve_{k} + 1] + i]"""
-        for k in valves
+        for k in range(n)
     )
-    results = "\n".join(
-        f"        work[ints[valve_{k} + 2] + i] = found.q_in_{k + 1} if found.status < UNPROVED else NOTHING"
-        for k in valves
-    )
-    return f'''
-@driver
-def circuit_{n}(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: int) -> None:
-    """Flows into the actuators of a circuit, `NOTHING` where they are not proved; of each valve spool, port, output, curves and their knots."""
-    first, n, number = ints[s], ints[s + 1], ints[s + 2]
-    pump = Pump(
-        floats[number], floats[number + 1], floats[number + 2], floats[number + 3], floats[number + 4], floats[number + 5]
-    )
-{places}
-    for i in range(first, first + n):
-{orifices}
-        found = series_{n}({", ".join(f"k_{k}" for k in valves)}, {", ".join(f"p_{k}" for k in valves)}, pump)
-{results}
-'''
 
 
-def _plan(sizes: tuple[int, ...]) -> str:
+def _results(flows: Iterable[str], status: str) -> str:
+    return "\n".join(
+        f"        work[ints[valve_{k} + 2] + i] = {flow} if {status} < UNPROVED else NOTHING"
+        for k, flow in enumerate(flows)
+    )
+
+
+def _plan(sizes: tuple[int, ...], joined: tuple[int, ...]) -> str:
     calls = [(kind_of_step(name), name, arrays) for name, (_, arrays) in STEPS.items()]
-    calls += [(kind_of_step(f"{_CIRCUIT}{n}"), f"{_CIRCUIT}{n}", "ints, floats, work") for n in sizes]
+    solved = [*(f"{_CIRCUIT}{n}" for n in sizes), *(f"{_CROSSING}{n}" for n in joined)]
+    calls += [(kind_of_step(name), name, "ints, floats, work") for name in solved]
     branches = "\n".join(
         f"        {'if' if k == 0 else 'elif'} kind == {number}:\n            {name}({arrays}, s)"
         for k, (number, name, arrays) in enumerate(calls)
