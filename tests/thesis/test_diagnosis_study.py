@@ -94,6 +94,9 @@ def test_an_occasion_that_errors_of_the_machine_take_away_is_told_from_none(case
     anything = tuple((1e30, 1.0) for _ in case.expected.scales)
     unsure = case._replace(expected=case.expected._replace(scales=anything))
     assert watch_fault(unsure, kinds["lift.spool_weak"], SEED + 2).outcome == "hidden"
+    strays = np.ones(len(case.of.directions))  # by as much as what is to be found
+    straying = case._replace(expected=case.expected._replace(slow=strays))
+    assert watch_fault(straying, kinds["lift.spool_weak"], SEED + 2).outcome == "hidden"
 
 
 def test_healthy_work_gives_no_alarm_and_a_payload_its_name(case):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.watch.directions import Scores
-from polydraulic.watch.expected import learn_jitter, togetherness, whitened
+from polydraulic.watch.expected import Whitened, learn_jitter, slow_variance, togetherness, whitened
 
 OFFSET, JITTER = np.array([0.3, 0.0, -0.2]), np.array([0.05, 0.3, 0.2])
 
@@ -48,3 +48,24 @@ def test_blocks_that_go_together_are_noticed(made):
     slow = np.repeat(white.pull[::20], 20, axis=0)
     assert np.all(togetherness(white._replace(pull=slow)) > 4.0)
     assert np.all(togetherness(type(white)(white.pull[:20], white.information[:20])) == 2.0)
+
+
+def test_offsets_that_stray_from_stretch_to_stretch_are_seen():
+    """The limit lies above the variance that was made in most cases, and not far above; what does not stray has next to none."""
+    rng, cases, stretches = np.random.default_rng(8), 300, 15
+    true, known = np.where(np.arange(cases) < cases // 2, 0.09, 0.0), 2.0
+    offset = np.repeat(rng.normal(size=(stretches, cases)) * np.sqrt(true), 60, axis=0)
+    pull = known * offset + rng.normal(size=offset.shape) * np.sqrt(known)
+    found = slow_variance(Whitened(pull, np.full_like(pull, known)), np.ones(cases))
+    strays, stays = found[true > 0.0], found[true == 0.0]
+    assert 0.7 < np.mean(strays > 0.09) < 0.9
+    assert np.median(strays) < 2.0 * 0.09
+    assert np.median(stays) < 1.0 / (60.0 * known)
+
+
+def test_what_strays_is_not_asked_of_few_stretches_and_has_a_limit():
+    rng = np.random.default_rng(9)
+    pull = rng.normal(size=(40, 1))
+    assert slow_variance(Whitened(pull, np.full((40, 1), 1.0)), np.ones(1))[0] == 0.0
+    wild = Whitened(np.repeat(rng.normal(size=(10, 1)), 60, axis=0), np.full((600, 1), 1e-9))
+    assert slow_variance(wild, np.ones(1))[0] == 100.0

@@ -8,8 +8,8 @@ from polydraulic.watch.kernels.evidence import KEPT, course_since, gather, room_
 from polydraulic.watch.sequential import EvidenceSums, Limits, highest, threshold_for
 
 
-def limits(threshold, n=1, both=False):
-    return Limits(threshold, np.ones(n), np.array([[True, both]] * n))
+def limits(threshold, n=1, both=False, slow=0.0):
+    return Limits(threshold, np.ones(n), np.full(n, slow), np.array([[True, both]] * n))
 
 
 @pytest.mark.parametrize("information", [0.2, 1.0, 6.0])
@@ -69,7 +69,7 @@ def test_memory_does_not_grow_and_goes_back_so_far():
     rng, live, began = np.random.default_rng(5), np.zeros(room_of_evidence(2)), np.zeros(4, dtype=np.int64)
     pull, information = rng.normal(size=(KEPT + 50, 2)), rng.uniform(size=(KEPT + 50, 2))
     for count, white in enumerate(np.column_stack([pull, information]), 1):
-        gather(white, 0, np.ones(2), np.ones(2, dtype=np.int64), 5.0, count, live, 0, began, 0)
+        gather(white, 0, np.ones(2), np.zeros(2), np.ones(2, dtype=np.int64), 5.0, count, live, 0, began, 0)
     for first in (50, KEPT):
         seen = np.zeros(6)
         sum_since(live, 0, 2, first, KEPT + 50, seen, 0)
@@ -78,3 +78,30 @@ def test_memory_does_not_grow_and_goes_back_so_far():
     for first in (-3, 0, KEPT):
         kept = course_since(live, 0, 2, 1, first, KEPT + 50)
         assert np.allclose(kept, (pull[max(first, 50) :, 1], information[max(first, 50) :, 1]), rtol=0.0, atol=1e-9)
+
+
+def test_evidence_comes_to_an_end_where_a_fault_is_no_larger_than_what_strays():
+    """A sum over blocks with information I is divided by the variance of its pull over I, 1 + slow I."""
+    slow, size, known = 0.1, 0.8, 0.3
+    evidence = EvidenceSums(limits(50.0, 2, slow=slow))
+    for count in range(1, 400):
+        evidence.add(np.array([size * known, 0.6 * known]), np.full(2, known))
+        total = known * count
+        expected = (np.array([size, 0.6]) - 0.5) * total / (1.0 + slow * total)
+        assert evidence.sums[:, 0] == pytest.approx(expected, rel=1e-9)
+        assert evidence.showing == pytest.approx(np.full(2, 0.5 * total / (1.0 + slow * total)), rel=1e-9)
+    assert evidence.sums[0, 0] < (size - 0.5) / slow
+    assert evidence.showing[0] < 0.5 / slow
+    healthy = EvidenceSums(limits(50.0, slow=slow))
+    for pull in (3.0, -8.0, 3.0):  # what comes after a new beginning knows nothing of what was before it
+        healthy.add(np.array([pull]), np.array([2.0]))
+    assert healthy.sums[0, 0] == pytest.approx(2.0 / (1.0 + slow * 2.0))
+
+
+def test_a_block_that_counts_for_less_strays_for_less():
+    evidence = EvidenceSums(limits(8.0, slow=0.5))
+    for count in range(1, 6):
+        evidence.add(
+            np.array([1e6]), np.array([1e6])
+        )  # of a fault of size 1: half of its information, of which the threshold's eighth counts
+        assert evidence.sums[0, 0] == pytest.approx(count / (1.0 + 0.5 * 2.0 * count))

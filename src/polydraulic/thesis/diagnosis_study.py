@@ -30,8 +30,9 @@ from polydraulic.watch.expected import Expected, whitened
 from polydraulic.watch.kernels.stays import RESTS
 from polydraulic.watch.learning import FALSE_ALARMS
 from polydraulic.watch.naming import FaultNetworks
+from polydraulic.watch.sequential import threshold_for
 from polydraulic.watch.watch import FREEZE, FaultWatch
-from polydraulic.watch.watched import Watched, plan_of, watched
+from polydraulic.watch.watched import Watched, plan_of, tests_of, watched
 
 RASTER = 0.02  # s, of all sensors
 BEGINS, LASTS = 30.0, 120.0  # s into a log after which a fault begins, and for which it lasts
@@ -125,7 +126,7 @@ def work_log(machine: LayoutMachine, seed: int, seconds: float, faults: Sequence
     timed = timed_faults(machine, faults)
     dt = _SHORT_STEP if machine.functions[0].effects.declared else _STEP
     work = random_operator(seed, seconds, limit=_LIMIT, functions=machine.names)
-    run = simulate(machine, "exact", work, dt=dt, faults=timed)
+    run = simulate(machine, "exact", work, dt=dt, every=round(RASTER / dt), faults=timed)
     columns, time = {}, np.empty(0)
     for number, sensor in enumerate(bench.sensors):
         reading = Reading(sensor, np.random.default_rng([seed, number]))
@@ -259,7 +260,14 @@ def _shows(
         if exact:
             told = scores.information[:, place, place]
         else:
-            told = whitened(scores, expected.offset, expected.jitter).information[:, place] / expected.together[place]
+            known = whitened(scores, expected.offset, expected.jitter).information[:, place]
+            # if what strays leaves too little even of a minute in which it shows, no second is an occasion
+            most = 0.5 / (1.0 / WITHIN + expected.slow[place])
+            told = (
+                known
+                / expected.together[place]
+                * (most >= threshold_for(FALSE_ALARMS, tests_of(of.directions), of.shape.seconds))
+            )
         return np.asarray(told * share**2 >= 1.0)
     column = fault.removesuffix(FREEZE)  # of a sensor that stays: wherever its function works
     return np.asarray((states[:, of.columns.index(column)] != RESTS) & (share > 0.0))

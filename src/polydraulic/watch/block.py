@@ -97,6 +97,8 @@ class AlarmTests(NamedTuple):
     ----------
     together : (n_direction,) array
         What evidence of each direction is divided by.
+    slow : (n_direction,) array
+        Variance of the offset of each from one stretch of work to the next.
     common : float
         The same of a diagnosis.
     threshold : float
@@ -106,6 +108,7 @@ class AlarmTests(NamedTuple):
     """
 
     together: np.ndarray
+    slow: np.ndarray
     common: float
     threshold: float
     longest: Sequence[int]
@@ -159,7 +162,7 @@ class BlockJudge:
         tests: AlarmTests | None = None,
     ) -> None:
         n, sensors = len(plan.directions), len(plan.columns)
-        tests = AlarmTests(np.ones(n), 1.0, np.inf, [1] * sensors) if tests is None else tests
+        tests = AlarmTests(np.ones(n), np.zeros(n), 1.0, np.inf, [1] * sensors) if tests is None else tests
         self.plan = plan
         self.kernels = kernels_of(plan.machine)
         names = owner_names(plan.machine, plan.directions)
@@ -172,6 +175,7 @@ class BlockJudge:
         self.numbers = WatchNumbers(
             ints=plan.arrays.ints, floats=plan.arrays.floats, scales=np.array(scales, dtype=np.float64).ravel(),
             offset=offset.astype(np.float64), jitter=jitter.astype(np.float64), together=tests.together.astype(np.float64),
+            slow=tests.slow.astype(np.float64),
             down=_whole([d.both for d in plan.directions]), group=_whole([kinds.index(kind) for kind in kinds]),
             harmless=_whole([d.harmless for d in plan.directions]), errors=_whole([d.kind == "bias" for d in plan.directions]),
             owner=_whole([names.index(owner) for owner in owners]), belongs=_belonging(plan.machine, plan.columns, names),

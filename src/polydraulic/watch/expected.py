@@ -8,6 +8,7 @@ that stays.
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from polydraulic.watch.directions import Scores
 from polydraulic.watch.kernels.scores import room_of_scores, whiten
@@ -17,6 +18,9 @@ _FIRST_JITTER, _FIRST_WEIGHT = 0.1, 5.0  # of a direction, before any block is s
 _OFFSET = 0.5  # standard deviation of an offset before any block is seen
 _TOGETHER = 10  # blocks whose sum tells how far they go together
 _FEW_SUMS = 6
+_STRETCH, _STRETCHES = 60, 12  # blocks of a stretch at most, and how many there are at least
+_RARE = 0.2
+_MOST_SLOW = 100.0  # beyond which a direction tells nothing anyway
 
 
 class Expected(NamedTuple):
@@ -32,6 +36,8 @@ class Expected(NamedTuple):
         In sizes that count; jitter as a variance.
     together : (n_direction,) array
         By how much the variance of sums over blocks is larger than if they did not depend on each other.
+    slow : (n_direction,) array
+        Variance of the offset from one stretch of work to the next, at most; in sizes that count.
     longest : dict from column to int
         Most blocks in succession in which a sensor does not move although its function works.
     blocks : int
@@ -43,6 +49,7 @@ class Expected(NamedTuple):
     offset: np.ndarray
     jitter: np.ndarray
     together: np.ndarray
+    slow: np.ndarray
     longest: dict[str, int]
     blocks: int
 
@@ -92,3 +99,39 @@ def togetherness(white: Whitened) -> np.ndarray:
     squares = pull**2 / np.maximum(information, 1e-300)
     counts = information > 0.0
     return np.maximum(np.where(counts, squares, 0.0).sum(axis=0) / np.maximum(counts.sum(axis=0), 1), 1.0)
+
+
+def slow_variance(white: Whitened, together: np.ndarray) -> np.ndarray:
+    """Variance of the offset from one stretch of work to the next, at most, (n_direction,).
+
+    What one log shows of it is little, since stretches are few; so it is not the variance that fits best but the largest that leaves means of
+    stretches as even as they are in one case of `_RARE` (limit by Cochran's Q, Viechtbauer 2007).
+    """
+    blocks, n = white.pull.shape
+    long = max(_TOGETHER, min(_STRETCH, blocks // _STRETCHES))
+    whole = blocks // long
+    pull, information = (part[: whole * long].reshape(whole, long, -1).sum(axis=1) for part in white)
+    strays = [_strays(pull[:, k], information[:, k], float(together[k])) for k in range(n)]
+    return np.minimum(strays, _MOST_SLOW)
+
+
+def _strays(pull: np.ndarray, information: np.ndarray, together: float) -> float:
+    """The same of one direction, from sums over stretches, (n_stretch,)."""
+    known = information > 0.0
+    degrees = int(known.sum()) - 1
+    if degrees < _FEW_SUMS - 1:
+        return 0.0
+    mean, own = pull[known] / information[known], together / information[known]
+    allowed = float(chdtri(degrees, 1.0 - _RARE))
+
+    def uneven(slow: float) -> float:
+        weights = 1.0 / (own + slow)
+        return float((weights * (mean - (weights @ mean) / weights.sum()) ** 2).sum())
+
+    low, high = 0.0, float(mean.var()) * len(mean) / allowed + 1e-300
+    if uneven(low) <= allowed:
+        return 0.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if uneven(middle) > allowed else (low, middle)
+    return high

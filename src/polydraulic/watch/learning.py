@@ -6,7 +6,7 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.watch.block import Readings, residuals_of, scores_of
-from polydraulic.watch.expected import Expected, learn_jitter, togetherness, whitened
+from polydraulic.watch.expected import Expected, learn_jitter, slow_variance, togetherness, whitened
 from polydraulic.watch.flat import longest_flat
 from polydraulic.watch.noise import channel_scales
 from polydraulic.watch.sequential import Limits, highest, threshold_for
@@ -47,11 +47,12 @@ def learn_expected(of: Watched, readings: Readings, noise: Mapping[str, float], 
     offset, jitter = learn_jitter(scores)
     white = whitened(scores, offset, jitter)
     together = togetherness(white)
+    slow = slow_variance(white, together)
     ways, threshold = ways_of(of.directions), threshold_for(rate, tests_of(of.directions), of.shape.seconds)
     for _ in range(30):  # until healthy blocks stay well below the threshold
-        most = highest(white, Limits(threshold, together, ways))
+        most = highest(white, Limits(threshold, together, slow, ways))
         if np.all(most <= _ROOM * threshold):
             break
         together = np.where(most > _ROOM * threshold, 1.3 * together, together)
     flat = longest_flat(dict(zip(of.columns, states.T, strict=True)))
-    return Expected(dict(noise), tuple(scales), offset, jitter, together, flat, n_block)
+    return Expected(dict(noise), tuple(scales), offset, jitter, together, slow, flat, n_block)

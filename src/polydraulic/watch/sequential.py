@@ -23,12 +23,15 @@ class Limits(NamedTuple):
         Of the evidence.
     together : (n_direction,) array
         What evidence is divided by.
+    slow : (n_direction,) array
+        Variance of the offset from one stretch of work to the next.
     ways : (n_direction, 2) array of bool
         Which ways a direction goes: up, down.
     """
 
     threshold: float
     together: np.ndarray
+    slow: np.ndarray
     ways: np.ndarray
 
 
@@ -90,7 +93,9 @@ class EvidenceSums:
         limits = self.limits
         self.count += 1
         white = np.concatenate([pull, information])
-        gather(white, 0, limits.together, self._down, limits.threshold, self.count, self._live, 0, self._began, 0)
+        gather(
+            white, 0, limits.together, limits.slow, self._down, limits.threshold, self.count, self._live, 0, self._began, 0
+        )  # fmt: skip
 
     @property
     def alarms(self) -> np.ndarray:

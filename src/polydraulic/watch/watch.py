@@ -93,7 +93,7 @@ class FaultWatch:
         self.seen: Since | None = None
         threshold = threshold_for(rate, tests_of(of.directions), of.shape.seconds)
         limits = [too_long(expected.longest[column]) for column in of.columns]
-        tests = AlarmTests(expected.together, float(np.median(expected.together)), threshold, limits)
+        tests = AlarmTests(expected.together, expected.slow, float(np.median(expected.together)), threshold, limits)
         plan = plan_of(of, expected.noise)
         self.judge_parts = BlockJudge(plan, expected.scales, expected.offset, expected.jitter, tests)
         self.asked = None if networks is None else networks.asked(of.directions)

@@ -72,7 +72,7 @@ def test_rows_have_the_same_bits_in_plain_python():
     columns = [f"{f.name}.{what}" for f in machine.functions for what in ("spool", "voltage")]
     of = watched(machine, columns, 0.1)
     n, rng = len(of.directions), np.random.default_rng(5)
-    tests = AlarmTests(np.ones(n), 1.0, 4.0, [2] * len(columns))
+    tests = AlarmTests(np.ones(n), np.full(n, 0.05), 1.0, 4.0, [2] * len(columns))
     watches = [
         BlockJudge(
             plan_of(of, dict.fromkeys(columns, 1e-4)),

@@ -51,7 +51,19 @@ def decide(numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, marks: np.
     count = marks[BLOCKS] + 1
     marks[BLOCKS] = count
     live[numbers.at_times + ring_place(count - 1)] = begin
-    gather(work, white, numbers.together, numbers.down, numbers.threshold, count, live, numbers.at_sums, marks, began)
+    gather(
+        work,
+        white,
+        numbers.together,
+        numbers.slow,
+        numbers.down,
+        numbers.threshold,
+        count,
+        live,
+        numbers.at_sums,
+        marks,
+        began,
+    )
     # in a block in which a sensor begins to move again, it may have stayed at first
     if marks[STUCK] > 0 and named_stay(numbers, marks):
         marks[FIRST] = count
@@ -161,7 +173,9 @@ def something_else(numbers: WatchNumbers, work: np.ndarray, live: np.ndarray, ma
     sum_since(live, numbers.at_sums, n, first_kept(marks[FIRST], count), count, work, seen)
     most = 0.0
     for k in range(n):
-        most = max(most, best_evidence(work[seen + k], work[seen + n + k], numbers.together[k], numbers.down[k]))
+        known = work[seen + n + k]
+        wide = numbers.together[k] + numbers.slow[k] * known
+        most = max(most, best_evidence(work[seen + k], known, wide, numbers.down[k]))
     return most >= numbers.threshold
 
 

@@ -1,7 +1,11 @@
 """Evidence of all tests, block by block: sums that begin anew where they are negative; and which direction alone explains it best.
 
-`live` holds evidence one behind the other: sums of both ways of each direction (up, down), what the smallest faults would have shown, and rows of
-pull, information and squares of pull over information of all directions, summed up since the first block, the last `KEPT` + 1 of them in a ring.
+`live` holds evidence one behind the other: sums of both ways of each direction (up, down), what the smallest faults would have shown, rows of
+pull, information and squares of pull over information of all directions, summed up since the first block, the last `KEPT` + 1 of them in a ring,
+and the information of each sum since it began.
+
+What is expected strays slowly: over blocks with information I the sum of pull has the variance t I + s I^2, with s that of the offset from one
+stretch to the next. Evidence is divided by that over I, so that it comes to an end where a fault is no larger than what strays.
 """
 
 import numpy as np
@@ -19,7 +23,7 @@ _NEVER = -1e300
 
 def room_of_evidence(n: int) -> int:
     """Numbers that evidence of n directions takes."""
-    return 3 * n + 3 * n * (KEPT + 1)
+    return 3 * n + 3 * n * (KEPT + 1) + 2 * n
 
 
 @driver
@@ -33,6 +37,7 @@ def gather(
     white: np.ndarray,
     at_white: int,
     together: np.ndarray,
+    slow: np.ndarray,
     down: np.ndarray,
     threshold: float,
     count: int,
@@ -43,23 +48,32 @@ def gather(
 ) -> None:
     """Take a block's whitened scores, pull and then information of all directions.
 
-    `count` is the number of blocks with this one; `together` is what evidence is divided by, `down` is 1 of directions that go both ways.
+    `count` is the number of blocks with this one; `together` is what evidence is divided by, `slow` the variance of offsets that stray, `down` is
+    1 of directions that go both ways.
     """
     n = together.shape[0]
     most = threshold / float(LEAST_BLOCKS)
     showing, totals = at_sums + 2 * n, at_sums + 3 * n
+    since = totals + 3 * n * (KEPT + 1)
     before = totals + ring_place(count - 1) * 3 * n
     here = totals + ring_place(count) * 3 * n
     for k in range(n):
         own, known = white[at_white + k], white[at_white + n + k]
         for way in range(2):
+            place = 2 * k + way
             gained = ((own if way == 0 else -own) - 0.5 * known) / together[k]
-            total = live[at_sums + 2 * k + way] + min(max(gained, -most), most)
+            # a block that counts for less than it says counts for as much less of its information
+            seen = live[since + place] + known * min(most / max(abs(gained), 1e-300), 1.0)
+            wide = 1.0 + slow[k] * live[since + place] / together[k]
+            total = live[at_sums + place] * wide + min(max(gained, -most), most)
             fresh = total <= 0.0
             goes = way == 0 or down[k] != 0
-            live[at_sums + 2 * k + way] = 0.0 if fresh or not goes else min(total, _MOST * threshold)
-            began[at_began + 2 * k + way] = count if fresh else began[at_began + 2 * k + way]
-        live[showing + k] += min(0.5 * known / together[k], most)
+            total = total / (1.0 + slow[k] * seen / together[k])
+            live[at_sums + place] = 0.0 if fresh or not goes else min(total, _MOST * threshold)
+            live[since + place] = 0.0 if fresh else seen
+            began[at_began + place] = count if fresh else began[at_began + place]
+        shown = live[showing + k] / (1.0 - 2.0 * slow[k] * live[showing + k]) + min(0.5 * known / together[k], most)
+        live[showing + k] = shown / (1.0 + 2.0 * slow[k] * shown)
         square = own * own / max(known, 1e-300) if known > 0.0 else 0.0
         live[here + k] = live[before + k] + own
         live[here + n + k] = live[before + n + k] + known

@@ -27,6 +27,7 @@ class WatchNumbers(NamedTuple):
     offset: np.ndarray
     jitter: np.ndarray
     together: np.ndarray
+    slow: np.ndarray
     down: np.ndarray
     group: np.ndarray
     harmless: np.ndarray
