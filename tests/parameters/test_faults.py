@@ -113,7 +113,5 @@ def test_what_the_machine_does_not_have_is_named(loader):
         faulty_numbers(loader, [(Fault("x", "x", (Deviation(FLOW, "holds", (1.0,)),)), 0.0)])
     with pytest.raises(InputError, match="no reading 'x.y'"):
         faulty_readings({}, [(Fault("x", "x", readings=(Deviation("x.y", "times", (1.0,)),)), 0.0)], {})
-    with pytest.raises(
-        InputError, match=r"with the faults x: .*circuits.work.pump.flow = -.*must be above 0"
-    ):
+    with pytest.raises(InputError, match=r"with the faults x: .*circuits.work.pump.flow = -.*must be above 0"):
         faulty_parts(loader, [TimedFault(Fault("x", "x", (Deviation(FLOW, "times", (-1.0,)),)), 0.0)], 1.0)

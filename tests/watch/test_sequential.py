@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from polydraulic.watch.expected import Whitened
-from polydraulic.watch.kernels.evidence import KEPT, course_since, gather, room_of_evidence, sum_since
+from polydraulic.watch.kernels.evidence import KEPT, gather, room_of_evidence, sum_since
 from polydraulic.watch.sequential import EvidenceSums, Limits, highest, threshold_for
 
 
@@ -65,7 +65,7 @@ def test_evidence_is_what_was_added():
 
 
 def test_memory_does_not_grow_and_goes_back_so_far():
-    """Sums of all directions, and the course of one, are what was added as far back as is kept."""
+    """Sums of all directions are what was added as far back as is kept; `test_courses` has the course of one."""
     rng, live, began = np.random.default_rng(5), np.zeros(room_of_evidence(2)), np.zeros(4, dtype=np.int64)
     pull, information = rng.normal(size=(KEPT + 50, 2)), rng.uniform(size=(KEPT + 50, 2))
     for count, white in enumerate(np.column_stack([pull, information]), 1):
@@ -75,9 +75,6 @@ def test_memory_does_not_grow_and_goes_back_so_far():
         sum_since(live, 0, 2, first, KEPT + 50, seen, 0)
         added = [pull[first:], information[first:], pull[first:] ** 2 / information[first:]]
         assert np.allclose(seen.reshape(3, 2), [part.sum(axis=0) for part in added], rtol=1e-9, atol=1e-9)
-    for first in (-3, 0, KEPT):
-        kept = course_since(live, 0, 2, 1, first, KEPT + 50)
-        assert np.allclose(kept, (pull[max(first, 50) :, 1], information[max(first, 50) :, 1]), rtol=0.0, atol=1e-9)
 
 
 def test_evidence_comes_to_an_end_where_a_fault_is_no_larger_than_what_strays():

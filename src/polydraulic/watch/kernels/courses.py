@@ -31,11 +31,8 @@ BEFORE = 300  # blocks before an alarm seems to have begun, in which a drift may
 BEGINNINGS = 60  # blocks at which either may have begun that are tried
 ROOM_OF_COURSE = 2 * KEPT + 4 * BEGINNINGS
 _LEAST, _NEVER = 1e-300, -1e300
-NO_COURSE, SEEN_WHOLE, BEGAN_BEFORE = (
-    0,
-    1,
-    2,
-)  # what is known of a course; the last of a beginning that is no longer kept
+# What is known of a course; the last is one whose beginning is no longer kept.
+NO_COURSE, SEEN_WHOLE, BEGAN_BEFORE = 0, 1, 2
 
 
 class GrownError(NamedTuple):
