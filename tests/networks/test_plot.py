@@ -7,7 +7,7 @@ from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.networks import Variable
 from polydraulic.networks.model.nodes import LINEAR, RAMP, SIGMOID
 from polydraulic.networks.model.table import Network, Node
-from polydraulic.networks.plot import ROW, draw_history, draw_network, draw_regions, layers_of, rows_of
+from polydraulic.networks.plot import ROW, draw_history, draw_network, draw_regions, layers_of, node_rows
 
 X = np.random.default_rng(5).uniform(-1.0, 1.0, size=(300, 2))
 
@@ -35,11 +35,11 @@ def test_a_node_stands_one_layer_behind_what_it_reads():
 
 def test_boxes_of_many_nodes_and_few_inputs_keep_apart_in_a_figure_of_their_height():
     model = perceptron_of(15)
-    figure = Figure(figsize=(7.0, ROW * (1 + rows_of(model))), layout="constrained")
+    figure = Figure(figsize=(7.0, ROW * (1 + node_rows(model))), layout="constrained")
     draw_network(figure.subplots(), model, [Variable("p", "Pa"), Variable("x", "m")], Variable("q", "m3/s"))
     figure.savefig(io.BytesIO(), format="png")
     boxes = [text.get_bbox_patch().get_window_extent() for text in figure.axes[0].texts]
-    assert rows_of(model) == 15
+    assert node_rows(model) == 15
     assert len(boxes) == 2 + 15 + 1 + 1
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
 

@@ -21,7 +21,7 @@ from polydraulic.identification.run_plot import plot_separately
 from polydraulic.identification.table_fit import TableFit
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.shown_model import region_names, shown_model
-from polydraulic.networks.plot import ROW, draw_network, layers_of, rows_of
+from polydraulic.networks.plot import ROW, draw_network, layers_of, node_rows
 from polydraulic.networks.proof.bounds import model_bounds
 from polydraulic.pages.html import document
 from polydraulic.pages.html import table as html_table
@@ -349,7 +349,7 @@ def _errors(model: Model, y: np.ndarray, predicted: np.ndarray) -> Any:
 def _networks(model: Model, drawn: int) -> Any:
     from matplotlib.figure import Figure
 
-    height = max(2.0, *(ROW * (1 + rows_of(network)) for network in model.networks[:drawn]))
+    height = max(2.0, *(ROW * (1 + node_rows(network)) for network in model.networks[:drawn]))
     width = max(8.0, _PER_LAYER * (2 + max(max(layers_of(network)) for network in model.networks[:drawn])))
     figure = Figure(figsize=(width, height * drawn), layout="constrained")
     axes = figure.subplots(drawn, 1, squeeze=False)

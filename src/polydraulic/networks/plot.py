@@ -35,7 +35,7 @@ def draw_network(axis: "Axes", network: Network, inputs: Sequence[Variable], out
     place: dict[int, tuple[float, float]] = {}
     for column in range(last):
         members = [slot for slot, at in enumerate(layer) if at == column]
-        apart = min(_FARTHEST, rows_of(network) / len(members))
+        apart = min(_FARTHEST, node_rows(network) / len(members))
         for row, slot in enumerate(members):
             place[slot] = (column, apart * ((len(members) - 1) / 2 - row))
     used = {slot for node in network.nodes for slot in node.inputs}
@@ -75,7 +75,7 @@ def layers_of(network: Network) -> list[int]:
     return layer
 
 
-def rows_of(network: Network) -> int:
+def node_rows(network: Network) -> int:
     """How many nodes, or inputs, stand above each other in the drawing of a network."""
     layer = layers_of(network)
     return max(layer.count(column) for column in set(layer))

@@ -7,7 +7,7 @@ import numpy as np
 from polydraulic import units
 from polydraulic.networks.model.model import Variable
 from polydraulic.networks.model.nodes import KIND_NAMES, TERMS
-from polydraulic.networks.plot import ROW, draw_history, draw_network, rows_of
+from polydraulic.networks.plot import ROW, draw_history, draw_network, node_rows
 from polydraulic.tables import Table
 from polydraulic.thesis.boom_models import SEED
 from polydraulic.thesis.cache import Lab
@@ -130,7 +130,7 @@ def perceptron(lab: Lab) -> Figure:
     table = Table({"hidden units": np.array([float(len(model.networks[0].nodes) - 1)])}, {})
 
     def draw() -> "matplotlib.figure.Figure":
-        figure, axes = canvas(1, 1, width=7.0, height=ROW * (1 + rows_of(model.networks[0])))
+        figure, axes = canvas(1, 1, width=7.0, height=ROW * (1 + node_rows(model.networks[0])))
         draw_network(axes[0, 0], model.networks[0], model.inputs, model.output)
         return figure
 
