@@ -19,7 +19,7 @@ from polydraulic.thesis.excavator import LINKS, pump_of
 VOLUME = 1e-5 * 1.6387064e-5 / 6894.757293168361  # m3/Pa: 1e-5 in3/psi, each pump's line
 FRAME = 5e-3
 N_STIFF = 18
-SOLVED = "flows = exact_step(valves, x.spool, seen.p_in)"
+SOLVED = "return exact_step(valves, spool, seen.p_in)"
 GIVEN = '''
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.valve import orifice_flow
