@@ -50,12 +50,16 @@ def states(texts: Sequence[StatusText], *, scaled: bool, bits: int | None = None
         run += 1
     if scaled and (bits is None or bits > 16 or run < 2**bits):
         run = 0
-    names = [t.text.strip().casefold() for t in texts]
     inside = [t.low == t.high and 0 <= t.low < run for t in texts]
-    kept = [i and n not in _NONE for i, n in zip(inside, names, strict=True)]
+    kept = [i and not no_value(t.text) for i, t in zip(inside, texts, strict=True)]
     if sum(kept) >= 2:
         return kept
     return inside if run >= 2 else [False] * len(texts)
+
+
+def no_value(text: str) -> bool:
+    """Whether a text says for itself that there is no value, such as "error" or "not available"."""
+    return text.strip().casefold() in _NONE
 
 
 class StatusNotes:

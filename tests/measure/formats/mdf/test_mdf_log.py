@@ -133,6 +133,31 @@ def test_numbers_of_states_are_values(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("codes", "lost"),
+    [
+        ({"val_0": 254, "text_0": "error", "val_1": 255, "text_1": "SNA"}, (254, 255)),
+        ({"val_0": 254, "text_0": "error", "val_1": 255, "text_1": "not available", "default": b"fine"}, (254, 255)),
+        ({"val_0": 0, "text_0": "off", "val_1": 1, "text_1": "on", "val_2": 255, "text_2": "not available"}, (255,)),
+        (
+            {"lower_0": 0, "upper_0": 9, "text_0": "low", "lower_1": 250, "upper_1": 255, "text_1": "reserved"},
+            (254, 255),
+        ),
+        ({"val_0": 0, "text_0": "park", "val_1": 3, "text_1": "reverse", "val_2": 255, "text_2": "towed"}, ()),
+    ],
+)
+def test_texts_that_say_that_there_is_no_value_are_none_without_a_scaling_too(tmp_path, codes, lost):
+    from asammdf import Signal
+    from asammdf.blocks.conversion_utils import from_dict
+
+    raw = np.tile(np.array([0, 1, 3, 254, 255], dtype=np.uint8), 20)
+    path = mdf(tmp_path / "a.mf4", [Signal(raw, np.arange(100) * 0.1, "", "p", conversion=from_dict(codes))])
+    findings = Findings()
+    found = only(path, "p", findings)
+    assert found == pytest.approx(np.where(np.isin(raw, lost), np.nan, raw), nan_ok=True)
+    assert sum(f.count for f in findings.of("status", "p")) == 20 * len(lost)
+
+
+@pytest.mark.parametrize(
     ("kind", "unit", "said"), [(2, "deg", "an angle"), (3, "m", "a distance"), (4, "", "an index")]
 )
 def test_masters_that_are_no_time_are_refused_by_name(tmp_path, kind, unit, said):

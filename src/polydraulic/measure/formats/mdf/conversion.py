@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polydraulic.measure.formats.status_text import StatusText, states
+from polydraulic.measure.formats.status_text import StatusText, no_value, states
 
 _VALUES_TO_TEXT, _RANGES_TO_TEXT, _BITS_TO_TEXT = 7, 8, 11  # of MDF 4
 _TEXT_OF_3 = (11, 12)  # of MDF 3: these have no scaling beside them
@@ -40,9 +40,9 @@ def physical(raw: np.ndarray, conversion: Any, *, version: int, unit: str = "", 
         return Physical(_numbers(raw), {})
     if version < 4 or kind not in (_VALUES_TO_TEXT, _RANGES_TO_TEXT):
         return Physical(_numbers(conversion.convert(raw)), {})
-    if raw.ndim != 1 or raw.dtype.kind not in "fiub" or not _scales(conversion):
+    if raw.ndim != 1 or raw.dtype.kind not in "fiub":
         return Physical(_numbers(raw), {})
-    values, said = _table(raw, conversion, unit, bits)
+    values, said = _table(raw, conversion, unit, bits) if _scales(conversion) else _names(raw, conversion, bits)
     return Physical(values, {text: np.flatnonzero(there) for text, there in said.items()})
 
 
@@ -82,6 +82,19 @@ def _table(raw: np.ndarray, conversion: Any, unit: str, bits: int | None) -> tup
             said[text] = said.get(text, False) | here
         else:
             values[here] = _numbers(item.convert(raw[here]))
+    return values, said
+
+
+def _names(raw: np.ndarray, conversion: Any, bits: int | None) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Values of a table of nothing but texts: the numbers that these name, but for texts that say that there is no value."""
+    texts = [StatusText(low, high, _text(item)) for low, high, item in _entries(conversion) if _is_text(item)]
+    values = raw.astype(np.float64)
+    said: dict[str, np.ndarray] = {}
+    for one, is_state in zip(texts, states(texts, scaled=False, bits=bits), strict=True):
+        here = (raw >= one.low) & (raw <= one.high)
+        if not is_state and no_value(one.text) and here.any():
+            values[here] = np.nan
+            said[one.text] = said.get(one.text, False) | here
     return values, said
 
 
