@@ -79,6 +79,10 @@ GAIN = 'gain = { value = 0.80, unit = "in/V", source = "derived, 5.3.2'
         (', source = "thesis 4.1" }', " }", "missing key .source. in spool.deadband"),
         ('"thesis 4.1"', '" "', "spool.deadband.source = ' ': must be a string"),
         ("relief = { value = 4500.0", "relief = [ value = 4500.0", "not a TOML file"),
+        ('deadband = { value = 0.188, unit = "in", source = "thesis 4.1" }', "deadband = 0.188",
+         r'deadband = 0.188: must be a table such as { value = 0.188, unit = "m", source = "..." }'),
+        ('deadband = { value = 0.188, unit = "in", source = "thesis 4.1" }', 'deadband = "4.8 mm"',
+         r"deadband = '4.8 mm': must be a table such as { value = ..., unit"),
     ],
 )  # fmt: skip
 def test_bad_sets_are_one_clear_error(changed, old, new, message):
@@ -139,6 +143,17 @@ def test_an_absolute_pressure_loses_the_standard_atmosphere(changed):
 def test_limits_are_in_the_unit_of_the_file(changed):
     with pytest.raises(InputError, match=r"pumps.relief = -2.0 bar: must be above 0 bar$"):
         changed('value = 4500.0, unit = "psi"', 'value = -2.0, unit = "bar"')
+
+
+def test_files_as_editors_of_windows_save_them(tmp_path):
+    text, file = machine_text("cat215b_bucket"), tmp_path / "mine.toml"
+    file.write_bytes(text.replace("\n", "\r\n").encode("utf-8-sig"))
+    assert load_machine(file) == load_machine("cat215b_bucket")
+    assert not machine_text(file).startswith("\ufeff")
+    for encoding in ("utf-16", "latin-1"):
+        file.write_bytes(("# Öl\n" + text).encode(encoding, "replace"))
+        with pytest.raises(InputError, match=r"mine\.toml: not a text in UTF-8, .*: save it with that encoding"):
+            load_machine(file)
 
 
 def test_unknown_names_list_the_choices(tmp_path):

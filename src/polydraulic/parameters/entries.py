@@ -49,7 +49,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         It is none, is nested too deep, or holds a whole number beyond the 64 bits that TOML has for them.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows write a byte order mark
         if _LONG_KEY.search(text):
             raise RecursionError
         data = tomllib.loads(text)
@@ -57,6 +57,10 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not a machine or scenario file: tables or lists are nested too deep") from error
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: not a text in UTF-8, which a TOML file must be: save it with that encoding"
+        ) from error
     except ValueError as error:  # also whole numbers of thousands of digits
         raise InputError(f"{path}: not a TOML file ({error}){_about_commas(text, str(error))}") from error
     _check_sizes(data, path)
@@ -111,7 +115,7 @@ def build(cls: type[Tree], data: Any, *, where: str, path: Path, base: Tree | No
 
 def read_quantity(item: Any, quantity: Quantity, key: str, path: Path, size: int = 0) -> Any:
     """Return one entry in SI: a float, or a tuple of `size` floats (-1: any number of them)."""
-    _entry(item, key, path, {"value", "unit", "source"})
+    _entry(item, key, path, {"value", "unit", "source"}, quantity.unit)
     unit, value = item["unit"], item["value"]
     try:
         known = units.read_unit(unit, kind=quantity.unit)
@@ -149,7 +153,11 @@ def read_switch(item: Any, key: str, path: Path) -> bool:
     return item["value"]
 
 
-def _entry(item: Any, key: str, path: Path, needed: set[str]) -> None:
+def _entry(item: Any, key: str, path: Path, needed: set[str], unit: str = "") -> None:
+    if not isinstance(item, dict):
+        value = str(item).lower() if isinstance(item, bool) else briefly(item) if is_number(item) else "..."
+        parts = [f"value = {value}", *([f'unit = "{unit}"'] if unit else []), 'source = "..."']
+        raise InputError(f"{path}: {key} = {briefly(item)}: must be a table such as {{ {', '.join(parts)} }}")
     check_keys(item, needed | _OF_A_FIT if "unit" in needed else needed, needed, key, str(path))
     texts = [name for name in needed - {"value"} if not isinstance(item[name], str) or not item[name].strip()]
     if texts:

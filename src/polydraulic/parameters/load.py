@@ -68,7 +68,7 @@ def machine_names() -> list[str]:
 def machine_title(name: str | Path) -> str:
     """What a machine is, in a line: its title, or the first comment of its file."""
     path = find(name, _SETS, "parameter set")
-    return str(read_toml(path).get("title", path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")))
+    return str(read_toml(path).get("title", path.read_text(encoding="utf-8-sig").partition("\n")[0].strip("# .")))
 
 
 def machine_path(source: str | Path) -> Path:
@@ -78,7 +78,7 @@ def machine_path(source: str | Path) -> Path:
 
 def machine_text(source: str | Path) -> str:
     """The file of a machine, as it is written."""
-    return find(source, _SETS, "parameter set").read_text(encoding="utf-8")
+    return find(source, _SETS, "parameter set").read_text(encoding="utf-8-sig")
 
 
 def machine_entries(source: str | Path) -> list[Entry]:
