@@ -32,6 +32,15 @@ def test_columns_that_cannot_be_learnt_are_named():
         check_columns(table, ["b"], ["a"])
     with pytest.raises(InputError, match="it needs no model"):
         check_columns(table, ["a"], ["b"])
+    for given, message in (
+        (([], ["a"]), r"no input is given; the table has \['a', 'b'\]"),
+        ((["a"], []), "no output is given"),
+        ((["a", "a"], ["b"]), "column 'a' is given twice as input"),
+        ((["a"], ["b", "b"]), "column 'b' is given twice as output"),
+    ):
+        with pytest.raises(InputError, match=message):
+            check_columns(table, *given)
+    check_columns(Table({"a": np.ones(1), "b": np.ones(1)}, {}), ["a"], ["b"])  # one row is no constant
 
 
 def log(begin=0.0, n=4, unit="m", info=None, segment=None, **more):

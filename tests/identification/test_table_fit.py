@@ -53,7 +53,7 @@ def test_bad_requests_are_named(inputs, outputs, edges, message):
 
 def test_too_few_rows_are_named():
     few = Table({name: values[:3] for name, values in COLUMNS.items()}, {})
-    with pytest.raises(ValueError, match="the table has 3 rows; fitting and holding out takes more than 5"):
+    with pytest.raises(ValueError, match="the table has 3 rows; fitting and holding out takes 10 or more"):
         fit(["a"], ["y"], table=few)
     with pytest.raises(InputError, match="the table has no rows"):
         fit(["a"], ["y"], table=Table({"a": np.zeros(0), "y": np.zeros(0)}, {}))
@@ -176,3 +176,40 @@ def test_a_model_that_is_no_better_than_the_mean_is_named():
     assert len(warnings) == 1
     assert warnings[0].startswith("warning: y: nothing was learnt from 11 rows that helps on others: the mean would do")
     assert "warning" not in str(fit_table(TABLE, ["a", "b"], ["y"], estimator=AbductiveRegressor(max_layers=1)))
+
+
+def test_a_model_that_is_the_mean_is_named_where_the_rows_held_out_tell_nothing():
+    rng = np.random.default_rng(0)
+    once = np.where(np.arange(100) == 50, 1.0, 0.0)
+    found = fit_table(Table({"a": rng.uniform(size=100), "y": once}, {}), ["a"], ["y"])
+    assert found.models[0].n_coefficients == 0
+    assert "warning: y: nothing was learnt from 100 rows: the model is their mean" in str(found)
+
+
+@pytest.mark.parametrize("copied", [lambda v: np.repeat(v, 10), lambda v: np.tile(v, 10)])
+def test_copies_of_rows_are_held_out_with_them(copied):
+    rng = np.random.default_rng(0)
+    found = fit_table(Table({name: copied(rng.normal(size=50)) for name in "aby"}, {}), ["a", "b"], ["y"])
+    assert found.outputs[0].r2 <= 0.0  # of noise nothing can be known
+    held = found.outputs[0].held
+    assert len(held.y) == 100
+    assert len(np.unique(held.y)) == 10
+    few = Table({name: np.tile(rng.normal(size=9), 10) for name in "ay"}, {})
+    with pytest.raises(InputError, match="the table has 90 rows, of which 9 differ; fitting and holding out takes 10"):
+        fit_table(few, ["a"], ["y"])
+
+
+def test_an_input_that_is_the_output_and_times_are_named():
+    rng = np.random.default_rng(0)
+    a, b = rng.uniform(size=(2, 100))
+    columns = {
+        "time": np.arange(100.0),
+        "a": a,
+        "y": a * b,
+        "psi": 14.5 * a * b + 1.0,
+        "near": a * b + 1e-3 * rng.normal(size=100),
+    }
+    found = fit_table(Table(columns, {}), ["a", "psi"], ["y"])
+    assert "warning: y: psi is the same but for scale and offset" in str(found)
+    assert "warning: " not in str(fit_table(Table(columns, {}), ["a", "near"], ["y"]))
+    assert "warning: time is an input" in str(fit_table(Table(columns, {}), ["a", "time"], ["y"]))

@@ -6,7 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.networks.hold_out import BLOCKS, blocks_of_parts, calibration_rows, drawn_rows, held_blocks, held_rows
+from polydraulic.networks.hold_out import (
+    BLOCKS,
+    blocks_of_parts,
+    calibration_rows,
+    drawn_rows,
+    held_blocks,
+    held_distinct_rows,
+    held_rows,
+)
 
 
 @given(st.integers(0, 200), st.integers(0, 200), st.integers(0, 5))
@@ -61,6 +69,24 @@ def test_no_block_goes_over_the_end_of_a_part(parts, blocks):
         number = before + np.arange(high - low) * count // (high - low)  # blocks begin with their part
         assert np.array_equal(held[low:high], number % 5 == 4)
         before += count
+
+
+@given(st.lists(st.integers(0, 40), min_size=30, max_size=200))
+def test_copies_are_held_out_together(numbers):
+    distinct = list(dict.fromkeys(numbers))
+    values = np.c_[np.array(numbers), np.array(numbers) % 3]
+    if len(distinct) < 10:
+        with pytest.raises(InputError, match=f"of which {len(distinct)} differ"):
+            held_distinct_rows(values)
+        return
+    assert held_distinct_rows(values).tolist() == [distinct.index(n) % 5 == 4 for n in numbers]
+
+
+def test_rows_that_all_differ_are_held_out_as_they_come():
+    values = np.random.default_rng(0).normal(size=(1000, 3))
+    assert np.array_equal(held_distinct_rows(values), held_rows(1000))
+    zeros = np.r_[np.arange(4.0, 0.0, -1.0), 0.0, -0.0, np.arange(5.0, 11.0)]
+    assert np.flatnonzero(held_distinct_rows(zeros[:, None])).tolist() == [4, 5, 10]
 
 
 def test_a_single_part_has_the_blocks_of_all_rows():

@@ -181,7 +181,13 @@ def models_of(given: Sequence[Model] | str | Path) -> list[Model]:
 
 
 def check_columns(table: Table, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-    """Refuse a column that is both input and output, or constant; the time of several tables, too."""
+    """Refuse columns that are none, twice, both input and output, or constant; the time of several tables, too."""
+    for names, what in ((inputs, "input"), (outputs, "output")):
+        if not names:
+            raise InputError(f"no {what} is given; the table has {table.names}")
+        twice = sorted(name for name in set(names) if list(names).count(name) > 1)
+        if twice:
+            raise InputError(f"column {twice[0]!r} is given twice as {what}")
     if "time" in inputs and len(parts_of(table)) > 1:
         raise InputError(
             "column 'time' is an input: of several tables it says when, not what; give one table, or leave it out"
@@ -190,6 +196,6 @@ def check_columns(table: Table, inputs: Sequence[str], outputs: Sequence[str]) -
     if both:
         raise InputError(f"column {sorted(both)[0]!r} is both input and output")
     for name in [*inputs, *outputs]:
-        if len(table) and np.ptp(table[name]) == 0.0:
+        if len(table) > 1 and np.ptp(table[name]) == 0.0:
             role = "cannot explain anything: leave it out" if name in inputs else "needs no model"
             raise InputError(f"column {name!r} is {table[name][0]:g} in all {len(table)} rows; it {role}")

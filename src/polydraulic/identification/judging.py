@@ -85,9 +85,14 @@ class OutputFit(NamedTuple):
     @property
     def doubt(self) -> str:
         """Sentence on a model that errs no less than the mean of the rows held out would; empty if it errs less."""
-        if self.r2 > 0.0 or np.ptp(self.held.y) == 0.0:
-            return ""
         rows: Any = self.model.training["rows"]
+        if self.r2 > 0.0 or np.ptp(self.held.y) == 0.0:
+            if self.model.n_coefficients:
+                return ""
+            return (
+                f"{self.model.output.name}: nothing was learnt from {rows} rows: the model is their mean; give more rows, or inputs that it "
+                "depends on"
+            )
         return (
             f"{self.model.output.name}: nothing was learnt from {rows} rows that helps on others: the mean would do as well on those held out "
             f"(R2 {self.r2:.4g}); give more rows, or inputs that it depends on"

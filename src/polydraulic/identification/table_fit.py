@@ -15,7 +15,7 @@ from polydraulic.identification.judging import HeldOut, OutputFit, judged
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.growth.workers import in_processes, one_after_the_other
-from polydraulic.networks.hold_out import BLOCKS, FOLD, held_rows
+from polydraulic.networks.hold_out import BLOCKS, held_distinct_rows, held_rows
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.regions.region_regressor import RegionRegressor
 from polydraulic.progress import Progress, quiet
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from polydraulic.measure.checks.deadband import Deadband
 
 
+_COPY = 1e-10  # below one, of a correlation: no two sensors agree so well
 _LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
 
@@ -57,7 +58,16 @@ class TableFit:
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""
         deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
-        doubts = [f"warning: {found.doubt}" for found in self.outputs if found.doubt]
+        doubts = [
+            f"warning: {doubt}"
+            for found in self.outputs
+            for doubt in (found.doubt, _copied(found, self.table))
+            if doubt
+        ]
+        if any(variable.name == "time" for found in self.outputs for variable in found.model.inputs):
+            doubts.append(
+                "warning: time is an input: the models know the times of this table alone, and others lie outside of their domain"
+            )
         return "\n".join([*deadbands, *(found.text(units) for found in self.outputs), *doubts])
 
     def __str__(self) -> str:
@@ -121,14 +131,15 @@ def fit_table(
     unknown = [name for name in borders if name not in inputs]
     if unknown:
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
-    if len(rows) <= FOLD:
-        raise InputError(f"the table has {len(rows)} rows; fitting and holding out takes more than {FOLD}")
     base = AbductiveRegressor() if estimator is None else estimator
     by_index = {list(inputs).index(name): cuts for name, cuts in borders.items()}
     regressor = RegionRegressor(base, edges=by_index or None, max_regions=max_regions)
     by_time = "time" in rows.names
-    blocks = BLOCKS if by_time and len(rows) >= 10 * BLOCKS else None
-    X, held = rows.matrix(inputs), held_rows(len(rows), blocks, parts_of(rows))
+    X = rows.matrix(inputs)
+    if by_time and len(rows) >= 10 * BLOCKS:
+        held = held_rows(len(rows), BLOCKS, parts_of(rows))
+    else:
+        held = held_distinct_rows(np.c_[X, rows.matrix(outputs)])
     names = [Variable(name, rows.unit(name)) for name in inputs]
     learn, everything = ~held, np.ones(len(rows), dtype=bool)
     # regions that are given need not wait for each other
@@ -148,6 +159,19 @@ def fit_table(
         y, model = rows[output], final.to_model(names, Variable(output, rows.unit(output)))
         fits.append(judged(model, HeldOut(X[held], y[held], without.predict(X[held]), by_time), len(y)))
     return TableFit(fits, found, rows, source)
+
+
+def _copied(found: OutputFit, table: Table) -> str:
+    """Sentence on an input that is the output itself but for scale and offset; empty if none is."""
+    y = table[found.model.output.name]
+    for variable in found.model.inputs:
+        x = table[variable.name]
+        if 1.0 - abs(float(np.corrcoef(x, y)[0, 1])) < _COPY:
+            return (
+                f"{found.model.output.name}: {variable.name} is the same but for scale and offset: if it is made of it, or of what it is made of, "
+                "the model says nothing; leave it out then"
+            )
+    return ""
 
 
 def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray, tuple[np.ndarray, ...]]) -> list[RegionRegressor]:

@@ -14,6 +14,8 @@ from polydraulic.errors import InputError
 FOLD = 5  # one of so many rows, or blocks of time, is held out
 BLOCKS = 20  # of a log, at least: four of them are held out
 
+_MIX = np.uint64(0x9E3779B97F4A7C15)  # odd, and without a pattern in its bits
+
 T = TypeVar("T")
 
 
@@ -63,6 +65,33 @@ def held_rows(n: int, blocks: int | None = None, parts: Sequence[int] | None = N
             ]
         )
     return np.asarray(place % FOLD == FOLD - 1)
+
+
+def held_distinct_rows(values: np.ndarray) -> np.ndarray:
+    """Which rows are held out, (n,) array of bool: every fifth of the rows that differ, with all its copies.
+
+    A row that is learnt from says nothing of its copy.
+
+    Parameters
+    ----------
+    values : (n, n_column) array
+        All that is known of the rows.
+
+    Raises
+    ------
+    InputError
+        If fewer than two rows would be held out.
+    """
+    bits = (np.asarray(values, dtype=np.float64) + 0.0).view(np.uint64)  # without a negative zero
+    mixed = np.zeros(len(bits), dtype=np.uint64)
+    for column in bits.T:
+        mixed = (mixed ^ (mixed >> np.uint64(29)) ^ column) * _MIX
+    _, first, copy_of = np.unique(mixed, return_index=True, return_inverse=True)
+    if len(first) < 2 * FOLD:
+        differ = "" if len(first) == len(bits) else f", of which {len(first)} differ"
+        raise InputError(f"the table has {len(bits)} rows{differ}; fitting and holding out takes {2 * FOLD} or more")
+    number = np.argsort(np.argsort(first))  # in the order in which they come
+    return np.asarray(number[copy_of] % FOLD == FOLD - 1)
 
 
 def blocks_of_parts(blocks: int, parts: Sequence[int]) -> list[int]:
