@@ -264,7 +264,9 @@ def _in_groups(header: list[str], above: Sequence[str]) -> list[str]:
     again = {name for name, count in Counter(header).items() if name and count > 1}
     if not again or not _heads(above) or len(above) != len(header):
         return header
-    groups = itertools.accumulate(above, lambda group, own: own or group)
+    groups: list[str] = []
+    for group in above:
+        groups.append(group or (groups[-1] if groups else ""))
     return [f"{group}/{name}" if group and name in again else name for group, name in zip(groups, header, strict=True)]
 
 

@@ -88,7 +88,7 @@ def _scan(path: Path) -> Scan:
         valid = valid and not pending
     encoding = "utf-8" if valid else "cp1252" if windows else "latin-1"
     head = first if valid else b"".join(_narrow(iter([first]), encoding))
-    return Scan(encoding, head, *marks.values(), cut=bool(following))
+    return Scan(encoding, head, marks[b","], marks[b"."], marks[b'"'], bool(following))
 
 
 _WINDOWS = [bytes([n]) for n in (0x80, 0x82, 0x84, 0x85, 0x89, 0x91, 0x92, 0x93, 0x94, 0x96, 0x97)]

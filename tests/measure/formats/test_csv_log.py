@@ -95,10 +95,12 @@ def test_the_unit_of_the_first_column_may_stand_alone(tmp_path):
 
 def test_names_that_come_again_are_parted_by_the_line_above_them(tmp_path):
     log = tmp_path / "log.csv"
-    log.write_text("Clock,Boom,,Stick\ntime,p,q,p\ns,bar,l/min,bar\n" + "".join(f"{k},1,2,{k}\n" for k in range(9)))
+    log.write_text(
+        "Clock,Stick,Boom,,\ntime,p,x,q,p\ns,bar,m,l/min,bar\n" + "".join(f"{k},1,2,3,{k}\n" for k in range(9))
+    )
     with open_log(log) as found:
         assert [(s.name, s.unit) for s in found.signals] == [
-            ("time", "s"), ("Boom/p", "bar"), ("q", "l/min"), ("Stick/p", "bar")
+            ("time", "s"), ("Stick/p", "bar"), ("x", "m"), ("q", "l/min"), ("Boom/p", "bar")
         ]  # fmt: skip
         assert not found.duplicates
 
