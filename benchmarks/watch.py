@@ -3,7 +3,8 @@
 ``python benchmarks/watch.py [MACHINE ...] [--seeds N] [--every N] [--hours H] [--minutes M] [--keep FOLDER]``: it prints Markdown tables and
 asserts nothing. The machine that is watched is identified from 15 min of its own healthy log, with noise as `record --example` has it, beginning
 from a file that is off (`rough_machine`); what is to be expected is learnt from the same log. ``MACHINE+`` has hysteresis of 2 % of each spool's
-travel, flow forces and friction that holds, which the watched machine has not; ``MACHINE~`` is watched by pressures, positions and levers alone.
+travel, flow forces and friction that holds, which the watched machine has not; ``MACHINE~`` is watched by pressures, positions and levers alone;
+``MACHINE^`` has sensors of its pumps' pressures as well.
 Every fault of the catalogue, in its smallest size, begins at 30 s and stays for two minutes; drifts of sensors stay for seven and a half. A fault has
 an occasion to show in a second in which it would move what is read by a standard deviation at least; one that has fewer than a minute of them is
 hidden if it had a minute without the errors of the watched machine. Healthy logs of 10 min are watched of all machines in turn, until there are as
@@ -72,7 +73,7 @@ class Kept:
 
 def plain(name):
     """The machine's own name."""
-    return name.rstrip("+~")
+    return name.rstrip("+~^")
 
 
 def truth(name):
@@ -92,7 +93,7 @@ def learnt(name, keep):
     """A machine's case: identified, or as it was kept; and what is to be expected of it."""
     true, began = truth(name), time.process_time()
     log = work_log(true, IDENTIFIED_SEED, LEARNT)
-    kept = keep / f"{name.rstrip('~')}_{IDENTIFIED_SEED}.toml" if keep else None
+    kept = keep / f"{name.rstrip('~^')}_{IDENTIFIED_SEED}.toml" if keep else None
     if kept is not None and kept.is_file():
         machine = load_machine(kept)
     else:
@@ -100,6 +101,8 @@ def learnt(name, keep):
         machine = found.machine
         if kept is not None:
             found.write(kept)
+    if name.endswith("^"):
+        log = work_log(true, IDENTIFIED_SEED, LEARNT, pumps=[c.name for c in true.circuits])
     case = case_of_log(true, machine, log, FEW if name.endswith("~") else None)
     say(f"{name}: identified and learnt, {time.process_time() - began:.0f} s")
     return case

@@ -15,13 +15,13 @@ from polydraulic.watch.naming import FaultNetworks, inputs_of, kinds_of
 from polydraulic.watch.watch import FaultWatch
 from polydraulic.watch.watched import watched
 
-NOISE = {"spool": 4e-5, "p_a": 1e5, "p_b": 1e5, "q_in": 8e-6, "q_out": 8e-6, "voltage": 2e-3, "angle": 5e-4, "position": 1e-3}  # fmt: skip
+NOISE = {"p_pump": 1e5, "spool": 4e-5, "p_a": 1e5, "p_b": 1e5, "q_in": 8e-6, "q_out": 8e-6, "voltage": 2e-3, "angle": 5e-4, "position": 1e-3}  # fmt: skip
 RASTER, EVERY = 0.02, 4
 RATE = 0.1
 
 
-def log_of(machine, seed, seconds, faults=(), payload=0.0):
-    """What sensors read of a random operator's work, in SI."""
+def log_of(machine, seed, seconds, faults=(), payload=0.0, pumps=()):
+    """What sensors read of a random operator's work, in SI; pressures of pumps of circuits that are asked for."""
     from polydraulic.parameters.layout.payload import with_payload
 
     timed = timed_faults(machine, list(faults))
@@ -35,7 +35,7 @@ def log_of(machine, seed, seconds, faults=(), payload=0.0):
     rng, columns = np.random.default_rng(seed), {"time": run["time"]}
     for name in run.names:
         owner, _, what = name.partition(".")
-        if owner in machine.names and what in NOISE:
+        if (owner in machine.names and what in NOISE and what != "p_pump") or name in [f"{c}.p_pump" for c in pumps]:
             read = faulty_column(name, run["time"], run[name], timed, {})
             columns[name] = read + rng.normal(0.0, NOISE[what], len(run))
     return Table(columns, {name: run.unit(name) for name in columns})

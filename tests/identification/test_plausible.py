@@ -14,7 +14,12 @@ from polydraulic.tables import Table
 
 WAVE = np.sin(np.arange(100) / 9.0)
 PLAIN = {"boom.voltage": WAVE, "boom.spool": 0.01 * WAVE, "boom.p_a": 1e7 + 1e6 * WAVE, "boom.p_b": 3e6 + 1e6 * WAVE}
-PLAIN |= {"boom.q_in": 1e-3 * WAVE, "boom.q_out": 1e-3 * WAVE, "boom.angle": 0.3 * WAVE}
+PLAIN |= {
+    "boom.q_in": 1e-3 * WAVE,
+    "boom.q_out": 1e-3 * WAVE,
+    "boom.angle": 0.3 * WAVE,
+    "series.p_pump": 1.2e7 + 1e6 * WAVE,
+}
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +38,7 @@ def test_a_log_in_si_is_taken_whatever_it_lacks(excavator):
     [
         ("boom.spool", 1e3, "m"), ("boom.q_in", 6e4, "m3/s"), ("boom.q_out", 6e4, "m3/s"), ("boom.angle", 180.0 / np.pi, "rad"),
         ("boom.voltage", 100.0, "V"), ("boom.p_a", 1e-5, "Pa"), ("boom.p_b", 1e-6, "Pa"),
+        ("series.p_pump", 1e-5, "Pa"),
     ],
 )  # fmt: skip
 def test_one_column_in_another_unit_is_named(excavator, name, factor, unit):

@@ -1,7 +1,7 @@
 """Which residuals which sensors allow."""
 
 from polydraulic import load_machine
-from polydraulic.watch.channels import channels_of, position_of
+from polydraulic.watch.channels import channels_of, position_of, pump_columns
 
 ALL = ("voltage", "spool", "p_a", "p_b", "q_in", "q_out", "angle")
 
@@ -28,6 +28,16 @@ def test_flows_of_circuits_that_a_crossover_joins_take_the_sensors_of_both():
     known = {c.name for c in channels_of(excavator, frozenset(columns))}
     assert known == {f"{f}.q_in" for f in excavator.names}
     assert channels_of(excavator, frozenset(columns - {"swing.p_a"})) == ()
+
+
+def test_a_pumps_pressure_is_watched_where_all_that_it_depends_on_is_read():
+    machine = load_machine("cat215b")
+    assert pump_columns(machine) == ["boom.p_pump", "series.p_pump"]
+    read = [f"{f}.{what}" for f in ("boom", "swing", "stick") for what in ("spool", "p_a", "p_b")]
+    seen = channels_of(machine, frozenset([*read, *pump_columns(machine)]))
+    assert [(c.name, c.unit) for c in seen] == [("boom.p_pump", "Pa"), ("series.p_pump", "Pa")]
+    without = [name for name in read if name != "swing.p_b"]
+    assert [c.name for c in channels_of(machine, frozenset([*without, *pump_columns(machine)]))] == ["boom.p_pump"]
 
 
 def test_a_joint_that_slides_has_a_position_and_a_force():

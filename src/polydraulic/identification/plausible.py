@@ -19,6 +19,7 @@ UNITS = {
     "voltage": "V",
     "angle": "rad",
     "position": "m",
+    "p_pump": "Pa",
 }
 _BEYOND = 0.1  # rad or m, that a sensor may be off
 _LEAST_PRESSURE = 1e5  # Pa
@@ -78,6 +79,9 @@ def check_plausible(machine: LayoutMachine, table: Table) -> None:
                 f"and by the file's pilot {amount(full, 'V')} gives full travel: it must be in V, not in per cent of a lever's way",
             )
     check_pressures(table, machine.names)
+    for name in (f"{circuit.name}.p_pump" for circuit in machine.circuits):
+        if name in table.names and 0.0 < table[name].max() < _LEAST_PRESSURE:
+            raise _not_si(table, name, "and a pump that feeds valves has more than 1 bar: it must be in Pa")
 
 
 def check_pressures(table: Table, functions: Collection[str]) -> None:

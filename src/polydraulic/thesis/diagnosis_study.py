@@ -42,6 +42,15 @@ SURE = 0.95  # with which a rate of false alarms is bounded
 _LIMIT = 1.1  # V: full travel of all spools
 _STEP, _SHORT_STEP = 5e-3, 2.5e-3  # s; flow forces of worn edges want the shorter one
 _UNUSUAL_LASTS = 90.0  # s
+_PUMP = ".p_pump"
+_PUMP_SENSOR = """
+[[sensor]]
+column = "{}"
+unit = "bar"
+raster = "20 ms"
+noise = 1.0
+dropout = 0.001
+"""  # as those of pressures at ports
 
 
 class WatchedCase(NamedTuple):
@@ -50,6 +59,11 @@ class WatchedCase(NamedTuple):
     true: LayoutMachine
     of: Watched
     expected: Expected
+
+    @property
+    def pumps(self) -> list[str]:
+        """Circuits the pressure of whose pump is read."""
+        return [column.removesuffix(_PUMP) for column in self.of.columns if column.endswith(_PUMP)]
 
 
 class WatchedFault(NamedTuple):
@@ -117,11 +131,17 @@ def most_per_hour(alarms: int, seconds: float) -> float:
     return float(gammaincinv(alarms + 1, SURE)) * 3600.0 / seconds
 
 
-def work_log(machine: LayoutMachine, seed: int, seconds: float, faults: Sequence[str] = ()) -> Table:
-    """What sensors read of a random operator's work, with noise as `example_sensors` has it: rows in which all of them are known."""
+def work_log(
+    machine: LayoutMachine, seed: int, seconds: float, faults: Sequence[str] = (), pumps: Sequence[str] = ()
+) -> Table:
+    """What sensors read of a random operator's work, with noise as `example_sensors` has it: rows in which all of them are known.
+
+    Pressures of pumps are read of circuits that are asked for.
+    """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sensors.toml"
-        write_text(path, example_sensors(machine=machine))
+        more = (_PUMP_SENSOR.format(f"{circuit}{_PUMP}") for circuit in pumps)
+        write_text(path, "".join([example_sensors(machine=machine), *more]))
         bench = load_sensors(path)
     timed = timed_faults(machine, faults)
     dt = _SHORT_STEP if machine.functions[0].effects.declared else _STEP
@@ -173,7 +193,9 @@ def schedule(kind: FaultKind) -> tuple[str, str]:
 def watch_fault(case: WatchedCase, kind: FaultKind, seed: int, networks: FaultNetworks | None = None) -> WatchedFault:
     """A fault in its smallest size, watched for in the log of an operator; named by networks as well, where there are some."""
     text, title = schedule(kind)
-    readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + (DRIFTS if kind.growth else LASTS), [text]))
+    readings, begins = _blocks(
+        case, work_log(case.true, seed, BEGINS + (DRIFTS if kind.growth else LASTS), [text], case.pumps)
+    )
     watch = FaultWatch(case.of, case.expected, networks=networks)
     watch.judge(readings, begins)
     share = _present(kind, begins - BEGINS)
@@ -194,7 +216,7 @@ def watch_fault(case: WatchedCase, kind: FaultKind, seed: int, networks: FaultNe
 
 def watch_healthy(case: WatchedCase, machine: LayoutMachine, seed: int, seconds: float) -> Healthy:
     """Work without a fault of `machine` (the true one, or that in unusual work), watched."""
-    readings, begins = _blocks(case, work_log(machine, seed, seconds))
+    readings, begins = _blocks(case, work_log(machine, seed, seconds, pumps=case.pumps))
     watch = FaultWatch(case.of, case.expected)
     watch.judge(readings, begins)
     return Healthy(len(begins), [a.suspects[0].name if a.suspects else "unknown" for a in watch.alarms])
@@ -222,7 +244,7 @@ def evidence_over_time(case: WatchedCase, kind: FaultKind, seed: int) -> Table:
     own = [d.name == kind.name for d in case.of.directions]
     columns: dict[str, np.ndarray] = {}
     for name, faults in (("faulty", [schedule(kind)[0]]), ("healthy", [])):
-        readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + LASTS, faults))
+        readings, begins = _blocks(case, work_log(case.true, seed, BEGINS + LASTS, faults, case.pumps))
         watch, seen = FaultWatch(case.of, case.expected), list[np.ndarray]()
         watch.judge(readings, begins, _keep(watch, seen))
         columns["time"] = begins + case.of.shape.seconds

@@ -8,7 +8,8 @@ Each follows from measured signals through few equations, so that a fault shows 
   pressure is known better from the flow than the flow from the pressure);
 - ``NAME.volume_a``, ``NAME.volume_b``: mean flow that the actuator's motion, the line's compliance and leakage took in a window, less that
   through the valve;
-- ``NAME.torque``: torque of the oil less that which the motion and friction need.
+- ``NAME.torque``: torque of the oil less that which the motion and friction need;
+- ``CIRCUIT.p_pump``: pressure before the valves, less that of the exact circuit at the measured spools and pressures.
 """
 
 from typing import NamedTuple
@@ -31,7 +32,15 @@ class WatchChannel(NamedTuple):
     unit: str
 
 
-_UNITS = {"spool": "m", "q_in": "m3/s", "p_out": "Pa", "volume_a": "m3/s", "volume_b": "m3/s", "torque": "N m"}
+_UNITS = {
+    "spool": "m",
+    "q_in": "m3/s",
+    "p_out": "Pa",
+    "volume_a": "m3/s",
+    "volume_b": "m3/s",
+    "torque": "N m",
+    "p_pump": "Pa",
+}
 
 
 def position_of(machine: LayoutMachine, f: MachineFunction) -> str:
@@ -59,7 +68,7 @@ def valves_beside(machine: LayoutMachine, name: str) -> tuple[str, ...]:
 
 
 def channels_of(machine: LayoutMachine, columns: frozenset[str]) -> tuple[WatchChannel, ...]:
-    """Residuals that these columns of a log allow, in the order of the functions."""
+    """Residuals that these columns of a log allow, in the order of the functions, and then of the circuits."""
     known = [f.name for f in machine.functions if _has_spool(f.name, columns)]
     seen = {name for name in known if {f"{name}.p_a", f"{name}.p_b"} <= columns}
     solved = {f.name for f in machine.functions if seen.issuperset(valves_beside(machine, f.name))}
@@ -79,7 +88,13 @@ def channels_of(machine: LayoutMachine, columns: frozenset[str]) -> tuple[WatchC
             "torque": moved,
         }
         found += [WatchChannel(f"{name}.{what}", _unit(machine, f, what)) for what, given in allowed.items() if given]
-    return tuple(found)
+    pumps = [f"{c.name}.p_pump" for c in machine.circuits if solved.issuperset(c.functions)]
+    return (*found, *(WatchChannel(name, _UNITS["p_pump"]) for name in pumps if name in columns))
+
+
+def pump_columns(machine: LayoutMachine) -> list[str]:
+    """Columns of the pressures of pumps."""
+    return [f"{c.name}.p_pump" for c in machine.circuits]
 
 
 def _unit(machine: LayoutMachine, f: MachineFunction, what: str) -> str:

@@ -21,12 +21,13 @@ def states_table(
     """The table that `sensor_states` reads, with its numbers in a plan.
 
     A function works where its valve is open (by the spool, or the voltage, whichever is not asked about) and two of its other sensors move: at a
-    stop all of them rest.
+    stop all of them rest. A pump's pressure is asked about while the first function that it feeds works.
     """
     limits = plan.numbers([_NOISE * noise.get(column, 0.0) for column in columns])
     table = [len(columns), shape.before, shape.inside, 1 + len(columns), limits]
     for column in columns:
         name, _, what = column.partition(".")
+        name = machine.circuit(name).functions[0] if what == "p_pump" else name
         others = [k for k, other in enumerate(columns) if other != column and other.startswith(f"{name}.")]
         f = machine.function(name)
         by_spool = f"{name}.spool" in columns and what != "spool"

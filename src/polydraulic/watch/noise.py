@@ -13,6 +13,7 @@ _NORMAL = 0.6745  # median of the absolute value of a standard normal variable
 _LEAST = {
     "spool": 1e-8,
     "q_in": 1e-9,
+    "p_pump": 1.0,
     "p_out": 1.0,
     "volume_a": 1e-9,
     "volume_b": 1e-9,
@@ -36,11 +37,11 @@ def first_variances(residuals: Residuals, healthy: Case, noise: Mapping[str, flo
     found = []
     for channel in residuals.channels:
         what = channel.name.rpartition(".")[2]
-        white = noise.get(channel.name, 0.0) ** 2 if what in ("spool", "q_in") else 0.0
+        white = noise.get(channel.name, 0.0) ** 2 if what in ("spool", "q_in", "p_pump") else 0.0
         found.append(plan.filled(residuals.length(channel), "same_number", plan.numbers((white,))))
     for column in residuals.columns:
         what, sd = column.rpartition(".")[2], noise.get(column, 0.0)
-        if sd == 0.0 or what in ("q_in", "angle", "position"):
+        if sd == 0.0 or what in ("q_in", "p_pump", "angle", "position"):
             continue
         sd = sd * gain if what == "spool" else sd
         up, down = (residuals.of(case_of_shift(healthy, column, sign * _NEAR * sd)) for sign in (1.0, -1.0))

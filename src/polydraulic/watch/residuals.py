@@ -199,6 +199,16 @@ class Residuals:
         return both[0], both[1]
 
     def _flow_in(self, name: str, case: Case) -> int:
+        return self._circuits(name, case) + valves_beside(case.machine, name).index(name) * self.shape.rows
+
+    def _pump_pressure(self, circuit: str, case: Case) -> int:
+        name = case.machine.circuit(circuit).functions[0]
+        pumps = [c.name for c in circuits_beside(case.machine, name)]
+        place = len(valves_beside(case.machine, name)) + pumps.index(circuit)
+        return self._circuits(name, case) + place * self.shape.rows
+
+    def _circuits(self, name: str, case: Case) -> int:
+        """Flows into the actuators of the circuits that a function's depends on, then the pressures of their pumps, one behind the other."""
         machine, functions, x = case.machine, valves_beside(case.machine, name), crossover_of(case.machine, name)
         curves = [machine.function(f).valve for f in functions]
         pumps = [
@@ -216,14 +226,15 @@ class Residuals:
             crossing = (self.plan.numbers(opens), len(curves[-1].knots))
 
         def made() -> int:
-            out, rows = self.plan.room(len(functions) * self.shape.rows), self.shape.rows
+            rows = self.shape.rows
+            out = self.plan.room((len(functions) + len(pumps)) * rows)
+            pressures = [out + (len(functions) + k) * rows for k in range(len(pumps))]
             each = [part for k, (spool, p, *curve) in enumerate(places) for part in (spool, p, out + k * rows, *curve)]
             kind = f"{'circuit' if x is None else 'crossing'}_{len(functions)}"
-            self.plan.step(kind, self.shape.before, self.shape.inside + 1, number, *each, *crossing)
+            self.plan.step(kind, self.shape.before, self.shape.inside + 1, number, *pressures, *each, *crossing)
             return out
 
-        first = self.plan.once(("circuit", functions, number, tuple(places), crossing), made)
-        return first + functions.index(name) * self.shape.rows
+        return self.plan.once(("circuit", functions, number, tuple(places), crossing), made)
 
     def _outlet(self, name: str, case: Case) -> int:
         """Conductance of the outlet."""

@@ -58,6 +58,24 @@ def test_how_much_is_not_judged_is_said_with_the_reason():
     assert said.endswith("the first 1 s and the last 0.4 s, which filters need, and what fills no block of 1 s")
 
 
+def test_a_pumps_pressure_is_read_where_the_log_has_it():
+    """Its sensor's faults are watched for, and a relief setting that is low shows in it."""
+    machine = load_machine("wheel_loader")
+    healthy = log_of(machine, 33, 150.0, pumps=["work"])
+    biased = watch_log(
+        log_of(machine, 34, 40.0, ["work.p_pump.bias 5 % from 10 s"], pumps=["work"]), machine, healthy=healthy
+    )
+    assert "work.p_pump" in biased.of.columns
+    assert biased.alarms[0].suspects[0].name == "work.p_pump.bias"
+    assert biased.alarms[0].suspects[0].size == pytest.approx(0.05, rel=0.2)
+    told = [
+        watch_log(log_of(machine, 35, 40.0, pumps=["work"]), machine, healthy=healthy, sensors=sensors).findings
+        for sensors in (None, ["*.p_?", "*.spool", "*.voltage", "*.angle", "*.q_*"])
+    ]
+    with_it, without = ({f.name: f.share for f in findings}["work.pump_relief_low"] for findings in told)
+    assert with_it > without
+
+
 def test_fewer_sensors_watch_fewer_faults():
     machine = load_machine("wheel_loader")
     log = log_of(machine, 33, 60.0, ["lift.p_a.bias from 20 s"])

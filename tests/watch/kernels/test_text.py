@@ -31,7 +31,8 @@ def made_rows(of, rng):
     rows = np.zeros((len(time), 1 + len(of.columns)))
     rows[:, 0] = time
     for k, column in enumerate(of.columns, 1):
-        f, what = of.machine.function(column.partition(".")[0]), column.rpartition(".")[2]
+        owner, _, what = column.partition(".")
+        f = of.machine.functions[0] if what == "p_pump" else of.machine.function(owner)
         wave = np.sin(2.0 * time + rng.uniform(0.0, 6.0)) + rng.normal(0.0, 1e-3, len(time))
         middle, half = 0.5 * (f.stops.low + f.stops.high), 0.2 * (f.stops.high - f.stops.low)
         rows[:, k] = {
@@ -39,6 +40,7 @@ def made_rows(of, rng):
             "spool": (0.7 + 0.2 * wave) * f.pilot.gain,
             "p_a": 60e5 + 20e5 * wave,
             "p_b": 40e5 + 20e5 * wave,
+            "p_pump": 90e5 + 20e5 * wave,
             "q_in": 1e-3 + 2e-4 * wave,
             "q_out": 1e-3 + 2e-4 * wave,
         }.get(what, middle + half * wave)
@@ -100,8 +102,10 @@ def test_rows_have_the_same_bits_in_plain_python():
 
 
 def flows_in(machine, functions):
-    """What a plan finds to flow into actuators whose spools rest at 0.6 of their travel, (n_row, n); ports there, and those travels."""
+    """What a plan finds to flow into actuators whose spools rest at 0.6 of their travel, (n_row, n); pumps' pressures, ports, and those travels."""
     columns = [f"{f}.{what}" for f in functions for what in ("spool", "p_a", "p_b", "q_in")]
+    pumps = [f"{c.name}.p_pump" for c in machine.circuits if set(c.functions) <= set(functions)]
+    columns += pumps
     of = watched(machine, columns, 0.05)
     residuals = Residuals(columns, of.shape, of.channels)
     own, rows = residuals.of(case_of(machine)), made_rows(of, np.random.default_rng(3))
@@ -111,26 +115,31 @@ def flows_in(machine, functions):
     work, kernels = np.zeros(arrays.size), kernels_of(machine)
     live = np.concatenate([np.zeros(HEAD_OF_LIVE), rows.ravel()])
     kernels.run_plan(arrays.ints, arrays.floats, live, work)
-    judged, found = rows[of.shape.judged], []
-    for f in functions:
-        begin = own[[channel.name for channel in of.channels].index(f"{f}.q_in")]
-        found.append(judged[:, 1 + columns.index(f"{f}.q_in")] - work[begin : begin + of.shape.inside])
+    judged, names = rows[of.shape.judged], [channel.name for channel in of.channels]
+
+    def made(column):
+        begin = own[names.index(column)]
+        return judged[:, 1 + columns.index(column)] - work[begin : begin + of.shape.inside]
+
+    flows, pressures = (np.column_stack([*map(made, some)]) for some in ([f"{f}.q_in" for f in functions], pumps))
     ports = judged[:, [1 + columns.index(f"{f}.p_a") for f in functions]]
-    return np.column_stack(found), ports, [0.6 * machine.function(f).valve.knots[-1] for f in functions]
+    return flows, pressures, ports, [0.6 * machine.function(f).valve.knots[-1] for f in functions]
 
 
 @pytest.mark.parametrize(
     ("name", "valves"), [("wheel_loader", 2), pytest.param("excavator_22t", 3, marks=pytest.mark.slow)]
 )
-def test_flows_are_those_of_the_circuit(name, valves):
+def test_flows_and_the_pumps_pressure_are_those_of_the_circuit(name, valves):
     machine = load_machine(name)
     c = next(c for c in machine.circuits if len(c.functions) >= valves)
-    flows, ports, travels = flows_in(machine, c.functions)
+    flows, pressures, ports, travels = flows_in(machine, c.functions)
     curves = [machine.function(f).valve for f in c.functions]
     pump = limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump)
     sample, proved = solved_valves(curves, pump, np.array([travels] * len(ports)), ports)
     assert proved.all()
     assert flows == pytest.approx(sample.q_in, rel=1e-9, abs=1e-12)
+    assert pressures[:, 0] == pytest.approx(sample.p_pump, rel=1e-9)
+    assert np.all(pressures > machine.tank.return_pressure)
 
 
 @pytest.mark.slow_to_compile
@@ -140,7 +149,7 @@ def test_flows_are_those_of_circuits_that_a_crossover_joins(valves, tmp_path):
     x, solve = machine.crossovers[0], crossover_3 if valves == 3 else crossover_4
     both = [machine.circuit(x.giving), machine.circuit(x.taking)]
     functions = [f for c in both for f in c.functions]
-    flows, ports, travels = flows_in(machine, functions)
+    flows, pressures, ports, travels = flows_in(machine, functions)
     curves = [machine.function(f).valve for f in functions]
     opened = [
         Orifices(float(np.interp(at, v.knots, v.inlet)), float(np.interp(at, v.knots, v.bypass)), 0.0)
@@ -149,10 +158,11 @@ def test_flows_are_those_of_circuits_that_a_crossover_joins(valves, tmp_path):
     conductance = float(np.interp(travels[-1], curves[-1].knots, x.valve.conductance))
     pumps = [limited_pump(c.pump.flow, c.pump.relief, machine.tank.return_pressure, c.pump) for c in both]
     crossing, passed = CrossoverOrifice(conductance, x.valve.opening_pressure), 0
-    for row, port in zip(flows, ports.tolist(), strict=True):
+    for row, pressed, port in zip(flows, pressures, ports.tolist(), strict=True):
         found = solve(crossing, *opened, *port, *pumps)
         giving = [found.giving.q_in_1] if valves == 3 else [found.giving.q_in_1, found.giving.q_in_2]
         assert row == pytest.approx([*giving, found.taking.q_in_1, found.taking.q_in_2], rel=1e-9, abs=1e-12)
+        assert pressed == pytest.approx([found.giving.circuit.p_pump, found.taking.circuit.p_pump], rel=1e-9)
         passed += found.q_cross > 0.0
     assert passed > 0
 

@@ -15,7 +15,7 @@ from polydraulic.export.watch.source import all_names, fault_names, watch_c
 from polydraulic.pages.html import document, table
 from polydraulic.watch.watch import FaultWatch
 
-_UNITS = {"voltage": "V", "spool": "m", "p_a": "Pa", "p_b": "Pa", "q_in": "m3/s", "q_out": "m3/s", "angle": "rad", "position": "m"}  # fmt: skip
+_UNITS = {"voltage": "V", "spool": "m", "p_a": "Pa", "p_b": "Pa", "q_in": "m3/s", "q_out": "m3/s", "angle": "rad", "position": "m", "p_pump": "Pa"}  # fmt: skip
 _NOMINAL = {"V": 1.0, "m": 0.01, "Pa": 1e7, "m3/s": 1e-3, "rad": 1.0}
 _STOP = 600.0
 

@@ -20,7 +20,7 @@ from polydraulic.parameters.load import as_machine
 from polydraulic.progress import Progress, quiet
 from polydraulic.tables import Table, began
 from polydraulic.watch.blocks import BlockShape, piece_ends, starts_of
-from polydraulic.watch.channels import position_of
+from polydraulic.watch.channels import position_of, pump_columns
 from polydraulic.watch.expected import Expected
 from polydraulic.watch.learning import FALSE_ALARMS, learn_expected
 from polydraulic.watch.naming import FaultNetworks, Opinion
@@ -175,7 +175,7 @@ def watch_log(
     ----------
     log : Table, str, Path or sequence of them
         Imported, in SI: ``time`` and what sensors there are of ``NAME.voltage``, ``.spool``, ``.p_a``, ``.p_b``, ``.q_in``, ``.q_out``,
-        ``.angle`` (``.position`` of a joint that slides).
+        ``.angle`` (``.position`` of a joint that slides), and of circuits ``NAME.p_pump``.
     machine : LayoutMachine, str or Path
         The healthy machine: identified from a log of its own, or as it is described.
     healthy : as log, optional
@@ -292,7 +292,8 @@ def watched_columns(
     known = []
     for f in machine.functions:
         place = position_of(machine, f)
-        known += [f"{f.name}.{what}" for what in UNITS if what not in ("angle", "position")] + [place]
+        known += [f"{f.name}.{what}" for what in UNITS if what not in ("angle", "position", "p_pump")] + [place]
+    known += pump_columns(machine)
     found = [name for name in known if name in table.names]
     if not found:
         raise InputError(

@@ -100,14 +100,17 @@ def _circuit(n: int) -> str:
     return f'''
 @driver
 def circuit_{n}(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: int) -> None:
-    """Flows into the actuators of a circuit, `NOTHING` where they are not proved; of each valve spool, port, output, curves and their knots."""
+    """Flows into the actuators of a circuit and the pressure of its pump, `NOTHING` where they are not proved.
+
+    Places are the first row, how many, the pump, and the output of its pressure; of each valve spool, port, output, curves and their knots.
+    """
     first, n, number = ints[s], ints[s + 1], ints[s + 2]
     pump = {_pump(0)}
-{_places(n)}
+{_places(n, 1)}
     for i in range(first, first + n):
 {_orifices(n)}
         found = series_{n}({_each("k", range(n))}, {_each("p", range(n))}, pump)
-{_results([f"found.q_in_{k + 1}" for k in range(n)], "found.status")}
+{_results([f"found.q_in_{k + 1}" for k in range(n)], ["found.circuit"], "found.status")}
 '''
 
 
@@ -121,15 +124,15 @@ def crossing_{n}(ints: np.ndarray, floats: np.ndarray, work: np.ndarray, s: int)
     first, n, number = ints[s], ints[s + 1], ints[s + 2]
     gives = {_pump(0)}
     takes = {_pump(6)}
-{_places(n)}
-    cross = s + {3 + 5 * n}
+{_places(n, 2)}
+    cross = s + {5 + 5 * n}
     opens, count = ints[cross], ints[cross + 1]
     for i in range(first, first + n):
 {_orifices(n)}
         conductance = interpolated(floats, opens + 1, opens + 1 + count, count, x_{n - 1})
         orifice = CrossoverOrifice(conductance, floats[opens])
         found = crossover_{n}(orifice, {_each("k", range(n))}, {_each("p", range(n))}, gives, takes)
-{_results(flows, "found.taking.status")}
+{_results(flows, ["found.giving.circuit", "found.taking.circuit"], "found.taking.status")}
 '''
 
 
@@ -141,8 +144,8 @@ def _each(name: str, numbers: Iterable[int]) -> str:
     return ", ".join(f"{name}_{k}" for k in numbers)
 
 
-def _places(n: int) -> str:
-    return "\n".join(f"    valve_{k} = s + {3 + 5 * k}" for k in range(n))
+def _places(n: int, pumps: int) -> str:
+    return "\n".join(f"    valve_{k} = s + {3 + pumps + 5 * k}" for k in range(n))
 
 
 def _orifices(n: int) -> str:
@@ -159,10 +162,11 @@ def _orifices(n: int) -> str:
     )
 
 
-def _results(flows: Iterable[str], status: str) -> str:
+def _results(flows: Iterable[str], circuits: Iterable[str], status: str) -> str:
+    outputs = [(f"ints[valve_{k} + 2]", flow) for k, flow in enumerate(flows)]
+    outputs += [(f"ints[s + {3 + k}]", f"{circuit}.p_pump") for k, circuit in enumerate(circuits)]
     return "\n".join(
-        f"        work[ints[valve_{k} + 2] + i] = {flow} if {status} < UNPROVED else NOTHING"
-        for k, flow in enumerate(flows)
+        f"        work[{place} + i] = {value} if {status} < UNPROVED else NOTHING" for place, value in outputs
     )
 
 
