@@ -192,11 +192,10 @@ class Residuals:
     def _ports(self, name: str, case: Case) -> tuple[int, int]:
         """Pressures at the pressurised port and at the outlet."""
         x, a, b = self._spool(name, case), self._pressure(f"{name}.p_a", case), self._pressure(f"{name}.p_b", case)
-        both = [
-            self.plan.once(("port", places), lambda places=places: self._rows("port", *places))  # type: ignore[misc]
-            for places in ((x, a, b), (x, b, a))
-        ]
-        return both[0], both[1]
+        return self._port(x, a, b), self._port(x, b, a)
+
+    def _port(self, *places: int) -> int:
+        return self.plan.once(("port", places), lambda: self._rows("port", *places))
 
     def _flow_in(self, name: str, case: Case) -> int:
         return self._circuits(name, case) + valves_beside(case.machine, name).index(name) * self.shape.rows
@@ -286,11 +285,8 @@ class Residuals:
 
     def _motion(self, case: Case) -> list[tuple[int, int, int]]:
         """Where position, rate and acceleration of each joint at the instants stand."""
-        found = []
-        for f in case.machine.functions:
-            read = self._read(position_of(case.machine, f), case)
-            found.append(tuple(self._convolved(read, k) for k in range(3)))
-        return found  # type: ignore[return-value]
+        reads = [self._read(position_of(case.machine, f), case) for f in case.machine.functions]
+        return [(self._convolved(read, 0), self._convolved(read, 1), self._convolved(read, 2)) for read in reads]
 
     def _convolved(self, of: int, k: int) -> int:
         places = (

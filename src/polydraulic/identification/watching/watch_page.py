@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 _NOTHING = 0.005  # share of what an alarm takes that is shown as 0 %
 _LINES = 6  # directions that are drawn by name
-_COLOURS = ("#c0392b", "#2a6fb0", "#e07a1f", "#3a8f5c", "#7d4fa1", "#8a6d3b")
+# told apart by all eyes (Okabe and Ito 2008), on white as on what shades an alarm
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b07800", "#3a9bd6")
 
 
 def watch_page_ending(path: str | Path) -> None:
@@ -111,13 +112,15 @@ def plot_watch(found: WatchedLog) -> "Figure":
         if len(drawn) < _LINES and most[k] > 0.5 and first[k] not in [first[j] for j in drawn]:
             drawn.append(k)
     time, label = time_axis(found.time, found.began)
-    axis.plot(time, found.evidence.max(axis=1), color="#bbb", linewidth=1.0, label="the most of all faults")
+    axis.plot(time, found.evidence.max(axis=1), color="#777", linewidth=0.8, label="the most of all faults")
     for colour, k in zip(_COLOURS, drawn, strict=False):
-        axis.plot(time, found.evidence[:, k], color=colour, linewidth=1.3, label=first[k])
-    for alarm in found.alarms:
+        axis.plot(time, found.evidence[:, k], color=colour, linewidth=1.6, label=first[k])
+    for number, alarm in enumerate(found.alarms):
         (since, until), _ = time_axis(np.array([alarm.since, alarm.until]), found.began)
-        axis.axvspan(since, until, color="#c0392b", alpha=0.10, linewidth=0.0)
-    axis.axhline(1.0, color="#222", linewidth=1.0, linestyle="--", label="alarm")
+        axis.axvspan(
+            since, until, color="#222", alpha=0.07, linewidth=0.0, label="" if number else "alarm, since to until"
+        )
+    axis.axhline(1.0, color="#222", linewidth=1.0, linestyle="--", label="enough for an alarm")
     axis.set_ylim(0.0, 2.1)
     axis.set_xlabel(label)
     axis.set_ylabel("evidence / threshold")
