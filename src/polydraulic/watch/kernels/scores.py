@@ -83,14 +83,16 @@ def whiten(offset: np.ndarray, jitter: np.ndarray, work: np.ndarray, n: int, at_
             if share != 0.0:
                 for j in range(k + 1, m):
                     work[room + i * m + j] -= share * work[room + k * m + j]
+    # of the matrix that is solved for only the diagonal is asked for, and of each row what that takes: columns up to its own
     for back in range(n):
         last = n - 1 - back
+        asked = n + 2 + last
         for i in range(last + 1, n):
             factor = work[room + last * m + i]
             if factor != 0.0:
-                for j in range(n, m):
+                for j in range(n, asked):
                     work[room + last * m + j] -= factor * work[room + i * m + j]
-        for j in range(n, m):
+        for j in range(n, asked):
             work[room + last * m + j] = work[room + last * m + j] / work[room + last * m + last]
         work[white + last] = work[room + last * m + n]
         work[white + n + last] = max(work[room + last * m + n + 1 + last], 0.0)
