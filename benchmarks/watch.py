@@ -1,15 +1,17 @@
 """Faults watched for in logs of simulated machines: how many are found, how soon, how they are named, and how often there is nothing to find.
 
-``python benchmarks/watch.py [MACHINE ...] [--seeds N] [--every N] [--hours H] [--minutes M] [--keep FOLDER]``: it prints Markdown tables and
+``python benchmarks/watch.py [MACHINE[:H] ...] [--seeds N] [--every N] [--hours H] [--minutes M] [--keep FOLDER]``: it prints Markdown tables and
 asserts nothing. The machine that is watched is identified from 15 min of its own healthy log, with noise as `record --example` has it, beginning
 from a file that is off (`rough_machine`); what is to be expected is learnt from the same log. ``MACHINE+`` has hysteresis of 2 % of each spool's
 travel, flow forces and friction that holds, which the watched machine has not; ``MACHINE~`` is watched by pressures, positions and levers alone;
 ``MACHINE^`` has sensors of its pumps' pressures as well.
 Every fault of the catalogue, in its smallest size, begins at 30 s and stays for two minutes; drifts of sensors stay for seven and a half. A fault has
 an occasion to show in a second in which it would move what is read by a standard deviation at least; one that has fewer than a minute of them is
-hidden if it had a minute without the errors of the watched machine. Healthy logs of 10 min are watched of all machines in turn, until there are as
-many hours of each, or so many minutes of the clock have passed. What has been watched is kept in the folder as well, log by log: a run that was
-interrupted goes on where it ended, so a folder is for one state of the program. An hour takes some five seconds of a processor.
+hidden if it had a minute without the errors of the watched machine. Where these stray by so much that an alarm would take more than such a minute, no
+second is an occasion. Healthy logs of 10 min are watched of all machines in turn, until there are as
+many hours of each (H of those with a number of their own), or so many minutes of the clock have passed. What has been watched is kept in the folder
+as well, log by log: a run that was interrupted goes on where it ended, so a folder is for one state of the program. An hour takes some five seconds of
+a processor.
 
 Settings were chosen on operators 11, 99 and 200 of cat215b as it is, 31 to 34 of wheel_loader, unidentified, of drifts 60000 to 60113 of
 wheel_loader, and of what strays 500000 to 500023, with 21001 to 21003 to learn from. Operators from 7000 to 7900, from 8000 to 8900 and from 100000 on
@@ -145,10 +147,11 @@ def drift_row(name, found):
 
 
 def watch_hours(cases, hours, until, kept):
-    """Seconds and false alarms of each machine's healthy work."""
+    """Seconds and false alarms of so many hours of each machine's healthy work."""
     seconds, false = Counter(), Counter()
-    for number in range(round(hours * 3600.0 / HEALTHY_LASTS)):
-        for name, case in cases.items():
+    logs = {name: round(hours[name] * 3600.0 / HEALTHY_LASTS) for name in cases}
+    for number in range(max(logs.values(), default=0)):
+        for name, case in ((name, case) for name, case in cases.items() if number < logs[name]):
             if time.monotonic() > until:
                 return seconds, false
             seed = HEALTHY_SEED + number
@@ -187,8 +190,9 @@ def main():
     kept = Kept(options.keep)
     until = time.monotonic() + 60.0 * options.minutes
     cases, faults, drifts, confused, seconds, false = {}, [], [], Counter(), Counter(), Counter()
-    unusual = []
-    for name in options.machines:
+    unusual, hours = [], {}
+    for name, _, own in (text.partition(":") for text in options.machines):
+        hours[name] = float(own or options.hours)
         case = cases[name] = learnt(name, options.keep)
         found = faults_of(name, case, faults_watched(case)[:: options.every], options.seeds, kept)
         grown = faults_of(name, case, drifts_watched(case)[:: options.every], options.seeds, kept)
@@ -200,7 +204,7 @@ def main():
         unusual += [
             [name, *row] for row in kept(f"{name} unusual", lambda case=case: watch_unusual(case, FIRST_SEED + 900))
         ]
-    for counts, more in zip((seconds, false), watch_hours(cases, options.hours, until, kept), strict=True):
+    for counts, more in zip((seconds, false), watch_hours(cases, hours, until, kept), strict=True):
         counts.update(more)
     heads = [
         "machine", "faults", "no occasion to show", "hidden", f"found in {WITHIN} s", "median", "95 %", "median by the clock, s", "named", "kind named",
@@ -208,7 +212,7 @@ def main():
     table("Faults in their smallest sizes; seconds in which they can show until they are found", heads, faults)
     drift_heads = ["machine", "drifts", "found", "median by the clock, s", "named drift", "named bias"]
     table("Sensors that drift, to the smallest bias that counts in ten minutes", drift_heads, drifts)
-    rows = [healthy_row(name, false[name], seconds[name]) for name in options.machines]
+    rows = [healthy_row(name, false[name], seconds[name]) for name in cases]
     rows.append(healthy_row("all", sum(false.values()), sum(seconds.values())))
     bound = f"at most per hour, {SURE:.0%} sure"
     table("Healthy work", ["machine", "hours", "false alarms", "per hour", bound], rows)

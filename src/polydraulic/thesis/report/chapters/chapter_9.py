@@ -185,7 +185,8 @@ def _text(studies: Sequence[Diagnosis]) -> list[Paragraph]:
         ),
         Paragraph(
             "A fault shows only where the machine's work lets it: a relief valve that is set low needs a pressure near to it. It can show in a second in which it "
-            "would move what is read by a standard deviation at least; noise and the errors of the identified machine count alike. The delay is given in such seconds, "
+            "would move what is read by a standard deviation at least; noise and the errors of the identified machine count alike, and where these stray by so much from one minute to the next that a minute of it would "
+            "give no alarm, no second counts. The delay is given in such seconds, "
             f"and by the clock; no second counts for more than 1/{LEAST_BLOCKS} of what makes an alarm, so that {LEAST_BLOCKS} of them are about the least. An alarm goes on diagnosing for up to a minute; its name is the last that it gives.",
             "How to read the tables.",
         ),
