@@ -108,7 +108,9 @@ def plot_watch(found: WatchedLog) -> "Figure":
     most = found.evidence.max(axis=0)
     first = [d.name for d in found.of.directions]
     drawn: list[int] = []
-    for k in np.argsort(-most).tolist():
+    for k in np.lexsort(
+        (found.evidence.argmax(axis=0), -most)
+    ).tolist():  # of those that come as far, the one that does so first
         if len(drawn) < _LINES and most[k] > 0.5 and first[k] not in [first[j] for j in drawn]:
             drawn.append(k)
     time, label = time_axis(found.time, found.began)
