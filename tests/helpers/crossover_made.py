@@ -7,7 +7,10 @@ import numpy as np
 from helpers.crossover_judge import judge_all
 from helpers.series_made import STATES, pump_of
 from polydraulic._kernel import driver, kernel
-from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4
+from polydraulic.machine.circuits.crossover import crossed_4, crossover_3, crossover_4, joined_4
+from polydraulic.machine.circuits.crossover_check import joined_end
+from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice
+from polydraulic.machine.circuits.crossover_pass import JOINED_PASSES, joined_begin, joined_pass, joined_path
 from polydraulic.machine.pump import Pump
 from polydraulic.machine.valve import Orifices
 
@@ -99,3 +102,29 @@ def off(found, true, states):
     """Largest error of the flows of each state, as a share of the smaller pump's flow."""
     flows = [0, 1, 2, 3, 4, 5, 6, 7, 9, 10, 11]
     return np.abs(found[:, flows] - true[:, flows]).max(axis=1) / min(states.gives.flow, states.takes.flow)
+
+
+@driver
+def attempt_all(crosses, inlets, bypasses, ports, gives, takes, torque, out):
+    """Rows of four valves by passes and certificate alone; in place of the pressure behind the giving pump's first valve stands whether all has settled. `torque`: passes that know torque limits."""
+    for i in range(crosses.shape[0]):
+        orifice = CrossoverOrifice(crosses[i, 0], crosses[i, 1])
+        k_1, k_2 = Orifices(inlets[i, 0], bypasses[i, 0], 0.0), Orifices(inlets[i, 1], bypasses[i, 1], 0.0)
+        k_3, k_4 = Orifices(inlets[i, 2], bypasses[i, 2], 0.0), Orifices(inlets[i, 3], bypasses[i, 3], 0.0)
+        v = joined_4(orifice, k_1, k_2, k_3, k_4, ports[i, 0], ports[i, 1], ports[i, 2], ports[i, 3], gives, takes)
+        r, x = joined_path(v), joined_begin(gives, takes)
+        for _ in range(JOINED_PASSES):
+            if torque:
+                x = joined_pass(x, r, v.ports, gives, takes, True, True)
+            else:
+                x = joined_pass(x, r, v.ports, gives, takes, False, False)
+        found = joined_end(x, r, v)
+        put(crossed_4(found), out[i])
+        out[i, BEHIND_GIVING] = 1.0 if x.still else 0.0
+
+
+def attempted(states, torque=False):
+    """Rows of what passes find alone, without brackets."""
+    out = np.empty((len(states.crosses), N_FOUND))
+    attempt_all(*states, torque, out)
+    return out

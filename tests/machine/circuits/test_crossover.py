@@ -19,8 +19,9 @@ from helpers.crossover_made import (
 )
 from helpers.kernels_in_c import library
 from helpers.series_made import STATES, pump_of
-from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4
-from polydraulic.machine.circuits.series_check import PROVED, UNPROVED
+from polydraulic.machine.circuits.crossover import crossover_3, crossover_4
+from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice
+from polydraulic.machine.circuits.series_check import UNPROVED
 from polydraulic.machine.circuits.series_short import series_1, series_2
 from polydraulic.machine.pump import NEVER, Pump
 from polydraulic.machine.valve import Orifices
@@ -36,7 +37,7 @@ def check(machine, kind, exponent, size, seed):
     true = judged(states, found)
     assert np.all(np.isfinite(found))
     assert true[:, -1].max() <= SURE
-    assert np.all(found[:, STATUS] == PROVED)
+    assert np.all(found[:, STATUS] < UNPROVED)
     assert off(found, true, states).max() <= WITHIN
     q, flow = found.T, states.gives.flow
     assert np.abs(q[5] - q[0] - q[1] - q[4] - q[6] - q[7]).max() <= 1e-13 * flow
@@ -105,7 +106,7 @@ def test_the_check_valve_opens_at_its_pressure(machine):
     for opening, opens in ((p - 2e6 - 1.0, True), (p - 2e6 + 1.0, False)):
         s = crossover_3(CrossoverOrifice(1e-6, opening), open_, blocked, port, 0.0, 0.0, 2e6, gives, gives)
         assert (s.q_cross > 0.0) == opens
-        assert s.giving.status == PROVED
+        assert s.giving.status < UNPROVED
 
 
 @pytest.mark.parametrize("broken", [np.nan, 1e35])
@@ -113,7 +114,8 @@ def test_what_is_no_pressure_is_never_trusted(machine, broken):
     states = random_states(machine, "real", 1.0, 4, 5)
     for i in range(4):
         states.ports[i, i] = broken
-    assert np.all(solved(states)[:, STATUS] == UNPROVED)
+    with np.errstate(all="ignore"):
+        assert np.all(solved(states)[:, STATUS] == UNPROVED)
 
 
 def into(v: np.ndarray, out: np.ndarray) -> float:

@@ -7,7 +7,8 @@ import pytest
 from helpers.crossover_made import N_FOUND, STATUS, put, random_states
 from helpers.series_made import STATES
 from polydraulic._kernel import driver
-from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4
+from polydraulic.machine.circuits.crossover import crossover_3, crossover_4
+from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice
 from polydraulic.machine.circuits.crossover_slopes import crossover_3_slopes, crossover_4_slopes
 from polydraulic.machine.circuits.series_check import PROVED
 from polydraulic.machine.valve import Orifices

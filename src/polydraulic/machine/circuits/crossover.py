@@ -4,24 +4,38 @@ At a pressure between both valves of the taking circuit everything follows: the 
 crossover take, and the flow of the taking pump's first valve. The higher this pressure, the less arrives and the more the second valve takes, so that the
 surplus has one root. Where it lies above what the giving pump can push against, the check valve is shut.
 
-Roots are bracketed, in twice the machine's precision. What surplus is left is a source at a node: no flow is further off than that.
+Passes find it first (`crossover_pass`). What their certificate refuses is bracketed, in twice the machine's precision. What surplus is left is a source at a node: no flow is further
+off than that.
 """
 
 from math import sqrt
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
+from polydraulic.machine.circuits.crossover_check import joined_deliver, joined_end
 from polydraulic.machine.circuits.crossover_nodes import (
     Behind,
+    CrossoverOrifice,
     FinePressure,
     Giving,
+    JoinedFlows,
+    JoinedPorts,
+    JoinedPumps,
     drop,
     first_valve,
     giving_at,
     orifice_passes,
     raised,
 )
-from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, UNPROVED, delivers
+from polydraulic.machine.circuits.crossover_pass import (
+    JOINED_PASSES,
+    JoinedPath,
+    Joining,
+    joined_begin,
+    joined_pass,
+    joined_path,
+)
+from polydraulic.machine.circuits.series_check import CERTAIN, FAR, PROVED, REPAIRED, UNPROVED, delivers
 from polydraulic.machine.circuits.series_short import Series1, Series2
 from polydraulic.machine.pump import Circuit, Pump, Single
 from polydraulic.machine.valve import Orifices
@@ -30,13 +44,6 @@ _STEPS = 180  # the first ones along chords, every eighth halves; from `_HALVE` 
 _HALVE = 48
 _REST = 4e-15  # share of both pumps' flows; a smaller surplus is rounding
 TO_TANK = 1e3  # m3/s/Pa^0.5; instead of a valve that is not there
-
-
-class CrossoverOrifice(NamedTuple):
-    """An orifice behind a check valve, which takes its opening pressure of the drop and lets nothing back."""
-
-    conductance: float  # m3/s/Pa^0.5
-    opening_pressure: float  # Pa
 
 
 class Crossed3(NamedTuple):
@@ -53,22 +60,6 @@ class Crossed4(NamedTuple):
     giving: Series2
     taking: Series2
     q_cross: float
-
-
-class JoinedPumps(NamedTuple):
-    """Conductances, port pressures and pumps of a whole circuit, the giving pump's valves first."""
-
-    cross: CrossoverOrifice
-    k_1: Orifices
-    k_2: Orifices
-    k_3: Orifices
-    k_4: Orifices
-    p_1: float
-    p_2: float
-    p_3: float
-    p_4: float
-    gives: Pump
-    takes: Pump
 
 
 class Pushed(NamedTuple):
@@ -132,7 +123,7 @@ def _pushed(shuts: FinePressure, lowest: FinePressure, highest: FinePressure, v:
     found = Giving(0.0, 0.0, Behind(0.0, 0.0, 0.0, 0.0), 0.0)
     q_cross = 0.0
     for step in range(_STEPS):
-        found = giving_at(p, v.k_1, v.k_2, v.p_1, v.p_2, v.gives)
+        found = giving_at(p, v.k_1, v.k_2, v.ports.p_1, v.ports.p_2, v.gives)
         over = (p.coarse - shuts.coarse) + (p.fine - shuts.fine)
         q_cross = v.cross.conductance * sqrt(max(over, 0.0))
         rest = found.rest - q_cross
@@ -151,8 +142,8 @@ def _tried(p: FinePressure, alone: Pushed, v: JoinedPumps) -> Tried:
     shuts = raised(p, v.cross.opening_pressure)
     opens = v.cross.conductance > 0.0 and drop(shuts, alone.p.coarse) < alone.p.fine
     giving = _pushed(shuts, shuts, alone.p, v) if opens else alone
-    first = first_valve(v.k_3, v.p_3, p, v.takes)
-    q_second, q_tank = orifice_passes(v.k_4.inlet, p, v.p_4), orifice_passes(v.k_4.bypass, p, v.takes.p_return)
+    first = first_valve(v.k_3, v.ports.p_3, p, v.takes)
+    q_second, q_tank = orifice_passes(v.k_4.inlet, p, v.ports.p_4), orifice_passes(v.k_4.bypass, p, v.takes.p_return)
     surplus = giving.q_cross + first.circuit.q_bypass - q_second - q_tank
     return Tried(giving, first, q_second, q_tank, p, surplus)
 
@@ -162,21 +153,6 @@ def _between(a: float, b: float, share: float) -> float:
     return a + share * (b - a)
 
 
-class Found(NamedTuple):
-    """Between the answers at the two ends of a path's bracket."""
-
-    q_1: float
-    q_2: float
-    q_3: float
-    q_4: float
-    q_cross: float
-    p_giving: float
-    p_taking: float
-    giving: Circuit
-    taking: Circuit
-    status: int
-
-
 @kernel
 def _bent(a: float, b: float) -> float:
     """By how much an orifice's flow between two places can differ from the one shared out between its flows there."""
@@ -184,7 +160,7 @@ def _bent(a: float, b: float) -> float:
 
 
 @kernel
-def _shared(a: Tried, b: Tried, v: JoinedPumps) -> Found:
+def _shared(a: Tried, b: Tried, v: JoinedPumps) -> JoinedFlows:
     """Flows between those at two neighbouring places, so that nothing is left over."""
     share = min(max(a.surplus / (a.surplus - b.surplus + 1e-300), 0.0), 1.0) if a.surplus > b.surplus else 0.0
     x, y, f, g = a.giving.found, b.giving.found, a.first, b.first
@@ -212,9 +188,9 @@ def _shared(a: Tried, b: Tried, v: JoinedPumps) -> Found:
     q_1, q_2 = _between(x.q_in, y.q_in, share), _between(x.behind.q_in, y.behind.q_in, share)
     q_cross = _between(a.giving.q_cross, b.giving.q_cross, share)
     lost = abs(giving.q_pump - q_1 - q_2 - giving.q_bypass - giving.q_relief - q_cross)
-    known = abs(v.p_1) + abs(v.p_2) + abs(v.p_3) + abs(v.p_4) < FAR
+    known = abs(v.ports.p_1) + abs(v.ports.p_2) + abs(v.ports.p_3) + abs(v.ports.p_4) < FAR
     certain = known and left + bent + lost <= CERTAIN * min(v.gives.flow, v.takes.flow)
-    return Found(
+    return JoinedFlows(
         q_1,
         q_2,
         _between(f.q_in, g.q_in, share),
@@ -224,18 +200,18 @@ def _shared(a: Tried, b: Tried, v: JoinedPumps) -> Found:
         _between(a.p.coarse, b.p.coarse, share),
         giving,
         taking,
-        PROVED if certain and delivers(giving, v.gives) and delivers(taking, v.takes) else UNPROVED,
+        REPAIRED if certain and delivers(giving, v.gives) and delivers(taking, v.takes) else UNPROVED,
     )
 
 
 @kernel
-def _found(v: JoinedPumps) -> Found:
-    """The pressure before the second valve at which nothing is left over."""
+def joined_bracketed(v: JoinedPumps) -> JoinedFlows:
+    """Flows at the pressure before the second valve at which nothing is left over."""
     flow = min(v.gives.flow, v.takes.flow)
     top, far = FinePressure(v.gives.relief, 0.0), FinePressure(FAR, 0.0)
-    none = FinePressure(min(min(v.p_1, v.p_2), min(v.gives.p_return, v.gives.relief)), 0.0)
+    none = FinePressure(min(min(v.ports.p_1, v.ports.p_2), min(v.gives.p_return, v.gives.relief)), 0.0)
     alone = _pushed(far, none, top, v)
-    lowest = min(v.p_4 if v.k_4.inlet > 0.0 else FAR, v.takes.p_return if v.k_4.bypass > 0.0 else FAR)
+    lowest = min(v.ports.p_4 if v.k_4.inlet > 0.0 else FAR, v.takes.p_return if v.k_4.bypass > 0.0 else FAR)
     # first where the check valve shuts: the root is below, or above
     p = raised(alone.p, -v.cross.opening_pressure)
     a = _tried(p, alone, v)
@@ -257,6 +233,88 @@ def _found(v: JoinedPumps) -> Found:
     b = a if abs(a.surplus) <= _REST * flow else b
     a = b if abs(b.surplus) <= _REST * flow else a
     return _shared(a, b, v)
+
+
+@kernel
+def joined_on(x: Joining, r: JoinedPath, v: JoinedPumps, made: int) -> Joining:
+    """All passes after the first ones that were made, until all has settled."""
+    limit = v.gives.log_least < 0.0 or v.takes.log_least < 0.0
+    for _ in range(made, JOINED_PASSES):
+        if x.still:
+            break
+        x = joined_pass(x, r, v.ports, v.gives, v.takes, limit, False)
+    return x
+
+
+@kernel
+def joined_solved(v: JoinedPumps) -> JoinedFlows:
+    """Flows of both circuits: passes, their certificate, brackets for what that refuses."""
+    r, start = joined_path(v), joined_begin(v.gives, v.takes)
+    x = joined_on(start, r, v, 0)
+    found = joined_end(x, r, v)
+    proved = found.status == PROVED and joined_deliver(found.giving, found.taking, v.gives, v.takes)
+    return found if proved else joined_bracketed(v)
+
+
+@kernel
+def joined_ports_4(p_1: float, p_2: float, p_3: float, p_4: float, gives: Pump) -> JoinedPorts:
+    """Port pressures of four valves."""
+    return JoinedPorts(p_1, p_2, p_3, p_4)
+
+
+@kernel
+def joined_ports_3(p_1: float, p_2: float, p_3: float, gives: Pump) -> JoinedPorts:
+    """Port pressures of three; instead of the second of four there is the tank."""
+    return JoinedPorts(p_1, gives.p_return, p_2, p_3)
+
+
+@kernel
+def joined_4(
+    cross: CrossoverOrifice,
+    k_1: Orifices,
+    k_2: Orifices,
+    k_3: Orifices,
+    k_4: Orifices,
+    p_1: float,
+    p_2: float,
+    p_3: float,
+    p_4: float,
+    gives: Pump,
+    takes: Pump,
+) -> JoinedPumps:
+    """Four valves on two pumps."""
+    return JoinedPumps(cross, k_1, k_2, k_3, k_4, joined_ports_4(p_1, p_2, p_3, p_4, gives), gives, takes)
+
+
+@kernel
+def joined_3(
+    cross: CrossoverOrifice,
+    k_1: Orifices,
+    k_2: Orifices,
+    k_3: Orifices,
+    p_1: float,
+    p_2: float,
+    p_3: float,
+    gives: Pump,
+    takes: Pump,
+) -> JoinedPumps:
+    """Three valves on two pumps."""
+    tank = Orifices(0.0, TO_TANK, 0.0)
+    return JoinedPumps(cross, k_1, tank, k_2, k_3, joined_ports_3(p_1, p_2, p_3, gives), gives, takes)
+
+
+@kernel
+def crossed_4(s: JoinedFlows) -> Crossed4:
+    """Flows of four valves, by pump."""
+    giving = Series2(s.q_1, s.q_2, s.p_giving, s.giving, s.status)
+    return Crossed4(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)
+
+
+@kernel
+def crossed_3(s: JoinedFlows) -> Crossed3:
+    """Flows of three valves, by pump."""
+    giving = Series1(s.q_1, s.giving, s.status)
+    return Crossed3(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)
 
 
 @kernel
@@ -285,9 +343,9 @@ def crossover_4(
         At their pressurised ports.
     gives, takes : Pump
     """
-    s = _found(JoinedPumps(cross, k_1, k_2, k_3, k_4, p_1, p_2, p_3, p_4, gives, takes))
-    giving = Series2(s.q_1, s.q_2, s.p_giving, s.giving, s.status)
-    return Crossed4(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)
+    v = joined_4(cross, k_1, k_2, k_3, k_4, p_1, p_2, p_3, p_4, gives, takes)
+    found = joined_solved(v)
+    return crossed_4(found)
 
 
 @kernel
@@ -303,7 +361,6 @@ def crossover_3(
     takes: Pump,
 ) -> Crossed3:
     """One actuator on a pump that also feeds the second of two on another pump; see `crossover_4`."""
-    tank = Orifices(0.0, TO_TANK, 0.0)
-    s = _found(JoinedPumps(cross, k_1, tank, k_2, k_3, p_1, gives.p_return, p_2, p_3, gives, takes))
-    giving = Series1(s.q_1, s.giving, s.status)
-    return Crossed3(giving, Series2(s.q_3, s.q_4, s.p_taking, s.taking, s.status), s.q_cross)
+    v = joined_3(cross, k_1, k_2, k_3, p_1, p_2, p_3, gives, takes)
+    found = joined_solved(v)
+    return crossed_3(found)

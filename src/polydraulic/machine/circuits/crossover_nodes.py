@@ -26,6 +26,50 @@ class FinePressure(NamedTuple):
     fine: float
 
 
+class CrossoverOrifice(NamedTuple):
+    """An orifice behind a check valve, which takes its opening pressure of the drop and lets nothing back."""
+
+    conductance: float  # m3/s/Pa^0.5
+    opening_pressure: float  # Pa
+
+
+class JoinedPorts(NamedTuple):
+    """Pressures at the ports of all valves, Pa, the giving pump's first."""
+
+    p_1: float
+    p_2: float
+    p_3: float
+    p_4: float
+
+
+class JoinedPumps(NamedTuple):
+    """Conductances, port pressures and pumps of a whole circuit, the giving pump's valves first."""
+
+    cross: CrossoverOrifice
+    k_1: Orifices
+    k_2: Orifices
+    k_3: Orifices
+    k_4: Orifices
+    ports: JoinedPorts
+    gives: Pump
+    takes: Pump
+
+
+class JoinedFlows(NamedTuple):
+    """Flows of all valves, pressures between those of a pump, and its flows and pressure."""
+
+    q_1: float
+    q_2: float
+    q_3: float
+    q_4: float
+    q_cross: float
+    p_giving: float
+    p_taking: float
+    giving: Circuit
+    taking: Circuit
+    status: int
+
+
 class Behind(NamedTuple):
     """What passes a bypass at a given pressure before it, and how the valve behind shares it."""
 

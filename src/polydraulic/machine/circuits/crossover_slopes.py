@@ -7,7 +7,8 @@ the taking pump's first bypass between them. Two sweeps along this row say what 
 from typing import NamedTuple
 
 from polydraulic._kernel import kernel
-from polydraulic.machine.circuits.crossover import TO_TANK, Crossed3, Crossed4, CrossoverOrifice
+from polydraulic.machine.circuits.crossover import TO_TANK, Crossed3, Crossed4
+from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice
 from polydraulic.machine.circuits.series_short import Series2
 from polydraulic.machine.circuits.series_slopes import (
     LinearValve,

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
+from polydraulic.machine.circuits.crossover_pass import JoinedPath, Joining
 from polydraulic.machine.circuits.torque_limit import Limited
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import (
@@ -26,6 +27,7 @@ _SCRATCH = (
 
 
 _LIMITED = [field for field in Limited._fields if field != "still"]
+_JOINING = [field for field in Joining._fields if field != "still"]
 
 
 class LaneRows(NamedTuple):
@@ -41,6 +43,8 @@ class LaneRows(NamedTuple):
         of all for 0.
     limited : list of int
         How far the flows of a circuit of one or two valves are known whose pump has a torque limit: scratch of one circuit after the other.
+    joining, joined_path : list of int
+        The same of circuits that a crossover joins, and what resists their flow; none without.
     still : int
         Whether they have settled.
     status : dict
@@ -60,6 +64,8 @@ class LaneRows(NamedTuple):
     mass: list[int]
     passed: dict[str, dict[str, int]]
     limited: list[int]
+    joining: list[int]
+    joined_path: list[int]
     still: int
     status: dict[str, int]
     force: list[int]
@@ -106,11 +112,13 @@ def lane_rows(
             fields = [*passes[n], *(f"{word}_{i}" for i in range(n + 1) for word in ("r", "rest"))]
             passed[c.name] = dict(zip(fields, rows(len(fields)), strict=True))
     limited, still = rows(len(_LIMITED)), rows(1)[0]
+    crosses = bool(machine.crossovers)
+    joining, joined_path = rows(len(_JOINING) * crosses), rows(len(JoinedPath._fields) * crosses)
     status = {c.name: rows(1)[0] for c in machine.circuits}
     pushes = rows(3) if force else []
     steps, unsettled, met, outside, beyond, beyond_log = rows(6)
     counts = (steps, unsettled, met, outside, beyond, beyond_log)
-    return LaneRows(groups, mass, passed, limited, still, status, pushes, *counts, end)
+    return LaneRows(groups, mass, passed, limited, joining, joined_path, still, status, pushes, *counts, end)
 
 
 def lane_lists(
@@ -146,7 +154,12 @@ def lane_lists(
             for c in machine.circuits
         ],
         "LIMITED_ROWS": _numbered("X", _LIMITED, rows.limited),
-        "CROSS_ROWS": [{**row, "R": place[cross_name(str(row["G"]))] * LANES} for row in crossover_rows(machine)],
+        "JOINING_ROWS": _numbered("X", _JOINING, rows.joining) if rows.joining else [],
+        "JOINED_PATH_ROWS": _numbered("X", JoinedPath._fields, rows.joined_path) if rows.joined_path else [],
+        "CROSS_ROWS": [
+            {**row, "R": place[cross_name(str(row["G"]))] * LANES, "STATUS_G": rows.status[str(row["G"])] * LANES}
+            for row in crossover_rows(machine)
+        ],
     }
     lists["CIRCUIT_WORD_ROWS"] = [
         {"C": c.name, "W": word, "R": place[f"{c.name}.{word}"] * LANES}

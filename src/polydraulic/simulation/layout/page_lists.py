@@ -39,6 +39,7 @@ def page_lists(machine: LayoutMachine, tip: str, force: bool, flow: str = "exact
         "CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits],
         "PLAIN_CIRCUITS": [{"C": c.name, "N": str(len(c.functions))} for c in machine.circuits if c.kind != "crossover"],
         "CROSSOVERS": [{**row, "P": place[cross_name(str(row["G"]))]} for row in crossover_rows(machine)],
+        "ANY_CROSSOVER": [{"E": ""}] if machine.crossovers else [],
         "GAPS": [{"C": c, "I": str(k)} for c, k, _ in gaps],
         "QUANTITIES": [{"Q": quantity} for quantity, _ in STATE],
         "STATE_PLACES": [

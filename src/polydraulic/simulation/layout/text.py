@@ -54,7 +54,7 @@ _IMPORTS = (
     "from polydraulic.machine.feed import Bypass, Feed, draw",
     "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
-    "from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4",
+    "from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice",
     "from polydraulic.machine.circuits.series_check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports, rest_outlet",
@@ -74,6 +74,14 @@ _IMPORTS = (
     "from polydraulic.simulation.steps import DIVERGED, FASTEST",
 )
 _LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
+_CROSS_IMPORTS = (
+    "from polydraulic.machine.circuits.crossover import crossed_3, crossed_4, crossover_3, crossover_4, joined_3, joined_4, joined_bracketed",
+    "from polydraulic.machine.circuits.crossover import joined_on, joined_ports_3, joined_ports_4",
+    "from polydraulic.machine.circuits.crossover_check import joined_deliver, joined_end",
+    "from polydraulic.machine.circuits.crossover_nodes import JoinedFlows, JoinedPumps",
+    "from polydraulic.machine.circuits.crossover_pass import FEW_LANES, PACKED_PASSES, JoinedPath, Joining, joined_begin, joined_pass",
+    "from polydraulic.machine.circuits.crossover_pass import joined_path",
+)
 _EFFECT_IMPORTS = (
     "from polydraulic.machine.actuator import dry_friction, sliding_torque, viscous_torque",
     "from polydraulic.machine.play import actuator_rate, felt_torque, followed, jet, pushed_back, taken_up",
@@ -123,7 +131,8 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     longer = sorted({len(c.functions) for c in machine.circuits if flow in _EXACT and len(c.functions) > 2})
     effects = _EFFECT_IMPORTS if any(f.effects.declared for f in machine.functions) else ()
     more = (*SERIES_IMPORTS, *_LONG_IMPORTS) if longer else ()
-    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *more, *effects])
+    crossing = _CROSS_IMPORTS if machine.crossovers else ()
+    imports = joined_imports([*_IMPORTS, *MOTION_IMPORTS, *more, *crossing, *effects])
     circuits = {n: series_text(n) for n in longer}
     masses = fields_of(motion, "Mass")
     passes = {n: [*fields_of(text, f"Passed{n}"), *fields_of(text, f"Path{n}")] for n, text in circuits.items()}
