@@ -1,4 +1,7 @@
-"""Types: the same as numba infers."""
+"""Types: the same as numba infers; comments of fields, wherever a class stands."""
+
+import ast
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -7,7 +10,7 @@ from numba.core import compiler, registry, typed_passes, types
 
 from polydraulic.export.machine import machine_parts
 from polydraulic.export.translate.program import Program
-from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct
+from polydraulic.export.translate.types import BOOL, FLOAT, INT, NOTHING, Array, Struct, field_comments
 
 
 def numba_type(kind, layouts):
@@ -42,3 +45,25 @@ def test_types_are_those_that_numba_infers(machine, flow):
                 assert numba_type(kind, program.scope.layouts) == inferred[name], f"{function.name}: {name}"
                 compared += 1
     assert compared > 300
+
+
+class Above(NamedTuple):
+    x: float  # m, along the boom
+    n: int = 0
+
+
+class Below(NamedTuple):
+    x: float  # m, across it
+
+
+def test_comments_of_fields_are_those_of_their_class(monkeypatch):
+    class Within(NamedTuple):
+        x: float  # of neither
+
+    parsed = []
+    parse = ast.parse
+    monkeypatch.setattr(ast, "parse", lambda *given, **options: parsed.append(given) or parse(*given, **options))
+    assert field_comments(Above) == {"x": "m, along the boom"}
+    assert field_comments(Below) == {"x": "m, across it"}
+    assert len(parsed) == 1  # a module, however many of its classes are asked for
+    assert field_comments(Within) == {"x": "of neither"}

@@ -5,9 +5,12 @@ fixed length. Types flow forward: those of parameters from examples, those of re
 tuples that hold them.
 """
 
+import ast
 import inspect
 import re
+import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, get_type_hints
 
 import numpy as np
@@ -138,8 +141,16 @@ def declare(kind: Type, name: str, struct_name: Any, *, constant: bool = True) -
 
 def field_comments(cls: type) -> dict[str, str]:
     """Comments behind the fields of a named tuple."""
-    found = re.findall(r"^    (\w+):[^#\n]*#\s*(.*?)\s*$", inspect.getsource(cls), flags=re.MULTILINE)
-    return dict(found)
+    text = _classes_of(inspect.getsource(sys.modules[cls.__module__])).get(cls.__qualname__) or inspect.getsource(cls)
+    return dict(re.findall(r"^    (\w+):[^#\n]*#\s*(.*?)\s*$", text, flags=re.MULTILINE))
+
+
+@lru_cache(maxsize=16)  # modules: to parse one for each of its classes would take most of an export
+def _classes_of(source: str) -> dict[str, str]:
+    """The text of each class of a module that stands in nothing else."""
+    lines = source.splitlines()
+    classes = (node for node in ast.parse(source).body if isinstance(node, ast.ClassDef))
+    return {node.name: "\n".join(lines[node.lineno - 1 : node.end_lineno]) for node in classes}
 
 
 def comment(text: str, indent: str = "") -> str:
