@@ -50,7 +50,9 @@ def study(name, minutes):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("machines", nargs="*", default=["wheel_loader", "cat215b", "excavator_22t"])
+    parser.add_argument(
+        "machines", nargs="*", default=["wheel_loader", "cat215b", "excavator_22t", "cat215b_crossover"]
+    )
     parser.add_argument("--minutes", type=float, default=5.0)
     options = parser.parse_args()
     heads = ["machine", "sensors", "tests", "row, us", "99.9 %", "block, ms", "99 %", "worst", "alarms"]

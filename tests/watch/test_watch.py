@@ -41,6 +41,17 @@ def test_a_fault_is_found_and_named(fault):
     assert alarm.suspects[0].harmless == (fault == "tip.payload_unknown")
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "fault", ["main_taking.pump_worn", "boom.leak_across 10 %", "stick.orifices_worn", "stick.q_in.bias"]
+)
+def test_a_fault_of_circuits_that_a_crossover_joins_is_found_and_named(fault):
+    of, expected = known("cat215b_crossover")
+    (alarm,) = watched_by(of, expected, log_of(of.machine, 22, 90.0, [f"{fault} from 20 s"])).alarms
+    assert alarm.suspects[0].name == fault.split()[0]
+    assert 15.0 < alarm.since < 60.0
+
+
 def test_a_fault_that_begins_during_unusual_work_is_an_alarm_of_its_own():
     of, expected = known()
     faults = ["tip.payload_unknown from 10 s", "lift.leak_across 10 % from 100 s"]

@@ -3,7 +3,7 @@
 Each follows from measured signals through few equations, so that a fault shows in few of them:
 
 - ``NAME.spool``: the spool, less that which the pilot makes of the voltage;
-- ``NAME.q_in``: flow into the actuator, less that of the exact circuit at the measured spools and pressures;
+- ``NAME.q_in``: flow into the actuator, less that of the exact circuit, or of two that a crossover joins, at the measured spools and pressures;
 - ``NAME.p_out``: pressure at the outlet, less that which drives the measured flow through the valve (of a wide outlet the
   pressure is known better from the flow than the flow from the pressure);
 - ``NAME.volume_a``, ``NAME.volume_b``: mean flow that the actuator's motion, the line's compliance and leakage took in a window, less that

@@ -116,6 +116,19 @@ def test_every_row_has_the_bits_of_the_package(exported, networks, fault, operat
     assert exported.call.w_could_show(exported.at, beyond) == exported.call.w_could_show(exported.at, -1) == 0
 
 
+@pytest.mark.slow
+def test_flows_behind_a_crossover_have_the_bits_of_the_package(tmp_path):
+    of, expected = known("cat215b_crossover")
+    watch = FaultWatch(of, expected, networks=made_networks(of.directions))
+    exported = CWatch(watch, tmp_path)
+    log = log_of(of.machine, 22, 60.0, ["main_taking.pump_worn from 20 s"])
+    for time, row in zip(log["time"].tolist(), log.matrix(list(of.columns)), strict=True):
+        row = np.ascontiguousarray(row)
+        assert (exported.update(time, row) >= ALARM) == (watch.update(time, row) is not None)
+    assert exported.named() == "main_taking.pump_worn"
+    assert exported.has_the_bits_of(watch.judge_parts)
+
+
 def test_rows_that_are_no_numbers_are_told(exported):
     of, _ = known()
     exported.call.w_init(exported.at)
