@@ -2,8 +2,9 @@
 
 import pytest
 
-from helpers.watched_logs import healthy_log, log_of
+from helpers.watched_logs import healthy_log, known, log_of, made_networks
 from polydraulic import load_machine, write_table
+from polydraulic.identification.watching.fault_networks import save_fault_networks
 
 
 @pytest.fixture
@@ -21,6 +22,16 @@ def test_what_is_wrong_is_said_and_shown(call, logs, tmp_path):
     assert "pump of work worn" in (tmp_path / "watch.html").read_text(encoding="utf-8")
     code, _, _ = call("watch worn.parquet --machine wheel_loader --healthy healthy.parquet --strict")
     assert code == 1
+
+
+def test_networks_go_along_with_what_is_exported(call, logs, tmp_path):
+    save_fault_networks(made_networks(known()[0].directions), "names.json")
+    line = "watch worn.parquet --machine wheel_loader --healthy healthy.parquet --networks names.json --export worn_c"
+    code, out, _ = call(line)
+    assert code == 0
+    assert "worn_c.h" in out
+    header = (tmp_path / "worn_c" / "worn_c.h").read_text(encoding="utf-8")
+    assert "int worn_c_kind(const worn_c_state *w);" in header
 
 
 @pytest.mark.parametrize(

@@ -35,6 +35,7 @@ def test_it_finds_a_number_of_the_machine_and_one_of_the_networks_that_is_anothe
     source = export_watch(FaultWatch(of, expected, networks=made_networks(of.directions)), tmp_path, name="w").files[1]
     assert outcome(source, tmp_path) == 0
     text = source.read_text(encoding="utf-8")
+    assert not re.search(r"alloc\(|\bwhile\b|\bgoto\b", text)
     for table, first in (("w_numbers_floats", 1), ("w_kinds_link", 2)):  # networks are asked when there is an alarm
         number = re.search(rf"static const double {table}\b.*?(\d\.\d{{9,}})", text, re.DOTALL)
         other = text[: number.start(1)] + repr(float(number[1]) * (1.0 + 1e-12)) + text[number.end(1) :]
