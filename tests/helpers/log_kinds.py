@@ -54,6 +54,7 @@ TEXTS = {
         "gzip, cut off": (gzip.compress(PLAIN.encode())[:-40], REFUSED),
         "commas between columns and within numbers": (PLAIN.replace(".", ","), REFUSED),
         "zeros, as of a binary file": (b"time,p\0\0\n1,2\n", REFUSED),
+        "zeros at the end, as of a logger that lost its power": (PLAIN.encode() + b"\0" * 512, ("missing line",)),
         "empty": (b"", REFUSED),
         "a header and no rows": ("time,p\n", REFUSED),
     },
@@ -62,6 +63,7 @@ TEXTS = {
         "comments above the header (`#`, `//`, `%`, `;`)": ("# logger\n// 7\n% x\n; y\n" + PLAIN, READ),
         "other lines above the header, as wide as the rows": ("-- logger 7, rate 100\n1,2\n" + PLAIN, READ),
         "a line of kinds of data below the units": (PLAIN.replace("time,p\n", "time,p\ns,bar\nfloat,double\n"), READ),
+        "a line of kinds of data above the units": (PLAIN.replace("time,p\n", "time,p\nf8,f8\ns,bar\n"), READ),
         "units in a line above the names": ("s,bar\n" + PLAIN, READ),
         "a header that comes again": (PLAIN.replace("0.30,", "time,p\n0.30,"), ("no time",)),
         "a header with units that comes again after two rows": (
@@ -83,6 +85,8 @@ TEXTS = {
                                     for i, (t, p) in enumerate(zip(TIME, PRESSURE, strict=True))), ("short line",)),
         "single rows with too few or too many fields": (PLAIN.replace("0.30,", "0.30,,,"), ("missing line",)),
         "a column without a name, as pandas writes its index": (lines("{i},{t:.2f},{p}\n", ",time,p\n"), READ),
+        "columns called by numbers": (lines("{t:.2f},{p},{i}\n", "time,p,1\n"), READ),
+        "a quote that no other closes": (PLAIN.replace("0.30,", '0.30,"'), READ),
         "comments between the rows": (PLAIN.replace("0.30,", "# stop\n0.30,"), ("comment",)),
     },
     "numbers": {

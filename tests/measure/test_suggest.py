@@ -33,6 +33,7 @@ def test_units_are_guessed_from_names_where_a_log_has_no_place_for_them(tmp_path
         ("tout", 0, 1, "s"),
         ("millis", 0, 10, "ms"),
         ("seconds", 0, 1, "s"),
+        ("Sekunden", 0, 1, "s"),
         ("Date", 45_382.5, 0.01 / 86_400.0, "d"),  # as spreadsheets count days
         ("t", 739_342.5, 0.01 / 86_400.0, "d"),  # as MATLAB does
     ],
@@ -102,3 +103,12 @@ def test_a_suggested_range_is_one_whatever_the_numbers(tmp_path, first, step):
     (tmp_path / "map.toml").write_text(suggest_channels(log))
     channel = load_channels(tmp_path / "map.toml").used[0]
     assert channel.low <= first < first + 6 * step <= channel.high
+
+
+@pytest.mark.parametrize(("header", "unit"), [("X_Value,p", "s"), ("x-axis (ms),p", "ms"), ("run [s],p", "s")])
+def test_the_first_column_may_be_the_time_by_its_unit(tmp_path, header, unit):
+    log = tmp_path / "log.csv"
+    log.write_text(f"{header}\n" + "".join(f"{k},{k % 7}\n" for k in range(50)))
+    assert f'role = "time"\nunit = "{unit}"\n' in suggest_channels(log)
+    log.write_text(f"time,{header}\n" + "".join(f"{k},{k},{k % 7}\n" for k in range(50)))
+    assert 'source = "time"\nrole = "time"' in suggest_channels(log)

@@ -1,7 +1,6 @@
 """What a text file is: its delimiter, where its rows begin, names and units of its columns; from its first lines."""
 
 import csv
-import itertools
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -101,13 +100,15 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     kept = above
     if above:
         wide = [n for n in above if len(_trimmed(cells[n])) > 1 or len(_trimmed(body[0])) == 1 or _one_unit(n, cells)]
-        wide = wide[:-1] if len(wide) > 1 and type_line(cells[wide[-1]]) else wide
+        kinds = [n for n in wide if type_line(cells[n])]
+        wide = [n for n in wide if n not in kinds] or wide
         last = wide[-1] if wide else above[-1]
         header, kept = cells[last], [n for n in above if n < last]
         # two lines directly above the rows: names, and units below them
-        if len(wide) > 1 and wide[-2] == last - 1 and unit_line(cells[last], cells[wide[-2]]):
+        beside = len(wide) > 1 and all(n in kinds for n in range(wide[-2] + 1, last))
+        if beside and unit_line(cells[last], cells[wide[-2]]):
             header, units, kept = cells[wide[-2]], cells[last], [n for n in kept if n < wide[-2]]
-        elif len(wide) > 1 and wide[-2] == last - 1 and all(is_unit(cell) for cell in cells[wide[-2]]):
+        elif beside and all(is_unit(cell) for cell in cells[wide[-2]]):
             units = cells[wide[-2]]  # above the names
         if kept:
             header = _in_groups(header, cells[kept[-1]])
@@ -136,15 +137,22 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     )
 
 
+def end_of_cell(lines: Sequence[bytes], place: int) -> int | None:
+    """The line behind one, or behind the last of those that a cell in quotes goes over; None where no quote closes it."""
+    odd = 0
+    for end in range(place, min(place + _LONGEST_CELL, len(lines))):
+        odd ^= lines[end].count(b'"') % 2
+        if not odd:
+            return end + 1
+    return None
+
+
 def _logical(lines: Sequence[bytes]) -> list[bytes]:
-    """Lines, of which those are one that a cell in quotes goes over: names with their units below them."""
+    """Lines, of which those that a cell in quotes goes over are one: names with their units below them."""
     found: list[bytes] = []
     place = 0
     while place < len(lines):
-        end = place + 1
-        if _OPEN.search(lines[place]):
-            quotes = itertools.accumulate(line.count(b'"') for line in lines[place : place + _LONGEST_CELL])
-            end += next((n for n, count in enumerate(quotes) if count % 2 == 0), 0)
+        end = (end_of_cell(lines, place) if _OPEN.search(lines[place]) else None) or place + 1
         found.append(b"".join(lines[place:end]))
         place = end
     return found
@@ -206,6 +214,8 @@ def _first_row(plain: Sequence[int], cells: dict[int, list[str]]) -> int | None:
     found = None
     for n in reversed(plain):
         row = cells[n]
+        if n == plain[0] and found is not None and _names_first(row, [cells[k] for k in plain if k >= found]):
+            break
         values = [place for place, cell in enumerate(row) if _value(cell)]
         fits = len(row) in usual or len(_trimmed(row)) in usual
         if fits and (len(_trimmed(row)) > 1 or frequent == 1) and where.intersection(values):
@@ -216,6 +226,11 @@ def _first_row(plain: Sequence[int], cells: dict[int, list[str]]) -> int | None:
         if found is not None and _heads(row) and not _amid(plain.index(n), plain, cells, cells[found]):
             break
     return found
+
+
+def _names_first(row: Sequence[str], below: Sequence[Sequence[str]]) -> bool:
+    """Whether a line names its first column, in which all rows have a value: the others may be called by numbers."""
+    return bool(row and row[0]) and not _value(row[0]) and all(cells and _value(cells[0]) for cells in below)
 
 
 def _words(row: Sequence[str]) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from polydraulic.ahead import ahead
 from polydraulic.columns.cells import MISSING
-from polydraulic.columns.dialect import BLANKS, Dialect, fields
+from polydraulic.columns.dialect import BLANKS, Dialect, end_of_cell, fields
 from polydraulic.columns.local_clock import Notes
 from polydraulic.columns.source import DAMAGED, Scan, Source
 from polydraulic.errors import InputError
@@ -99,11 +99,31 @@ def _parsed(path: Path, found: Scan, dialect: Dialect, parser: "_Parser") -> Ite
 
     try:
         with Source(path, found.encoding, dialect.begin, dialect.delimiter == BLANKS) as source:
-            for text in source.lines(BLOCK):
+            for block in source.lines(BLOCK):
+                text = without_stray_quotes(block)
                 yield text, *parser.parse(text), source.share
     except (pa.ArrowException, UnicodeError, *DAMAGED) as error:
         said = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"{path}: cannot be read as a CSV log ({said})") from error
+
+
+def without_stray_quotes(text: bytes) -> bytes:
+    """Lines without quotes that no other closes within a few lines: they would hide all rows up to the next one."""
+    if b'"' not in text:
+        return text
+    letters = np.frombuffer(text, dtype=np.uint8)
+    ends = np.flatnonzero((letters == ord("\n")) | (letters == ord("\r")))
+    before = np.searchsorted(np.flatnonzero(letters == ord('"')), [*ends, len(letters)])
+    if not (np.diff(before, prepend=0) % 2).any():  # quotes are in pairs in every line
+        return text
+    lines = text.splitlines(keepends=True)
+    place = 0
+    while place < len(lines):
+        end = end_of_cell(lines, place)
+        if end is None:
+            lines[place] = lines[place].replace(b'"', b"")
+        place = place + 1 if end is None else end
+    return b"".join(lines)
 
 
 class _Parser:

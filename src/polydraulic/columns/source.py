@@ -67,6 +67,8 @@ def _scan(path: Path) -> Scan:
             except UnicodeDecodeError as error:
                 raise InputError(f"{path}: cannot be read as {wide} ({error.reason})") from error
             return Scan(wide, head, True, True, True, bool(following))
+        if b"\0" in first:  # at the end they are what a logger that lost its power leaves
+            first = first.rstrip(b"\0\r\n") + b"\n"
         if b"\0" in first:
             raise InputError(f"{path}: is not text; a CSV log must be")
         marks = dict.fromkeys((b",", b".", b'"'), False)

@@ -31,6 +31,7 @@ _UNITS = {"sec": "s"}
 _UNIT_NAME = re.compile(
     r"(?i)^(?P<s>s|secs?|seconds?|sekunden?)$|^(?P<ms>ms|msec|millis|milliseconds|millisekunden)$|^(?P<us>us|µs|micros|microseconds)$"
 )
+_X_NAME = re.compile(r"(?i)^x[ _-]?(value|axis)$")  # of the first column, as LabVIEW and oscilloscopes call the time
 _COUNTER = re.compile(r"(?i)^(column 1|unnamed: \d+|index|row|no\.?|nr\.?|#|samples?|scan|record|point|n|count|id)$")
 _LEAST_DAY = 9e-5  # steps below it are days, where the numbers can be: no log has more than 10,000 rows a second
 _SINCE_1970 = ((1e8, "s"), (1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
@@ -155,10 +156,11 @@ def _counts_rows(signal: Signal, found: _Seen) -> bool:
 
 
 def _time_of(log: Log) -> Signal | None:
-    """The channel of the time: by its name, by dates or times of day that it holds, or by a name that is a unit of time."""
+    """The channel of the time: by its name, by dates or times of day that it holds, or as the first column by its unit; by a name that is such a unit."""
     named = [s for s in log.signals if _TIME_NAME.match(s.name.strip()) and _known(s.unit or "s") == "s"]
     typed = [s for s in log.signals if s.kind]
     units = [s for s in log.signals if _UNIT_NAME.match(s.name.strip()) and _known(s.unit or "s") == "s"]
+    units = units or [s for s in log.signals[:1] if _known(s.unit) == "s" or _X_NAME.match(s.name.strip())]
     both = [s for s in named if s.kind] or named or typed or units
     # of a date and a time of day that stand side by side the second one is named
     return next((s for s in both if not (s.beside and s.kind == "stamp")), both[0] if both else None)
