@@ -85,8 +85,9 @@ class Residuals:
     def counts(self, channel: WatchChannel, case: Case) -> int:
         """Where it stands whether each residual is worth something: 1 if so."""
         name, _, what = channel.name.partition(".")
-        f, plan, shape = case.machine.function(name), self.plan, self.shape
+        plan, shape = self.plan, self.shape
         if what == "torque":
+            f = case.machine.function(name)
             near = min(_NEAR_STOP, 0.06 * (f.stops.high - f.stops.low))
             q = self._read(position_of(case.machine, f), case)
             numbers = plan.numbers((f.stops.low + near, f.stops.high - near))
@@ -95,7 +96,8 @@ class Residuals:
             )
         if what in ("volume_a", "volume_b"):
             p = self._smooth(self._read(f"{name}.p_{what[-1]}", case))
-            numbers = plan.numbers((case.machine.tank.floor + _FROM_FLOOR, f.line.relief - _FROM_RELIEF))
+            relief = case.machine.function(name).line.relief
+            numbers = plan.numbers((case.machine.tank.floor + _FROM_FLOOR, relief - _FROM_RELIEF))
             return plan.filled(self.windows, "within", p, shape.before, shape.window, shape.window, numbers)
         if what == "p_out":  # where nothing flows, the line may be empty
             out = self._smooth(self._read(f"{name}.q_out", case))
@@ -149,9 +151,9 @@ class Residuals:
     def _recipe(self, channel: WatchChannel, case: Case) -> tuple[Hashable, Callable[[], int]]:
         name, _, what = channel.name.partition(".")
         plan, shape = self.plan, self.shape
-        if what in ("spool", "q_in"):
+        if what in ("spool", "q_in", "p_pump"):
             read = self._read(f"{name}.{what}", case)
-            expected = self._driven(name, case) if what == "spool" else self._flow_in(name, case)
+            expected = {"spool": self._driven, "q_in": self._flow_in, "p_pump": self._pump_pressure}[what](name, case)
             return (channel, read, expected), lambda: plan.filled(
                 shape.inside, "difference", read, expected, shape.before
             )
