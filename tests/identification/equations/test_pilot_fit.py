@@ -36,6 +36,19 @@ def test_a_pilot_is_found_with_its_dead_time(log):
     assert all(abs(a - b) < 6.0 * e for a, b, e in zip(found.pilot, TRUE, found.errors, strict=True))
 
 
+@pytest.mark.parametrize("dead_time", [0.0, 0.003, 0.02, 0.027, 0.06])
+def test_a_voltage_that_is_late_bends_between_rows(log, dead_time):
+    time, _, voltage, _, _ = log
+    fine = np.arange(0.0, time[-1], 1e-4)
+    late = TRUE.gain * np.interp(fine - dead_time, time, voltage)
+    exact, keep = np.zeros(len(fine)), np.exp(-1e-4 / TRUE.time_constant)
+    for k in range(1, len(fine)):
+        exact[k] = keep * exact[k - 1] + (1.0 - keep) * 0.5 * (late[k - 1] + late[k])
+    pilot = TRUE._replace(dead_time=dead_time)
+    found = driven_spool(pilot, 1.0, time, pieces_of(np.zeros(len(time))), voltage, np.zeros(len(time)), RASTER)
+    assert np.abs(found - np.interp(time, fine, exact))[time < 100.0].max() < 2e-7
+
+
 def test_a_spool_is_smoothed_by_its_pilot(log):
     time, segment, voltage, exact, measured = log
     smooth, sigma = smooth_spool(TRUE, TRAVEL, time, segment, voltage, measured, 4e-5)

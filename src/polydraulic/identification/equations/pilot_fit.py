@@ -138,10 +138,9 @@ def driven_spool(
     step: float,
 ) -> np.ndarray:
     """Spool that the voltage alone drives through each piece from where it is measured at first, (n_row,) in m."""
-    keep, first, second = _weights(pilot.time_constant, step)
-    target = np.clip(pilot.gain * _delayed(voltage, time, pieces, pilot.dead_time), -travel, travel)
+    keep, pushed = _pushed(pilot, travel, time, pieces, voltage, step)
     found = np.empty(len(spool))
-    _run(pieces, target, spool, keep, first, second, found)
+    _run(pieces, pushed, spool, keep, found)
     return found
 
 
@@ -156,42 +155,50 @@ def smooth_spool(
 ) -> tuple[np.ndarray, float]:
     """Spool, (n_row,) in m, from pilot and sensor together, and the standard deviation of what it is off by."""
     pieces, step = pieces_of(segment), raster_within(time, segment)
-    keep, first, second = _weights(pilot.time_constant, step)
-    target = np.clip(pilot.gain * _delayed(voltage, time, pieces, pilot.dead_time), -travel, travel)
+    keep, pushed = _pushed(pilot, travel, time, pieces, voltage, step)
     found, work = np.empty(len(spool)), np.empty((len(spool), 3))
     r = max(noise, 1e-9) ** 2
-    likely = [
-        _smoothed(pieces, target, spool, keep, first, second, r * share * share, r, found, work)[0]
-        for share in _ROUGHNESS
-    ]
+    likely = [_smoothed(pieces, pushed, spool, keep, r * share * share, r, found, work)[0] for share in _ROUGHNESS]
     best = _ROUGHNESS[int(np.argmax(likely))]
-    _, variance = _smoothed(pieces, target, spool, keep, first, second, r * best * best, r, found, work)
+    _, variance = _smoothed(pieces, pushed, spool, keep, r * best * best, r, found, work)
     return found.copy(), float(np.sqrt(variance))
 
 
+def _pushed(
+    pilot: Pilot, travel: float, time: np.ndarray, pieces: np.ndarray, voltage: np.ndarray, step: float
+) -> tuple[float, np.ndarray]:
+    """What a row keeps of the spool before, and what the voltage adds to that since, (n_row,) in m.
+
+    The voltage is straight between rows, so that after a dead time it bends between rows, too.
+    """
+    rows = int(pilot.dead_time / step)
+    late = max(pilot.dead_time - rows * step, 0.0)
+    own = np.repeat(pieces[:, 0], pieces[:, 1] - pieces[:, 0])
+    bend = np.maximum(np.arange(len(voltage)) - rows - 1, own)
+    here = voltage if pilot.dead_time <= 0.0 else np.interp(time - pilot.dead_time, time, voltage)
+    here = np.where(time - pilot.dead_time < time[own], voltage[own], here)
+    target, bent = (np.clip(pilot.gain * v, -travel, travel) for v in (here, voltage[bend]))
+    keep, first, second = _weights(pilot.time_constant, late)
+    keep_on, first_on, second_on = _weights(pilot.time_constant, step - late)
+    before = np.concatenate([target[:1], target[:-1]])
+    return keep * keep_on, keep_on * (first * before + second * bent) + first_on * bent + second_on * target
+
+
 def _weights(time_constant: float, step: float) -> tuple[float, float, float]:
-    """What a row keeps of the one before, and takes of the target at both, which is straight between them."""
+    """What is kept over a time of the spool, and taken of the target at its begin and end, which is straight between them."""
+    if step < 1e-9:
+        return 1.0, 0.0, 0.0
     keep = float(np.exp(-step / time_constant))
     second = 1.0 - (1.0 - keep) * time_constant / step
     return keep, 1.0 - keep - second, second
 
 
-def _delayed(voltage: np.ndarray, time: np.ndarray, pieces: np.ndarray, dead_time: float) -> np.ndarray:
-    if dead_time <= 0.0:
-        return voltage
-    own = np.repeat(pieces[:, 0], pieces[:, 1] - pieces[:, 0])
-    late = np.interp(time - dead_time, time, voltage)
-    return np.asarray(np.where(time - dead_time < time[own], voltage[own], late))
-
-
 @driver
 def _run(
     pieces: np.ndarray,
-    target: np.ndarray,
+    pushed: np.ndarray,
     spool: np.ndarray,
     keep: float,
-    first: float,
-    second: float,
     found: np.ndarray,
 ) -> None:
     for piece in range(pieces.shape[0]):
@@ -199,18 +206,16 @@ def _run(
         x = spool[begin]
         found[begin] = x
         for k in range(begin + 1, end):
-            x = keep * x + first * target[k - 1] + second * target[k]
+            x = keep * x + pushed[k]
             found[k] = x
 
 
 @driver
 def _smoothed(
     pieces: np.ndarray,
-    target: np.ndarray,
+    pushed: np.ndarray,
     spool: np.ndarray,
     keep: float,
-    first: float,
-    second: float,
     q: float,
     r: float,
     found: np.ndarray,
@@ -224,7 +229,7 @@ def _smoothed(
         found[begin] = x
         work[begin, 0], work[begin, 1], work[begin, 2] = p, x, p
         for k in range(begin + 1, end):
-            ahead = keep * x + first * target[k - 1] + second * target[k]
+            ahead = keep * x + pushed[k]
             before = keep * keep * p + q
             s = before + r
             off = spool[k] - ahead
