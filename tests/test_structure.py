@@ -134,10 +134,6 @@ TESTED_ELSEWHERE = {
         "identification/equations/test_observations.py",
         "signals are read as parts of logs",
     ),
-    "identification/equations/fit/uncertainty.py": (
-        "identification/equations/fit/test_circuit_fit.py",
-        "errors of what is fitted there",
-    ),
     "identification/equations/words.py": ("identification/equations/test_identify.py", "what a fit says"),
     "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
     "identification/machine/machine_card.py": (

@@ -21,7 +21,7 @@ def rows_at(flowing, stalled, n=1000):
         q[:, None],
         np.ones((2 * n, 1), dtype=bool),
         np.tile(np.arange(n) * 20 // n, 2),
-        *(np.array([x]) for x in (1e-5, 1e5, 1e-5)),
+        *(np.array([x]) for x in (1e-5, 1e5, 1e-5, 0.0)),
     )
 
 

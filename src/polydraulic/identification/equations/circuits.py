@@ -135,6 +135,7 @@ def circuit_rows(
         noise["spool"],
         noise["p_a"],
         np.array([of[name].noise_in for name in names]),
+        np.array([signals[name].scale for name in names]),
     )
 
 
@@ -227,7 +228,7 @@ def identify_circuit(
         tell(f"{name}: outlets")
         found[name] = _valve(
             machine, name, model.valves[k], spread.valves[k], signals[name], of[name], rows, k, last[k], q_in_left[k],
-            port_rates(signals[name], segment, raster), model.lead, most,
+            port_rates(signals[name], segment, raster), most,
         )  # fmt: skip
     pump = {key: (float(getattr(model.pump, key)), error) for key, error in spread.pump.items() if key != "lead"}
     if relief is not None:
@@ -285,7 +286,7 @@ def _rising_from_zero(valve: ValveCurves, key: str, knots: np.ndarray) -> np.nda
 
 def _valve(
     machine: LayoutMachine, name: str, curves: Curves, errors: dict[str, np.ndarray], s: Signals, b: Balance, rows: CircuitRows, k: int, last: float,
-    q_in_left: float, rates: tuple[np.ndarray, np.ndarray], lead: float, most: int,
+    q_in_left: float, rates: tuple[np.ndarray, np.ndarray], most: int,
 ) -> ValveFound:  # fmt: skip
     old = machine.function(name).valve
     block = np.zeros(int(b.rows.max()) + 1, dtype=np.int64)
@@ -293,22 +294,29 @@ def _valve(
     opens = spool_edges(old)[0]
     # windows blur where a curve bends, and by how much clocks are apart
     measured = b.rows.shape[1] == 1
-    sides = [outlet_rows(s, b, block, forward, opens, rates, lead if measured else 0.0) for forward in (True, False)]
+    if not measured:
+        rates = (0.0 * rates[0], 0.0 * rates[1])
+    sides = [outlet_rows(s, b, block, forward, opens, rates) for forward in (True, False)]
     sides = [side._replace(travel=np.minimum(side.travel, last)) for side in sides]
     fitted = [len(side.q_out) >= _FEWEST // (1 if measured else 10) for side in sides]
     before = {key: _rising_from_zero(old, key, curves.knots) for key in ("outlet_positive", "outlet_negative")}
     priors = [OutletPrior(machine.tank.return_pressure, curves.knots, v, _SPREAD) for v in before.values()]
-    knots = curves.knots
+    knots, places = curves.knots, {float(x): float(e) for x, e in zip(curves.knots, errors["knots"], strict=True)}
+    own: list[set[float]] = []
     for side, prior, use in zip(sides, priors, fitted, strict=True):
-        knots = bent_knots(side, knots, prior, most) if use and measured else knots
+        bent = bent_knots(side, knots, prior, most) if use and measured else knots
+        own.append(set(bent.tolist()) - set(knots.tolist()))
+        knots = bent
     values = {key: np.interp(knots, curves.knots, getattr(curves, key)) for key in ("inlet", "bypass")}
     spread = {key: np.interp(knots, curves.knots, error) for key, error in errors.items()}
     left = []
-    for side, key, prior, use in zip(sides, before, priors, fitted, strict=True):
+    for side, key, prior, use, moved in zip(sides, before, priors, fitted, own, strict=True):
         if not use:
             values[key], spread[key] = np.interp(knots, curves.knots, before[key]), np.full(len(knots), np.nan)
             continue
-        found = fit_outlet(side, knots, prior)
+        # a knot of another curve is no bend of this one
+        sure = np.array([np.inf if x in moved else places.get(x, 0.0) for x in knots.tolist()])
+        found = fit_outlet(side, knots, prior, sure)
         values[key], spread[key] = found.values, found.errors
         left.append(found.held_out)
     more = np.array([x for x in old.knots if x > knots[-1] + 1e-6])

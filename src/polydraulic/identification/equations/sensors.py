@@ -29,6 +29,8 @@ class Signals(NamedTuple):
     noise : dict
         Standard deviation of each of these, in SI; of `spool` of what is left of it.
     pilot : PilotFit or None
+    scale : float
+        Standard error of the scale of `spool`, relative: what the pilot drives is as wrong as its gain.
     """
 
     spool: np.ndarray | None
@@ -40,6 +42,7 @@ class Signals(NamedTuple):
     volume_b: np.ndarray | None
     noise: dict[str, float]
     pilot: PilotFit | None
+    scale: float = 0.0
 
 
 def read_function(
@@ -64,12 +67,13 @@ def read_function(
 
     found = {what: column(what) for what in ("spool", "p_a", "p_b", "q_in", "q_out", "voltage")}
     noise = {what: noise_level(values, segment) for what, values in found.items() if values is not None}
-    spool, voltage, pilot = found["spool"], found["voltage"], None
+    spool, voltage, pilot, scale = found["spool"], found["voltage"], None, 0.0
     travel = f.valve.knots[-1]
     if spool is not None and voltage is not None:
         pilot = fit_pilot(table["time"], segment, voltage, spool, travel, f.pilot)
         if pilot is not None:
             own = pilot.pilot if fits_pilot else f.pilot
+            scale = pilot.errors.gain / own.gain if fits_pilot else 0.0
             spool, noise["spool"] = smooth_spool(own, travel, table["time"], segment, voltage, spool, noise["spool"])
     place = position_column(machine, f)
     volume_a = volume_b = None
@@ -92,6 +96,7 @@ def read_function(
         volume_b,
         noise,
         pilot,
+        scale,
     )
 
 

@@ -40,6 +40,7 @@ def made(n, rows=2000, seed=1):
         np.ones(q.shape, dtype=bool),
         np.arange(rows) * 20 // rows,
         *noise,
+        np.zeros(n),
     )
 
 
@@ -69,6 +70,16 @@ def test_curves_pump_and_missing_knots_are_found(n):
     errors = circuit_errors(model, rows, prior)
     assert abs(model.pump.flow - PUMP.flow) < 5.0 * errors.pump["flow"]
     assert grown.held_out < 0.2 * grown.path[0][1]  # the start cannot follow
+
+
+def test_curves_that_are_all_too_narrow_are_left_for_those_of_the_rows():
+    rows = made(1)
+    narrow = START._replace(inlet=0.4 * START.inlet, bypass=0.4 * START.bypass)
+    start = CircuitModel((narrow,), PUMP)
+    prior = Prior(start, 1.0, {"flow": 3e-4, "lead": 0.02})
+    hold = rows.block % 5 == 4
+    grown = grow(start, rows.some(~hold), rows.some(hold), prior, 16)
+    assert grown.held_out < 0.6
 
 
 def test_gradients_are_those_of_differences():

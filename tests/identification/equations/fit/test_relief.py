@@ -18,7 +18,7 @@ def stalled(n, load, seed=1):
     q = np.where(flowing, 1e-3, 0.0)[:, None] + rng.normal(0.0, 8e-6, (n, 1))
     return CircuitRows(
         np.full((n, 1, 1), 10e-3), p_in, np.zeros((n, 1, 1)), q, np.ones((n, 1), dtype=bool), np.arange(n) * 20 // n,
-        np.array([5e-6]), np.array([NOISE]), np.array([8e-6]),
+        np.array([5e-6]), np.array([NOISE]), np.array([8e-6]), np.zeros(1),
     )  # fmt: skip
 
 

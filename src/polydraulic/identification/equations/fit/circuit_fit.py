@@ -47,6 +47,8 @@ class CircuitRows(NamedTuple):
         Block of time.
     noise_travel, noise_pressure, noise_flow : (n,) array
         Standard deviations.
+    noise_scale : (n,) array
+        Standard errors of the scales of travel, relative: all rows of a function share it.
     """
 
     travel: np.ndarray
@@ -58,6 +60,7 @@ class CircuitRows(NamedTuple):
     noise_travel: np.ndarray
     noise_pressure: np.ndarray
     noise_flow: np.ndarray
+    noise_scale: np.ndarray
 
     def some(self, keep: np.ndarray) -> "CircuitRows":
         """Those windows."""

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.identification.equations.fit.circuit_fit import HUBER
-from polydraulic.identification.equations.fit.knots import BETTER, SURE
+from polydraulic.identification.equations.fit.held_out import huber, surely_better
+from polydraulic.identification.equations.fit.uncertainty import at_travel
 from polydraulic.identification.equations.fit.valve_curves import at_place, between, hats, placed_among, rising
 from polydraulic.identification.equations.numbers.estimates import unhidden
 from polydraulic.identification.equations.observations import Balance, mean_weights
@@ -21,23 +22,29 @@ _PASSES, _CHOICES = 4, 2
 _LEAST_FLOW = 5.0  # standard deviations of its noise, from which on a flow tells the drop that it takes
 _PIECES, _LEAST_ROWS = 10, 20  # of the log for each number, and rows of one at least
 _CLOSEST = 1e-4  # m, between two knots
+_STEPS, _NEAREST, _LITTLE = 8, 0.3, 1e-5  # over places of knots: how many, shares of a gap, and what a last one gains
+_LEAD = 0.02  # s, by which clocks of sensors may be apart
 _SHARES = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the way between two knots, where one more may be
 
 
 class OutletRows(NamedTuple):
-    """What says something of one outlet: travels and drops of the rows of each window, and mean flows."""
+    """What says something of one outlet: travels, drops and how fast these change in the rows of each window, and mean flows."""
 
     travel: np.ndarray  # (n_window, n_long) m
     drop: np.ndarray  # (n_window, n_long) Pa, as if nothing held the return line
+    rate: np.ndarray  # (n_window, n_long) Pa/s
     q_out: np.ndarray  # (n_window,) m3/s
     block: np.ndarray  # (n_window,)
     noise_travel: float
     noise_pressure: float
     noise_flow: float
+    noise_scale: float = 0.0  # of travel, relative, in all rows alike
 
     def some(self, keep: np.ndarray) -> "OutletRows":
         """Those windows."""
-        return self._replace(**{name: getattr(self, name)[keep] for name in ("travel", "drop", "q_out", "block")})
+        return self._replace(
+            **{name: getattr(self, name)[keep] for name in ("travel", "drop", "rate", "q_out", "block")}
+        )
 
 
 class OutletPrior(NamedTuple):
@@ -76,16 +83,19 @@ class _Linear(NamedTuple):
     root: np.ndarray  # (n_window, n_long) Pa^0.5
     target: np.ndarray  # (n_window,) m3/s
     sd: np.ndarray  # (n_window,) m3/s
+    by_lead: np.ndarray  # (n_window,) m3/s2
 
 
 class _Solution(NamedTuple):
-    """A curve and what it leaves: slopes over its rises and residuals in standard deviations, and what was known before of the rises."""
+    """A curve and what it leaves: residuals in standard deviations, their slopes over its rises and the lead, and what was known before of these."""
 
     values: np.ndarray
-    slopes: np.ndarray  # (n_window, m - 1)
+    lead: float  # s, by which sensors of pressure are behind that of flow
+    slopes: np.ndarray  # (n_window, m)
+    by_place: np.ndarray  # (n_window, m), over the places of knots
     off: np.ndarray  # (n_window,)
     at: _Linear
-    known: np.ndarray  # (m - 1, m - 1)
+    known: np.ndarray  # (m, m)
 
     @property
     def robust(self) -> np.ndarray:
@@ -100,27 +110,34 @@ def outlet_rows(
     forward: bool,
     opens: float,
     rates: tuple[np.ndarray, np.ndarray],
-    lead: float,
 ) -> OutletRows:
     """Windows in which the valve is open to one side, `forward` that of positive spools.
 
-    `rates` are those of the pressures at both ports, Pa/s, whose sensors are `lead` behind those of flow, s.
+    `rates` are those of the pressures at both ports, Pa/s.
     """  # fmt: skip
     assert s.spool is not None
     assert s.p_a is not None
     assert s.p_b is not None
     spool = s.spool[b.rows]
     side = (spool > 0.0) if forward else (spool <= 0.0)
-    p_out = ((s.p_b if forward else s.p_a) + lead * rates[1 if forward else 0])[b.rows]
+    p_out, rate = (s.p_b if forward else s.p_a)[b.rows], rates[1 if forward else 0][b.rows]
     travel = np.abs(spool)
     keep = b.known_out & side.all(axis=1) & (travel.max(axis=1) > 0.8 * opens)
     noise = s.noise["p_b" if forward else "p_a"]
     return OutletRows(
-        travel[keep], p_out[keep], b.q_out[keep], block[b.rows[keep, 0]], s.noise["spool"], noise, b.noise_out
+        travel[keep],
+        p_out[keep],
+        rate[keep],
+        b.q_out[keep],
+        block[b.rows[keep, 0]],
+        s.noise["spool"],
+        noise,
+        b.noise_out,
+        s.scale,
     )
 
 
-def fit_outlet(rows: OutletRows, knots: np.ndarray, prior: OutletPrior) -> OutletFit:
+def fit_outlet(rows: OutletRows, knots: np.ndarray, prior: OutletPrior, places: np.ndarray | None = None) -> OutletFit:
     """Curve on given knots.
 
     Parameters
@@ -128,49 +145,81 @@ def fit_outlet(rows: OutletRows, knots: np.ndarray, prior: OutletPrior) -> Outle
     rows : OutletRows
     knots : (m,) array, m
     prior : OutletPrior
+    places : (m,) array, m, optional
+        Standard errors of the knots' places as other curves gave them; infinite where these rows did. Known if not given.
     """
     hold = rows.block % 5 == 4
-    learnt = _solved(rows.some(~hold), knots, prior).values
+    learnt = _solved(rows.some(~hold), knots, prior)
     held = rows.some(hold)
-    left = (predicted_out(held, knots, learnt, prior.p_return) - held.q_out)[_speaks(held, knots, learnt)]
+    left = (predicted_out(held, knots, learnt.values, prior.p_return, learnt.lead) - held.q_out)[
+        _speaks(held, knots, learnt.values)
+    ]
     found, finer = _solved(rows, knots, prior), between(knots)
     bent = _solved(rows, finer, prior).values
-    errors = np.hypot(_errors(found), np.interp(knots, finer, bent) - found.values)
-    size = np.abs(found.off)
-    loss = float(np.sum(np.where(size <= HUBER, 0.5 * size * size, HUBER * (size - 0.5 * HUBER))))
-    return OutletFit(
-        found.values, errors, float(np.sqrt(np.mean(left**2))) if left.size else np.nan, loss, len(rows.q_out)
-    )
+    places = np.zeros(len(knots)) if places is None else places
+    errors = np.hypot(_errors(found, knots, places, rows.noise_scale), np.interp(knots, finer, bent) - found.values)
+    held_out = float(np.sqrt(np.mean(left**2))) if left.size else np.nan
+    return OutletFit(found.values, errors, held_out, float(huber(found.off).sum()), len(rows.q_out))
 
 
 def bent_knots(rows: OutletRows, knots: np.ndarray, prior: OutletPrior, most: int) -> np.ndarray:
     """Knots, at most so many, with those that the outlet needs besides: one more at a time, while blocks held out get better."""
-    first = _solved(rows.some(rows.block % 5 != 4), knots, prior).values
-    rows = rows.some(_speaks(rows, knots, first))
+    first = _solved(rows.some(rows.block % 5 != 4), knots, prior)
+    rows = rows.some(_speaks(rows, knots, first.values))
     hold = rows.block % 5 == 4
     learn, held = rows.some(~hold), rows.some(hold)
     if not len(held.q_out):
         return knots
-    now = _solved_on(learn, knots, prior, first)
-    by_block = _block_losses(held, knots, now.values, prior)
+    now, first_knots = _solved_on(learn, knots, prior, first.values, first.lead), knots
+    off = _left_over(held, knots, now, prior)
     while len(knots) < most:
         at = _promising(learn, knots, now)
         if at is None:
             break
         more = np.sort(np.append(knots, at))
-        wider = _solved_on(learn, more, prior, np.interp(more, knots, now.values))
-        of_blocks = _block_losses(held, more, wider.values, prior)
-        saved = by_block - of_blocks
-        if saved.mean() <= max(BETTER * by_block.mean(), SURE * saved.std() / np.sqrt(max(len(saved) - 1, 1))):
+        wider = _solved_on(learn, more, prior, np.interp(more, knots, now.values), now.lead)
+        more, wider = _placed(learn, more, ~np.isin(more, first_knots), prior, wider)
+        trial = _left_over(held, more, wider, prior)
+        if not surely_better(off, trial, held.block):
             break
-        knots, now, by_block = more, wider, of_blocks
+        knots, now, off = more, wider, trial
     return knots
 
 
-def predicted_out(rows: OutletRows, knots: np.ndarray, values: np.ndarray, p_return: float) -> np.ndarray:
+def _placed(
+    rows: OutletRows, knots: np.ndarray, free: np.ndarray, prior: OutletPrior, now: _Solution
+) -> tuple[np.ndarray, _Solution]:
+    """Those knots that are free where the rows have them, and the curve on these: damped steps over their places together with the curve."""
+    damping, m = 1e-3, len(knots)
+    for _ in range(_STEPS):
+        slopes = np.column_stack([now.slopes, now.by_place[:, free]])
+        weighed = slopes * now.robust[:, None]
+        h = weighed.T @ slopes
+        h[:m, :m] += now.known
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
+        damped = h * unit[:, None] * unit + damping * np.eye(len(h))
+        step = np.zeros(m)
+        step[free] = -(np.linalg.solve(damped, (weighed.T @ now.off) * unit) * unit)[m:]
+        gaps = np.diff(knots)
+        step[1:-1] = np.clip(step[1:-1], -_NEAREST * gaps[:-1], _NEAREST * gaps[1:])
+        trial = knots + step
+        there = _solved_on(rows, trial, prior, np.interp(trial, knots, now.values), now.lead)
+        gained = huber(now.off).sum() - huber(there.off).sum()
+        if np.diff(trial).min() >= _CLOSEST and gained > 0.0:
+            if gained < _LITTLE * huber(now.off).sum():
+                return trial, there
+            knots, now, damping = trial, there, 0.2 * damping
+        else:
+            damping *= 16.0
+    return knots, now
+
+
+def predicted_out(
+    rows: OutletRows, knots: np.ndarray, values: np.ndarray, p_return: float, lead: float = 0.0
+) -> np.ndarray:
     """Mean flows out, (n_window,)."""
     k = at_place(values, placed_among(knots, rows.travel.ravel())).reshape(rows.travel.shape)
-    return (k * np.sqrt(np.maximum(rows.drop - p_return, 0.0))) @ mean_weights(rows.travel.shape[1])
+    return (k * np.sqrt(np.maximum(rows.drop + lead * rows.rate - p_return, 0.0))) @ mean_weights(rows.travel.shape[1])
 
 
 def _speaks(rows: OutletRows, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -181,46 +230,58 @@ def _speaks(rows: OutletRows, knots: np.ndarray, values: np.ndarray) -> np.ndarr
 
 
 def _solved(rows: OutletRows, knots: np.ndarray, prior: OutletPrior) -> _Solution:
-    values = np.interp(knots, prior.knots, prior.values)
+    values, lead = np.interp(knots, prior.knots, prior.values), 0.0
     for _ in range(_CHOICES):
-        found = _solved_on(rows.some(_speaks(rows, knots, values)), knots, prior, values)
-        values = found.values
+        found = _solved_on(rows.some(_speaks(rows, knots, values)), knots, prior, values, lead)
+        values, lead = found.values, found.lead
     return found
 
 
-def _solved_on(rows: OutletRows, knots: np.ndarray, prior: OutletPrior, values: np.ndarray) -> _Solution:
+def _solved_on(rows: OutletRows, knots: np.ndarray, prior: OutletPrior, values: np.ndarray, lead: float) -> _Solution:
     from scipy.optimize import nnls
 
     m, long = len(knots), rows.travel.shape[1]
     to_values, before = rising(m), np.interp(knots, prior.knots, prior.values)
-    shares = hats(placed_among(knots, rows.travel.ravel()), m).reshape(-1, long, m) @ to_values
+    place = placed_among(knots, rows.travel.ravel())
+    of_knots = hats(place, m).reshape(-1, long, m)
+    shares = of_knots @ to_values
     width = (prior.spread * np.maximum(before, 0.1 * before.max()))[1:]
-    known, known_target = to_values[1:] / width[:, None], before[1:] / width
+    known, known_target = np.zeros((m, m)), np.append(before[1:] / width, 0.0)
+    known[:-1, :-1], known[-1, -1] = to_values[1:] / width[:, None], 1.0 / _LEAD
     for _ in range(_PASSES):
-        at = _linear(rows, knots, values, prior)
-        by_rise = _mean_over(shares, at.root) / at.sd[:, None]
+        at = _linear(rows, knots, values, lead, prior)
+        slopes = np.column_stack([_mean_over(shares, at.root), at.by_lead]) / at.sd[:, None]
         target = at.target / at.sd
-        scale = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(by_rise @ np.diff(values) - target), 1e-300)))
-        design = np.concatenate([by_rise * scale[:, None], known])
+        off = slopes @ np.append(np.diff(values), lead) - target
+        scale = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(off), 1e-300)))
+        design = np.concatenate([slopes * scale[:, None], known])
         gram, moment = design.T @ design, design.T @ np.concatenate([target * scale, known_target])
         unit = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-        lower = np.linalg.cholesky(gram * unit[:, None] * unit + 1e-12 * np.eye(m - 1))
-        values = to_values @ (nnls(lower.T, np.linalg.solve(lower, moment * unit))[0] * unit)
-    return _Solution(values, by_rise, by_rise @ np.diff(values) - target, at, known.T @ known)
+        gram, moment = gram * unit[:, None] * unit, moment * unit
+        # the lead has no bound: what it takes of the rest comes off first
+        rest = gram[:-1, :-1] - np.outer(gram[:-1, -1], gram[-1, :-1])
+        lower = np.linalg.cholesky(rest + 1e-12 * np.eye(m - 1))
+        rises = nnls(lower.T, np.linalg.solve(lower, moment[:-1] - gram[:-1, -1] * moment[-1]))[0]
+        values = to_values @ (rises * unit[:-1])
+        lead = float((moment[-1] - gram[-1, :-1] @ rises) * unit[-1])
+    steep = (np.diff(values) / np.diff(knots))[place.left].reshape(-1, long)
+    by_place = -_mean_over(of_knots, at.root * steep) / at.sd[:, None]
+    off = slopes @ np.append(np.diff(values), lead) - target
+    return _Solution(values, lead, slopes, by_place, off, at, known.T @ known)
 
 
 def _mean_over(shares: np.ndarray, root: np.ndarray) -> np.ndarray:
     return np.einsum("wlm,wl->wm", shares, root * mean_weights(root.shape[1]))
 
 
-def _linear(rows: OutletRows, knots: np.ndarray, values: np.ndarray, prior: OutletPrior) -> _Linear:
-    """The problem around a curve.
+def _linear(rows: OutletRows, knots: np.ndarray, values: np.ndarray, lead: float, prior: OutletPrior) -> _Linear:
+    """The problem around a curve and a lead.
 
     The root of a noisy drop is a noisy factor of the conductance: too small in the mean, and skewed. Where the flow is known better, the drop that it takes
-    is the factor, and what the measured drop is off from that is the noise. Elsewhere the mean is put right: the root is too small by an eighth of
-    the square of the drop's relative noise, and its square is not. Windows are left as they are.
+    is the factor, and what the measured drop is off from that is the noise. Elsewhere the flow is put right: the root is too small by an eighth of
+    the square of the drop's relative noise, and its square, by which it is divided, is not. Windows are left as they are.
     """
-    place, drop = placed_among(knots, rows.travel.ravel()), rows.drop - prior.p_return
+    place, drop = placed_among(knots, rows.travel.ravel()), rows.drop + lead * rows.rate - prior.p_return
     k = at_place(values, place).reshape(drop.shape)
     slope = (np.diff(values) / np.diff(knots))[place.left].reshape(drop.shape).mean(axis=1)
     root, one, mean_k = np.sqrt(np.maximum(drop, 1.0)), mean_weights(drop.shape[1]), k.mean(axis=1)
@@ -238,34 +299,55 @@ def _linear(rows: OutletRows, knots: np.ndarray, values: np.ndarray, prior: Outl
     target = np.where(
         by_flow,
         mean_k * taken - 0.5 * mean_k / taken * (drop @ one - taken**2),
-        rows.q_out * (1.0 - np.where(flows, 0.125, 0.0) * of_pressure**2),
+        rows.q_out * (1.0 + np.where(flows, 0.125, 0.0) * of_pressure**2),
     )
-    return _Linear(np.where(by_flow[:, None], taken[:, None], root), target, sd)
+    by_lead = 0.5 * mean_k / taken * (rows.rate @ one)
+    return _Linear(np.where(by_flow[:, None], taken[:, None], root), target + by_lead * lead, sd, by_lead)
 
 
-def _errors(found: _Solution) -> np.ndarray:
-    """Standard errors from how pieces of the log pull at a solution; bounds are left out, so that what lies flat is not taken for known."""
+def _errors(found: _Solution, knots: np.ndarray, places: np.ndarray, scale: float) -> np.ndarray:
+    """Standard errors of the curve at the travels of its knots, from how pieces of the log pull at a solution.
+
+    Knots that these rows placed err with it; those that others placed err as they were said to, and make it give way. Bounds are left out, so that
+    what lies flat is not taken for known.
+    """
     n, m = found.slopes.shape
-    h = (found.slopes * found.robust[:, None]).T @ found.slopes + found.known
+    free = np.isinf(places)
+    slopes = np.column_stack([found.slopes, found.by_place[:, free]])
+    weighed = slopes * found.robust[:, None]
+    known = np.zeros((slopes.shape[1], slopes.shape[1]))
+    known[:m, :m] = found.known
+    h = weighed.T @ slopes + known
     unit = 1.0 / np.sqrt(np.maximum(np.diag(h), 1e-300))
     bread = np.linalg.pinv(h * unit[:, None] * unit, rcond=1e-12) * unit[:, None] * unit
     pieces = max(min(_PIECES * m, n // _LEAST_ROWS), 1)
-    pulls = np.zeros((pieces, m))
-    np.add.at(pulls, np.arange(n) * pieces // max(n, 1), found.slopes * (found.robust * found.off)[:, None])
-    meat = pulls.T @ pulls * unhidden(pieces, float(np.trace(bread @ (h - found.known))))
-    t = rising(m + 1)
-    covariance = t @ bread @ (meat + found.known) @ bread @ t.T
-    return np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    pulls = np.zeros((pieces, slopes.shape[1]))
+    np.add.at(pulls, np.arange(n) * pieces // max(n, 1), weighed * found.off[:, None])
+    meat = pulls.T @ pulls * unhidden(pieces, float(np.trace(bread @ (h - known))))
+    by_given = bread @ weighed.T @ found.by_place[:, ~free]
+    given = np.square(places[~free])
+    to_values, to_places = np.zeros((2, m, slopes.shape[1]))
+    to_values[:, : m - 1] = rising(m)
+    to_places[np.flatnonzero(free), np.arange(m, slopes.shape[1])] = 1.0
+    values_by_given, places_by_given = -to_values @ by_given, -to_places @ by_given
+    places_by_given[np.flatnonzero(~free), np.arange(len(given))] += 1.0
+    own = bread @ (meat + known) @ bread
+    of_values, of_both, of_places = (
+        a @ own @ b.T + (by_a * given) @ by_b.T
+        for a, by_a, b, by_b in (
+            (to_values, values_by_given, to_values, values_by_given),
+            (to_values, values_by_given, to_places, places_by_given),
+            (to_places, places_by_given, to_places, places_by_given),
+        )
+    )
+    return at_travel(of_values, of_both, of_places, knots, found.values, knots * scale)
 
 
-def _block_losses(rows: OutletRows, knots: np.ndarray, values: np.ndarray, prior: OutletPrior) -> np.ndarray:
-    """Half the mean weighted squares of each block of time, (n_block,)."""
-    at, m = _linear(rows, knots, values, prior), len(knots)
+def _left_over(rows: OutletRows, knots: np.ndarray, of: _Solution, prior: OutletPrior) -> np.ndarray:
+    """In standard deviations, (n_window,)."""
+    at, m = _linear(rows, knots, of.values, of.lead, prior), len(knots)
     shares = hats(placed_among(knots, rows.travel.ravel()), m).reshape(*rows.travel.shape, m)
-    size = np.abs(_mean_over(shares, at.root) @ values - at.target) / at.sd
-    _, block = np.unique(rows.block, return_inverse=True)
-    weighed = np.where(size <= HUBER, 0.5 * size * size, HUBER * (size - 0.5 * HUBER))
-    return np.bincount(block, weighed) / np.bincount(block)
+    return np.asarray((_mean_over(shares, at.root) @ of.values + at.by_lead * of.lead - at.target) / at.sd)
 
 
 def _promising(rows: OutletRows, knots: np.ndarray, now: _Solution) -> float | None:

@@ -4,6 +4,10 @@ Rows that follow each other err together, so that squares summed over rows would
 much the solution would move if they had been others. Pieces are short, so that there are many more of them than numbers; what their own pull on
 the solution hides is added back. Bounds are left out, so that a curve that lies flat is not taken for known. A straight line between knots is no curve:
 how far numbers move where there are twice as many knots is added.
+
+What is told of a curve is its value at a travel. The place of a knot errs together with the value there, and most of both is along the curve, which is no
+error of it; but where the curve bends, the one side or the other is met. A spool's travel is as wrong as its pilot's gain, all rows of it together, so
+that nothing is left over of that in the flows.
 """
 
 from typing import NamedTuple
@@ -73,19 +77,52 @@ def circuit_errors(model: CircuitModel, rows: CircuitRows, prior: Prior) -> Circ
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     finer = model._replace(valves=tuple(with_knots_between(v) for v in model.valves))
     bent, _ = fit_circuit(finer, rows, prior, _STEPS, knots_move=False)
-    valves, place = [], 0
+    valves: list[dict[str, np.ndarray]] = []
+    place = 0
     for v, other in zip(model.valves, bent.valves, strict=True):
         m = len(v.knots)
-        inlet, bypass, knots = (sigma[place + k * m : place + (k + 1) * m] for k in range(3))
-        moved = (np.interp(v.knots, other.knots, c) for c in (other.inlet, other.bypass))
-        inlet, bypass = (np.hypot(e, c - own) for e, c, own in zip((inlet, bypass), moved, v[1:], strict=True))
-        valves.append({"inlet": inlet, "bypass": bypass, "knots": knots})
+        own = covariance[place : place + 3 * m, place : place + 3 * m]
+        scale_error = v.knots * rows.noise_scale[len(valves)]
+        errors = {"knots": np.hypot(sigma[place + 2 * m : place + 3 * m], scale_error)}
+        for k, name in enumerate(("inlet", "bypass")):
+            curve, part = getattr(v, name), slice(k * m, (k + 1) * m)
+            sd = at_travel(own[part, part], own[part, 2 * m :], own[2 * m :, 2 * m :], v.knots, curve, scale_error)
+            errors[name] = np.hypot(sd, np.interp(v.knots, other.knots, getattr(other, name)) - curve)
+        valves.append(errors)
         place += 3 * m
     pump = {
         name: float(np.hypot(error, number_of(bent, name) - number_of(model, name)))
         for name, error in zip(prior.pump, sigma[place:].tolist(), strict=True)
     }
     return CircuitErrors(valves, pump, _pairs(model, covariance))
+
+
+def at_travel(
+    of_values: np.ndarray,
+    of_both: np.ndarray,
+    of_places: np.ndarray,
+    knots: np.ndarray,
+    values: np.ndarray,
+    scale_error: np.ndarray,
+) -> np.ndarray:
+    """Standard errors of a curve at the travels where its knots are said to be, (m,).
+
+    Parameters
+    ----------
+    of_values, of_both, of_places : (m, m) array
+        Covariances of values at knots, of these with places of knots, and of places.
+    knots, values : (m,) array
+        The curve.
+    scale_error : (m,) array, m
+        Of the travels themselves.
+    """
+    slopes = np.diff(values) / np.diff(knots)
+    found = np.zeros(len(knots))
+    # a knot is as often behind its place as before it
+    for side in (np.append(slopes[:1], slopes), np.append(slopes, slopes[-1:])):
+        of_curve = np.diag(of_values) - 2.0 * side * np.diag(of_both) + side**2 * (np.diag(of_places) + scale_error**2)
+        found += 0.5 * np.maximum(of_curve, 0.0)
+    return np.sqrt(found)
 
 
 def _pairs(model: CircuitModel, covariance: np.ndarray) -> list[tuple[int, int, float]]:
