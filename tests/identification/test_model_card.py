@@ -36,6 +36,7 @@ def test_the_card_says_what_an_engineer_asks(found, tmp_path):
     assert json.loads((tmp_path / "card.card.json").read_text()) == json.loads(json.dumps(card))
     model = card["models"][0]
     assert card["data"]["rows"] == 1500
+    assert card["warnings"] == []
     assert card["data"]["held_out"] == "blocks of time"
     assert card["data"]["seconds"] == pytest.approx(14.99)
     assert model["proved_low"] < 0.1 < 2.5 < model["proved_high"]
@@ -64,6 +65,15 @@ def test_names_that_are_no_formulas_are_drawn_and_written_letter_by_letter(odd, 
     page = (tmp_path / "card.html").read_text()
     assert all(escape(name) in page for name in (a, b, f"{y} [bar]"))
     assert page.count("data:image/svg+xml") == 3
+
+
+def test_a_card_says_that_inputs_do_not_determine_an_output(tmp_path):
+    rng = np.random.default_rng(2)
+    noise = Table({name: rng.uniform(size=40) for name in "aby"}, {})
+    card = write_card(fit_table(noise, ["a", "b"], ["y"]), tmp_path / "card.html")
+    (said,) = card["warnings"]
+    assert said.startswith("y: these inputs do not determine it")
+    assert escape(said) in (tmp_path / "card.html").read_text()
 
 
 def test_a_card_ends_in_html(found, tmp_path):

@@ -167,15 +167,46 @@ def test_of_several_logs_no_block_goes_over_the_end_of_one():
     assert (both.source, both.outputs[0].model.training["rows"]) == ("table (1), table (2)", 1800)
 
 
-def test_a_model_that_is_no_better_than_the_mean_is_named():
+def warnings_of(found):
+    said = [line.removeprefix("warning: ") for line in str(found).splitlines() if line.startswith("warning: ")]
+    assert said == found.doubts
+    return said
+
+
+def test_inputs_that_do_not_determine_an_output_are_named():
     rng = np.random.default_rng(3)
-    few = Table({name: rng.uniform(size=11) for name in "abcy"}, {})
-    found = fit_table(few, ["a", "b", "c"], ["y"])
+    noise = Table({name: rng.uniform(size=80) for name in "abcy"}, {})
+    found = fit_table(noise, ["a", "b", "c"], ["y"])
+    assert found.models[0].n_coefficients == 0
+    (said,) = warnings_of(found)
+    assert said.startswith(
+        "y: these inputs do not determine it: of 80 rows no network explains more than a search as wide"
+    )
+    few = Table({name: values[:11] for name, values in noise.columns.items()}, {})
+    (said,) = warnings_of(fit_table(few, ["a", "b", "c"], ["y"]))
+    assert said == "y: a network takes 12 rows, and the model of 11 is a constant; give more rows"
+    assert not warnings_of(fit_table(TABLE, ["a", "b"], ["y"], estimator=AbductiveRegressor(max_layers=1)))
+
+
+def test_a_model_that_is_no_better_than_the_mean_is_named():
+    from_noise = AbductiveRegressor(leave_one_out=False)  # as the predicted squared error alone has it
+    rng = np.random.default_rng(3)
+    noise = Table({name: rng.uniform(size=80) for name in "abcdefy"}, {})
+    found = fit_table(noise, list("abcdef"), ["y"], estimator=from_noise)
     assert found.outputs[0].r2 <= 0.0
-    warnings = [line for line in str(found).splitlines() if line.startswith("warning: ")]
-    assert len(warnings) == 1
-    assert warnings[0].startswith("warning: y: nothing was learnt from 11 rows that helps on others: the mean would do")
-    assert "warning" not in str(fit_table(TABLE, ["a", "b"], ["y"], estimator=AbductiveRegressor(max_layers=1)))
+    (said,) = warnings_of(found)
+    assert said.startswith("y: nothing was learnt from 80 rows that helps on others: the mean would do as well")
+
+
+@pytest.mark.parametrize("edges", [None, {"a": [0.5]}])
+@pytest.mark.filterwarnings("error")
+def test_a_value_far_from_all_others_is_named_by_its_row_in_the_table(edges):
+    far = TABLE.columns | {"y": np.where(np.arange(100) == 17, 1e6, COLUMNS["y"])}
+    found = fit_table(Table(far, {"y": "Pa"}), ["a", "b"], ["y", "z"], edges=edges)
+    said = warnings_of(found)
+    assert said[0].startswith("y [Pa] holds 1e+06 in row 18, ")
+    assert "leave the row out" in said[0]
+    assert not any(one.startswith("z") for one in said)
 
 
 def test_a_model_that_is_the_mean_is_named_where_the_rows_held_out_tell_nothing():
@@ -183,7 +214,7 @@ def test_a_model_that_is_the_mean_is_named_where_the_rows_held_out_tell_nothing(
     once = np.where(np.arange(100) == 50, 1.0, 0.0)
     found = fit_table(Table({"a": rng.uniform(size=100), "y": once}, {}), ["a"], ["y"])
     assert found.models[0].n_coefficients == 0
-    assert "warning: y: nothing was learnt from 100 rows: the model is their mean" in str(found)
+    assert "warning: y: these inputs do not determine it: of 100 rows" in str(found)
 
 
 @pytest.mark.parametrize("copied", [lambda v: np.repeat(v, 10), lambda v: np.tile(v, 10)])

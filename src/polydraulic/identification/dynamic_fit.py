@@ -13,7 +13,7 @@ from sklearn.base import BaseEstimator
 from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, parts_of, table_of
-from polydraulic.identification.judging import LEVEL, Errors, errors_of, unit_after
+from polydraulic.identification.judging import LEVEL, Errors, errors_of, far_from_others, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
 from polydraulic.networks.dynamic.command_response import longest_lag_in_rows, response_facts, response_in_words
@@ -115,7 +115,8 @@ class DynamicFit:
 
     def text(self, units: str = DEFAULT) -> str:
         """How good the models are, in lines."""
-        return "\n".join(found.text(units) for found in self.outputs)
+        far = [f"warning: {said}" for said in far_from_others(self.table, self.models)]
+        return "\n".join([*(found.text(units) for found in self.outputs), *far])
 
     def __str__(self) -> str:
         return self.text()

@@ -1,14 +1,18 @@
 """How good a model is on rows that it has not seen: errors, by region too, and intervals with the share that they hold for."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, shown_unit, with_unit
+from polydraulic.networks.growth.far_values import far_values
+from polydraulic.networks.growth.synthesis import FEWEST_ROWS
 from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import region_of
 from polydraulic.networks.model.shown_model import shown_columns, shown_model
+from polydraulic.tables import Table
 
 LEVEL = 0.9  # of the intervals
 
@@ -84,15 +88,18 @@ class OutputFit(NamedTuple):
 
     @property
     def doubt(self) -> str:
-        """Sentence on a model that errs no less than the mean of the rows held out would; empty if it errs less."""
+        """Sentence on a constant, or a model that errs no less than the mean of the rows held out would; empty if it errs less."""
         rows: Any = self.model.training["rows"]
-        if self.r2 > 0.0 or np.ptp(self.held.y) == 0.0:
-            if self.model.n_coefficients:
-                return ""
+        constant = not any(network.nodes for network in self.model.networks)
+        if constant and rows < FEWEST_ROWS:
+            return f"{self.model.output.name}: a network takes {FEWEST_ROWS} rows, and the model of {rows} is a constant; give more rows"
+        if constant:
             return (
-                f"{self.model.output.name}: nothing was learnt from {rows} rows: the model is their mean; give more rows, or inputs that it "
-                "depends on"
+                f"{self.model.output.name}: these inputs do not determine it: of {rows} rows no network explains more than a search as wide "
+                "finds by chance, and the model is a constant; give more rows, or inputs that it depends on"
             )
+        if self.r2 > 0.0 or np.ptp(self.held.y) == 0.0:
+            return ""
         return (
             f"{self.model.output.name}: nothing was learnt from {rows} rows that helps on others: the mean would do as well on those held out "
             f"(R2 {self.r2:.4g}); give more rows, or inputs that it depends on"
@@ -100,6 +107,13 @@ class OutputFit(NamedTuple):
 
     def __str__(self) -> str:
         return self.text()
+
+
+def far_from_others(table: Table, models: Sequence[Model]) -> list[str]:
+    """Sentences on few values of outputs that lie far from all others, and decide what is learnt; rows count from 1."""
+    outputs = [model.output for model in models]
+    found = [(output, far_values(table[output.name])) for output in outputs]
+    return [far.sentence(str(output), 1) for output, far in found if far is not None]
 
 
 def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:

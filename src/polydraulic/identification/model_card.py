@@ -14,7 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_texts
 from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
-from polydraulic.identification.judging import OutputFit, unit_after
+from polydraulic.identification.judging import OutputFit, far_from_others, unit_after
 from polydraulic.identification.machine.machine_card import machine_facts
 from polydraulic.identification.machine.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
@@ -96,8 +96,10 @@ def write_card(
         sections.append(
             _section(read, told, shown) if isinstance(read, OutputFit) else _dynamic_section(read, told, shown)
         )
-    card: dict[str, Any] = {"schema": SCHEMA, "data": data | entries, "models": facts}
-    body = f"""<h2>Data</h2>
+    doubts = _doubts(fit)
+    card: dict[str, Any] = {"schema": SCHEMA, "data": data | entries, "models": facts, "warnings": doubts}
+    body = f"""{"".join(f"<p><strong>Warning:</strong> {escape(doubt)}.</p>" for doubt in doubts)}
+<h2>Data</h2>
 {_columns(data, units)}
 {seen}
 {_said_of_units(fit.models, units)}
@@ -105,6 +107,13 @@ def write_card(
     numbers = json.dumps(card, indent=1, allow_nan=False) + "\n"
     write_texts({path.with_suffix(".card.json"): numbers, path: document(f"Model card: {source}", body)})
     return card
+
+
+def _doubts(fit: TableFit | DynamicFit | MachineFit) -> list[str]:
+    """What makes the models doubtful; those of a machine say so themselves."""
+    if isinstance(fit, MachineFit):
+        return []
+    return fit.doubts if isinstance(fit, TableFit) else far_from_others(fit.table, fit.models)
 
 
 def _inputs(models: Sequence[Model]) -> list[str]:

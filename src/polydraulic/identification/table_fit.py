@@ -11,8 +11,9 @@ from sklearn.base import clone
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, parts_of, table_of
-from polydraulic.identification.judging import HeldOut, OutputFit, judged
+from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged
 from polydraulic.measure.log_units import conversion_shown
+from polydraulic.networks.growth.far_values import far_values_told_elsewhere
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.growth.workers import in_processes, one_after_the_other
 from polydraulic.networks.hold_out import BLOCKS, held_distinct_rows, held_rows
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 
 _COPY = 1e-10  # below one, of a correlation: no two sensors agree so well
+_TIMED = "time is an input: the models know the times of this table alone, and others lie outside of their domain"
 _LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
 
@@ -55,20 +57,18 @@ class TableFit:
         """The models, to be saved, exported or run."""
         return [found.model for found in self.outputs]
 
+    @property
+    def doubts(self) -> list[str]:
+        """What makes the models doubtful, in sentences: values far from all others; outputs that the inputs do not determine, or are."""
+        of_outputs = [doubt for found in self.outputs for doubt in (found.doubt, _copied(found, self.table)) if doubt]
+        timed = any(variable.name == "time" for found in self.outputs for variable in found.model.inputs)
+        return [*far_from_others(self.table, self.models), *of_outputs, *([_TIMED] if timed else [])]
+
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""
         deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
-        doubts = [
-            f"warning: {doubt}"
-            for found in self.outputs
-            for doubt in (found.doubt, _copied(found, self.table))
-            if doubt
-        ]
-        if any(variable.name == "time" for found in self.outputs for variable in found.model.inputs):
-            doubts.append(
-                "warning: time is an input: the models know the times of this table alone, and others lie outside of their domain"
-            )
-        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs), *doubts])
+        warnings = [f"warning: {doubt}" for doubt in self.doubts]
+        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs), *warnings])
 
     def __str__(self) -> str:
         return self.text()
@@ -177,8 +177,9 @@ def _copied(found: OutputFit, table: Table) -> str:
 def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray, tuple[np.ndarray, ...]]) -> list[RegionRegressor]:
     """Of some rows, and of others in the regions that these gave, so that errors of the first are stated of the same regions."""
     regressor, X, y, (first, *others) = work
-    fitted = regressor.fit(X[first], y[first])
-    return [fitted, *(fitted.refitted(X[rows], y[rows]) for rows in others)]
+    with far_values_told_elsewhere():
+        fitted = regressor.fit(X[first], y[first])
+        return [fitted, *(fitted.refitted(X[rows], y[rows]) for rows in others)]
 
 
 def _with_deadbands(

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from polydraulic import AbductiveRegressor, RegionRegressor
 from polydraulic.errors import InputError
 from polydraulic.networks import AbductiveClassifier, PerceptronRegressor, Variable
-from polydraulic.networks.growth import regressor
+from polydraulic.networks.growth import one_output
 from polydraulic.networks.growth.refine import refine
 
 RNG = np.random.default_rng(11)
@@ -246,8 +246,8 @@ def test_of_very_many_rows_a_sample_does_all_but_the_last_steps(monkeypatch):
     truth = np.sin(2.0 * X[:, 0]) * X[:, 1] + X[:, 2] ** 2
     y = truth + 0.1 * rng.normal(size=6000)
     whole = AbductiveRegressor(max_layers=2).fit(X, y)
-    monkeypatch.setattr(regressor, "_MANY", 5000)
-    monkeypatch.setattr(regressor, "_SAMPLE", 2000)
+    monkeypatch.setattr(one_output, "_MANY", 5000)
+    monkeypatch.setattr(one_output, "_SAMPLE", 2000)
     sampled = AbductiveRegressor(max_layers=2).fit(X, y)
     assert sampled.network_ != whole.network_
     errors = [float(np.sqrt(np.mean((model.predict(X) - truth) ** 2))) for model in (sampled, whole)]
@@ -260,8 +260,8 @@ def test_a_refinement_that_only_fits_its_sample_is_made_again_with_all_rows(monk
     rng = np.random.default_rng(4)
     X = rng.uniform(-1.0, 1.0, (6000, 3))
     y = np.sin(2.0 * X[:, 0]) * X[:, 1] + X[:, 2] ** 2
-    monkeypatch.setattr(regressor, "_MANY", 5000)
-    monkeypatch.setattr(regressor, "_SAMPLE", 2000)
+    monkeypatch.setattr(one_output, "_MANY", 5000)
+    monkeypatch.setattr(one_output, "_SAMPLE", 2000)
     calls = []
 
     def spoilt(nodes, rows, bounds, **options):
@@ -269,7 +269,7 @@ def test_a_refinement_that_only_fits_its_sample_is_made_again_with_all_rows(monk
         found, fse = refine(nodes, rows, bounds, **options)
         return found, fse if len(calls) != 2 else 1.0
 
-    monkeypatch.setattr(regressor, "refine", spoilt)
+    monkeypatch.setattr(one_output, "refine", spoilt)
     model = AbductiveRegressor(max_layers=2).fit(X, y)
     assert calls == [2000, 6000, 6000]
     assert model.fse_ < 1e-4

@@ -1,8 +1,6 @@
 """AbductiveRegressor: polynomial abductive networks as a scikit-learn estimator."""
 
-import logging
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple, overload
 
 import numpy as np
@@ -12,11 +10,9 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from polydraulic.errors import InputError
 from polydraulic.networks.growth.checked_settings import checked_settings
-from polydraulic.networks.growth.choice import best_on_blocks, best_on_rows, last_layer
-from polydraulic.networks.growth.prescreen import promising_inputs
-from polydraulic.networks.growth.refine import refine
-from polydraulic.networks.growth.row_blocks import row_blocks
-from polydraulic.networks.growth.synthesis import SMALLEST_VARIANCE, Settings, penalty, residual_variance, synthesize
+from polydraulic.networks.growth.far_values import warn_of_far_values
+from polydraulic.networks.growth.one_output import learn_output
+from polydraulic.networks.growth.synthesis import Settings, penalty, residual_variance
 from polydraulic.networks.growth.training_rows import (
     SMALLEST,
     Scaling,
@@ -24,8 +20,8 @@ from polydraulic.networks.growth.training_rows import (
     rows_apart,
     rows_from_blocks,
     rows_in_memory,
-    sample_of,
 )
+from polydraulic.networks.growth.unseen.row_blocks import row_blocks
 from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
 from polydraulic.networks.intervals import stated_half_width
@@ -33,13 +29,8 @@ from polydraulic.networks.model.fitted import checked_box, predictions, settings
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.model import Model, Variable, describe
 from polydraulic.networks.model.nodes import POLYNOMIALS
-from polydraulic.networks.model.table import UNBOUNDED, Network, Node
+from polydraulic.networks.model.table import UNBOUNDED, Network
 
-_log = logging.getLogger(__name__)
-_MAX_REFINEMENTS = 100  # passes over the rows
-# rows above which a sample of so many does what no row decides: scores, steps of refinement but the last
-_MANY, _SAMPLE = 150_000, 65_536
-_LAST_REFINEMENTS = 2  # with all rows, after those with a sample
 _MARGIN = 0.1  # of the range of the targets, by which output_bounds="data" widens it
 
 
@@ -76,6 +67,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Of all layers keep the one whose rows are predicted best by a network that has not seen them (to first order),
         and refined coefficients only if they lower this error too. It stops high powers that a few far rows decide. Rows
         of a log, given in the order of time, are left out in blocks, and the smallest network is kept that is not clearly worse.
+        A network that explains no more than a search as wide finds by chance becomes a constant.
     max_inputs : int, default=30
         With more inputs than this, the search sees only that many, chosen by what they explain in Singles and Doubles.
     missing : "refuse", "drop" or "impute", default="refuse"
@@ -95,7 +87,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     Attributes
     ----------
     networks_ : list of Network
-        One per output; `network_` is the first.
+        One per output, without nodes where it is a constant; `network_` is the first.
     histories_ : list of list of GrowthStep
         The layers tried, with K, FSE, penalty and PSE in squared units of y; `history_` is the first.
     fse_, pse_ : float, or (n_output,) array
@@ -173,6 +165,11 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ------
         ValueError
             NaN or infinite values, fewer than four rows, settings out of range.
+
+        Warns
+        -----
+        UserWarning
+            A few values of `y` lie far from all others, and decide alone what is learnt.
         """
         settings = self._settings()
         X, y = validate_data(
@@ -181,6 +178,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         )  # fmt: skip
         y = y.astype(np.float64)
         weight = None if sample_weight is None else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
+        warn_of_far_values(y if weight is None else np.where(weight[:, None] > 0.0, y.reshape(len(y), -1), np.nan))
         blocks = None
         if self.leave_one_out and (groups is not None or weight is None or np.all(weight == 1.0)):
             blocks = row_blocks(X if self.missing == "refuse" else np.nan_to_num(X), groups)
@@ -304,47 +302,20 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
                 if weighted
                 else f"n_samples = {s.weight:g}: a network needs at least {SMALLEST} rows"
             )
-        n_input = len(s.x_mean)
-        inputs = np.arange(n_input) if n_input <= self.max_inputs else promising_inputs(rows, self.max_inputs)
-        inputs = inputs[s.varies[inputs]]
-        few = rows  # of weighted rows a few may decide
-        if s.n_row > _MANY and s.weight == s.n_row:
-            few = sample_of(rows, _SAMPLE)
-        grown, history = synthesize(rows, inputs, settings, few)
-        for h in history:
-            _log.info("layer %d: K %d, PSE %.6g, %d tried", h.layer, h.n_coefficients, h.pse, h.n_candidates)
         y_low, y_high = self._output_bounds(s)
-        bounds = ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale)
-
-        def refined(nodes: list[Node]) -> tuple[list[Node], float]:
-            def watch(i: int, loss: float) -> None:
-                _log.debug("refinement %d: FSE %.6g", i, loss * s.y_scale**2)
-
-            found, fse = refine(nodes, few, bounds, max_iterations=_MAX_REFINEMENTS, watch=watch)
-            if few is rows:
-                return found, fse
-            found, fse = refine(found, rows, bounds, max_iterations=_LAST_REFINEMENTS, watch=watch)
-            if fse <= errors[grown.index(nodes)]:
-                return found, fse
-            return refine(nodes, rows, bounds, max_iterations=_MAX_REFINEMENTS, watch=watch)
-
-        polish = refined if self.refine else None
-        variance = max(s.y_scale**2, SMALLEST_VARIANCE)
-        errors = [step.fse / variance for step in history[: len(grown)]]
-        if not self.leave_one_out:
-            chosen = last_layer(grown, errors, polish)
-        elif apart is None:
-            chosen = best_on_rows(grown, errors, polish, few, bounds, s.weight)
-        else:
-            chosen = best_on_blocks(grown, errors, polish, apart, bounds)
-        nodes, fse = chosen.nodes, chosen.fse
-        history[: len(grown)] = [
-            replace(step, leave_one_out=error * s.y_scale**2)
-            for step, error in zip(history, chosen.unseen, strict=False)
-        ]
-        low, high = (s.x_low, s.x_high) if self.domain is None else checked_box(self.domain, n_input)
+        found = learn_output(
+            rows,
+            settings,
+            ((y_low - s.y_mean) / s.y_scale, (y_high - s.y_mean) / s.y_scale),
+            max_inputs=self.max_inputs,
+            polish=self.refine,
+            leave_one_out=self.leave_one_out,
+            apart=apart,
+        )
+        fse = found.fse
+        low, high = (s.x_low, s.x_high) if self.domain is None else checked_box(self.domain, len(s.x_mean))
         network = Network(
-            nodes=tuple(nodes),
+            nodes=tuple(found.nodes),
             x_mean=tuple(s.x_mean.tolist()),
             x_scale=tuple(s.x_scale.tolist()),
             x_low=tuple(low.tolist()),
@@ -356,7 +327,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         )
         k = network.n_coefficients
         cost = penalty(settings, k, s.weight, residual_variance(fse, k, s.weight), s.y_scale**2)
-        return Grown(network, history, fse * s.y_scale**2, (fse + cost) * s.y_scale**2)
+        return Grown(network, found.history, fse * s.y_scale**2, (fse + cost) * s.y_scale**2)
 
     def _finish(self, grown: list[Grown]) -> None:
         self.networks_ = [one.network for one in grown]

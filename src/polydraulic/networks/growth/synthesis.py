@@ -42,6 +42,7 @@ SMALLEST_VARIANCE = float(np.finfo(np.float64).smallest_normal)  # of a target o
 _REFIT = 30  # scored by moments, this many are fitted on the rows before the choice
 _SAME = 1e-10  # outputs whose squared correlation is this close to 1 count as the same
 _ROWS_A_COEFFICIENT = 3  # a network may have one coefficient for so many rows
+FEWEST_ROWS = _ROWS_A_COEFFICIENT * len(terms(SINGLE, 1))  # of any network
 _GAIN = 1e-9  # a PSE must fall by this share to count as better
 _EXACT = 1e-24  # of the variance; a smaller error is rounding
 

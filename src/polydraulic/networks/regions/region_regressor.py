@@ -8,6 +8,7 @@ from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, clone
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from polydraulic.errors import InputError
+from polydraulic.networks.growth.far_values import far_values_told_elsewhere, warn_of_far_values
 from polydraulic.networks.growth.regressor import AbductiveRegressor
 from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.hold_out import calibration_rows
@@ -132,6 +133,7 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         weight = np.ones(len(X)) if sample_weight is None else _check_sample_weight(
             sample_weight, X, ensure_non_negative=True
         )  # fmt: skip
+        warn_of_far_values(np.where(weight[:, None] > 0.0, y.reshape(len(y), -1), np.nan))
         X, y, weight = X[weight > 0.0], y.astype(np.float64)[weight > 0.0], weight[weight > 0.0]
         self._single_output = y.ndim == 1
         base = AbductiveRegressor() if self.estimator is None else self.estimator
@@ -219,7 +221,8 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             domain = np.clip(np.asarray(base.domain, dtype=np.float64), box[:, :1], box[:, 1:])
             estimator.set_params(domain=list(map(tuple, domain.tolist())))
         try:
-            return estimator.fit(*own)
+            with far_values_told_elsewhere():
+                return estimator.fit(*own)
         except ValueError as error:
             raise InputError(str(error) if name == "everywhere" else f"region {name}: {error}") from error
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic.networks.growth.leave_one_out import leave_blocks_out, leave_one_out
 from polydraulic.networks.growth.training_rows import TrainingRows
+from polydraulic.networks.growth.unseen.leave_one_out import leave_blocks_out, leave_one_out
 from polydraulic.networks.model.table import Node
 
 Refine = Callable[[list[Node]], tuple[list[Node], float]]

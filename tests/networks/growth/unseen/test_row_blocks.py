@@ -3,7 +3,7 @@ import pytest
 
 from helpers.field_logs import FIELD_LOGS, valve_log
 from polydraulic.errors import InputError
-from polydraulic.networks.growth.row_blocks import STRETCHES, is_log, row_blocks
+from polydraulic.networks.growth.unseen.row_blocks import STRETCHES, is_log, row_blocks
 
 RNG = np.random.default_rng(0)
 INDEPENDENT = RNG.uniform(size=(1000, 3))

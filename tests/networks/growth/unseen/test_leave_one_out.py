@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from polydraulic import AbductiveRegressor
-from polydraulic.networks.growth.leave_one_out import leave_blocks_out, leave_one_out
 from polydraulic.networks.growth.training_rows import rows_apart, rows_from_blocks, rows_in_memory
+from polydraulic.networks.growth.unseen.leave_one_out import leave_blocks_out, leave_one_out
 from polydraulic.networks.model.nodes import DOUBLE, design
 from polydraulic.networks.model.table import Node
 

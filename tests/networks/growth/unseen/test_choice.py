@@ -5,11 +5,11 @@ import pytest
 
 from helpers.field_logs import FIELD_LOGS, held_out
 from polydraulic import AbductiveRegressor
-from polydraulic.networks.growth.choice import best_on_blocks, best_on_rows, last_layer, smallest_of_the_best
 from polydraulic.networks.growth.refine import refine
-from polydraulic.networks.growth.row_blocks import row_blocks
 from polydraulic.networks.growth.synthesis import synthesize
 from polydraulic.networks.growth.training_rows import rows_apart, rows_in_memory
+from polydraulic.networks.growth.unseen.choice import best_on_blocks, best_on_rows, last_layer, smallest_of_the_best
+from polydraulic.networks.growth.unseen.row_blocks import row_blocks
 from polydraulic.networks.model.nodes import SINGLE, design
 from polydraulic.networks.model.table import Node
 from polydraulic.networks.proof.bounds import model_bounds
