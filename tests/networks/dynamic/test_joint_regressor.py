@@ -60,9 +60,11 @@ def test_play_is_in_the_network_as_it_was_found():
         joint[t] = joint[t - 1] + 0.02 * (max(valve - 0.2, 0.0) - max(-0.3 - valve, 0.0))
     model = JointRegressor(horizon=100, max_terms=1).fit(lever[:, None], joint)
     assert model.responses_[0].play == pytest.approx(0.24, abs=0.05)
-    moved = (model.simulate(lever[:, None], joint, horizon=1) - np.concatenate([[0.0], joint[:-1]]))[16:]
-    ramps = model.responses_[0].ramps(lever)[16:]
-    powers = np.column_stack([ramps, ramps**2, ramps**3, ramps * joint[15:-1, None], ramps.prod(axis=1)])
+    first = model.warm_up_
+    assert first > 2 * 16  # play is remembered for longer than the longest lag
+    moved = (model.simulate(lever[:, None], joint, horizon=1) - np.concatenate([[0.0], joint[:-1]]))[first:]
+    ramps = model.responses_[0].ramps(lever)[first:]
+    powers = np.column_stack([ramps, ramps**2, ramps**3, ramps * joint[first - 1 : -1, None], ramps.prod(axis=1)])
     coef = np.linalg.lstsq(powers, moved, rcond=None)[0]
     assert np.abs(powers @ coef - moved).max() < 1e-9
     assert np.abs(model.simulate(lever[:, None], joint) - joint).max() < 0.05 * np.ptp(joint)

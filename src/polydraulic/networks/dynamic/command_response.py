@@ -1,8 +1,8 @@
 """How the rate of a joint follows its command: play, dead time, lag, dead zone, and where the valve is open.
 
 A command passes the play of whatever moves the valve, a dead time and a lag of first order; what comes out moves two ramps, one to each
-side of the dead zone. Play is what the log remembers for no longer than the longest lag: before, the command counts as having come from rest.
-Where it explains hardly more there is none. The rate is taken
+side of the dead zone. Play remembers longer than a lag does, so the command is looked back at in ever longer steps; before the oldest of these
+rows it counts as having come from rest. Where play explains hardly more there is none. The rate is taken
 for proportional to each ramp while these numbers are sought, so that an edge is where the straight line through the motion begins; what the line
 leaves is learnt afterwards. Rates are compared as travel over windows of time: noise of the joint, which a derivative would blow up, hardly counts.
 A joint that is driven against a stop says nothing of its command: once stops are found, windows that touch them are left out.
@@ -31,6 +31,10 @@ _USUAL = 0.8  # s
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
 _SCALE = 0.02  # of the range: errors of the travel beyond it count less
 _EVALUATIONS = 40
+_REMEMBERS, _LONGER = (
+    2.5,
+    1.25,
+)  # how far back play goes, in longest lags; and how much further back each row is, behind those that weigh
 # play as a share of all that the command does: most, and where the search begins; and how much less the errors must be for it to be there
 _MOST_PLAY, _FIRST_PLAY, _WORTH = 0.3, 0.05, 0.1
 
@@ -65,9 +69,16 @@ class Response(NamedTuple):
     seen: tuple[float, ...]
     stops: tuple[bool, bool]
 
-    def ramps(self, command: np.ndarray) -> np.ndarray:
-        """Openings by row, (n_row, n_side) in [0, 1]; the first rows, as many as the longest lag, are not to be used."""
-        return _ramps(_filtered(command, self.weights, self.play, self.rest), self.edges)
+    @property
+    def reads(self) -> tuple[int, ...]:
+        """How many rows ago the command is read, the newest first: where it weighs, and with play further back in longer and longer steps."""
+        weighs = (1 + np.flatnonzero(self.weights)).tolist()
+        return _looked_back(weighs, len(self.weights)) if self.play else tuple(weighs)
+
+    def ramps(self, command: np.ndarray, spans: Sequence[Span] | None = None) -> np.ndarray:
+        """Openings by row, (n_row, n_side) in [0, 1]; a command counts as having been held before the first row of each span."""
+        spans = [(0, len(command))] if spans is None else spans
+        return _ramps(_filtered(command, spans, self.weights, self.play, self.rest), self.edges)
 
 
 def longest_lag_in_rows(longest: float | None, raster: float) -> int:
@@ -112,35 +123,16 @@ def find_response(
     InputError
         A command that stands still, one that does not move the joint, or a response longer than `longest_lag`.
     """
-    from scipy.optimize import OptimizeResult, least_squares
-
     windows = _Windows(command, joint, spans, longest_lag)
     sides = _sides(command[windows.known], names[0])
     n = len(sides)
-    low = np.array([0.0, np.log(0.05), 0.0, *([0.0, np.log(0.02)] * n)])
-    high = np.array([0.6 * longest_lag, np.log(0.6 * longest_lag), _MOST_PLAY, *([0.95, np.log(1.5)] * n)])
-    size = np.array([0.5, 0.5, 0.05, *([0.1, 0.3] * n)])
-
-    def search(windows: _Windows, start: np.ndarray, with_play: bool) -> OptimizeResult:
-        open_to = np.arange(len(start)) != 2 if not with_play else np.ones(len(start), dtype=bool)
-
-        def whole(unknowns: np.ndarray) -> np.ndarray:
-            return np.insert(unknowns, 2, 0.0) if not with_play else unknowns
-
-        found = least_squares(
-            lambda unknowns: windows.fitted(*_response(whole(unknowns), sides, longest_lag))[0],
-            np.clip(start, low, high)[open_to], bounds=(low[open_to], high[open_to]), diff_step=1e-3, x_scale=size[open_to],
-            loss="soft_l1", f_scale=_SCALE, max_nfev=_EVALUATIONS,
-        )  # fmt: skip
-        found.x = whole(found.x)
-        return found
 
     def best_of(windows: _Windows) -> np.ndarray:
         first = [min(1.5, 0.3 * longest_lag), np.log(1.5), _FIRST_PLAY]
         starts = [np.array([*first, *([share, np.log(0.95 - share)] * n)]) for share in _STARTS]
-        plain = min((search(windows, start, False) for start in starts), key=lambda one: one.cost)
+        plain = min((_search(windows, sides, longest_lag, start, False) for start in starts), key=lambda one: one.cost)
         starts.append(np.concatenate([plain.x[:2], [_FIRST_PLAY], plain.x[3:]]))
-        loose = min((search(windows, start, True) for start in starts), key=lambda one: one.cost)
+        loose = min((_search(windows, sides, longest_lag, start, True) for start in starts), key=lambda one: one.cost)
         return loose.x if loose.cost < (1.0 - _WORTH) * plain.cost else plain.x
 
     best = best_of(windows)
@@ -160,6 +152,30 @@ def find_response(
     if np.exp(-(longest_lag - dead_time) / lag) > _CUT:
         raise InputError(f"{names[1]!r} follows {names[0]!r} with {_not_over(dead_time, lag, longest_lag, raster)}")
     return Response(dead_time, lag, weights, play, rest, edges, tuple(end for _, end in sides), stops)
+
+
+def _search(
+    windows: "_Windows", sides: Sequence[tuple[float, float]], longest_lag: int, start: np.ndarray, with_play: bool
+) -> Any:
+    """Unknowns of `_response` with which the travel in the windows fits best, from a start; without play this one is 0."""
+    from scipy.optimize import least_squares
+
+    n = len(sides)
+    low = np.array([0.0, np.log(0.05), 0.0, *([0.0, np.log(0.02)] * n)])
+    high = np.array([0.6 * longest_lag, np.log(0.6 * longest_lag), _MOST_PLAY, *([0.95, np.log(1.5)] * n)])
+    size = np.array([0.5, 0.5, 0.05, *([0.1, 0.3] * n)])
+    open_to = np.arange(len(start)) != 2 if not with_play else np.ones(len(start), dtype=bool)
+
+    def whole(unknowns: np.ndarray) -> np.ndarray:
+        return np.insert(unknowns, 2, 0.0) if not with_play else unknowns
+
+    found = least_squares(
+        lambda unknowns: windows.fitted(*_response(whole(unknowns), sides, longest_lag))[0],
+        np.clip(start, low, high)[open_to], bounds=(low[open_to], high[open_to]), diff_step=1e-3, x_scale=size[open_to],
+        loss="soft_l1", f_scale=_SCALE, max_nfev=_EVALUATIONS,
+    )  # fmt: skip
+    found.x = whole(found.x)
+    return found
 
 
 def _not_over(dead_time: float, lag: float, longest_lag: int, raster: float | None) -> str:
@@ -231,7 +247,7 @@ class _Windows:
                 f"no {2 * n + 1} rows follow each other: shorten the longest lag of {n} rows, or fill the gaps"
             )
         self.start, self.stop = np.array(ends).T
-        self.command = np.where(self.known, command, 0.0)
+        self.command, self.spans = command, spans
         self.low, self.high = float(joint[self.known].min()), float(joint[self.known].max())
         self.joint, self.range = joint, max(self.high - self.low, 1e-300)
         self.travel = (joint[self.stop] - joint[self.start]) / self.range
@@ -240,9 +256,9 @@ class _Windows:
         self, weights: np.ndarray, play: float, rest: float, edges: Sequence[tuple[float, float]]
     ) -> tuple[np.ndarray, np.ndarray]:
         """Errors of the travel with the best gains of the ramps, and the travel that these expect."""
-        ramps = _ramps(_filtered(self.command, weights, play, rest), edges)
-        total = np.vstack([np.zeros((1, len(edges))), np.cumsum(ramps, axis=0)])
-        design = total[self.stop + 1] - total[self.start + 1]  # rows after the start
+        ramps = _ramps(_filtered(self.command, self.spans, weights, play, rest), edges)
+        total = np.cumsum(ramps, axis=0)
+        design = total[self.stop] - total[self.start]  # rows after the start
         gram = design.T @ design
         coef = np.linalg.solve(gram + _RIDGE * np.diag(np.diagonal(gram) + 1e-9), design.T @ self.travel)
         expected = design @ coef
@@ -298,19 +314,28 @@ def _response(
     return weights / weights.sum(), play, sides[0][0], tuple(edges)
 
 
-def _filtered(command: np.ndarray, weights: np.ndarray, play: float, rest: float) -> np.ndarray:
-    """What play and weights make of the command: at each row of the rows before it, the first of which are made up.
+def _looked_back(weighs: Sequence[int], longest_lag: int) -> tuple[int, ...]:
+    """Rows ago that show where play is: all of `weighs` and between, then each a quarter further back, as far as play remembers."""
+    ago = list(range(weighs[0], weighs[-1] + 1))
+    oldest = round(_REMEMBERS * longest_lag)
+    while ago[-1] < oldest:
+        ago.append(min(int(_LONGER * ago[-1]) + 1, oldest))
+    return tuple(ago)
 
-    As many rows ago as there are weights, the command counts as having come from rest.
-    """
-    n, half = len(weights), 0.5 * play
-    before = np.concatenate([np.full(n, command[0]), command])
-    follows, found = np.full(len(command), rest), np.zeros(len(command))
-    for ago in range(n, 0, -1):
-        at = before[n - ago : len(before) - ago]
-        follows = np.clip(follows, at - half, at + half)
-        if weights[ago - 1]:
-            found += weights[ago - 1] * follows
+
+def _filtered(command: np.ndarray, spans: Sequence[Span], weights: np.ndarray, play: float, rest: float) -> np.ndarray:
+    """What play and weights make of the command: at each row of the rows before it, those before its span made up; 0 outside of spans."""
+    weighs, half = (1 + np.flatnonzero(weights)).tolist(), 0.5 * play
+    ago = _looked_back(weighs, len(weights)) if play else tuple(weighs)
+    found = np.zeros(len(command))
+    for first, end in spans:
+        before = np.concatenate([np.full(ago[-1], command[first]), command[first:end]])
+        follows = np.full(end - first, rest)
+        for back in reversed(ago):
+            at = before[ago[-1] - back : len(before) - back]
+            follows = np.clip(follows, at - half, at + half)
+            if back <= len(weights) and weights[back - 1]:
+                found[first:end] += weights[back - 1] * follows
     return found
 
 

@@ -35,9 +35,7 @@ def joint_network(
     """
     used = places_read(terms)
     opened = [place for place in used if place < len(ramps)]
-    reads = sorted(
-        {read for column, response, _ in (ramps[p] for p in opened) for read in _command_reads(column, response)}
-    )
+    reads = sorted({(column, ago) for column, response, _ in (ramps[p] for p in opened) for ago in response.reads})
     n_command = len(reads)
     reads += [(columns[place - len(ramps)], 1) for place in used if place >= len(ramps)]
     rows = rows_of(spans)
@@ -72,14 +70,6 @@ def joint_network(
     return network, reads
 
 
-def _command_reads(column: int, response: Response) -> list[tuple[int, int]]:
-    """Of which rows the command is read: where it weighs, and with play all rows before."""
-    weighs = 1 + np.flatnonzero(response.weights)
-    return [
-        (column, ago) for ago in (range(weighs[0], len(response.weights) + 1) if response.play else weighs.tolist())
-    ]
-
-
 def _play_nodes(column: int, response: Response, at: Mapping[tuple[int, int], Read], first: int) -> dict[int, Node]:
     """Where the valve is within its play, 0 for half of it below the command and 1 for half of it above; by how many rows ago.
 
@@ -88,16 +78,16 @@ def _play_nodes(column: int, response: Response, at: Mapping[tuple[int, int], Re
     found: dict[int, Node] = {}
     if not response.play:
         return found
-    play, oldest = response.play, len(response.weights)
-    newest = 1 + int(np.flatnonzero(response.weights)[0])
-    for ago in range(oldest, newest - 1, -1):
+    play, older = response.play, 0
+    for ago in reversed(response.reads):
         slot, mean, scale = at[column, ago]
-        if ago == oldest:
+        if not older:
             found[ago] = Node(RAMP, (slot,), ((response.rest - mean) / play + 0.5, -scale / play))
-            continue
-        older, mean_older, scale_older = at[column, ago + 1]
-        coef = (mean_older - mean) / play, scale_older / play, -scale / play, 1.0
-        found[ago] = Node(RAMP, (older, slot, first + len(found) - 1), coef)
+        else:
+            before, mean_before, scale_before = at[column, older]
+            coef = (mean_before - mean) / play, scale_before / play, -scale / play, 1.0
+            found[ago] = Node(RAMP, (before, slot, first + len(found) - 1), coef)
+        older = ago
     return found
 
 

@@ -19,7 +19,8 @@ from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.progress import Progress, quiet
 
-_MARGIN = 0.1  # of their range, by which joints and their changes may leave what was seen, but for stops
+_BEYOND = 0.02  # of its range, by which a joint may leave what was seen where it met no stop: few logs end far from the end of a travel
+_MARGIN = 0.1  # of their range, by which changes from row to row may
 _ENOUGH = 0.03  # what more terms have to gain over fewer
 _PATIENCE = 8  # so many more terms without a gain end the growth
 
@@ -132,12 +133,12 @@ class JointRegressor(FreeRunner):
                     signals[:, k], signals[:, self.n_features_in_ + k], spans, self.longest_lag, of, self.raster
                 )
             )
-        targets = answered(spans, self.longest_lag)
+        targets = answered(spans, max(self.longest_lag, *(response.reads[-1] for response in self.responses_)))
         found = []
         for k in range(n):
             self.progress(f"rate of {said[self.n_features_in_ + k]}", n + k, 2 * n)
             with one_blas_thread():
-                found.append(self._learn(k, signals, targets))
+                found.append(self._learn(k, signals, spans, targets))
         self.models_ = [model for model, _, _ in found]
         self.warm_up_ = max(model.dynamics.warm_up for model in self.models_ if model.dynamics)
         read = {
@@ -151,7 +152,7 @@ class JointRegressor(FreeRunner):
         self.choice_ = Choice(lags, (1,), True, self.horizon, sum(terms for _, terms, _ in found), error)
         return self
 
-    def _learn(self, k: int, signals: np.ndarray, targets: list[Span]) -> tuple[Model, int, float]:
+    def _learn(self, k: int, signals: np.ndarray, spans: list[Span], targets: list[Span]) -> tuple[Model, int, float]:
         """Model of joint `k`, its number of terms, and their error on blocks held out."""
         first = self.n_features_in_
         ramps = [
@@ -159,13 +160,14 @@ class JointRegressor(FreeRunner):
         ]
         ramps.sort(key=lambda ramp: ramp[0] != k)  # its own first
         columns = [*range(self.n_outputs_, first), *(first + j for j in range(self.n_outputs_) if j != k), first + k]
-        opened = np.column_stack([response.ramps(signals[:, j]) for j, response in sorted(
+        opened = np.column_stack([response.ramps(signals[:, j], spans) for j, response in sorted(
             enumerate(self.responses_), key=lambda one: one[0] != k)])  # fmt: skip
         inner = np.column_stack([opened, signals[:, columns]])
         frame = self._frame(inner, len(ramps), self.responses_[k].stops, targets)
         drives = range(len(self.responses_[k].edges))
-        n_term, error = self._fewest(frame, targets, drives)
-        terms = grow_average(frame, targets, self.horizon, n_term, driven_by=drives)
+        others = range(len(drives), len(ramps))
+        shared, n_term, error = self._fewest(frame, targets, drives, others)
+        terms = grow_average(frame, targets, self.horizon, n_term, driven_by=drives, shared_with=shared)
         network, reads = joint_network(frame, terms, ramps, signals, columns, targets)
         names = self._names()
         lags = tuple(Lag(names[column], steps) for column, steps in reads)
@@ -181,14 +183,29 @@ class JointRegressor(FreeRunner):
         """Ramps as they are now, all else one row ago; the joint goes as far as its stop, or a little beyond what was seen."""
         reads = [(column, int(column >= n_ramp)) for column in range(inner.shape[1])]
         frame = frame_of(inner, 1, reads, targets, 0.0, n_raw=n_ramp)
-        wider = _MARGIN * (frame.y_high - frame.y_low)
+        wider = _BEYOND * (frame.y_high - frame.y_low)
         y_low, y_high = frame.y_low - wider * (not stops[0]), frame.y_high + wider * (not stops[1])
         low, high = frame.low.copy(), frame.high.copy()
         low[-1], high[-1] = y_low[0], y_high[0]
         return frame._replace(y_low=y_low, y_high=y_high, low=low, high=high)
 
-    def _fewest(self, frame: Frame, targets: list[Span], drives: Sequence[int]) -> tuple[int, float]:
-        """Number of terms, the last value and openings alone included, with which runs through blocks held out are about as good as they get; their error."""
+    def _fewest(
+        self, frame: Frame, targets: list[Span], drives: Sequence[int], others: Sequence[int]
+    ) -> tuple[Sequence[int], int, float]:
+        """Openings that share the flow, number of terms, the last value and openings alone included, and their error on blocks held out.
+
+        Others share it where that gains; of the numbers of terms the least with which runs are about as good as they get counts.
+        """
+        alone = self._errors(frame, targets, drives, [])
+        shared = self._errors(frame, targets, drives, others) if others else alone
+        gains = min(shared) < (1.0 - _ENOUGH) * min(alone)
+        errors, shares = (shared, others) if gains else (alone, range(0))
+        enough = (1.0 + _ENOUGH) * min(errors)
+        chosen = next(n for n, error in enumerate(errors) if error <= enough)
+        return shares, 1 + len(drives) * (1 + len(shares)) + chosen, errors[chosen]
+
+    def _errors(self, frame: Frame, targets: list[Span], drives: Sequence[int], others: Sequence[int]) -> list[float]:
+        """Errors of runs through blocks held out, of one term more at a time."""
         blocks = blocks_of(targets, self.n_blocks)
         warm_up = self.longest_lag
         if any(sum(b - a for a, b in block) <= warm_up for block in blocks):
@@ -196,7 +213,10 @@ class JointRegressor(FreeRunner):
                 f"{sum(b - a for a, b in targets)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} blocks needs more "
                 f"than the longest lag, {warm_up}; shorten it, or record more rows"
             )
-        paths = [grow_terms(frame, without(targets, block), self.horizon, driven_by=drives) for block in blocks]
+        paths = [
+            grow_terms(frame, without(targets, block), self.horizon, driven_by=drives, shared_with=others)
+            for block in blocks
+        ]
         errors: list[float] = []
 
         def one_more(place: int) -> float | None:
@@ -211,6 +231,4 @@ class JointRegressor(FreeRunner):
             errors.append(float(np.mean([error for error in steps if error is not None])))
             if len(errors) > self.max_terms or len(errors) - 1 - int(np.argmin(errors)) >= _PATIENCE:
                 break
-        enough = (1.0 + _ENOUGH) * min(errors)
-        chosen = next(n for n, error in enumerate(errors) if error <= enough)
-        return 1 + len(drives) + chosen, errors[chosen]
+        return errors

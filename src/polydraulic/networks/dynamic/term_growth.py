@@ -17,6 +17,9 @@ from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, 
 from polydraulic.networks.growth.workers import in_threads
 
 _RIDGE = 0.01  # weight of the sum of squared coefficients, as a part of the error before, all in normalized units
+_SHRINK = (
+    0.05  # the same of a term that changes what a drive does, in units of the largest coefficient of a drive alone
+)
 _STEPS = 3  # of refinement after each term
 # a step that lowers the loss by less than a thousandth of what is left is the last
 _RULES = Damping(largest=1e3, raise_by=6.0, lower=lambda share: 0.2, least_added=1e-12, enough=1e-3 / (1.0 + 1e-3))
@@ -29,8 +32,9 @@ _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
 def grow_terms(
-    frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS, driven_by: Sequence[int] = ()
-) -> Iterator[Terms]:
+    frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS, driven_by: Sequence[int] = (),
+    shared_with: Sequence[int] = (),
+) -> Iterator[Terms]:  # fmt: skip
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -45,25 +49,38 @@ def grow_terms(
     driven_by : sequence of int
         Places of lagged values that drive the outputs: each term holds one of them, and the last value counts as it is, so that outputs
         rest where all of these are zero. Growth begins with each of them alone. Anything may stand alone if not given.
+    shared_with : sequence of int
+        Places of lagged values that take from what drives: growth begins with their products with each of `driven_by`, too.
     """
     windows = np.array(pieces(spans, horizon), dtype=np.int64)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
     drives = {1 + place for place in driven_by}
     start, fixed = _held(frame, sorted(drives)), len(frame.y_low) if drives else 0
-    terms, error = _refined(frame, start, many, 1.0, fixed)
+    terms, error = _refined(frame, start, many, np.full(len(start.coef), _RIDGE), fixed)
+    # what a drive does alone is the measure of what changes it
+    weight = _SHRINK / float((terms.coef[fixed:] ** 2).max(initial=1e-300)) if drives else _RIDGE
+
+    def refined(more: Terms, error: float) -> tuple[Terms, float]:
+        ridge = np.full(len(more.coef), weight * error)
+        ridge[: len(start.coef)] = _RIDGE * error
+        return _refined(frame, more, many, ridge, fixed)
+
+    if shared_with:
+        pairs = [[max(a, b), min(a, b), 0] for a in sorted(drives) for b in (1 + place for place in shared_with)]
+        terms, error = refined(terms.and_also(np.array(pairs), np.zeros(len(pairs), dtype=np.int64)), error)
     most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
     yield terms
     while len(terms.coef) < most:
         more = _best_term(frame, terms, few, all_pairs, drives, fixed) if error > _EXACT else None
         if more is None:
             return
-        terms, error = _refined(frame, more, many, error, fixed)
+        terms, error = refined(more, error)
         yield terms
 
 
 def grow_average(
-    frame: Frame, spans: Sequence[Span], horizon: int, n_term: int, *, driven_by: Sequence[int] = ()
-) -> Terms:
+    frame: Frame, spans: Sequence[Span], horizon: int, n_term: int, *, driven_by: Sequence[int] = (), shared_with: Sequence[int] = (),
+) -> Terms:  # fmt: skip
     """Grow polynomials of this many terms, each without another part of the rows, and average them.
 
     Which terms are chosen, and so how a run ends, hangs on a few rows; the average hangs on them less. One that runs badly through
@@ -77,16 +94,16 @@ def grow_average(
     horizon : int
     n_term : int
         Of each polynomial at most.
-    driven_by : sequence of int
+    driven_by, shared_with : sequence of int
         As for `grow_terms`.
     """
 
     def without_block(left_out: list[Span]) -> tuple[Terms, float]:
         rest = without(spans, left_out) or spans
-        for member in grow_terms(frame, rest, horizon, driven_by=driven_by):
+        for member in grow_terms(frame, rest, horizon, driven_by=driven_by, shared_with=shared_with):
             if len(member.coef) >= n_term:
                 break
-        return member, 1.0 / (1e-12 + _loss(frame, member, np.array(spans), 0.0))
+        return member, 1.0 / (1e-12 + _loss(frame, member, np.array(spans)))
 
     members, weights = zip(*in_threads(without_block, blocks_of(spans, _MEMBERS)), strict=True)
     return averaged(members, np.array(weights))
@@ -158,25 +175,28 @@ def _best_term(
     return terms.and_also(candidates[0][best], candidates[1][best])
 
 
-def _refined(frame: Frame, terms: Terms, windows: np.ndarray, before: float, fixed: int) -> tuple[Terms, float]:
-    """Terms with better coefficients (a few steps of Levenberg-Marquardt) but the first `fixed`, and the mean squared error of runs."""
-    ridge = _RIDGE * before
+def _refined(frame: Frame, terms: Terms, windows: np.ndarray, ridge: np.ndarray, fixed: int) -> tuple[Terms, float]:
+    """Terms with better coefficients (a few steps of Levenberg-Marquardt) but the first `fixed`, and the mean squared error of runs.
+
+    `ridge` (n_term,) weighs the squares of the coefficients.
+    """
     if len(terms.coef) == fixed:
-        return terms, _loss(frame, terms, windows, 0.0)
+        return terms, _loss(frame, terms, windows)
 
     def moved(coef: np.ndarray) -> Terms:
         return terms._replace(coef=np.append(terms.coef[:fixed], coef))
 
     def evaluate(coef: np.ndarray, limit: float) -> Equations | None:
-        near = _loss(frame, moved(coef), windows, ridge) < limit  # runs without slopes cost little
-        return _normal_equations(frame, moved(coef), windows, ridge, fixed) if near else None
+        here = moved(coef)
+        near = _loss(frame, here, windows) + ridge @ here.coef**2 < limit  # runs without slopes cost little
+        return _normal_equations(frame, here, windows, ridge, fixed) if near else None
 
     here = _normal_equations(frame, terms, windows, ridge, fixed)
     coef, there = lower_loss(terms.coef[fixed:], here, evaluate, _RULES, max_steps=_STEPS)
     return moved(coef), there.error
 
 
-def _normal_equations(frame: Frame, terms: Terms, windows: np.ndarray, ridge: float, fixed: int) -> Equations:
+def _normal_equations(frame: Frame, terms: Terms, windows: np.ndarray, ridge: np.ndarray, fixed: int) -> Equations:
     n = len(terms.coef) - fixed
     gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, _n_answer(frame, windows)
     for errors, every in run_side_by_side(frame, terms, windows):
@@ -186,14 +206,14 @@ def _normal_equations(frame: Frame, terms: Terms, windows: np.ndarray, ridge: fl
         squares += float(flat @ flat)
     coef, error = terms.coef, squares / count
     return Equations(
-        gram / count + ridge * np.eye(n), gradient / count + ridge * coef[fixed:], error + ridge * coef @ coef, error
-    )
+        gram / count + np.diag(ridge[fixed:]), gradient / count + ridge[fixed:] * coef[fixed:], error + float(ridge @ coef**2),
+        error,
+    )  # fmt: skip
 
 
-def _loss(frame: Frame, terms: Terms, windows: np.ndarray, ridge: float) -> float:
+def _loss(frame: Frame, terms: Terms, windows: np.ndarray) -> float:
     errors = (part.ravel() for part, _ in run_side_by_side(frame, terms, windows, slopes=False))
-    squares = sum(float(part @ part) for part in errors)
-    return squares / _n_answer(frame, windows) + ridge * float(terms.coef @ terms.coef)
+    return sum(float(part @ part) for part in errors) / _n_answer(frame, windows)
 
 
 def _n_answer(frame: Frame, windows: np.ndarray) -> int:
