@@ -120,9 +120,10 @@ def test_joints_are_learnt_from_their_commands(call, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_table(joint_log(n=1500), "log.parquet")
     code, out, _ = call(
-        "fit-joints log.parquet --commands lever.a --joints a --more-inputs lever.b --horizon 5 --out j.json"
+        "fit-joints log.parquet --commands lever.a --joints a --more-inputs lever.b --continuous a --horizon 5 --out j.json"
     )
     assert code == 0
+    assert "turn without end" in out
     assert "lever.a moves it beyond" in out
     assert out.endswith("\nj.json: written\n")
     assert load_models("j.json")[0].output.name == "a"

@@ -7,15 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from helpers.joint_log import joint_log
 from helpers.logs_with_memory import memory_log
 from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
-from polydraulic.identification import Errors, RunErrors, check_models, fit_dynamic, fit_joints, write_card
+from polydraulic.identification import Errors, RunErrors, check_models, fit_dynamic, write_card
 from polydraulic.identification.dynamic_fit import statements
 from polydraulic.identification.runs import run_on
 from polydraulic.identification.validity import run_validity
-from polydraulic.measure import import_log, load_channels, load_sensors, record, suggest_channels
 from polydraulic.tables import Table
 
 ONE = AbductiveRegressor(max_layers=1)
@@ -255,71 +253,3 @@ def test_a_model_is_judged_by_several_logs(found):
     here, there = (check_models(found.models, data=data) for data in (apart, segments))
     assert str(here) == str(there)
     assert here.found[0].statements[0].startswith("22 free run(s) of up to 21 rows")
-
-
-@pytest.fixture(scope="module")
-def joints():
-    return fit_joints(joint_log(), ["lever.a", "lever.b"], ["a", "b"], horizon=5.0)
-
-
-def test_joints_state_how_they_follow_their_commands(joints, tmp_path):
-    for fit in joints.outputs:
-        assert fit.errors.free_run.rms < 0.5 * fit.others["linear, same lags"].free_run.rms
-        assert fit.errors.free_run.rms < 0.1 * fit.others["last value held"].free_run.rms
-    a = joints.outputs[0].model.training["response"]
-    assert (a["command"], a["unit"], a["stops"][1]) == ("lever.a", "V", True)
-    assert a["dead_time"] + a["lag"] == pytest.approx(0.05 * 2.5, abs=0.03)
-    text = str(joints)
-    assert "lever.b moves it beyond 0." in text
-    assert "never driven against a stop" in text or "driven against its" in text
-    save_models(joints.models, tmp_path / "j.json")
-    assert str(check_models(tmp_path / "j.json", data=joint_log(seed=3))).startswith("a [deg]: holds")
-    write_card(joints, tmp_path / "j.html", max_boxes=20)
-    assert "fully at" in (tmp_path / "j.html").read_text()
-
-
-def test_more_rows_than_are_read_are_refused():
-    told = r"longest = 7 s takes 140 rows of 0.05 s, 120 are the most: .* raster of 58.4 ms or more .*, or give --longest 6 or less"
-    with pytest.raises(InputError, match=told):
-        fit_joints(joint_log(gap=False), ["lever.a"], ["a"], longest=7.0)
-
-
-SENSORS = """
-seed = 5
-
-[[sensor]]
-column = "boom.voltage"
-unit = "V"
-raster = "50 ms"
-
-[[sensor]]
-column = "boom.angle"
-unit = "deg"
-raster = "50 ms"
-noise = 0.05
-resolution = 0.05
-"""
-
-
-def test_the_valve_of_an_excavator_is_found_from_lever_and_angle(machine, tmp_path):
-    (tmp_path / "sensors.toml").write_text(SENSORS)
-    record(machine, ["random:1:60", "random:2:60"], load_sensors(tmp_path / "sensors.toml"), tmp_path / "log.csv")
-    (tmp_path / "map.toml").write_text(suggest_channels(tmp_path / "log.csv"))
-    import_log(tmp_path / "log.csv", load_channels(tmp_path / "map.toml"), tmp_path / "log.parquet")
-    fit = fit_joints(tmp_path / "log.parquet", ["boom.voltage"], ["boom.angle"], horizon=5.0).outputs[0]
-    facts, pilot = fit.model.training["response"], machine.functions[1].pilot
-    opens = (
-        0.188 * 0.0254 / pilot.gain
-    )  # V, where the deadband ends; motion begins there or a little later, by the load
-    assert [edge for edge, _ in facts["edges"]] == pytest.approx([opens, -opens], abs=0.02)
-    assert facts["dead_time"] + facts["lag"] == pytest.approx(pilot.dead_time + pilot.time_constant, abs=0.04)
-    assert fit.errors.free_run.rms < 0.1 * fit.others["last value held"].free_run.rms
-
-
-def test_joints_need_a_command_each():
-    with pytest.raises(InputError, match="1 commands for 2 joints"):
-        fit_joints(joint_log(), ["lever.a"], ["a", "b"])
-    with pytest.raises(InputError, match=r"horizon = 0.0 s: must be a time above 0"):
-        fit_joints(joint_log(), ["lever.a"], ["a"], horizon=0.0)
-    with pytest.raises(InputError, match="'lever.b' explains"):
-        fit_joints(joint_log(), ["lever.b"], ["a"])

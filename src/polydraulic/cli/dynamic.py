@@ -29,6 +29,12 @@ def fit_joints(
     more_inputs: Annotated[
         str | None, typer.Option(help="What else speeds may depend on, such as engine speed, separated by commas.")
     ] = None,
+    continuous: Annotated[
+        str | None,
+        typer.Option(
+            help="Those of --joints that turn without end, such as a swing, separated by commas: no stops, and nothing depends on the angle."
+        ),
+    ] = None,
     longest: Annotated[
         float | None,
         typer.Option(
@@ -46,7 +52,8 @@ def fit_joints(
     """Learn how the joints of a machine follow its commands, from angles or strokes alone; nothing need be known of its hydraulics.
 
     Finds dead time, lag and dead zone of each command, then the speed of each joint as the fewest terms that run well by themselves; joints
-    may see each other (shared pump, gravity). A joint stands still within its dead zone, and stops where the log shows a stop.
+    may see each other (shared pump, gravity). A joint stands still within its dead zone, and stops where the log shows a stop. One that turns
+    without end (--continuous, and each angle that went through more than a full turn) has no stops, and nothing depends on its angle.
 
     Bring the log onto a raster of 20 to 50 ms first (`polydraulic import`). Every fifth block of time is held out to state the errors.
 
@@ -56,7 +63,7 @@ def fit_joints(
     --data later.parquet` whether it holds, `polydraulic export joints.json --to fmi3 --out joints.fmu` takes it elsewhere.
     """
     from polydraulic.cli.networks import names_in
-    from polydraulic.identification.dynamic_fit import fit_joints as fit
+    from polydraulic.identification.joint_fit import fit_joints as fit
     from polydraulic.identification.model_card import card_ending, write_card
     from polydraulic.networks.model.model_file import model_ending, save_models
 
@@ -65,8 +72,18 @@ def fit_joints(
         card_ending(card)
     read, moved = names_in(commands, "--commands"), names_in(joints, "--joints")
     more = [] if more_inputs is None else names_in(more_inputs, "--more-inputs")
+    endless = [] if continuous is None else names_in(continuous, "--continuous")
     with progress_bar("fit-joints") as progress:
-        found = fit(table, read, moved, more_inputs=more, longest=longest, horizon=horizon, progress=progress)
+        found = fit(
+            table,
+            read,
+            moved,
+            more_inputs=more,
+            continuous=endless,
+            longest=longest,
+            horizon=horizon,
+            progress=progress,
+        )
         save_models(found.models, out)
         if card is not None:
             write_card(found, card, max_boxes=boxes, units=units, progress=progress)

@@ -1,8 +1,9 @@
-from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic, fit_joints
+from .dynamic_fit import DynamicFit, DynamicOutputFit, RunErrors, fit_dynamic
 from .equations.card import write_identification_card
 from .equations.identify import Identification, identify
 from .equations.plan import IdentificationPlan, plan_identification
 from .equations.residuals import Residual, ResidualModels, learn_residuals
+from .joint_fit import fit_joints
 from .judging import Errors, HeldOut, OutputFit
 from .loads.payload_figure import plot_payload
 from .loads.tip_loads import PayloadEstimate, TipForceEstimate, estimate_payload, estimate_tip_force

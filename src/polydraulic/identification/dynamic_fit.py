@@ -16,7 +16,7 @@ from polydraulic.identification.arguments import check_columns, parts_of, table_
 from polydraulic.identification.judging import LEVEL, Errors, errors_of, far_from_others, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
-from polydraulic.networks.dynamic.command_response import longest_lag_in_rows, response_facts, response_in_words
+from polydraulic.networks.dynamic.command_response import response_facts, response_in_words
 from polydraulic.networks.dynamic.dynamic_regressor import DynamicRegressor
 from polydraulic.networks.dynamic.free_run import dynamics_of
 from polydraulic.networks.dynamic.joint_regressor import JointRegressor
@@ -165,75 +165,27 @@ def fit_dynamic(
 
         return DynamicRegressor(estimator, longest_lag=longest_lag, raster=raster, progress=choices)
 
-    return _fit(table, inputs, outputs, learner, lambda raster: longest_lag, progress)
+    log = table_of(table, [*inputs, *outputs], ["time", "segment"])
+    return fit_log(log, inputs, outputs, learner, lambda raster: longest_lag, progress)
 
 
-def fit_joints(
-    table: Table | str | Path | Sequence[Table | str | Path],
-    commands: Sequence[str],
-    joints: Sequence[str],
-    *,
-    more_inputs: Sequence[str] = (),
-    longest: float | None = None,
-    horizon: float = 10.0,
-    progress: Progress = quiet,
-) -> DynamicFit:
-    """Fit angles or strokes of joints to the commands that move them, where nothing is known of the hydraulics.
-
-    Dead time, lag and dead zone of each command are found, then the rate of each joint, which may depend on what the others do; see
-    `JointRegressor`. Blocks of time are held out as by `fit_dynamic`, which also says what is stated.
+def fit_log(
+    log: tuple[Table, str], inputs: Sequence[str], outputs: Sequence[str],
+    learner: Callable[[float, Progress], Any], lag: Callable[[float], int], progress: Progress,
+) -> DynamicFit:  # fmt: skip
+    """Learn without the blocks held out, judge by these, learn from all rows; the learner and the rows it looks back go by the raster.
 
     Parameters
     ----------
-    table : Table, str, Path or sequence of them
-        As for `fit_dynamic`.
-    commands, joints : sequence of str
-        The first command moves the first joint, and so on.
-    more_inputs : sequence of str
-        What else rates may depend on, such as engine speed.
-    longest : float, s, optional
-        After which the response of a rate to its command must be over, nearly; at most 120 rows. 0.8 if not given, or 120 rows where these
-        are shorter.
-    horizon : float, s
-        Of the free runs that are fitted.
-    progress : Progress, optional
-        Called with each joint.
-
-    Returns
-    -------
-    DynamicFit
-
-    Raises
-    ------
-    InputError
-        As `fit_dynamic`; as many commands as joints are needed, and each must move its own.
+    log : (Table, str)
+        The rows, and where they come from.
+    inputs, outputs : sequence of str
+    learner : function of the raster in s and of a progress
+    lag : function of the raster in s
+        Rows that a model may read before its first answer.
+    progress : Progress
     """
-    if len(commands) != len(joints):
-        raise InputError(
-            f"{len(commands)} commands for {len(joints)} joints: name the command of each joint, in the order of the joints"
-        )
-    for name, value in (("longest", longest), ("horizon", horizon)):
-        if value is not None and not 0.0 < value < inf:
-            raise InputError(f"{name} = {value!r} s: must be a time above 0")
-
-    def lag(raster: float) -> int:
-        return longest_lag_in_rows(longest, raster)
-
-    def learner(raster: float, tell: Progress) -> JointRegressor:
-        return JointRegressor(
-            longest_lag=lag(raster), horizon=max(20, round(horizon / raster)), raster=raster, progress=tell,
-            signal_names=[*commands, *more_inputs, *joints],
-        )  # fmt: skip
-
-    return _fit(table, [*commands, *more_inputs], joints, learner, lag, progress)
-
-
-def _fit(
-    table: Table | str | Path | Sequence[Table | str | Path], inputs: Sequence[str], outputs: Sequence[str],
-    learner: Callable[[float, Progress], Any], lag: Callable[[float], int], progress: Progress,
-) -> DynamicFit:  # fmt: skip
-    """Learn without the blocks held out, judge by these, learn from all rows; the learner and its longest lag go by the raster."""
-    table, source = table_of(table, [*inputs, *outputs], ["time", "segment"])
+    table, source = log
     check_columns(table, inputs, outputs)
     rows = log_rows(table)
     raster = rows.raster or 0.0  # never None where the table has times

@@ -1,6 +1,6 @@
 """Runs on logs drawn, of models and of machines: measured and simulated over time, one panel per output or joint."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -45,13 +45,18 @@ def plot_runs(found: ModelRuns, *, units: str = DEFAULT) -> "Figure":
 
 
 def plot_separately(model: Model, run: DynamicRun) -> "Figure":
-    """Each run in a panel of its own, the longest ones if they are many: what cards show of rows that were held out."""
+    """Each run in a panel of its own, the longest ones if they are many: what cards show of rows that were held out.
+
+    Panels share one axis, but those of a joint that turns without end: whole turns apart, nothing would be seen of its runs.
+    """
     from matplotlib.figure import Figure
 
     length = np.bincount(run.number)
     shown = np.sort(np.argsort(-length, kind="stable")[:_SHOWN])
     figure = Figure(figsize=(8.0, 0.6 + 1.7 * len(shown)), layout="constrained")
-    axes = figure.subplots(len(shown), 1, squeeze=False, sharey=True)[:, 0]
+    response: Any = model.training.get("response")
+    endless = bool(response and response.get("continuous"))
+    axes = figure.subplots(len(shown), 1, squeeze=False, sharey=not endless)[:, 0]
     label = ""
     for axis, number in zip(axes, shown, strict=True):
         label = _draw(axis, run, run.number == number, _half_width(model, run))

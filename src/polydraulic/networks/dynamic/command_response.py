@@ -58,6 +58,8 @@ class Response(NamedTuple):
         How far the command went, for each side.
     stops : (bool, bool)
         Whether the joint was driven against its lower end, and its upper one.
+    continuous : bool
+        Whether it turns without end, and so has no stops.
     """
 
     dead_time: float
@@ -68,6 +70,7 @@ class Response(NamedTuple):
     edges: tuple[tuple[float, float], ...]
     seen: tuple[float, ...]
     stops: tuple[bool, bool]
+    continuous: bool = False
 
     @property
     def reads(self) -> tuple[int, ...]:
@@ -100,9 +103,14 @@ def longest_lag_in_rows(longest: float | None, raster: float) -> int:
     return rows
 
 
+def most_looked_back(longest_lag: int) -> int:
+    """Rows that a joint with play looks back."""
+    return round(_REMEMBERS * longest_lag)
+
+
 def find_response(
     command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int, names: tuple[str, str],
-    raster: float | None = None,
+    raster: float | None = None, *, continuous: bool = False,
 ) -> Response:  # fmt: skip
     """Dead time, lag and dead zone with which the travel over windows of rows fits best.
 
@@ -117,6 +125,8 @@ def find_response(
         Of command and joint, for messages.
     raster : float, optional
         Time between rows in s; messages tell rows without it.
+    continuous : bool
+        Whether the joint turns without end: it has no stops.
 
     Raises
     ------
@@ -137,6 +147,7 @@ def find_response(
 
     best = best_of(windows)
     stops = windows.stops(windows.fitted(*_response(best, sides, longest_lag))[1])
+    stops = (False, False) if continuous else stops
     if any(stops):
         windows = windows.away_from(stops)
         best = best_of(windows)
@@ -151,7 +162,7 @@ def find_response(
     dead_time, lag = float(best[0]), float(np.exp(best[1]))
     if np.exp(-(longest_lag - dead_time) / lag) > _CUT:
         raise InputError(f"{names[1]!r} follows {names[0]!r} with {_not_over(dead_time, lag, longest_lag, raster)}")
-    return Response(dead_time, lag, weights, play, rest, edges, tuple(end for _, end in sides), stops)
+    return Response(dead_time, lag, weights, play, rest, edges, tuple(end for _, end in sides), stops, continuous)
 
 
 def _search(
@@ -211,6 +222,7 @@ def response_facts(response: Response, command: str, unit: str, raster: float) -
         ],
         "seen": list(response.seen),
         "stops": list(response.stops),
+        "continuous": response.continuous,
     }
 
 
@@ -223,6 +235,8 @@ def response_in_words(facts: Mapping[str, Any]) -> str:
     )
     stops = [end for end, met in zip(("lower", "upper"), facts["stops"], strict=True) if met]
     met = f"driven against its {' and its '.join(stops)} stop" if stops else "never driven against a stop"
+    if facts.get("continuous"):
+        met = "taken to turn without end, so that no rate depends on its angle"
     lag = f"a lag of {facts['lag']:.2g} s"
     times = (
         f"after a dead time of {facts['dead_time']:.2g} s with {lag}"
@@ -317,7 +331,7 @@ def _response(
 def _looked_back(weighs: Sequence[int], longest_lag: int) -> tuple[int, ...]:
     """Rows ago that show where play is: all of `weighs` and between, then each a quarter further back, as far as play remembers."""
     ago = list(range(weighs[0], weighs[-1] + 1))
-    oldest = round(_REMEMBERS * longest_lag)
+    oldest = most_looked_back(longest_lag)
     while ago[-1] < oldest:
         ago.append(min(int(_LONGER * ago[-1]) + 1, oldest))
     return tuple(ago)

@@ -6,20 +6,21 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.command_response import find_response
+from polydraulic.networks.dynamic.command_response import Response, find_response
 from polydraulic.networks.dynamic.free_run import pieces
 from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.joint_network import joint_network
 from polydraulic.networks.dynamic.lag_selection import Choice
 from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of, run_terms
 from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of, without
-from polydraulic.networks.dynamic.term_growth import grow_average, grow_terms
+from polydraulic.networks.dynamic.term_growth import Drives, grow_average, grow_terms
 from polydraulic.networks.growth.workers import in_threads, one_blas_thread
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.progress import Progress, quiet
 
 _BEYOND = 0.02  # of its range, by which a joint may leave what was seen where it met no stop: few logs end far from the end of a travel
+_ENDLESS = 1e4  # of its range, by which a joint that turns without end may: models state finite ranges
 _MARGIN = 0.1  # of their range, by which changes from row to row may
 _ENOUGH = 0.03  # what more terms have to gain over fewer
 _PATIENCE = 8  # so many more terms without a gain end the growth
@@ -29,8 +30,9 @@ class JointRegressor(FreeRunner):
     """Angles or strokes of joints from their commands, for machines whose hydraulics nobody describes.
 
     From row to row each joint moves by a rate: a polynomial in the openings of its valve to either side, in angles and openings of all joints,
-    and in further inputs. It begins with its own openings alone; more terms have to earn their place on blocks held out. Every term holds an
-    opening of its own valve, so that a joint whose command is within its dead zone stands still.
+    and in further inputs. It begins with its own openings, alone or with what openings of other valves take from them (a shared pump); more
+    terms have to earn their place on blocks held out. Every term holds an opening of its own valve, so that a joint whose command is within
+    its dead zone stands still.
 
     Parameters
     ----------
@@ -42,6 +44,8 @@ class JointRegressor(FreeRunner):
         Of each joint's rate, beside its openings alone, while it is being chosen.
     n_blocks : int, default=4
         Blocks of rows that follow each other in time, each held out once to choose the number of terms.
+    continuous : sequence of int, default=()
+        Joints, by their columns of `y`, that turn without end: they have no stops, and no rate depends on their angle.
     raster : float, optional
         Time between rows in s; it goes into the model file.
     progress : Progress, optional
@@ -62,8 +66,9 @@ class JointRegressor(FreeRunner):
 
     Notes
     -----
-    A run cannot grow without bound: a joint stays in its range in training, widened by a tenth at each end but where it was driven
-    against a stop, and so do its changes from row to row.
+    A run cannot grow without bound: a joint stays in its range in training, widened by a fiftieth at each end but where it was driven
+    against a stop, and changes from row to row stay in theirs, widened by a tenth. Joints that turn without end may go on for ten thousand
+    times their range.
 
     Examples
     --------
@@ -79,13 +84,14 @@ class JointRegressor(FreeRunner):
     _output = "joint"
 
     def __init__(
-        self, *, longest_lag: int = 16, horizon: int = 200, max_terms: int = 16, n_blocks: int = 4, raster: float | None = None,
-        progress: Progress = quiet, signal_names: Sequence[str] | None = None,
+        self, *, longest_lag: int = 16, horizon: int = 200, max_terms: int = 16, n_blocks: int = 4, continuous: Sequence[int] = (),
+        raster: float | None = None, progress: Progress = quiet, signal_names: Sequence[str] | None = None,
     ) -> None:  # fmt: skip
         self.longest_lag = longest_lag
         self.horizon = horizon
         self.max_terms = max_terms
         self.n_blocks = n_blocks
+        self.continuous = continuous
         self.raster = raster
         self.progress = progress
         self.signal_names = signal_names
@@ -119,6 +125,11 @@ class JointRegressor(FreeRunner):
             raise InputError(
                 f"{self.n_features_in_} inputs for {self.n_outputs_} joints: give the command of each joint first, in the order of the joints"
             )
+        strange = [k for k in self.continuous if k not in range(self.n_outputs_)]
+        if strange:
+            raise InputError(
+                f"continuous = {list(self.continuous)}: joints are numbered 0 to {self.n_outputs_ - 1}, {strange} are none"
+            )
         spans = spans_of(segments, np.isfinite(signals).all(axis=1))
         n, names = self.n_outputs_, self._names()
         said = names if self.signal_names is None else list(self.signal_names)
@@ -127,11 +138,10 @@ class JointRegressor(FreeRunner):
         self.responses_ = []
         for k in range(n):
             self.progress(f"dead zone of {said[k]}", k, 2 * n)
-            of = said[k], said[self.n_features_in_ + k]
+            of, joint = (said[k], said[self.n_features_in_ + k]), signals[:, self.n_features_in_ + k]
+            endless = k in self.continuous
             self.responses_.append(
-                find_response(
-                    signals[:, k], signals[:, self.n_features_in_ + k], spans, self.longest_lag, of, self.raster
-                )
+                find_response(signals[:, k], joint, spans, self.longest_lag, of, self.raster, continuous=endless)
             )
         targets = answered(spans, max(self.longest_lag, *(response.reads[-1] for response in self.responses_)))
         found = []
@@ -159,15 +169,16 @@ class JointRegressor(FreeRunner):
             (j, response, side) for j, response in enumerate(self.responses_) for side in range(len(response.edges))
         ]
         ramps.sort(key=lambda ramp: ramp[0] != k)  # its own first
-        columns = [*range(self.n_outputs_, first), *(first + j for j in range(self.n_outputs_) if j != k), first + k]
+        seen = [first + j for j in range(self.n_outputs_) if j != k and j not in self.continuous]
+        columns = [*range(self.n_outputs_, first), *seen, first + k]
         opened = np.column_stack([response.ramps(signals[:, j], spans) for j, response in sorted(
             enumerate(self.responses_), key=lambda one: one[0] != k)])  # fmt: skip
         inner = np.column_stack([opened, signals[:, columns]])
-        frame = self._frame(inner, len(ramps), self.responses_[k].stops, targets)
-        drives = range(len(self.responses_[k].edges))
-        others = range(len(drives), len(ramps))
-        shared, n_term, error = self._fewest(frame, targets, drives, others)
-        terms = grow_average(frame, targets, self.horizon, n_term, driven_by=drives, shared_with=shared)
+        frame = self._frame(inner, len(ramps), self.responses_[k], targets)
+        n_own, unread = len(self.responses_[k].edges), (inner.shape[1] - 1,) if k in self.continuous else ()
+        alone = Drives(tuple(range(n_own)), unread=unread)
+        driven, n_term, error = self._fewest(frame, targets, alone, tuple(range(n_own, len(ramps))))
+        terms = grow_average(frame, targets, self.horizon, n_term, driven=driven)
         network, reads = joint_network(frame, terms, ramps, signals, columns, targets)
         names = self._names()
         lags = tuple(Lag(names[column], steps) for column, steps in reads)
@@ -179,32 +190,34 @@ class JointRegressor(FreeRunner):
         inputs = tuple(Variable(str(lag)) for lag in lags)
         return Model(inputs, Variable(names[first + k]), (network,), dynamics=dynamics), n_term, error
 
-    def _frame(self, inner: np.ndarray, n_ramp: int, stops: tuple[bool, bool], targets: list[Span]) -> Frame:
+    def _frame(self, inner: np.ndarray, n_ramp: int, response: Response, targets: list[Span]) -> Frame:
         """Ramps as they are now, all else one row ago; the joint goes as far as its stop, or a little beyond what was seen."""
         reads = [(column, int(column >= n_ramp)) for column in range(inner.shape[1])]
         frame = frame_of(inner, 1, reads, targets, 0.0, n_raw=n_ramp)
-        wider = _BEYOND * (frame.y_high - frame.y_low)
+        stops = response.stops
+        wider = (_ENDLESS if response.continuous else _BEYOND) * (frame.y_high - frame.y_low)
         y_low, y_high = frame.y_low - wider * (not stops[0]), frame.y_high + wider * (not stops[1])
         low, high = frame.low.copy(), frame.high.copy()
         low[-1], high[-1] = y_low[0], y_high[0]
         return frame._replace(y_low=y_low, y_high=y_high, low=low, high=high)
 
     def _fewest(
-        self, frame: Frame, targets: list[Span], drives: Sequence[int], others: Sequence[int]
-    ) -> tuple[Sequence[int], int, float]:
-        """Openings that share the flow, number of terms, the last value and openings alone included, and their error on blocks held out.
+        self, frame: Frame, targets: list[Span], alone: Drives, others: tuple[int, ...]
+    ) -> tuple[Drives, int, float]:
+        """What drives the joint, number of terms, the last value and those that growth begins with included, and their error on blocks held out.
 
-        Others share it where that gains; of the numbers of terms the least with which runs are about as good as they get counts.
+        Others share the flow where that gains; of the numbers of terms the least with which runs are about as good as they get counts.
         """
-        alone = self._errors(frame, targets, drives, [])
-        shared = self._errors(frame, targets, drives, others) if others else alone
-        gains = min(shared) < (1.0 - _ENOUGH) * min(alone)
-        errors, shares = (shared, others) if gains else (alone, range(0))
+        driven, errors = alone, self._errors(frame, targets, alone)
+        if others:
+            shared = alone._replace(shared_with=others)
+            found = self._errors(frame, targets, shared)
+            driven, errors = (shared, found) if min(found) < (1.0 - _ENOUGH) * min(errors) else (driven, errors)
         enough = (1.0 + _ENOUGH) * min(errors)
         chosen = next(n for n, error in enumerate(errors) if error <= enough)
-        return shares, 1 + len(drives) * (1 + len(shares)) + chosen, errors[chosen]
+        return driven, 1 + len(driven.by) * (1 + len(driven.shared_with)) + chosen, errors[chosen]
 
-    def _errors(self, frame: Frame, targets: list[Span], drives: Sequence[int], others: Sequence[int]) -> list[float]:
+    def _errors(self, frame: Frame, targets: list[Span], driven: Drives) -> list[float]:
         """Errors of runs through blocks held out, of one term more at a time."""
         blocks = blocks_of(targets, self.n_blocks)
         warm_up = self.longest_lag
@@ -213,10 +226,7 @@ class JointRegressor(FreeRunner):
                 f"{sum(b - a for a, b in targets)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} blocks needs more "
                 f"than the longest lag, {warm_up}; shorten it, or record more rows"
             )
-        paths = [
-            grow_terms(frame, without(targets, block), self.horizon, driven_by=drives, shared_with=others)
-            for block in blocks
-        ]
+        paths = [grow_terms(frame, without(targets, block), self.horizon, driven=driven) for block in blocks]
         errors: list[float] = []
 
         def one_more(place: int) -> float | None:

@@ -6,6 +6,7 @@ after each one all coefficients are refined over the same runs. Terms are those 
 """
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, solve_triangular
@@ -31,10 +32,32 @@ _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
+class Drives(NamedTuple):
+    """What moves outputs that rest otherwise: places of lagged values.
+
+    Each term holds one of `by`, and the last value counts as it is, so that outputs rest where all of these are zero. Growth begins with each
+    of them alone. Without any, anything may stand alone.
+
+    Attributes
+    ----------
+    by : tuple of int
+    shared_with : tuple of int
+        What takes from them: growth begins with their products with each of these, too.
+    unread : tuple of int
+        What stands in no term, but for the last value.
+    """
+
+    by: tuple[int, ...] = ()
+    shared_with: tuple[int, ...] = ()
+    unread: tuple[int, ...] = ()
+
+
+_FREE = Drives()  # nothing that outputs rest without
+
+
 def grow_terms(
-    frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS, driven_by: Sequence[int] = (),
-    shared_with: Sequence[int] = (),
-) -> Iterator[Terms]:  # fmt: skip
+    frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS, driven: Drives = _FREE
+) -> Iterator[Terms]:
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -46,15 +69,12 @@ def grow_terms(
         Rows that runs go on before they restart from measured outputs.
     all_pairs : int
         Lagged values at most, of which any two may be multiplied.
-    driven_by : sequence of int
-        Places of lagged values that drive the outputs: each term holds one of them, and the last value counts as it is, so that outputs
-        rest where all of these are zero. Growth begins with each of them alone. Anything may stand alone if not given.
-    shared_with : sequence of int
-        Places of lagged values that take from what drives: growth begins with their products with each of `driven_by`, too.
+    driven : Drives
+        What moves the outputs.
     """
     windows = np.array(pieces(spans, horizon), dtype=np.int64)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
-    drives = {1 + place for place in driven_by}
+    drives, unread = ({1 + place for place in places} for places in (driven.by, driven.unread))
     start, fixed = _held(frame, sorted(drives)), len(frame.y_low) if drives else 0
     terms, error = _refined(frame, start, many, np.full(len(start.coef), _RIDGE), fixed)
     # what a drive does alone is the measure of what changes it
@@ -65,22 +85,20 @@ def grow_terms(
         ridge[: len(start.coef)] = _RIDGE * error
         return _refined(frame, more, many, ridge, fixed)
 
-    if shared_with:
-        pairs = [[max(a, b), min(a, b), 0] for a in sorted(drives) for b in (1 + place for place in shared_with)]
+    if driven.shared_with:
+        pairs = [[max(a, b), min(a, b), 0] for a in sorted(drives) for b in (1 + place for place in driven.shared_with)]
         terms, error = refined(terms.and_also(np.array(pairs), np.zeros(len(pairs), dtype=np.int64)), error)
     most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
     yield terms
     while len(terms.coef) < most:
-        more = _best_term(frame, terms, few, all_pairs, drives, fixed) if error > _EXACT else None
+        more = _best_term(frame, terms, few, all_pairs, drives, unread, fixed) if error > _EXACT else None
         if more is None:
             return
         terms, error = refined(more, error)
         yield terms
 
 
-def grow_average(
-    frame: Frame, spans: Sequence[Span], horizon: int, n_term: int, *, driven_by: Sequence[int] = (), shared_with: Sequence[int] = (),
-) -> Terms:  # fmt: skip
+def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int, *, driven: Drives = _FREE) -> Terms:
     """Grow polynomials of this many terms, each without another part of the rows, and average them.
 
     Which terms are chosen, and so how a run ends, hangs on a few rows; the average hangs on them less. One that runs badly through
@@ -94,13 +112,12 @@ def grow_average(
     horizon : int
     n_term : int
         Of each polynomial at most.
-    driven_by, shared_with : sequence of int
-        As for `grow_terms`.
+    driven : Drives
     """
 
     def without_block(left_out: list[Span]) -> tuple[Terms, float]:
         rest = without(spans, left_out) or spans
-        for member in grow_terms(frame, rest, horizon, driven_by=driven_by, shared_with=shared_with):
+        for member in grow_terms(frame, rest, horizon, driven=driven):
             if len(member.coef) >= n_term:
                 break
         return member, 1.0 / (1e-12 + _loss(frame, member, np.array(spans)))
@@ -125,18 +142,20 @@ def _held(frame: Frame, drives: Sequence[int]) -> Terms:
     return held.and_also(alone, np.repeat(np.arange(n_output), len(drives)))
 
 
-def _candidates(terms: Terms, n_lag: int, all_pairs: int, drives: set[int]) -> tuple[np.ndarray, np.ndarray]:
+def _candidates(
+    terms: Terms, n_lag: int, all_pairs: int, drives: set[int], unread: set[int]
+) -> tuple[np.ndarray, np.ndarray]:
     """Terms that may be added: powers, products of two values, and of three where the product of two of them is there.
 
     With many lagged values one of two has to be in the polynomial, too, since there are too many pairs; where some drive the outputs, one
     of these has to be in each term.
     """
     factors, output = [], []
-    places = range(1, n_lag + 1)
+    places = [place for place in range(1, n_lag + 1) if place not in unread]
     powers = {(a, *power) for a in places for power in ((0, 0), (a, 0), (a, a))}
     for k in np.unique(terms.output):
         there = {tuple(one) for one in terms.factors[terms.output == k].tolist()}
-        partners = places if n_lag <= all_pairs else {a for one in there for a in one if a}
+        partners = places if n_lag <= all_pairs else {a for one in there for a in one if a} - unread
         pairs = {(max(a, b), min(a, b), 0) for a in partners for b in places if a != b}
         grown = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
         triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in grown for c in places if c not in (a, b)}
@@ -147,10 +166,10 @@ def _candidates(terms: Terms, n_lag: int, all_pairs: int, drives: set[int]) -> t
 
 
 def _best_term(
-    frame: Frame, terms: Terms, windows: np.ndarray, all_pairs: int, drives: set[int], fixed: int
+    frame: Frame, terms: Terms, windows: np.ndarray, all_pairs: int, drives: set[int], unread: set[int], fixed: int
 ) -> Terms | None:
     """Terms with the candidate that lowers the squared error most; None if none does."""
-    candidates = _candidates(terms, len(frame.column), all_pairs, drives)
+    candidates = _candidates(terms, len(frame.column), all_pairs, drives, unread)
     n, wider = len(terms.coef) - fixed, terms.and_also(*candidates)
     gram, cross, size = np.zeros((n, n)), np.zeros((n, len(candidates[1]))), np.zeros(len(candidates[1]))
     downhill = np.zeros(len(wider.coef) - fixed)
