@@ -55,7 +55,7 @@ def simulate(
         ``"semi-implicit"``: one valve evaluation per step, bounded cost, for inputs not known in advance; voltages are held
         over a step. ``"rk4"``: classic Runge-Kutta, with flow models that keep nothing from step to step. ``"rosenbrock"``: steps of its own choice to the tolerance
         `rtol`, the fastest for inputs known in advance; needs flow ``"exact"``. ``"reference"``: an implicit solver with tight tolerances,
-        slow.
+        slow, with the flow models of ``"rk4"``.
     rtol : float, optional
         Relative tolerance of the last two; 1e-4 and 1e-9 if not given.
     energy : bool

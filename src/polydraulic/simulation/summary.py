@@ -77,8 +77,12 @@ def warnings(run: Table) -> list[str]:
         found.append(
             f"{count} of {len(run)} rows ({count / len(run):.1%}) lie beyond travel or pressure of the log that the machine was identified from"
         )
-    if count := info.get("rows_not_converged", 0):
-        found.append(f"{count} of {len(run)} rows ({count / len(run):.1%}) hold flows that did not converge")
+    for key, what in (
+        ("rows_not_converged", "hold flows that did not converge"),
+        ("rows_out_of_domain", "lie outside the domain of the flow model, which was held at its border"),
+    ):
+        if count := info.get(key, 0):
+            found.append(f"{count} of {len(run)} rows ({count / len(run):.1%}) {what}")
     last, events = float(run["time"][-1]), info.get("events", [])
     for begins, (ends, words) in _LASTING.items():
         for link in dict.fromkeys(where for _, where, what in events if what in (begins, ends)):

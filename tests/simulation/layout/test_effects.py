@@ -149,6 +149,34 @@ def test_runge_kutta_is_the_limit_of_short_steps_with_hysteresis_and_flow_forces
 
 
 @pytest.mark.slow_to_compile
+def test_the_reference_is_the_limit_of_short_steps_with_flow_forces(crane):
+    """Spools that are pushed end its steps at their knots, which are not known in advance."""
+    pushed = with_effects(crane, flow_force=FlowForce(4e4, 870.0, np.radians(69.0)))
+    scenario = Scenario(
+        "to and fro", 0.48, {"slew": Sine(0.5, 12.0), "lift": Sine(0.6, 10.0), "extend": Sine(0.5, 9.0)}
+    )
+    tight = simulate(pushed, "exact", scenario, method="reference", rtol=1e-9, dt=8e-3)
+    coarse, fine = (simulate(pushed, "exact", scenario, method="rk4", dt=dt, raster=8e-3) for dt in (2e-3, 5e-4))
+    assert tight.names == fine.names
+
+    def off(run, quantity):
+        return max(np.abs(run[f"{f}.{quantity}"] - tight[f"{f}.{quantity}"]).max() for f in crane.names)
+
+    shifts = [tight[f"{f}.flow_shift"].max() for f in crane.names]
+    assert max(shifts) > 5e-5
+    for quantity in ("spool", "flow_shift", "p_a"):
+        assert off(fine, quantity) < 0.6 * off(coarse, quantity)
+    assert max(off(fine, "spool"), off(fine, "flow_shift")) < 1e-3 * max(shifts)
+    free = simulate(crane, "exact", scenario, method="reference", rtol=1e-9, dt=8e-3)
+    opens = [
+        next(t for t, where, what in run.info["events"] if (where, what) == ("lift", "valve opens"))
+        for run in (free, tight)
+    ]
+    assert opens[0] == pytest.approx(opens[1], abs=1e-9)  # until then nothing flows, and nothing pushes
+    assert tight.info["events_located"] > 0
+
+
+@pytest.mark.slow_to_compile
 def test_spools_that_are_known_in_advance_lag_behind_their_drivers(crane):
     lagging = with_effects(crane, hysteresis=2e-4)
     scenario = Scenario(
@@ -171,9 +199,12 @@ def test_what_does_not_know_an_effect_says_which(crane):
         with pytest.raises(InputError, match=rf"functions.lift.friction.sticks: method '{method}' does not know it"):
             simulate(sticky, "exact", "random:1:1", method=method)
     pushed = changed(crane, "extend", {"flow_force": NOTHING})
-    for method in ("rosenbrock", "reference"):
-        with pytest.raises(InputError, match="valve.flow_force: .* use 'semi-implicit' or 'rk4', or leave it out"):
-            simulate(pushed, "exact", "random:1:1", method=method)
+    served = "use 'semi-implicit' or 'rk4' or 'reference', or leave it out"
+    with pytest.raises(InputError, match=f"valve.flow_force: .* {served}"):
+        simulate(pushed, "exact", "random:1:1", method="rosenbrock")
+    both = changed(pushed, "extend", {"hysteresis": 1e-4})
+    with pytest.raises(InputError, match="functions.extend: method 'reference' knows .* but not both of one valve"):
+        simulate(both, "exact", "random:1:1", method="reference")
     networks = exact_flow(pushed)._replace(name="polynomial", kernels="networks")
     with pytest.raises(
         InputError, match="functions.extend.valve.flow_force: flow 'polynomial' does not know the inlets"

@@ -96,7 +96,7 @@ def _effect_lists(machine: LayoutMachine) -> dict[str, Rows]:
     for f in functions:
         fields = {"half_play": "float"} if has(f, "gap") else {}
         fields |= {"half_width": "float"} if has(f, "driven") else {}
-        fields |= {"shift": "float"} if has(f, "flow_shift") else {}
+        fields |= {"shift": "float", "lag": "float"} if has(f, "flow_shift") else {}
         lists[f"FIELDS_OF_{f.name}"] = [{"Q": field, "T": kind} for field, kind in fields.items()]
     return lists
 

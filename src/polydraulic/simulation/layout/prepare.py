@@ -152,6 +152,7 @@ def _part(module: ModuleType, f: MachineFunction, machine: LayoutMachine, dt: fl
     more |= {"half_width": 0.5 * f.effects.hysteresis} if f.effects.hysteresis is not None else {}
     if f.effects.flow_force is not None:
         more["shift"] = prepare_shift(f.effects.flow_force) if continuous else flow_force_shift(f, machine, dt)
+        more["lag"] = f.pilot.time_constant
     return getattr(module, f"Part_{f.name}")(pilot, line, drive, f.friction, f.stops, **more)
 
 

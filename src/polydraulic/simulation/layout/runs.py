@@ -37,7 +37,6 @@ from polydraulic.simulation.layout.events import layout_events
 from polydraulic.simulation.layout.forces import force_columns
 from polydraulic.simulation.layout.methods.known import Integrate, run_known
 from polydraulic.simulation.layout.methods.text import methods_module
-from polydraulic.simulation.layout.module import layout_module
 from polydraulic.simulation.layout.prepare import ReadyMachine, prepare_layout
 from polydraulic.simulation.layout.seen import beyond_seen
 from polydraulic.simulation.layout.served_methods import check_flow, check_method
@@ -118,7 +117,7 @@ def simulate_layout(
         changed = [changed_flow(flow, model, machine, part.plain) for part in parts]  # before anything runs
         made = _stepped(list(zip(parts, changed, strict=True)), scenario, time, method, dt, every, added, piece)
     else:
-        made = _integrated(machine, scenario, timed, time, method, rtol, added)
+        made = _integrated(machine, flow, model, scenario, timed, time, method, rtol, added)
     more = [
         AddedColumn(parts[0].name, parts[0].unit, np.concatenate([part.values for part in parts]))
         for parts in zip(*made.account, strict=True)
@@ -200,16 +199,16 @@ def _stepped(
 
 
 def _integrated(
-    machine: LayoutMachine, scenario: Scenario, faults: Sequence[TimedFault], time: np.ndarray, method: str, rtol: float,
-    added: Added | None,
+    machine: LayoutMachine, flow: str | FlowModel, model: LayoutFlow, scenario: Scenario, faults: Sequence[TimedFault],
+    time: np.ndarray, method: str, rtol: float, added: Added | None,
 ) -> _Made:  # fmt: skip
     """Run a method that chooses its own steps."""
-    run = run_known(machine, scenario, faults, time, rtol, method, _solver(method))
+    flow_of = partial(changed_flow, flow, model, machine)
+    run = run_known(machine, scenario, faults, time, rtol, method, _solver(method), flow_of)
     account: list[list[AddedColumn]] = []
     for part, first, end in run.parts if added is not None else ():
-        module = layout_module(part.machine, force=bool(scenario.loads.force))
         if added is not None and end > first:
-            account.append(added(part.machine, module, part.plant, run.rows[first:end], time[first:end]))
+            account.append(added(part.machine, part.step, part.plant, run.rows[first:end], time[first:end]))
     info: dict[str, object] = {"rtol": rtol, **run.info}
     beyond = beyond_seen(machine, columns_of(machine), run.rows)
     if beyond is not None:

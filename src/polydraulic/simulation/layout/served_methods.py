@@ -6,12 +6,16 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 
 STEPPED = "semi-implicit"
 CONTINUOUS = ("rk4", "rosenbrock", "reference")
-# of effects; two methods must know the spools in advance, which do not hang on flows then
+# of effects; two methods know what spools do without flow forces in advance, the one with slopes knows no other
 _SERVED = {
     "rk4": ("valve.hysteresis", "valve.flow_force"),
     "rosenbrock": ("valve.hysteresis",),
-    "reference": ("valve.hysteresis",),
+    "reference": ("valve.hysteresis", "valve.flow_force"),
 }
+_APART = {
+    "valve.hysteresis",
+    "valve.flow_force",
+}  # a driver that is pushed is not known in advance, and may turn back at any time
 
 
 def check_method(machine: LayoutMachine, method: str) -> None:
@@ -37,6 +41,11 @@ def check_method(machine: LayoutMachine, method: str) -> None:
                 raise InputError(
                     f"functions.{f.name}.{key}: method {method!r} does not know it; use {' or '.join(map(repr, served))}, or leave it out"
                 )
+        if method == "reference" and set(f.effects.declared) >= _APART:
+            raise InputError(
+                f"functions.{f.name}: method 'reference' knows valve.hysteresis and valve.flow_force, but not both of one valve; use "
+                f"{STEPPED!r} or 'rk4', or leave one out"
+            )
 
 
 def check_flow(flow: LayoutFlow, method: str) -> None:
@@ -47,7 +56,7 @@ def check_flow(flow: LayoutFlow, method: str) -> None:
     InputError
         Naming methods, or a flow model, that serve.
     """
-    served = [STEPPED, *(("rk4",) if flow.kernels in FORGETTING else ())]
+    served = [STEPPED, *(("rk4", "reference") if flow.kernels in FORGETTING else ())]
     if flow.name != "exact" and method not in served:
         methods = " or ".join(map(repr, served))
         raise InputError(

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import SimulationError
+from polydraulic.flow.layout.model import LayoutFlow, exact_flow
 from polydraulic.parameters.deviations import TimedFault
 from polydraulic.parameters.faults import FaultyPart, faulty_parts
 from polydraulic.parameters.layout.payload import with_payload
@@ -17,7 +18,7 @@ from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.events import EventLog, new_log
 from polydraulic.simulation.layout.columns import columns_of, has
 from polydraulic.simulation.layout.methods.event_log import N_KIND, EventLimits, event_limits, listed_events
-from polydraulic.simulation.layout.methods.text import methods_module
+from polydraulic.simulation.layout.methods.text import methods_module, pushed_functions
 from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
 from polydraulic.simulation.solvers.lagging_spools import curve_at
 from polydraulic.simulation.solvers.spools import SHORTEST, KnownInput, SpoolMotion, known_force, known_motion
@@ -30,8 +31,8 @@ class KnownPart(NamedTuple):
     ----------
     machine : LayoutMachine
         With its payload.
-    module : module
-        Of the methods for its layout.
+    module, step : module
+        Of the methods for its layout, and of its step.
     valves, plant
         Numbers of its kernels, for dt = 1 s.
     motion : SpoolMotion
@@ -41,6 +42,7 @@ class KnownPart(NamedTuple):
 
     machine: LayoutMachine
     module: ModuleType
+    step: ModuleType
     valves: Any
     plant: Any
     motion: SpoolMotion
@@ -80,7 +82,7 @@ class KnownRun(NamedTuple):
 
 def run_known(
     machine: LayoutMachine, scenario: Scenario, faults: Sequence[TimedFault], time: np.ndarray, rtol: float, method: str,
-    integrate: Integrate,
+    integrate: Integrate, flow_of: Callable[[LayoutMachine], LayoutFlow] = exact_flow,
 ) -> KnownRun:  # fmt: skip
     """Integrate a scenario to a tolerance.
 
@@ -96,6 +98,8 @@ def run_known(
     method : str
         Name of it.
     integrate : function
+    flow_of : function
+        From the machine of a part, without its payload, to its flow model.
 
     Raises
     ------
@@ -105,11 +109,11 @@ def run_known(
     columns, n = columns_of(machine), len(machine.names)
     x0, rows, counts = start_vector(machine), np.empty((len(time), len(columns.columns))), dict[str, int]()
     n_flag = N_KIND * n + len(machine.circuits) + len(machine.crossovers)
-    flags = np.zeros((2, n_flag), dtype=np.int64)
+    flags, doubtful = np.zeros((2, n_flag), dtype=np.int64), np.zeros(2, dtype=np.int64)
     watch, parts = Watch(new_log(), event_limits(machine), *flags), []
     rows[0, : columns.n_state] = x0
-    row, y = 1, x0[n : 5 * n]
-    for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST), faults):
+    row, y = 1, np.append(x0[n : 5 * n], np.zeros(len(pushed_functions(machine))))
+    for part in known_parts(machine, scenario, max(float(time[-1]), SHORTEST), faults, flow_of):
         first, watch = row if part.start > 0.0 else 0, watch._replace(limits=event_limits(part.machine))
         row, y, failure = integrate(part, y, rtol, time, rows, row, watch, counts)
         if failure:
@@ -120,15 +124,16 @@ def run_known(
                 there = curve_at(part.motion.starts, part.motion.driven, place, time[first:row])
                 rows[first:row, columns.place[f"{f.name}.driven"]] = there
         forces = np.ascontiguousarray(scenario.loads.forces(time[first:row]))
-        unsettled = part.module.fill_flows(part.valves, part.plant, forces, rows[first:row])
-        counts["rows_not_converged"] = counts.get("rows_not_converged", 0) + int(unsettled)
+        part.module.fill_flows(part.valves, part.plant, forces, rows[first:row], doubtful)
         parts.append((part, first, row))
+    counts |= {"rows_not_converged": int(doubtful[0]), "rows_out_of_domain": int(doubtful[1])}
     return KnownRun(rows, {**counts, **listed_events(watch.log, machine, scenario.locked)}, parts)
 
 
 def known_parts(
-    machine: LayoutMachine, scenario: Scenario, t_end: float, faults: Sequence[TimedFault] = ()
-) -> Iterator[KnownPart]:
+    machine: LayoutMachine, scenario: Scenario, t_end: float, faults: Sequence[TimedFault] = (),
+    flow_of: Callable[[LayoutMachine], LayoutFlow] = exact_flow,
+) -> Iterator[KnownPart]:  # fmt: skip
     """Parts of a run between changes of the payload and of what faults leave of the machine."""
     payload, force, parts = scenario.loads.payload, bool(scenario.loads.force), faulty_parts(machine, faults, t_end)
     loaded = payload is not None or any(part.payload for part in parts)
@@ -143,9 +148,12 @@ def known_parts(
         mass, now = masses.get(t, mass), machines.get(t, now)
         if end > start:
             whole = with_payload(now.machine, mass + now.payload) if loaded else now.machine
-            ready = prepare_layout(whole, 1.0, scenario.locked, force=force)
-            module = methods_module(whole, force=force)
-            yield KnownPart(whole, module, ready.valves, ready.plant, motion, start, end)
+            flow = flow_of(now.machine)
+            ready = prepare_layout(whole, 1.0, scenario.locked, force=force, flow=flow, continuous=True)
+            module = methods_module(whole, flow=flow.kernels, force=force)
+            exact = flow.kernels == "exact"
+            valves = ready.valves if exact else module.Valves(ready.valves, np.zeros(flow.n_memory))
+            yield KnownPart(whole, module, ready.module, valves, ready.plant, motion, start, end)
 
 
 def _inputs(parts: Sequence[FaultyPart], scenario: Scenario) -> list[KnownInput]:
@@ -178,6 +186,6 @@ def breaks_of(part: KnownPart) -> np.ndarray:
     return np.append(inside, part.end)
 
 
-def sizes(n: int) -> np.ndarray:
-    """Size of line pressures A and B, positions and rates of `n` functions, which sets absolute tolerances."""
-    return np.repeat([1e6, 1e6, 1.0, 1.0], n)
+def sizes(n: int, pushed: int = 0) -> np.ndarray:
+    """Size of line pressures A and B, positions and rates of `n` functions, and of what sets spools back, which sets absolute tolerances."""
+    return np.append(np.repeat([1e6, 1e6, 1.0, 1.0], n), np.full(pushed, 1e-2))

@@ -12,6 +12,7 @@ from scipy.integrate import LSODA
 
 from polydraulic.simulation.layout.methods.event_log import fill_flags, observe_flags
 from polydraulic.simulation.layout.methods.known import KnownPart, Reached, Watch, breaks_of, first_piece, sizes
+from polydraulic.simulation.layout.methods.text import pushed_functions
 from polydraulic.simulation.solvers.spools import inputs_at
 
 _MAX_EVALUATIONS = 5_000_000
@@ -25,8 +26,9 @@ class _Equations:
     def __init__(self, part: KnownPart, counts: dict[str, int]) -> None:
         self._part, self._counts = part, counts
         self._n = len(part.machine.names)
+        self._pushed = [part.machine.names.index(f.name) for f in pushed_functions(part.machine)]
         self._inputs = np.empty((2, part.motion.coefficients.shape[1]))
-        self._f, self.free = np.empty(4 * self._n), np.ones(2 * self._n)
+        self._f, self.free = np.empty(4 * self._n + len(self._pushed)), np.ones(2 * self._n)
         self._opened = np.empty(len(part.machine.circuits) + len(part.machine.crossovers))
         self.piece = first_piece(part.motion, part.start)
         self.conditions: Any = None
@@ -55,7 +57,9 @@ class _Equations:
         self.conditions = part.module.settle(part.valves, part.plant, self.known(t), y, self._f, self.free)
 
     def state(self, t: float, y: np.ndarray) -> np.ndarray:
-        return np.concatenate([self.known(t)[: self._n], y])
+        spools = self.known(t)[: self._n].copy()
+        spools[self._pushed] -= y[4 * self._n :]
+        return np.concatenate([spools, y[: 4 * self._n]])
 
     def fill_flags(self, t: float, y: np.ndarray, watch: Watch, flags: np.ndarray) -> None:
         part, known = self._part, self.known(t)
@@ -76,14 +80,15 @@ def integrate(
     """Integrate a part of a run to a tight tolerance; see `known.Integrate`."""
     for name in ("evaluations", "events_located"):
         counts.setdefault(name, 0)
-    equations, y = _Equations(part, counts), y.copy()
+    equations, y, n = _Equations(part, counts), y.copy(), len(part.machine.names)
+    scale = sizes(n, len(y) - 4 * n)
     equations.settle(part.start, y)
     if part.start == 0.0:
         equations.fill_flags(0.0, y, watch, watch.had)
     for t, end in itertools.pairwise([part.start, *breaks_of(part)]):
         equations.piece = first_piece(part.motion, t)
         while t < end:
-            solver = LSODA(equations.slope, t, y, end, rtol=rtol, atol=rtol * sizes(len(y) // 4), max_step=_MAX_STEP)
+            solver = LSODA(equations.slope, t, y, end, rtol=rtol, atol=rtol * scale, max_step=_MAX_STEP)
             happened = False
             while solver.status == "running" and not happened:
                 before, y_before = solver.t, y
@@ -101,7 +106,7 @@ def integrate(
                         t, low = (middle, low) if equations.changed(middle, dense(middle)) else (t, middle)
                     y = dense(t)
                 while row < len(time) and time[row] <= t:
-                    rows[row, : 5 * len(y) // 4] = equations.state(time[row], dense(time[row]))
+                    rows[row, : 5 * n] = equations.state(time[row], dense(time[row]))
                     row += 1
                 if happened:
                     counts["events_located"] += 1

@@ -11,7 +11,7 @@ from polydraulic.flow.layout.text_module import loaded
 from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
 from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.motion_slopes_text import MOTION_SLOPES_IMPORTS, motion_slopes_text
-from polydraulic.parameters.layout.parts import Crossover
+from polydraulic.parameters.layout.parts import Crossover, MachineFunction
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.expand import Rows, expanded
 from polydraulic.simulation.layout.module import layout_module
@@ -20,8 +20,9 @@ from polydraulic.simulation.layout.text import fields_of, joined_imports, layout
 from polydraulic.simulation.layout.tree import function_of, tree_of
 
 _PAGES = ("right_hand_side", "runge_kutta")
-# of methods that know the spools in advance
-_KNOWN_PAGES, _KNOWN_EFFECTS = ("slow", "switching", "jacobian", "rosenbrock"), {"valve.hysteresis"}
+# of methods that know the inputs in advance; of those that solve with slopes besides, which ask for exact circuits
+_KNOWN_PAGES, _KNOWN_EFFECTS = ("slow", "switching"), {"valve.hysteresis", "valve.flow_force"}
+_SLOPE_PAGES, _SLOPE_EFFECTS = ("jacobian", "rosenbrock"), {"valve.hysteresis"}
 _IMPORTS = (
     "from math import sqrt",
     "from typing import NamedTuple",
@@ -97,7 +98,13 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
     of_step = [*_STEP, *(("Valves", "exact_step") if exact else _MODELLED_STEP)]
     of_step += [*(_DRIVEN_STEP if lists["ANY_DRIVEN"] else ()), *(_SHIFTED_STEP if lists["ANY_SHIFTED"] else ())]
     pages = [expanded(_page(name), lists) for name in _PAGES]
-    if exact and all(set(f.effects.declared) <= _KNOWN_EFFECTS for f in machine.functions):
+    declared = {key for f in machine.functions for key in f.effects.declared}
+    if declared <= _KNOWN_EFFECTS:
+        pushed = sorted({len(f.valve.knots) for f in pushed_functions(machine)})
+        of_step += [f"ValveTables_{n}" for n in pushed]
+        pages += [expanded(_page("valve_segments"), *valve_letters(n)) for n in pushed]
+        pages += [expanded(_page(name), lists) for name in _KNOWN_PAGES]
+    if exact and declared <= _SLOPE_EFFECTS:
         lengths = sorted({len(f.valve.knots) for f in machine.functions})
         longer = sorted({len(c.functions) for c in machine.circuits if len(c.functions) > 2})
         imports += [*MOTION_SLOPES_IMPORTS, *(SERIES_SLOPES_IMPORTS if longer else ())]
@@ -109,7 +116,7 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
             motion_slopes_text(tree_of(machine), tip if force else None),
             *(series_slopes_text(n) for n in longer),
             *(expanded(_page("valve_slopes"), *valve_letters(n)) for n in lengths),
-            *(expanded(_page(name), lists) for name in _KNOWN_PAGES),
+            *(expanded(_page(name), lists) for name in _SLOPE_PAGES),
         ]
     parts = [
         f'"""A machine with the functions {", ".join(machine.names)} in continuous time; written out from its layout."""',
@@ -117,10 +124,15 @@ def _text(machine: LayoutMachine, flow: str, force: bool) -> str:
         f"from {layout_module(machine, flow=flow, force=force).__name__} import (\n    "
         + ",\n    ".join(sorted(of_step))
         + ",\n)",
-        f"N_SLOW = {len(_SLOW) * len(machine.names)}",
+        f"N_SLOW = {len(_SLOW) * len(machine.names) + len(lists['SETBACKS'])}",
         *pages,
     ]
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def pushed_functions(machine: LayoutMachine) -> list[MachineFunction]:
+    """Functions whose spools flow forces push: what they are set back by stands behind the rest of a state."""
+    return [f for f in machine.functions if f.effects.flow_force is not None]
 
 
 def _joined(machine: LayoutMachine, x: Crossover) -> tuple[str, ...]:
@@ -159,6 +171,9 @@ def _lists(machine: LayoutMachine, masses: Sequence[str]) -> dict[str, Rows]:
         "SLOW_QUANTITIES": [{"Q": q} for q in _SLOW],
         "SLOW_PLACES": [{"Q": q, "F": f, "P": p} for q in _SLOW for f, p in zip(names, slow[q], strict=True)],
         "LINE_PLACES": [{"Q": q, "F": f, "P": p} for q in _SLOW[:2] for f, p in zip(names, slow[q], strict=True)],
+        "SETBACKS": [
+            {"F": f.name, "P": 4 * n + k, "J": names.index(f.name)} for k, f in enumerate(pushed_functions(machine))
+        ],
         "LINE_PAIRS": [{"F": f, "P": k, "R": n + k} for k, f in enumerate(names)],
         "ANGLE_PLACES": [{"F": f, "P": 2 * n + k, "R": 3 * n + k} for k, f in enumerate(names)],
         "RELIEFS": [{"C": c.name, "P": k} for k, c in enumerate(machine.circuits)],
