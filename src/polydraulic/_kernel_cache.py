@@ -65,6 +65,10 @@ class _InlinedLibrary(JITCodeLibrary):
         library._finalize_final_module()
         return library
 
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Nothing: a kernel is optimised with what it calls, and once more with each caller."""
+        ll_module.data_layout = self._codegen._data_layout
+
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
