@@ -122,6 +122,7 @@ def test_plain_python_has_the_bits_of_compiled_code(name, plant, models, flow, t
     assert np.load(tmp_path / "plain.npy").tobytes() == compiled.tobytes()
 
 
+@pytest.mark.slow  # lanes of networks are compiled for cat215b in tests/simulation/batch
 def test_batches_have_the_bits_of_single_runs(plant, flow):
     operators = [random_operator(seed, 0.5, functions=plant.names) for seed in range(5)]
     batch = simulate_batch(

@@ -1,3 +1,4 @@
+import numba
 import numpy as np
 import pytest
 
@@ -86,6 +87,9 @@ def test_what_cannot_be_sampled_is_named(machine):
         series_circuit_of(other, "work")
 
 
+@pytest.mark.skipif(
+    bool(numba.config.DISABLE_JIT), reason="networks grow slowly in plain Python; tests of their kernels run in it"
+)
 def test_a_sampled_table_is_what_fit_takes():
     table = sample_circuit("wheel_loader", "work", 400, rng=np.random.default_rng(1))
     found = fit_table(table, ["work.q_passed", "lift.travel", "lift.p_in"], ["lift.q_in"])

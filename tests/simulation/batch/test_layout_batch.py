@@ -17,7 +17,8 @@ from polydraulic.parameters.signals import Constant
 from polydraulic.simulation.lane_blocks import LaneBlock
 from polydraulic.simulation.layout.prepare import prepare_layout
 
-QUICK = "wheel_loader"  # each layout is compiled once, for tens of seconds
+# Each layout is compiled once, for tens of seconds: here the one whose lanes others compile, too; in plain Python the smallest.
+QUICK = "wheel_loader" if numba.config.DISABLE_JIT else "cat215b"
 LAYOUTS = [name for name in machine_names() if isinstance(load_machine(name), LayoutMachine)]
 EACH = [pytest.param(name, marks=[] if name == QUICK else pytest.mark.slow) for name in LAYOUTS]
 # stages that call others; those that take few machines, one by one
@@ -35,14 +36,15 @@ def heavy(crane):
     return crane._replace(links=tuple(link._replace(mass=1.3 * link.mass) for link in crane.links))
 
 
-def operator(seed, functions):
-    """Three seconds of a random hand; in plain Python, where a block takes 64 times as long as a machine, levers that are pulled at once."""
+def operator(seed, functions, seconds=3.0):
+    """A random hand; in plain Python, where a block takes 64 times as long as a machine, levers that are pulled at once."""
     if not numba.config.DISABLE_JIT:
-        return random_operator(seed, 3.0, functions=functions)
+        return random_operator(seed, seconds, functions=functions)
     volts = np.random.default_rng(seed).choice([-1.0, 1.0], len(functions)) * (1.0 + 0.1 * seed)
     return Scenario(f"pulled {seed}", 0.3, {name: Constant(v) for name, v in zip(functions, volts, strict=True)})
 
 
+@pytest.mark.slow_to_compile
 def test_machines_in_lanes_have_the_bits_of_single_ones(crane, heavy):
     scenarios = [operator(seed, crane.names) for seed in range(6)]
     machines = [crane, heavy, crane, heavy, crane, crane]
@@ -87,7 +89,7 @@ def test_torque_limits_in_lanes_have_the_bits_of_single_machines(name):
         limited(machine, **on, torque_limit_exponent=1.0),
         limited(machine, **on, torque_limit_exponent=0.6),
     ]
-    scenarios = [random_operator(seed, 1.0, functions=machine.names) for seed in range(2)]
+    scenarios = [operator(seed, machine.names, 1.0) for seed in range(2)]
     for together in ([1], [0, 1, 2]):  # parameters that are shared, and rows of them
         cases = [(i, scenario) for i in together for scenario in scenarios]
         batch = simulate_batch([machines[i] for i, _ in cases], "exact", [s for _, s in cases], keep=["rows"])

@@ -285,6 +285,7 @@ def test_the_energy_account_closes_with_all_effects(full):
     assert gaps[2] < 0.5 * gaps[0]
 
 
+@pytest.mark.slow_to_compile
 def test_lanes_have_the_bits_of_single_runs(full):
     heavy = full._replace(links=tuple(link._replace(mass=1.3 * link.mass) for link in full.links))
     machines = [full, heavy, full]

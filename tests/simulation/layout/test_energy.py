@@ -62,7 +62,7 @@ def stored_gaps(run, p_return):
 
 
 @pytest.mark.parametrize("flow", ["stiff", pytest.param("tlm", marks=pytest.mark.slow_to_compile)])
-@pytest.mark.parametrize("name", ["wheel_loader", "cat215b"])
+@pytest.mark.parametrize("name", ["wheel_loader", pytest.param("cat215b", marks=pytest.mark.slow_to_compile)])
 def test_the_oil_before_the_valves_keeps_its_account(name, flow):
     p_return = load_machine(name).tank.return_pressure
     coarse, fine = (

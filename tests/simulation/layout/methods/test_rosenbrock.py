@@ -10,13 +10,14 @@ from polydraulic.parameters.loads import Loads, Payload
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.parameters.signals import Constant, Piecewise
 
+# With compiled methods `tests/machines` is quick, for the layout that all quick tests of them share.
+pytestmark = pytest.mark.slow_to_compile
 VOLTS = {"slew": Constant(0.4), "lift": Constant(0.7), "extend": Constant(0.5)}
 PUSH = {"y": Piecewise(np.array([0.3, 0.6, 1.0]), np.array([0.0, 800.0, -300.0]))}
 LOADED = Scenario("loaded", 1.5, VOLTS, loads=Loads(PUSH, Payload((0.4, 0.9), (80.0, 0.0))))
 
 
 # All with a force, so that one text is compiled; `tests/machines` has machines without.
-@pytest.mark.slow_to_compile
 @pytest.mark.parametrize("locked", [(), ("lift",)])
 def test_steps_solve_with_the_true_jacobian(crane, locked):
     leaky = crane.with_values({f"functions.{name}.line.external_leakage": 3e-12 for name in crane.names})
