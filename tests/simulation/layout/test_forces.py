@@ -113,6 +113,7 @@ def held_to_mujoco(machine, run, force, rows):
     return worst
 
 
+@pytest.mark.slow_to_compile
 def test_pins_carry_what_the_joints_of_mujoco_do(crane):
     whole = {"xx": 30.0, "yy": 30.0, "zz": 40.0}  # MuJoCo knows no body with less
     crane = crane._replace(links=(crane.links[0]._replace(inertia=whole), *crane.links[1:]))
@@ -136,6 +137,7 @@ def test_pins_of_a_shipped_machine_too():
     assert held_to_mujoco(loader, run, lambda t: np.zeros(3), range(0, 400, 29)) < 1e-9
 
 
+@pytest.mark.slow_to_compile
 def test_the_first_pin_carries_all_weights_and_friction_what_is_missing(crane):
     dry = Friction(2e4, 3e4, 100.0, 0.02, 0.05)
     stiff = with_effects(crane, sticks=True)

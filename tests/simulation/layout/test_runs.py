@@ -96,6 +96,7 @@ def test_the_other_function_moves_faster_with_a_crossover(joined_crane):
     assert with_it - start > 1.1 * (without - start)
 
 
+@pytest.mark.slow_to_compile
 def test_joined_circuits_in_lanes_have_the_bits_of_single_runs(joined_crane):
     operators = [random_operator(seed, 0.5, functions=joined_crane.names) for seed in range(3)]
     batch = simulate_batch(joined_crane, "exact", operators, keep=["rows"])
@@ -174,10 +175,8 @@ def test_steps_solve_with_the_true_jacobian_where_a_crossover_joins_three_valves
     assert check_jacobian(joined_crane, np.random.default_rng(5), 8) > 3
 
 
-@pytest.mark.parametrize(
-    "method",
-    ["semi-implicit", *(pytest.param(m, marks=pytest.mark.slow_to_compile) for m in ("rosenbrock", "reference"))],
-)
+@pytest.mark.slow_to_compile
+@pytest.mark.parametrize("method", ["semi-implicit", "rosenbrock", "reference"])
 def test_a_pump_whose_own_functions_are_locked_is_seen_while_it_feeds_another_through_a_crossover(joined_crane, method):
     scenario = Scenario("lift", 2.0, {"lift": Constant(0.8)}, locked=joined_crane.circuit("main_giving").functions)
     run = simulate(joined_crane, "exact", scenario, method=method)

@@ -37,6 +37,7 @@ def test_travel_and_pressure_beyond_the_log_are_counted(machine):
     assert not [line for line in warnings(inside) if "identified from" in line]
 
 
+@pytest.mark.slow_to_compile
 def test_methods_with_their_own_steps_count_rows(machine):
     run = simulate(identified(machine, Seen(6e-3)), "exact", SCENARIO, t_end=2.0, method="rosenbrock")
     assert run.info["rows_beyond_log"] == np.count_nonzero(np.abs(run["boom.spool"]) > 6e-3) > 0

@@ -48,6 +48,7 @@ def test_a_boom_that_friction_alone_holds_does_not_move_by_a_bit(sticky):
     assert simulate(weak, "exact", Scenario("falls", 1.0, {}))["lift.angle"][-1] < run["lift.angle"][0] - 0.05
 
 
+@pytest.mark.slow_to_compile
 def test_a_joint_lets_go_at_the_static_torque_and_stops_again_below_it(sticky):
     """A force at the tip grows, falls, and turns: the slew moves only while its moment is above what friction takes."""
     dry = Friction(coulomb=1500.0, static=2400.0, viscous=800.0, smoothing=0.02, stribeck=0.05)
@@ -70,6 +71,7 @@ def test_a_joint_lets_go_at_the_static_torque_and_stops_again_below_it(sticky):
     assert np.all(rate >= 0.0)  # never through zero
 
 
+@pytest.mark.slow_to_compile
 @pytest.mark.parametrize(("pull", "turns"), [(-200.0, False), (-1500.0, True)])
 def test_a_joint_whose_torque_turns_comes_to_rest_before_it_turns(sticky, pull, turns):
     dry = Friction(coulomb=1500.0, static=1500.0, viscous=0.0, smoothing=0.02, stribeck=0.05)
