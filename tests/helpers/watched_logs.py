@@ -42,14 +42,14 @@ def log_of(machine, seed, seconds, faults=(), payload=0.0, pumps=()):
 
 
 @cache
-def healthy_log(name="wheel_loader", seconds=150.0):
-    return log_of(load_machine(name), 11, seconds)
+def healthy_log(name="wheel_loader", seconds=150.0, pumps=()):
+    return log_of(load_machine(name), 11, seconds, pumps=pumps)
 
 
 @cache
-def known(name="wheel_loader"):
+def known(name="wheel_loader", pumps=()):
     """A machine that is watched, and what is to be expected of it."""
-    machine, log = load_machine(name), healthy_log(name)
+    machine, log = load_machine(name), healthy_log(name, pumps=pumps)
     of = watched(machine, watched_columns(machine, log, "log", None), RASTER)
     return of, learnt_from(of, log, np.ones(len(log), dtype=bool), RATE)
 

@@ -41,3 +41,11 @@ def test_it_finds_a_number_of_the_machine_and_one_of_the_networks_that_is_anothe
         other = text[: number.start(1)] + repr(float(number[1]) * (1.0 + 1e-12)) + text[number.end(1) :]
         source.write_text(other, encoding="utf-8")
         assert outcome(source, tmp_path) >= first
+
+
+def test_pressures_of_pumps_have_the_bits_of_the_package(tmp_path):
+    of, expected = known("wheel_loader", ("work",))
+    assert "work.p_pump" in {channel.name for channel in of.channels}
+    files = export_watch(FaultWatch(of, expected), tmp_path, name="w").files
+    assert "W_ROW_WORK_P_PUMP" in files[0].read_text(encoding="utf-8")
+    assert outcome(files[1], tmp_path) == 0

@@ -38,18 +38,16 @@ def self_test_texts(watch: FaultWatch) -> dict[str, str]:
 def _range_of(of: Watched, column: str) -> tuple[float, float]:
     """Middle and half of a range that a sensor may read, SI."""
     name, _, what = column.rpartition(".")
+    pump = next(c.pump for c in of.machine.circuits if name == c.name or name in c.functions)
+    if what in ("p_a", "p_b", "p_pump"):
+        return 0.4 * pump.relief, 0.3 * pump.relief
+    if what in ("q_in", "q_out"):
+        return 0.5 * pump.flow, 0.4 * pump.flow
     f = of.machine.function(name)
-    pump = next(c.pump for c in of.machine.circuits if name in c.functions)
-    travel = 0.8 * f.valve.knots[-1]
-    stops = (0.5 * (f.stops.low + f.stops.high), 0.3 * (f.stops.high - f.stops.low))
-    return {
-        "spool": (0.0, travel),
-        "voltage": (0.0, travel / f.pilot.gain),
-        "p_a": (0.4 * pump.relief, 0.3 * pump.relief),
-        "p_b": (0.4 * pump.relief, 0.3 * pump.relief),
-        "q_in": (0.5 * pump.flow, 0.4 * pump.flow),
-        "q_out": (0.5 * pump.flow, 0.4 * pump.flow),
-    }.get(what, stops)
+    travel, stops = 0.8 * f.valve.knots[-1], f.stops
+    if what in ("spool", "voltage"):
+        return 0.0, travel if what == "spool" else travel / f.pilot.gain
+    return 0.5 * (stops.low + stops.high), 0.3 * (stops.high - stops.low)
 
 
 def _rows(middle: np.ndarray, half: np.ndarray, rates: np.ndarray, n_rows: int, held: int) -> np.ndarray:
