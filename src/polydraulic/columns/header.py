@@ -25,7 +25,7 @@ _FORMS = (
 )
 _BARE = re.compile(r"^(\[[^\]]*\]|\([^()]*\))$")  # a unit by its brackets
 _TYPE = re.compile(
-    r"(?i)^(u?int(8|16|32|64)?|float(32|64)?|[fiu][1248]|double|single|real|bool(ean)?|string|text|numeric|number)$"
+    r"(?i)^(smp|avg|tot|std|u?int(8|16|32|64)?|float(32|64)?|[fiu][1248]|double|single|real|bool(ean)?|string|text|numeric|number)$"
 )
 # what a unit must measure where a name says what is measured; elsewhere rates are divided by times, and A is a port
 _TIME = re.compile(r"^(t|(?i:time|timestamp|zeit|zeitstempel|dauer|duration))([ _]|$)")
@@ -57,7 +57,7 @@ def unit_line(cells: Sequence[str], header: Sequence[str]) -> bool:
 
 
 def type_line(cells: Sequence[str]) -> bool:
-    """Whether a line gives kinds of data, as ``float`` and ``int32``."""
+    """Whether a line gives kinds of data, as ``float``, ``int32`` and ``Avg``."""
     given = [cell for cell in cells if cell]
     return bool(given) and all(_TYPE.match(cell) for cell in given)
 

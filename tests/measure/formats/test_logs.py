@@ -123,7 +123,11 @@ def test_blocks_follow_each_other(tmp_path, ending):
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("a.xls", b"x", "a log ends in one of"),
+        ("a.xls", b"x", "a log ends in one of .*; save the sheet as .csv"),
+        ("a.lvm", b"x", "a text of columns is read as .csv"),
+        ("a.dat", b"MDF     3.30 nonsense", "cannot be read as an MDF log"),
+        ("a.dat", b"\0\1\2", "cannot be read as an MDF log"),
+        ("a.dat", b"", "cannot be read as an MDF log"),
         ("a.csv", b"", "the file is empty"),
         ("a.csv", b"time,a\n", "the log has no rows"),
         ("a.csv", b"# logger", "the log has no rows"),
@@ -139,6 +143,18 @@ def test_a_bad_file_is_one_error(tmp_path, name, content, message):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=message):
         open_log(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["a.tsv", "a.dat", "A.DAT"])
+def test_texts_of_columns_have_other_endings_too(tmp_path, name):
+    head = (
+        '"TOA5","CR1000"\n"TIMESTAMP","p"\n"TS","bar"\n"","Avg"\n' if "dat" in name.lower() else "TIMESTAMP\tp [bar]\n"
+    )
+    mark = "," if "dat" in name.lower() else "\t"
+    (tmp_path / name).write_text(head + "".join(f'"2024-03-31 13:59:{k:02d}"{mark}{k % 7}\n' for k in range(50)))
+    with open_log(tmp_path / name) as log:
+        assert [(s.name, s.kind) for s in log.signals] == [("TIMESTAMP", "stamp"), ("p", "")]
+        assert log.signal("p").unit == "bar"
 
 
 def test_a_missing_file_or_channel_is_one_error(tmp_path):

@@ -10,6 +10,7 @@ ENDINGS = (
     ".csv",
     ".csv.gz",
     ".txt",
+    ".tsv",
     ".parquet",
     ".mf4",
     ".mdf",
@@ -22,6 +23,7 @@ ENDINGS = (
     ".bag",
 )
 _BUS = (".mf4", ".blf", ".asc")
+_SHEETS = (".xlsx", ".xls", ".xlsm", ".xlsb", ".ods")
 _BAGS = (".mcap", ".db3", ".bag")
 
 
@@ -49,7 +51,8 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
         return open_bag(path)
     ending = next((e for e in ENDINGS if path.name.lower().endswith(e)), None)
     if ending is None:
-        raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}")
+        hint = "save the sheet as .csv" if path.suffix.lower() in _SHEETS else "a text of columns is read as .csv"
+        raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}; {hint}")
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     if dbc and ending not in _BUS:
@@ -71,7 +74,7 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
         from polydraulic.measure.formats.parquet_log import open_parquet
 
         return open_parquet(path, dates)
-    if ending in (".mf4", ".mdf", ".dat"):
+    if ending in (".mf4", ".mdf") or (ending == ".dat" and not _is_text(path)):
         from polydraulic.measure.formats.mdf.mdf_log import open_mdf as opener
     elif ending == ".mat":
         from polydraulic.measure.formats.mat.mat_log import open_mat as opener
@@ -80,3 +83,10 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
 
         return open_csv(path, dates)
     return opener(path)
+
+
+def _is_text(path: Path) -> bool:
+    """Whether a file begins as a text of columns; loggers call these ``.dat``, as MDF files are called, too."""
+    with path.open("rb") as file:
+        first = file.read(64)
+    return bool(first) and not first.startswith((b"MDF ", b"UnFinMF")) and all(c >= 32 or c in b"\t\r\n" for c in first)
