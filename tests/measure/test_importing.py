@@ -10,7 +10,8 @@ from helpers.group_log_kinds import cases as group_cases
 from helpers.log_kinds import cases
 from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
 from polydraulic.errors import InputError
-from polydraulic.measure import write_quality
+from polydraulic.measure import import_log, write_quality
+from polydraulic.measure.channels import channel_map
 from polydraulic.measure.findings import KINDS
 
 
@@ -219,6 +220,21 @@ def test_a_wrong_unit_of_time_is_named_where_the_map_has_no_raster_for_the_time(
     found = imported(tmp_path, columns, plain, units={**UNITS, "time": ""})
     named = found.findings.of("raster", "time")
     assert ["check the unit of time" in finding.detail for finding in named] == [True]
+
+
+def test_a_log_is_not_replaced_by_its_table(tmp_path, monkeypatch):
+    log = tmp_path / "log.csv"
+    log.write_text("time,p\n" + "".join(f"{0.01 * k:.2f},{k % 7}\n" for k in range(50)))
+    before = log.read_bytes()
+    time, p = {"source": "time", "role": "time"}, {"source": "p", "role": "input", "unit": "bar"}
+    channels = channel_map({"raster": "10 ms", "channel": [time, p]})
+    monkeypatch.chdir(tmp_path)
+    for given in (log, [log], "*.csv"):
+        with pytest.raises(InputError, match=r"log\.csv: is the log itself"):
+            import_log(given, channels, "log.csv")
+    assert log.read_bytes() == before
+    assert import_log(log, channels, "table.csv").n_row == 50
+    assert import_log(log, channels, "table.csv").n_row == 50  # an older table is replaced
 
 
 def test_every_kind_of_finding_is_seeded():

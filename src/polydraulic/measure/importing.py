@@ -111,9 +111,11 @@ def import_log(
     Raises
     ------
     InputError
-        A file that is not a log, a channel that it does not have, a place that cannot be written.
+        A file that is not a log, a channel that it does not have, a place that cannot be written or is that of the log itself.
     """
     table_ending(out)
+    if Path(out).exists() and any(log.exists() and log.samefile(out) for log in expand(path)):
+        raise InputError(f"{out}: is the log itself, which the table would replace; give the table another name")
     findings = Findings()
     with _opened(path, channels, dbc, findings) as log:
         groups = _groups(log, channels)
