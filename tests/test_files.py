@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
-from polydraulic.files import Scratch, replacing, write_text, write_texts
+from polydraulic.files import Scratch, check_apart, replacing, write_text, write_texts
 from polydraulic.tables import Table, read_table, write_table
 
 SOURCES = Path(__file__).parents[1] / "src" / "polydraulic"
@@ -180,6 +180,18 @@ def places(call):
     if name in ("write_text", "write_bytes"):  # bare names are our own, as of write_table
         return of
     return call.args[:2] if name in ("ZipFile", "ParquetWriter") or (of and name in SAVING) else []
+
+
+def test_what_is_written_replaces_nothing_that_is_read(tmp_path):
+    there, other = tmp_path / "log.csv", tmp_path / "other.csv"
+    there.write_text("1")
+    (tmp_path / "link.csv").symlink_to(there)
+    for same in (there, str(there), tmp_path / "link.csv", tmp_path / "." / "log.csv"):
+        with pytest.raises(InputError, match=r"\.csv: is the file that is read, which would be replaced"):
+            check_apart(same, [other, there])
+    check_apart(other, [there])
+    check_apart(there, [])
+    check_apart(there, ["task", "random:1:60"])  # names of what is no file
 
 
 def test_every_file_is_written_in_one_way():

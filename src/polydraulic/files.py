@@ -10,7 +10,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -69,6 +69,19 @@ def _check_name(path: Path) -> None:
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             raise InputError(f"cannot write {path}: {error.strerror}; choose shorter names") from error
+
+
+def check_apart(out: str | Path, read: Iterable[str | Path]) -> None:
+    """Check that what is to be written would not replace a file that it is made from.
+
+    Raises
+    ------
+    InputError
+        If it would.
+    """
+    for path in map(Path, read):
+        if path.exists() and Path(out).exists() and path.samefile(out):
+            raise InputError(f"{out}: is the file that is read, which would be replaced; write to another name")
 
 
 def write_text(path: str | Path, text: str) -> None:

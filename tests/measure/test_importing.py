@@ -230,7 +230,7 @@ def test_a_log_is_not_replaced_by_its_table(tmp_path, monkeypatch):
     channels = channel_map({"raster": "10 ms", "channel": [time, p]})
     monkeypatch.chdir(tmp_path)
     for given in (log, [log], "*.csv"):
-        with pytest.raises(InputError, match=r"log\.csv: is the log itself"):
+        with pytest.raises(InputError, match=r"log\.csv: is the file that is read"):
             import_log(given, channels, "log.csv")
     assert log.read_bytes() == before
     assert import_log(log, channels, "table.csv").n_row == 50

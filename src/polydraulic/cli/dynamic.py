@@ -121,13 +121,16 @@ def run(
     What comes next: `polydraulic check pressure.json --data log.parquet` says whether the model still holds;
     `polydraulic export` writes it as C code or FMU.
     """
+    from polydraulic.files import check_apart
     from polydraulic.identification.run_plot import plot_runs
     from polydraulic.identification.runs import run_models
+    from polydraulic.measure.formats.campaign import expand
     from polydraulic.plotting.run_figure import picture_ending, save_figure
     from polydraulic.tables import table_ending, write_table
 
     if out is not None:
         table_ending(out)
+        check_apart(out, expand(log))
     if plot is not None:
         picture_ending(plot)
     with progress_bar("run") as progress:

@@ -151,6 +151,7 @@ def payload(
     What comes next: `polydraulic loadchart --machine excavator_22t` says whether that much may be lifted there.
     """
     from polydraulic.display import amount
+    from polydraulic.files import check_apart
     from polydraulic.identification.loads.payload_figure import plot_payload
     from polydraulic.identification.loads.tip_loads import estimate_payload, estimate_tip_force, load_table
     from polydraulic.parameters.load import load_machine
@@ -159,6 +160,7 @@ def payload(
 
     if out is not None:
         table_ending(out)
+        check_apart(out, [log])
     if plot is not None:
         picture_ending(plot)
         if force:

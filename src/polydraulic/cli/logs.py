@@ -49,8 +49,9 @@ def import_(
     What comes next: look at the quality report in a browser and correct the map; then `polydraulic fit` learns from the table,
     `polydraulic fit-machine` the pump and valves of a whole machine.
     """
-    from polydraulic.files import write_text
+    from polydraulic.files import check_apart, write_text
     from polydraulic.measure.channels import load_channels
+    from polydraulic.measure.formats.campaign import expand
     from polydraulic.measure.importing import import_log
     from polydraulic.measure.quality import write_quality
     from polydraulic.measure.suggest import suggest_channels
@@ -58,6 +59,8 @@ def import_(
     if suggest:
         if channels is not None or report is not None:
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
+        if out is not None:
+            check_apart(out, expand(log))
         with progress_bar("read") as progress:
             text = suggest_channels(log, dbc=dbc or (), progress=progress)
         if out is None:

@@ -103,6 +103,7 @@ def simulate(
     move, `polydraulic record` writes what sensors would have measured, `polydraulic export-machine` writes C code and FMUs.
     """
     from polydraulic.display import readable
+    from polydraulic.files import check_apart
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
@@ -119,6 +120,7 @@ def simulate(
         raise InputError("--arrangement goes with --flow polynomial and the package's own networks")
     if out is not None:
         table_ending(out)
+        check_apart(out, [scenario])
     if plot is not None:
         picture_ending(plot)
     plant = load_machine(machine or scenario_machine(scenario))

@@ -14,6 +14,7 @@ import numpy as np
 from polydraulic.ahead import done_later
 from polydraulic.display import DEFAULT, shown_unit
 from polydraulic.errors import InputError
+from polydraulic.files import check_apart
 from polydraulic.measure.channels import Channel, ChannelMap
 from polydraulic.measure.checks.channel_check import ChannelCheck
 from polydraulic.measure.checks.clock import Clock, ClockedRows
@@ -114,8 +115,7 @@ def import_log(
         A file that is not a log, a channel that it does not have, a place that cannot be written or is that of the log itself.
     """
     table_ending(out)
-    if Path(out).exists() and any(log.exists() and log.samefile(out) for log in expand(path)):
-        raise InputError(f"{out}: is the log itself, which the table would replace; give the table another name")
+    check_apart(out, expand(path))
     findings = Findings()
     with _opened(path, channels, dbc, findings) as log:
         groups = _groups(log, channels)
