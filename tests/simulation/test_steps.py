@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 
 from polydraulic import InputError, load_scenario
@@ -29,3 +30,16 @@ def test_a_raster_must_be_whole_steps_and_not_given_twice():
         recorded_steps(0.005, 1, 0.007)
     with pytest.raises(InputError, match="give one of them"):
         recorded_steps(0.005, 2, 0.01)
+
+
+@pytest.mark.parametrize("text", ["10 ms", None, True, [1.0]])
+def test_times_are_numbers(text):
+    for call, what in (
+        (lambda: n_steps(load_scenario("random:1:5"), text, None), "dt"),
+        (lambda: recorded_steps(text, 1, 0.01), "dt"),
+        (lambda: recorded_steps(0.005, 1, text if text is not None else "none"), "raster"),
+        (lambda: n_steps(load_scenario("random:1:5"), 0.005, text if text is not None else "none"), "duration"),
+    ):
+        with pytest.raises(InputError, match=f"{what} = .*: must be a number, in s"):
+            call()
+    assert recorded_steps(np.float64(0.005), 1, np.int64(1)) == 200

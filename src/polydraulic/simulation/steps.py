@@ -1,6 +1,8 @@
 """How many steps a run has, and which of them are recorded."""
 
 from math import isfinite
+from numbers import Real
+from typing import Any
 
 from polydraulic.errors import InputError
 from polydraulic.parameters.scenario import Scenario
@@ -10,8 +12,15 @@ DIVERGED = 4  # status of a step that is not made, beside OK, NOT_CONVERGED and 
 MOST_STEPS = 1_000_000_000  # in a run
 
 
+def _check_number(what: str, value: Any) -> None:
+    """Raise InputError of what is no number, such as a text with a unit."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        raise InputError(f"{what} = {value!r}: must be a number, in s")
+
+
 def check_time_step(dt: float) -> None:
     """Raise InputError unless `dt` is a positive, finite time in s."""
+    _check_number("dt", dt)
     if not (isfinite(dt) and dt > 0.0):
         raise InputError(f"dt = {dt} s: the time step must be positive and finite, for example 0.005")
 
@@ -26,6 +35,7 @@ def n_steps(scenario: Scenario, dt: float, t_end: float | None, every: int = 1) 
     """
     check_time_step(dt)
     duration = scenario.duration if t_end is None else t_end
+    _check_number("duration", duration)
     if not (isfinite(duration) and duration >= dt):
         raise InputError(f"duration = {duration} s: must be finite and at least one time step, {dt} s")
     if not isinstance(every, int) or every < 1:
@@ -46,7 +56,11 @@ def recorded_steps(dt: float, every: int, raster: float | None) -> int:
     InputError
         If both are given, or the raster is no whole number of steps.
     """
-    if raster is None or not dt > 0.0:  # whoever prepares the machine refuses such a dt
+    if raster is None:
+        return every
+    _check_number("raster", raster)
+    _check_number("dt", dt)
+    if not dt > 0.0:  # whoever prepares the machine refuses such a dt
         return every
     if every != 1:
         raise InputError(f"every = {every!r} and raster = {raster} s both say when to record; give one of them")
