@@ -4,9 +4,10 @@
 
 FOLDER holds ``rc_excavator/manual_1.csv.gz`` to ``manual_5.csv.gz``: a hydraulic model excavator (1:14) driven by joysticks, about 20 rows a second
 with an irregular clock; commands of the valves, strokes of the cylinders, angle of the swing. Logs go through the import, onto a raster of 50 ms.
-Windows of 10 s and 30 s begin every half second; the error at their end, mean over windows, is given in % of the joint's range in the
-logs that were learnt from. Runs 4 and 5 play no part in any choice. The last row is learnt from these two themselves: what models of this form
-can do at all, next to which the row above shows how much differs from run to run. A second table judges each of runs 1 to 3 by a model of the other two.
+Windows of 10 s and 30 s begin every half second, from 2 s on, as far as models with play look back; the error at their end, mean over windows,
+is given in % of the joint's range in the logs that were learnt from. The swing is said to turn without end. Runs 4 and 5 play no part in any
+choice. The last row is learnt from these two themselves: what models of this form can do at all, next to which the row above shows how much
+differs from run to run. A second table judges each of runs 1 to 3 by a model of the other two.
 """
 
 import argparse
@@ -28,7 +29,13 @@ from show import left_out
 
 NAMES = ("Boom", "Stick", "Bucket", "Swing")
 COMMANDS, JOINTS = [f"{name}.command" for name in NAMES], [f"{name}.joint" for name in NAMES]
-RASTER, SECONDS, EVERY, FIRST = 0.05, (10, 30), 10, 20
+ENDLESS = [JOINTS[3]]
+RASTER, SECONDS, EVERY, FIRST = 0.05, (10, 30), 10, 40
+AT_END, SETTLED, OPENED = (
+    0.1,
+    6,
+    14,
+)  # a command at the end of its lever: share of its range, rows until the valve is open, and rows in all
 LEARNT, JUDGED = (1, 2, 3), (4, 5)
 
 
@@ -44,7 +51,8 @@ def main():
     with warnings.catch_warnings(), threadpool_limits(1), tempfile.TemporaryDirectory() as into:
         warnings.simplefilter("ignore")
         logs = {k: imported(folder / f"manual_{k}.csv.gz", Path(into)) for k in (*LEARNT, *JUDGED)}
-        show([logs[k] for k in LEARNT], [logs[k] for k in JUDGED], options.networks)
+        responses = show([logs[k] for k in LEARNT], [logs[k] for k in JUDGED], options.networks)
+        show_speeds(logs, responses)
         show_left_out([logs[k] for k in LEARNT])
 
 
@@ -81,16 +89,22 @@ def show(learnt, judged, networks):
             seconds,
             lambda s, a, b, c=coef: run_arx(c, s, a, b),
         )
-    fits = [("joint models (`fit_joints`)", fit_joints, learnt)]
+    fits = [("joint models (`fit_joints`)", joint_models, learnt)]
     if networks:
         fits.append(("`fit_dynamic`, all chosen", fit_dynamic, learnt))
-    fits.append(("`fit_joints`, learnt from the runs that judge", fit_joints, judged))
+    fits.append(("`fit_joints`, learnt from the runs that judge", joint_models, judged))
     for name, fit, logs in fits:
         found, seconds = timed(lambda fit=fit, logs=logs: fit(logs, COMMANDS, JOINTS))
         row(name, [model.n_coefficients for model in found.models], seconds, free_run_of(found.models))
-        if logs is learnt and fit is fit_joints:
-            said = [f"\n{one.output.name}: {one.training['response']}" for one in found.models]
-    print("\n".join(said), flush=True)
+        if logs is learnt and fit is joint_models:
+            responses = [one.training["response"] for one in found.models]
+    print("\n".join(f"\n{name}: {response}" for name, response in zip(JOINTS, responses, strict=True)), flush=True)
+    return responses
+
+
+def joint_models(logs, commands, joints):
+    """`fit_joints` with a swing that turns without end."""
+    return fit_joints(logs, commands, joints, continuous=ENDLESS)
 
 
 def show_left_out(logs):
@@ -98,12 +112,47 @@ def show_left_out(logs):
     scale = np.ptp(np.vstack([log.matrix(JOINTS) for log in logs]), axis=0)
     errors = {length: [] for length in SECONDS}
     for log in logs:
-        run = free_run_of(fit_joints([other for other in logs if other is not log], COMMANDS, JOINTS).models)
+        run = free_run_of(joint_models([other for other in logs if other is not log], COMMANDS, JOINTS).models)
         for length, found in errors.items():
             found.append(ends(run, log, round(length / RASTER)).mean(axis=0) / scale)
     print("\n### Runs 1 to 3, each by a model of the other two, mean over runs\n")
     print("| model | after 10 s | after 30 s |\n|---|---|---|")
     print(f"| `fit_joints` | {' | '.join(in_percent(np.mean(found, axis=0)) for found in errors.values())} |")
+
+
+def show_speeds(logs, responses):
+    """Median speeds of joints that move alone with their valves open as far as they go, in % of their mean over the runs that were learnt from."""
+    found = {number: speeds(log, responses) for number, log in logs.items()}
+    usual = np.nanmean([found[number] for number in LEARNT], axis=0)
+    print(
+        "\n### Speed of a joint that moves alone, its command at the end of the lever, % of that in runs 1 to 3: to one side, to the other\n"
+    )
+    print("| run | boom | stick | bucket | swing |\n|---|---|---|---|---|")
+    for number, of_run in found.items():
+        cells = [
+            ", ".join("-" if np.isnan(share) else f"{100.0 * share:.0f}" for share in pair) for pair in of_run / usual
+        ]
+        print(f"| {number} | {' | '.join(cells)} |", flush=True)
+
+
+def speeds(log, responses):
+    """Median speed of each joint to each side, (n_joint, 2); NaN where it never moved so."""
+    commands, joints = log.matrix(COMMANDS), log.matrix(JOINTS)
+    at_rest = [
+        (command < response["edges"][0][0]) & (command > response["edges"][1][0])
+        for command, response in zip(commands.T, responses, strict=True)
+    ]
+    found = np.full((len(JOINTS), 2), np.nan)
+    for k, (command, response) in enumerate(zip(commands.T, responses, strict=True)):
+        others = np.all([still for j, still in enumerate(at_rest) if j != k], axis=0)
+        for side, end in enumerate(response["seen"]):
+            at_end = np.abs(command - end) < AT_END * abs(response["seen"][0] - response["seen"][1])
+            count = np.cumsum(at_end & others)
+            whole = log["segment"][OPENED:] == log["segment"][:-OPENED]
+            first = np.flatnonzero((count[OPENED:] - count[:-OPENED] == OPENED) & whole) + 1
+            moved = joints[first + OPENED - 1, k] - joints[first + SETTLED, k]
+            found[k, side] = np.median(moved) / (OPENED - 1 - SETTLED) if len(moved) else np.nan
+    return found
 
 
 def in_percent(shares):
