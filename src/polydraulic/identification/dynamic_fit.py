@@ -115,7 +115,7 @@ class DynamicFit:
 
     def text(self, units: str = DEFAULT) -> str:
         """How good the models are, in lines."""
-        far = [f"warning: {said}" for said in far_from_others(self.table, self.models)]
+        far = [f"warning: {said}" for said in far_from_others(self.table, self.models).values()]
         return "\n".join([*(found.text(units) for found in self.outputs), *far])
 
     def __str__(self) -> str:

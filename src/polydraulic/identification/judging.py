@@ -109,11 +109,15 @@ class OutputFit(NamedTuple):
         return self.text()
 
 
-def far_from_others(table: Table, models: Sequence[Model]) -> list[str]:
-    """Sentences on few values of outputs that lie far from all others, and decide what is learnt; rows count from 1."""
-    outputs = [model.output for model in models]
-    found = [(output, far_values(table[output.name])) for output in outputs]
-    return [far.sentence(str(output), 1) for output, far in found if far is not None]
+def far_from_others(table: Table, models: Sequence[Model]) -> dict[str, str]:
+    """Sentences on few values of outputs that lie far from all others, and decide what is learnt, by output; rows count from 1."""
+    found = {model.output.name: (model, far_values(table[model.output.name])) for model in models}
+    return {
+        name: far.sentence(str(model.output), 1)
+        + ("" if model.n_coefficients else "; as it is, the model is a constant")
+        for name, (model, far) in found.items()
+        if far is not None
+    }
 
 
 def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:

@@ -113,7 +113,7 @@ def _doubts(fit: TableFit | DynamicFit | MachineFit) -> list[str]:
     """What makes the models doubtful; those of a machine say so themselves."""
     if isinstance(fit, MachineFit):
         return []
-    return fit.doubts if isinstance(fit, TableFit) else far_from_others(fit.table, fit.models)
+    return fit.doubts if isinstance(fit, TableFit) else list(far_from_others(fit.table, fit.models).values())
 
 
 def _inputs(models: Sequence[Model]) -> list[str]:

@@ -60,9 +60,15 @@ class TableFit:
     @property
     def doubts(self) -> list[str]:
         """What makes the models doubtful, in sentences: values far from all others; outputs that the inputs do not determine, or are."""
-        of_outputs = [doubt for found in self.outputs for doubt in (found.doubt, _copied(found, self.table)) if doubt]
+        far = far_from_others(self.table, self.models)  # beside these, nothing shows whether inputs determine an output
+        of_outputs = [
+            doubt
+            for found in self.outputs
+            for doubt in ("" if found.model.output.name in far else found.doubt, _copied(found, self.table))
+            if doubt
+        ]
         timed = any(variable.name == "time" for found in self.outputs for variable in found.model.inputs)
-        return [*far_from_others(self.table, self.models), *of_outputs, *([_TIMED] if timed else [])]
+        return [*far.values(), *of_outputs, *([_TIMED] if timed else [])]
 
     def text(self, units: str = DEFAULT) -> str:
         """What was found, in lines."""
