@@ -57,13 +57,9 @@ class Below(NamedTuple):
 
 
 def test_comments_of_fields_are_those_of_their_class(monkeypatch):
-    class Within(NamedTuple):
-        x: float  # of neither
-
     parsed = []
     parse = ast.parse
     monkeypatch.setattr(ast, "parse", lambda *given, **options: parsed.append(given) or parse(*given, **options))
     assert field_comments(Above) == {"x": "m, along the boom"}
     assert field_comments(Below) == {"x": "m, across it"}
     assert len(parsed) == 1  # a module, however many of its classes are asked for
-    assert field_comments(Within) == {"x": "of neither"}
