@@ -298,3 +298,14 @@ def test_names_and_units_that_are_no_text_are_one_error(tmp_path):
     pq.write_table(pa.table([[1.0]], schema=pa.schema(fields)), tmp_path / "a.parquet")
     with pytest.raises(InputError, match="a.parquet: cannot be read as a parquet table"):
         read_table(tmp_path / "a.parquet")
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_a_table_without_columns_is_not_written(tmp_path, ending):
+    with pytest.raises(InputError, match="the table has no columns to write"):
+        write_table(Table({}, {}), tmp_path / f"t.{ending}")
+
+
+def test_whole_numbers_that_no_float_holds_are_named():
+    with pytest.raises(InputError, match="column 'a' is not a sequence of numbers"):
+        Table.from_dict({"a": [2**70]})

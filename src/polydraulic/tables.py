@@ -85,7 +85,7 @@ class Table:
         for name, values in columns.items():
             try:
                 data[str(name)] = _numbers(pa.array(values), str(name), "")
-            except (pa.ArrowException, TypeError) as error:
+            except (pa.ArrowException, TypeError, OverflowError) as error:
                 said = str(error).splitlines()[0]
                 raise InputError(f"column {str(name)!r} is not a sequence of numbers ({said})") from error
         lengths = {name: len(values) for name, values in data.items()}
@@ -239,6 +239,8 @@ def table_writer(
     info : mapping, optional
     """
     ending = table_ending(path)
+    if not units:
+        raise InputError(f"{path}: the table has no columns to write")
     for name, unit in units.items():
         checked_text(unit, f"unit of column {checked_name(name, 'column')!r},")
         if ending == ".csv" and _name_and_unit(_head(name, unit)) != (name, unit):

@@ -24,6 +24,14 @@ def test_values_that_are_no_numbers_are_named_by_their_row():
         table_of(Table({"a": np.zeros(0)}, {"a": "m"}))
 
 
+@pytest.mark.parametrize("given", [None, {"a": [1.0]}, [{"a": [1.0]}], 5, np.zeros((2, 2))])
+def test_what_is_no_table_is_named(given):
+    with pytest.raises(
+        InputError, match="a table is given as a Table, a path, or a list of them, not as .*from_pandas"
+    ):
+        table_of(given)
+
+
 def test_columns_that_cannot_be_learnt_are_named():
     table = Table({"a": np.arange(3.0), "b": np.full(3, 2.5)}, {"a": "m", "b": "Pa"})
     with pytest.raises(InputError, match="'a' is both input and output"):

@@ -43,12 +43,23 @@ def test_regions_by_name():
         (["a", "flat"], ["y"], {}, "column 'flat' is 3 in all 100 rows; it cannot explain anything: leave it out"),
         (["a"], ["flat"], {}, "column 'flat' is 3 in all 100 rows; it needs no model"),
         (["a"], ["y"], {"b": [0.5]}, r"edges name the column 'b'; the inputs are \['a'\]"),
+        (["a"], ["y"], {"a": [0.5, 0.5]}, r"edges of 'a' = \[0.5, 0.5\]: must be rising finite numbers"),
+        (["a"], ["y"], {"a": "0.5"}, "edges of 'a' = '0.5': must be rising finite numbers"),
+        (["a"], ["y"], {"a": [np.nan]}, "edges of 'a' = .*: must be rising finite numbers"),
+        (["a"], ["y"], {"a": [-9.0, 0.5]}, "edges of 'a': no rows lie beyond -9, the column goes from"),
+        (["a"], ["y"], {"a": [0.5, 9.0]}, "edges of 'a': no rows lie beyond 9, the column goes from"),
         (["a", "c"], ["y"], {}, "no column 'c'"),
     ],
 )
 def test_bad_requests_are_named(inputs, outputs, edges, message):
     with pytest.raises(InputError, match=message):
         fit(inputs, outputs, edges)
+
+
+@pytest.mark.parametrize("regions", [0, -1, 1.5, "2"])
+def test_regions_are_whole_numbers(regions):
+    with pytest.raises(InputError, match=f"max_regions = {regions!r}: must be a whole number, at least 1"):
+        fit_table(Table(COLUMNS, {}), ["a"], ["y"], max_regions=regions)
 
 
 def test_too_few_rows_are_named():

@@ -137,6 +137,10 @@ def fit_table(
     unknown = [name for name in borders if name not in inputs]
     if unknown:
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
+    for name, cuts in borders.items():
+        _check_edges(name, cuts, rows[name])
+    if not isinstance(max_regions, int) or max_regions < 1:
+        raise InputError(f"max_regions = {max_regions!r}: must be a whole number, at least 1")
     base = AbductiveRegressor() if estimator is None else estimator
     by_index = {list(inputs).index(name): cuts for name, cuts in borders.items()}
     regressor = RegionRegressor(base, edges=by_index or None, max_regions=max_regions)
@@ -165,6 +169,23 @@ def fit_table(
         y, model = rows[output], final.to_model(names, Variable(output, rows.unit(output)))
         fits.append(judged(model, HeldOut(X[held], y[held], without.predict(X[held]), by_time), len(y)))
     return TableFit(fits, found, rows, source)
+
+
+def _check_edges(name: str, cuts: Sequence[float], values: np.ndarray) -> None:
+    """Refuse edges that do not rise, or beyond which a column has no rows."""
+    given = np.asarray(cuts) if not isinstance(cuts, str) else np.array([cuts])
+    if (
+        given.ndim != 1
+        or given.dtype.kind not in "fiu"
+        or not np.isfinite(given).all()
+        or (np.diff(given) <= 0.0).any()
+    ):
+        raise InputError(f"edges of {name!r} = {cuts!r}: must be rising finite numbers")
+    beyond = given[(given < values.min()) | (given >= values.max())]
+    if beyond.size:
+        raise InputError(
+            f"edges of {name!r}: no rows lie beyond {beyond[0]:g}, the column goes from {values.min():g} to {values.max():g}: add data there or move the edge"
+        )
 
 
 def _copied(found: OutputFit, table: Table) -> str:
