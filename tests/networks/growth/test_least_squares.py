@@ -96,3 +96,12 @@ def test_free_terms_stay():
 
 def test_one_term_always_stays():
     assert np.count_nonzero(carve(factor(A, Y, W), price=1e9).coef) == 1
+
+
+def test_terms_that_explain_no_more_than_rounding_are_left_out_however_cheap():
+    rng = np.random.default_rng(2)
+    columns = rng.normal(size=(200, 5))
+    y = 2.0 * columns[:, 1] - columns[:, 3]
+    factor = np.linalg.qr(np.column_stack([columns, y]), mode="r")
+    factor *= np.where(np.diag(factor) < 0.0, -1.0, 1.0)[:, None]  # as `factor_of` has it
+    assert np.flatnonzero(carve(factor, 0.0).coef).tolist() == [1, 3]

@@ -15,6 +15,7 @@ from polydraulic._kernel import driver
 
 _PIVOT = 1e-11  # of its square: a column with a smaller rest is left as it is by the first factor
 _RCOND = 1e-12  # of its length: a column with a smaller rest depends on the columns before it
+_ROUNDING = 1e-14  # of the target's length: what a term explains that is smaller is rounding
 
 
 class LeastSquaresFit(NamedTuple):
@@ -99,7 +100,8 @@ def carve(factor: np.ndarray, price: float) -> LeastSquaresFit:
     """
     n = len(factor) - 1
     kept = np.zeros(n, dtype=np.bool_)
-    _carve(factor, price, np.zeros((n, n)), np.zeros(n), kept)
+    rounding = _ROUNDING**2 * float(factor[:, n] @ factor[:, n])
+    _carve(factor, max(price, rounding), np.zeros((n, n)), np.zeros(n), kept)
     return solve_terms(factor, np.flatnonzero(kept))
 
 
