@@ -32,6 +32,13 @@ def test_what_is_no_table_is_named(given):
         table_of(given)
 
 
+def test_paths_may_come_from_a_generator(tmp_path):
+    for n in range(2):
+        write_table(Table({"a": np.arange(3.0) + n}, {"a": "m"}), tmp_path / f"{n}.parquet")
+    assert len(table_of(sorted(tmp_path.glob("*.parquet")))[0]) == 6
+    assert len(table_of(path for path in sorted(tmp_path.iterdir()))[0]) == 6
+
+
 def test_columns_that_cannot_be_learnt_are_named():
     table = Table({"a": np.arange(3.0), "b": np.full(3, 2.5)}, {"a": "m", "b": "Pa"})
     with pytest.raises(InputError, match="'a' is both input and output"):

@@ -3,7 +3,7 @@
 Several tables are taken as one. Where one ends and the next begins is kept: no segment, and no block that is held out, goes over it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -40,18 +40,16 @@ def table_of(
         As `read_table`; also of a table in memory without rows, or with a value that is not a finite number. Of several tables: one that
         lacks a column of the others or has it in another unit, that is there twice, or whose dates overlap those of another one.
     """
-    parts = (
-        [given]
-        if isinstance(given, Table | str | Path)
-        else list(given)
-        if isinstance(given, list | tuple)
-        else [given]
+    several: Any = given
+    one = (
+        isinstance(given, Table | str | Path | Mapping) or hasattr(given, "columns") or not isinstance(given, Iterable)
     )
-    strange = next((part for part in parts if not isinstance(part, Table | str | Path)), None)
-    if strange is not None or given is None:
+    parts = [several] if one else list(several)
+    strange = [part for part in parts if not isinstance(part, Table | str | Path)]
+    if strange:
         raise InputError(
-            f"a table is given as a Table, a path, or a list of them, not as {type(strange).__name__}; of a data frame Table.from_pandas makes one, of a "
-            "mapping Table.from_dict"
+            f"a table is given as a Table, a path, or a list of them, not as {type(strange[0]).__name__}; of a data frame Table.from_pandas makes "
+            "one, of a mapping Table.from_dict"
         )
     found = [place for part in parts for place in ([part] if isinstance(part, Table) else expand(part))]
     if not found:
