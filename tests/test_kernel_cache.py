@@ -183,7 +183,7 @@ def test_kernels_on_disk_are_taken_in_by_another_caller(nested, monkeypatch, tmp
     assert len(list(tmp_path.rglob("*.third_more-*.nbc"))) == 2
 
 
-def test_what_was_inlined_has_the_machine_code_of_one_function(nested):
+def test_what_was_inlined_is_no_function_any_more(nested):
     def written_out(x):
         return (x / 3.0 + 1.0) + (2.0 * x / 3.0 + 1.0)
 

@@ -5,7 +5,8 @@ function for different types at once, one may later load the code of the other. 
 digest, and says what it is of; whatever is wrong with it, the function is compiled again and the file replaced.
 
 Of kernels that compiled code alone calls bitcode is kept, which their callers take in. numba makes machine code of whatever it
-compiles, and loads it, which nobody would run where a function is inlined wherever it is called; its callers become the same.
+compiles, and loads it, which nobody would run where a function is inlined wherever it is called; function passes are left to the
+callers, whose machine code is another one for that, with the same bits.
 """
 
 import hashlib

@@ -7,7 +7,7 @@ import numpy as np
 from helpers.crossover_judge import judge_all
 from helpers.series_made import STATES, pump_of
 from polydraulic._kernel import driver, kernel
-from polydraulic.machine.circuits.crossover import crossed_4, crossover_3, crossover_4, joined_4
+from polydraulic.machine.circuits.crossover import crossed_4, crossover_3, crossover_4, joined_4, joined_bracketed
 from polydraulic.machine.circuits.crossover_check import joined_end
 from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice
 from polydraulic.machine.circuits.crossover_pass import JOINED_PASSES, joined_begin, joined_pass, joined_path
@@ -102,6 +102,17 @@ def off(found, true, states):
     """Largest error of the flows of each state, as a share of the smaller pump's flow."""
     flows = [0, 1, 2, 3, 4, 5, 6, 7, 9, 10, 11]
     return np.abs(found[:, flows] - true[:, flows]).max(axis=1) / min(states.gives.flow, states.takes.flow)
+
+
+@driver
+def bracket_all(crosses, inlets, bypasses, ports, gives, takes, out):
+    """Rows of four valves by brackets alone."""
+    for i in range(crosses.shape[0]):
+        orifice = CrossoverOrifice(crosses[i, 0], crosses[i, 1])
+        k_1, k_2 = Orifices(inlets[i, 0], bypasses[i, 0], 0.0), Orifices(inlets[i, 1], bypasses[i, 1], 0.0)
+        k_3, k_4 = Orifices(inlets[i, 2], bypasses[i, 2], 0.0), Orifices(inlets[i, 3], bypasses[i, 3], 0.0)
+        v = joined_4(orifice, k_1, k_2, k_3, k_4, ports[i, 0], ports[i, 1], ports[i, 2], ports[i, 3], gives, takes)
+        put(crossed_4(joined_bracketed(v)), out[i])
 
 
 @driver

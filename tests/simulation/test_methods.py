@@ -89,6 +89,7 @@ def test_methods_agree_on_when_things_happen(machine, tight, name):
         ({"method": "euler"}, r"unknown method 'euler'; choose one of \['semi-implicit', 'rk4'"),
         ({"method": "rk4", "rtol": 1e-6}, "rtol = 1e-06 with method 'rk4': goes with"),
         ({"method": "reference", "rtol": 0.0}, "rtol = 0.0"),
+        ({"method": "reference", "rtol": "1e-9"}, "rtol = 1e-9 with method 'reference': goes with .*, a number from"),
         ({"method": "reference", "rtol": float("nan")}, "rtol = nan"),
     ],
 )

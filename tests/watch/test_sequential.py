@@ -81,7 +81,7 @@ def test_evidence_comes_to_an_end_where_a_fault_is_no_larger_than_what_strays():
     """A sum over blocks with information I is divided by the variance of its pull over I, 1 + slow I."""
     slow, size, known = 0.1, 0.8, 0.3
     evidence = EvidenceSums(limits(50.0, 2, slow=slow))
-    for count in range(1, 400):
+    for count in range(1, 300):  # up to what is remembered of the information
         evidence.add(np.array([size * known, 0.6 * known]), np.full(2, known))
         total = known * count
         expected = (np.array([size, 0.6]) - 0.5) * total / (1.0 + slow * total)
@@ -93,6 +93,19 @@ def test_evidence_comes_to_an_end_where_a_fault_is_no_larger_than_what_strays():
     for pull in (3.0, -8.0, 3.0):  # what comes after a new beginning knows nothing of what was before it
         healthy.add(np.array([pull]), np.array([2.0]))
     assert healthy.sums[0, 0] == pytest.approx(2.0 / (1.0 + slow * 2.0))
+
+
+@pytest.mark.parametrize("before", [0, 180, 7200])
+def test_a_fault_after_hours_of_straying_is_found_nearly_as_soon_as_one_after_minutes(before):
+    evidence = EvidenceSums(limits(14.0, slow=0.006))
+    for _ in range(before):
+        evidence.add(np.array([0.55 * 10.0]), np.array([10.0]))
+    assert evidence.sums[0, 0] < 14.0
+    blocks = 0
+    while evidence.sums[0, 0] < 14.0 and blocks < 100:
+        evidence.add(np.array([2.0 * 10.0]), np.array([10.0]))
+        blocks += 1
+    assert blocks < 50
 
 
 def test_a_block_that_counts_for_less_strays_for_less():

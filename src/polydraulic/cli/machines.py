@@ -68,7 +68,7 @@ def check(machine: MachineArgument) -> None:
     found = load_machine(machine)
     for line in described(found):
         print(line)
-    print("from these numbers, with all oil of its pump and no load, and at the initial positions:")
+    print("from these numbers, times with all oil of its pump, pressures at the initial positions:")
     for line in (*sheet_lines(found), *method_lines(found)):
         print(line)
     for line in (*unusual(found), *doubtful_statics(found)):

@@ -8,6 +8,7 @@ from polydraulic.flow.dispatch import FlowModel
 from polydraulic.parameters.deviations import Fault, ScheduledFault, TimedFault
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine
+from polydraulic.parameters.quantity import is_number
 from polydraulic.parameters.scenario import Scenario
 from polydraulic.simulation.layout.runs import simulate_layout
 from polydraulic.simulation.steps import recorded_steps
@@ -90,8 +91,10 @@ def simulate(
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}; choose one of {list(METHODS)}")
     least = METHODS[method]
-    if rtol is not None and (least is None or not 1e-13 <= rtol <= 0.1):
-        raise InputError(f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', 1e-13 to 0.1")
+    if rtol is not None and (least is None or not is_number(rtol) or not 1e-13 <= rtol <= 0.1):
+        raise InputError(
+            f"rtol = {rtol} with method {method!r}: goes with 'rosenbrock' and 'reference', a number from 1e-13 to 0.1"
+        )
     every = recorded_steps(dt, every, raster)
     return simulate_layout(
         machine, flow, scenario, dt=dt, t_end=t_end, every=every, method=method, rtol=rtol or least, energy=energy, forces=forces,

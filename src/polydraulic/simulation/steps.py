@@ -1,10 +1,10 @@
 """How many steps a run has, and which of them are recorded."""
 
 from math import isfinite
-from numbers import Real
 from typing import Any
 
 from polydraulic.errors import InputError
+from polydraulic.parameters.quantity import is_number
 from polydraulic.parameters.scenario import Scenario
 
 FASTEST = 1e3  # rad/s or m/s; beyond it the numbers mean nothing
@@ -14,7 +14,7 @@ MOST_STEPS = 1_000_000_000  # in a run
 
 def _check_number(what: str, value: Any) -> None:
     """Raise InputError of what is no number, such as a text with a unit."""
-    if not isinstance(value, Real) or isinstance(value, bool):
+    if not is_number(value):
         raise InputError(f"{what} = {value!r}: must be a number, in s")
 
 

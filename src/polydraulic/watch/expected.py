@@ -105,7 +105,8 @@ def slow_variance(white: Whitened, together: np.ndarray) -> np.ndarray:
     """Variance of the offset from one stretch of work to the next, at most, (n_direction,).
 
     What one log shows of it is little, since stretches are few; so it is not the variance that fits best but the largest that leaves means of
-    stretches as even as they are in one case of `_RARE` (limit by Cochran's Q, Viechtbauer 2007).
+    stretches as even as they are in one case of `_RARE` (limit by Cochran's Q, Viechtbauer 2007). Of a direction that shows in fewer than six
+    stretches nothing is learnt, and nothing assumed.
     """
     blocks, n = white.pull.shape
     long = max(_TOGETHER, min(_STRETCH, blocks // _STRETCHES))

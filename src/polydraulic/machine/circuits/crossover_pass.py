@@ -32,7 +32,7 @@ from polydraulic.machine.circuits.series_pass import (
 )
 from polydraulic.machine.pump import Pump
 
-JOINED_PASSES = 24  # mostly 3 to 6 are needed
+JOINED_PASSES = 24  # at most; most states of real valves need a few
 PACKED_PASSES, FEW_LANES = 8, 4  # of lanes: what is left then, or so few, goes on one by one
 _CLOSE = 1e-8  # share of pump flow: a step this small is no step out of the bounds
 _NARROW = 1e-5  # share of pump flow: between bounds that are closer nothing is looked for

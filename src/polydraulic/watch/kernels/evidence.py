@@ -5,7 +5,8 @@ pull, information and squares of pull over information of all directions, summed
 and the information of each sum since it began.
 
 What is expected strays slowly: over blocks with information I the sum of pull has the variance t I + s I^2, with s that of the offset from one
-stretch to the next. Evidence is divided by that over I, so that it comes to an end where a fault is no larger than what strays.
+stretch to the next. Evidence is divided by that over I, so that it comes to an end where a fault is no larger than what strays. I counts up to
+`REMEMBERED` t / s: the end is nearly reached then, and a fault that begins later need not make up for hours of straying before it.
 """
 
 import numpy as np
@@ -18,6 +19,7 @@ KEPT = 600  # blocks back to which a beginning can lie
 LEAST_BLOCKS = 8  # that decide together
 _MOST = 2.0  # thresholds that a sum may reach
 ELSE = 0.02  # probability from which on another fault is named
+REMEMBERED = 9.0  # times s I at which a sum's information counts at most; see above
 _NEVER = -1e300
 
 
@@ -70,7 +72,7 @@ def gather(
             goes = way == 0 or down[k] != 0
             total = total / (1.0 + slow[k] * seen / together[k])
             live[at_sums + place] = 0.0 if fresh or not goes else min(total, _MOST * threshold)
-            live[since + place] = 0.0 if fresh else seen
+            live[since + place] = 0.0 if fresh else min(seen, REMEMBERED * together[k] / max(slow[k], 1e-300))
             began[at_began + place] = count if fresh else began[at_began + place]
         shown = live[showing + k] / (1.0 - 2.0 * slow[k] * live[showing + k]) + min(0.5 * known / together[k], most)
         live[showing + k] = shown / (1.0 + 2.0 * slow[k] * shown)

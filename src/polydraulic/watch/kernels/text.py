@@ -38,14 +38,14 @@ STEPS = {
     "torque_left": ("motion", "ints, work"),
     "needed_torques": ("motion", "ints, floats, work"),
 }
-_CIRCUIT, _CROSSING, _MOST = "circuit_", "crossing_", 16  # kinds of circuits, and more valves than one has
+_CIRCUIT, _CROSSING = "circuit_", "crossing_"
 
 
 def kind_of_step(name: str) -> int:
     """Number of a kind of step; ``circuit_N`` of circuits of N valves, ``crossing_N`` of two that a crossover joins."""
-    for first, prefix in ((len(STEPS), _CIRCUIT), (len(STEPS) + _MOST, _CROSSING)):
+    for first, prefix in ((len(STEPS), _CIRCUIT), (len(STEPS) + 1, _CROSSING)):
         if name.startswith(prefix):
-            return first + int(name.removeprefix(prefix))
+            return first + 2 * int(name.removeprefix(prefix))  # in turns, so that no two meet
     return list(STEPS).index(name)
 
 
