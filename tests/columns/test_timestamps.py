@@ -56,8 +56,20 @@ def test_zones_may_be_said_by_name(name, hours):
     assert seconds(pa.array(texts), "stamp") == pytest.approx([moment.timestamp() for moment in MOMENTS], abs=1e-6)
 
 
-def test_a_name_of_two_zones_is_no_time():
-    assert time_kind(["2024-03-31T01:59:57 IST"]) == ""
+@pytest.mark.parametrize("zone", [" IST", " CST", " CDT", "[Europe/Berlin]", " [America/Chicago]"])
+def test_a_name_of_two_zones_and_a_place_without_an_offset_are_no_time(zone):
+    texts = [f"2024-03-31T01:59:57{zone}", f"31.03.2024 1:59:57 PM{zone}"]
+    assert time_kind(texts) == ""
+    assert not has_zone(texts)
+    assert np.isnan(seconds(pa.array(texts), "stamp")).all()
+
+
+@pytest.mark.parametrize(
+    "text", ["31.03.2024 1:59:03 PM CET", "Mar 31, 2024 1:59:03 p.m. +01:00", "20240331T135903+01"]
+)
+def test_a_zone_is_seen_behind_every_time_that_it_is_taken_off(text):
+    assert has_zone([text])
+    assert seconds(pa.array([text, "x"]), "stamp")[0] == datetime(2024, 3, 31, 12, 59, 3, tzinfo=UTC).timestamp()
 
 
 @pytest.mark.parametrize("hours", [-7.5, 0.0, 2.0])

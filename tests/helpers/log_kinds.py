@@ -55,6 +55,8 @@ TEXTS = {
         "commas between columns and within numbers": (PLAIN.replace(".", ","), REFUSED),
         "zeros, as of a binary file": (b"time,p\0\0\n1,2\n", REFUSED),
         "zeros at the end, as of a logger that lost its power": (PLAIN.encode() + b"\0" * 512, ("missing line",)),
+        "zeros between rows, as of a logger that went on later": (
+            PLAIN.replace("0.30,", "\0" * 512 + "\n0.30,").encode(), ("missing line",)),
         "empty": (b"", REFUSED),
         "a header and no rows": ("time,p\n", REFUSED),
     },
@@ -115,7 +117,8 @@ TEXTS = {
         "3/31/2024 1:59:57 PM": (clocked("3/31/2024 {} AM", 40000.0), READ),
         "31-Mar-2024": (clocked("31-Mar-2024 {}", 40000.0), READ),
         "Mar 31, 2024 and Sun Mar 31 13:59:57 2024": (clocked('"Mar 31, 2024 {} AM"', 40000.0), READ),
-        "ISO 8601 with a zone by name, `CET` or `[Europe/Berlin]`": (clocked("2024-03-31T{}+01:00[Europe/Berlin]", 7170.0), READ),
+        "ISO 8601 with a zone by name, such as `CET`": (clocked("2024-03-31T{} CET", 7170.0), READ),
+        "ISO 8601 with an offset and `[Europe/Berlin]` behind it": (clocked("2024-03-31T{}+01:00[Europe/Berlin]", 7170.0), READ),
         "date and time of day in two columns": (clocked("31.03.2024,{}", 40000.0).replace("time,p", "Date,time,p"), READ),
         "03/04/2024, where no day is above the 12th": (clocked("03/04/2024 {}", 40000.0), REFUSED),
         "times of day past midnight": (clocked("{}", 86399.7), ("midnight",)),

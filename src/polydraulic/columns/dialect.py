@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
+from polydraulic.columns.cells import MISSING
 from polydraulic.columns.header import is_unit, names_and_units, type_line, unit_line
 from polydraulic.columns.source import Scan
 from polydraulic.columns.timestamps import time_kind
@@ -100,7 +101,7 @@ def find_dialect(path: Path, found: Scan) -> Dialect:
     kept = above
     if above:
         wide = [n for n in above if len(_trimmed(cells[n])) > 1 or len(_trimmed(body[0])) == 1 or _one_unit(n, cells)]
-        kinds = [n for n in wide if type_line(cells[n])]
+        kinds = [n for n in wide if type_line(cells[n]) and (n != wide[0] or _repeats(cells[n]))]
         wide = [n for n in wide if n not in kinds] or wide
         last = wide[-1] if wide else above[-1]
         header, kept = cells[last], [n for n in above if n < last]
@@ -230,7 +231,8 @@ def _first_row(plain: Sequence[int], cells: dict[int, list[str]]) -> int | None:
 
 def _names_first(row: Sequence[str], below: Sequence[Sequence[str]]) -> bool:
     """Whether a line names its first column, in which all rows have a value: the others may be called by numbers."""
-    return bool(row and row[0]) and not _value(row[0]) and all(cells and _value(cells[0]) for cells in below)
+    said = bool(row) and row[0] not in MISSING and row[0].strip("-#. ") != ""
+    return said and not _value(row[0]) and all(cells and _value(cells[0]) for cells in below)
 
 
 def _words(row: Sequence[str]) -> int:
@@ -272,6 +274,12 @@ def _one_unit(n: int, cells: dict[int, list[str]]) -> bool:
     """Whether a line gives the unit of the first column alone."""
     above = cells.get(n - 1, [])
     return len(above) > 1 and len(cells[n]) == len(above) and unit_line(cells[n], above)
+
+
+def _repeats(row: Sequence[str]) -> bool:
+    """Whether a cell comes twice: the first line may be names that look like kinds of data, such as real and double, but these differ."""
+    given = [cell for cell in row if cell]
+    return len(set(given)) < len(given)
 
 
 def _in_groups(header: list[str], above: Sequence[str]) -> list[str]:

@@ -24,8 +24,8 @@ _FORMS = (
     re.compile(r"^(?P<name>.*[^\s,])\s*,\s*(?P<unit>[^\s,]+)$"),
 )
 _BARE = re.compile(r"^(\[[^\]]*\]|\([^()]*\))$")  # a unit by its brackets
-_TYPE = re.compile(
-    r"(?i)^(smp|avg|tot|std|u?int(8|16|32|64)?|float(32|64)?|[fiu][1248]|double|single|real|bool(ean)?|string|text|numeric|number)$"
+_TYPE = re.compile(  # F1, I1 and U1 are names of forces, currents and voltages
+    r"(?i)^(smp|avg|tot|std|u?int(8|16|32|64)?|float(32|64)?|(?-i:[fiu][1248])|double|single|real|bool(ean)?|string|text|numeric|number)$"
 )
 # what a unit must measure where a name says what is measured; elsewhere rates are divided by times, and A is a port
 _TIME = re.compile(r"^(t|(?i:time|timestamp|zeit|zeitstempel|dauer|duration))([ _]|$)")

@@ -16,6 +16,8 @@ HEAD = 1 << 16  # bytes that the first lines are looked for in
 _LONGEST_HEAD = 1 << 22  # the same where lines are long
 _LEAST_LINES = 4  # that are looked for
 _BLANKS = re.compile(rb"[ \t]+")
+_RUN = re.compile(rb"\0+")
+_CONTROL = re.compile(rb"[\x01-\x08\x0e-\x1f\x7f]")
 DAMAGED = (OSError, EOFError, zlib.error)  # what gzip raises on damaged files, and a disk
 
 
@@ -69,6 +71,8 @@ def _scan(path: Path) -> Scan:
             return Scan(wide, head, True, True, True, bool(following))
         if b"\0" in first:  # at the end they are what a logger that lost its power leaves
             first = first.rstrip(b"\0\r\n") + b"\n"
+        if b"\0" in first and _lost_power(first):
+            first = first.replace(b"\0", b" ")  # of the same length: rows begin where they did
         if b"\0" in first:
             raise InputError(f"{path}: is not text; a CSV log must be")
         marks = dict.fromkeys((b",", b".", b'"'), False)
@@ -94,6 +98,12 @@ def _scan(path: Path) -> Scan:
 
 
 _WINDOWS = [bytes([n]) for n in (0x80, 0x82, 0x84, 0x85, 0x89, 0x91, 0x92, 0x93, 0x94, 0x96, 0x97)]
+
+
+def _lost_power(first: bytes) -> bool:
+    """Whether zeros stand between rows of a text: one run in a line, none in the first, and no other control characters of binary files."""
+    lines = first.strip().splitlines()
+    return b"\0" not in lines[0] and not _CONTROL.search(first) and all(len(_RUN.findall(line)) < 2 for line in lines)
 
 
 def _wide(first: bytes) -> str:

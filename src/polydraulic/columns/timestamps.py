@@ -20,12 +20,13 @@ _DATE = r"(?P<a>\d{1,4})(?P<mark>[-./ ])(?P<b>\d{1,2}|[A-Za-zä]{3})[-./ ](?P<c>
 _OF_DAY = (
     r"(?P<h>\d{1,3}):(?P<m>\d{1,2})(?::(?P<s>\d{1,2}(?:[.,]\d*|:\d{3}(?:\d{3})?)?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
 )
-# h; of RFC 5322, and of Europe; what means two things, such as IST, is none
+# h; of North America, and of Europe; what means two things, such as IST, or CST (China's, too), is none
 _ZONES = {
-    "EST": -5, "EDT": -4, "CST": -6, "CDT": -5, "MST": -7, "MDT": -6, "PST": -8, "PDT": -7,
+    "EST": -5, "EDT": -4, "MST": -7, "MDT": -6, "PST": -8, "PDT": -7,
     "WET": 0, "WEST": 1, "CET": 1, "CEST": 2, "MEZ": 1, "MESZ": 2, "EET": 2, "EEST": 3,
 }  # fmt: skip
-_ZONE = rf"\s*(?P<zone>[Zz]|UTC|GMT|[+-]\d{{2}}:?\d{{2}}|[+-]\d{{2}}|{'|'.join(_ZONES)})?(?:\[[\w/+-]+\])?"
+# a place in brackets, such as [Europe/Berlin], says nothing more behind an offset; alone it is no zone, and the text no time
+_ZONE = rf"\s*(?:(?P<zone>[Zz]|UTC|GMT|[+-]\d{{2}}:?\d{{2}}|[+-]\d{{2}}|{'|'.join(_ZONES)})(?:\[[\w/+-]+\])?)?"
 _STAMP = rf"^{_DATE}(?:(?:[T,_]\s*|\s+){_OF_DAY}{_ZONE})?$"
 _CLOCK = rf"^(?:(?P<days>-?\d{{1,5}}) days?,?\s+\+?)?(?P<sign>-?){_OF_DAY}$"  # days, as durations of pandas have
 # dates and times without marks between their numbers, and with them
@@ -72,7 +73,7 @@ def has_time_of_day(cells: Iterable[str]) -> bool:
 
 def has_zone(cells: Iterable[str]) -> bool:
     """Whether texts that are times say their zone."""
-    found = (re.search(rf":\d[\d.,]*{_ZONE}$", _in_order(cell.strip())) for cell in cells)
+    found = (re.match(_STAMP, _in_order(cell.strip())) for cell in cells)
     return any(match["zone"] for match in found if match)
 
 

@@ -93,6 +93,60 @@ def test_the_unit_of_the_first_column_may_stand_alone(tmp_path):
     assert 'role = "time"\nunit = "ms"' in suggest_channels(log)
 
 
+@pytest.mark.parametrize(
+    ("names", "units"), [("U1,I1", "V,A"), ("F1,F2,I4", "kN,bar,A"), ("real,single,double", "V,A,bar")]
+)
+def test_names_that_look_like_kinds_of_data_are_names(tmp_path, names, units):
+    log = tmp_path / "log.csv"
+    rows = "".join(",".join([f"{k}.5"] * (names.count(",") + 1)) + "\n" for k in range(9))
+    log.write_text(f"{names}\n{units}\n{rows}")
+    with open_log(log) as found:
+        assert [(s.name, s.unit) for s in found.signals] == list(zip(names.split(","), units.split(","), strict=True))
+
+
+def test_a_first_line_of_kinds_of_data_that_repeat_gives_no_names(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("f8,f8,i4\nt,p,n\n" + "".join(f"{k}.5,{k},3\n" for k in range(9)))
+    with open_log(log) as found:
+        assert [(s.name, s.unit) for s in found.signals] == [("t", ""), ("p", ""), ("n", "")]
+
+
+@pytest.mark.parametrize("cell", ["n/a", "--", "NaN", "-"])
+def test_a_first_row_that_lacks_its_first_value_is_a_row(tmp_path, cell):
+    log = tmp_path / "log.csv"
+    log.write_text(f"{cell},5,6\n0,0,0\n1,1,1\n")
+    with open_log(log) as found:
+        assert [s.name for s in found.signals] == ["column 1", "column 2", "column 3"]
+        (block,) = found.read(0, ["column 2"], None, Findings())
+    assert block.values["column 2"].tolist() == [5.0, 0.0, 1.0]
+
+
+@pytest.mark.parametrize(("zeros", "kind"), [(b"\0" * 512 + b"\n", "missing line"), (b"\0" * 512, "no time")])
+def test_zeros_between_rows_are_told_wherever_they_stand(tmp_path, zeros, kind):
+    rows = [b"%d,%d\n" % (k, k % 7) for k in range(9000)]
+    told = []
+    for place in (1, 30, 8990):  # the last one behind the bytes that the header is looked for in
+        (tmp_path / "log.csv").write_bytes(b"time,p\n" + b"".join([*rows[:place], zeros, *rows[place:]]))
+        found, table = import_of(tmp_path / "log.csv", raster="1 s")
+        assert table["time"][-1] == 8999.0
+        told.append([(f.kind, f.count) for f in found.findings if f.kind in ("missing line", "no time", "text")])
+    assert told == [[(kind, 1)]] * 3
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\1\0\n1,2\n3,4\n",
+        b"time,p\n" + np.array([0, 1, 1, 0] * 20, "f4").tobytes() + b"\n1,2\n3,4\n",
+        b"time,p\n" + np.arange(40, dtype="i2").tobytes() + b"\n1,2\n3,4\n",
+    ],
+)
+def test_zeros_of_a_binary_file_behind_a_first_line_of_text_are_refused(tmp_path, content):
+    (tmp_path / "log.csv").write_bytes(content)
+    with pytest.raises(InputError, match="is not text"):
+        open_log(tmp_path / "log.csv")
+
+
 def test_names_that_come_again_are_parted_by_the_line_above_them(tmp_path):
     log = tmp_path / "log.csv"
     log.write_text(
