@@ -3,6 +3,7 @@ import tomllib
 
 import pytest
 
+from polydraulic.errors import InputError
 from polydraulic.measure import load_channels, suggest_channels
 
 
@@ -44,6 +45,19 @@ def test_the_time_and_its_unit_are_seen(tmp_path, header, first, step, unit):
     text = suggest_channels(log)
     assert f'role = "time"\nunit = "{unit}"\n' in text
     assert f'raster = "{"1 s" if step == 1 else "10 ms"}"' in text
+
+
+@pytest.mark.parametrize(("step", "unit"), [(7.7, "d"), (7.9, "s")])
+def test_days_are_told_by_steps_that_no_log_has_in_seconds(tmp_path, step, unit):
+    log = tmp_path / "log.csv"
+    log.write_text("t,p\n" + "".join(f"{45_382.5 + k * step / 86_400.0},{k % 7}\n" for k in range(50)))
+    assert f'role = "time"\nunit = "{unit}"\n' in suggest_channels(log)
+
+
+def test_one_row_is_one_error(tmp_path):
+    (tmp_path / "log.csv").write_text("time,p\n45382.5,1\n")
+    with pytest.raises(InputError, match="no channel holds numbers that vary"):
+        suggest_channels(tmp_path / "log.csv")
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])

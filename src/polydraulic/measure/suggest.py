@@ -33,7 +33,8 @@ _UNIT_NAME = re.compile(
 )
 _X_NAME = re.compile(r"(?i)^x[ _-]?(value|axis)$")  # of the first column, as LabVIEW and oscilloscopes call the time
 _COUNTER = re.compile(r"(?i)^(column 1|unnamed: \d+|index|row|no\.?|nr\.?|#|samples?|scan|record|point|n|count|id)$")
-_LEAST_DAY = 9e-5  # steps below it are days, where the numbers can be: no log has more than 10,000 rows a second
+# 7.8 s; steps below it are days, where the numbers can be: as s they were more than 10,000 rows a second, which no log has
+_LEAST_DAY = 9e-5
 _SINCE_1970 = ((1e8, "s"), (1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
 _ENDINGS = {
@@ -180,7 +181,8 @@ def _unit_of_time(log: Log, time: Signal) -> str:
     first = block.values[time.name] if block is not None else np.zeros(0)
     first = np.abs(first[np.isfinite(first)])
     usual = float(np.median(first)) if first.size else 0.0
-    if day_zero(usual) and float(np.median(np.abs(np.diff(first)))) < _LEAST_DAY:
+    steps = np.abs(np.diff(first))
+    if day_zero(usual) and steps.size and float(np.median(steps)) < _LEAST_DAY:
         return "d"
     return next((unit for least, unit in reversed(_SINCE_1970) if usual >= least), "s")
 
