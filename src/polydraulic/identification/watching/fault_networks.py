@@ -55,7 +55,8 @@ def learn_fault_networks(
     InputError
         If fewer than three kinds of faults give an alarm that they could be learnt from.
     """
-    exact = expected._replace(offset=np.zeros_like(expected.offset))  # the machine is its own true one
+    # the machine is its own true one
+    exact = expected._replace(offset=np.zeros_like(expected.offset), slow=np.zeros_like(expected.slow))
     plant, together = _sticky(of.machine), float(np.median(expected.together))
     rows, kinds = [], []
     faults = _faults(plant, of)
