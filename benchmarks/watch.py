@@ -147,13 +147,13 @@ def drift_row(name, found):
 
 
 def watch_hours(cases, hours, until, kept):
-    """Seconds and false alarms of so many hours of each machine's healthy work."""
-    seconds, false = Counter(), Counter()
+    """Seconds and false alarms of so many hours of each machine's healthy work; of each alarm machine, operator and what it was named."""
+    seconds, false, named = Counter(), Counter(), []
     logs = {name: round(hours[name] * 3600.0 / HEALTHY_LASTS) for name in cases}
     for number in range(max(logs.values(), default=0)):
         for name, case in ((name, case) for name, case in cases.items() if number < logs[name]):
             if time.monotonic() > until:
-                return seconds, false
+                return seconds, false, named
             seed = HEALTHY_SEED + number
             log = kept(
                 f"{name} healthy {seed}",
@@ -162,10 +162,9 @@ def watch_hours(cases, hours, until, kept):
             healthy = Healthy(*log)
             seconds[name] += healthy.seconds
             false[name] += len(healthy.named)
-            for alarm in healthy.named:
-                say(f"  false alarm of {name}, operator {seed}: {alarm}")
+            named += [[name, str(seed), alarm] for alarm in healthy.named]
         say(f"  healthy logs: {number + 1} of each, {sum(false.values())} false alarms")
-    return seconds, false
+    return seconds, false, named
 
 
 def healthy_row(name, alarms, seconds):
@@ -204,8 +203,9 @@ def main():
         unusual += [
             [name, *row] for row in kept(f"{name} unusual", lambda case=case: watch_unusual(case, FIRST_SEED + 900))
         ]
-    for counts, more in zip((seconds, false), watch_hours(cases, hours, until, kept), strict=True):
-        counts.update(more)
+    *more, alarms = watch_hours(cases, hours, until, kept)
+    seconds.update(more[0])
+    false.update(more[1])
     heads = [
         "machine", "faults", "no occasion to show", "hidden", f"found in {WITHIN} s", "median", "95 %", "median by the clock, s", "named", "kind named",
     ]  # fmt: skip
@@ -216,6 +216,7 @@ def main():
     rows.append(healthy_row("all", sum(false.values()), sum(seconds.values())))
     bound = f"at most per hour, {SURE:.0%} sure"
     table("Healthy work", ["machine", "hours", "false alarms", "per hour", bound], rows)
+    table("False alarms in healthy work", ["machine", "operator", "named"], alarms)
     table("Unusual work", ["machine", "work", "named"], unusual)
     other = [[*key, str(n)] for key, n in sorted(confused.items())]
     table("Named otherwise", ["machine", "fault", "named", "times"], other)
