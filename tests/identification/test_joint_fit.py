@@ -91,6 +91,44 @@ def test_a_joint_that_turns_without_end_is_not_stopped_and_nothing_depends_on_it
         fit_joints(log, ["lever.a"], ["a"], continuous=["swing"])
 
 
+def test_a_continuous_angle_that_jumps_back_after_a_turn_is_refused():
+    log = joint_log(gap=False)
+    turned = np.degrees(3.0 * np.pi * log["b"] / np.ptp(log["b"]))
+    wrapped = (turned + 180.0) % 360.0 - 180.0
+    row = 1 + int(np.flatnonzero(np.abs(np.diff(wrapped)) > 180.0)[0])
+    columns = {name: log[name] for name in log.names} | {"b": wrapped}
+    units = {name: log.unit(name) for name in log.names} | {"b": "deg"}
+    with pytest.raises(InputError, match=rf"'b' goes from .* deg in row {row + 1}, .* unwrap it first, .* period=360"):
+        fit_joints(Table(columns, units), ["lever.b"], ["b"], continuous=["b"])
+
+
+def short_segments(rows):
+    """Forty segments, and one of ten rows, of a joint behind a lever with play."""
+    n = 40 * rows + 10
+    lever = np.sin(0.05 * np.arange(n)) + 0.5 * np.sin(0.131 * np.arange(n) + 1.0)
+    valve, angle = 0.0, np.zeros(n)
+    for t in range(1, n):
+        valve = np.clip(valve, lever[t - 1] - 0.12, lever[t - 1] + 0.12)
+        angle[t] = angle[t - 1] + 0.02 * (max(valve - 0.2, 0.0) - max(-0.2 - valve, 0.0))
+    columns = {"time": 0.05 * np.arange(n), "segment": np.arange(n) // rows, "lever": lever, "angle": angle}
+    return Table(columns, {"angle": "rad"})
+
+
+@pytest.mark.parametrize("rows", [39, 42])
+def test_logs_of_short_segments_are_learnt_without_play_and_what_is_too_short_is_named(rows):
+    found = fit_joints(short_segments(rows), ["lever"], ["angle"], longest=0.8, horizon=1.0)
+    (fit,) = found.outputs
+    assert fit.errors.free_run.r2 > 0.99
+    if rows == 39:
+        assert fit.model.training["response"]["play"] == 0.0
+        without_play = "play was not looked for: that takes 68 rows after 40 others without a gap between them, and the log has 0: shorten"
+        assert found.doubts[0].startswith(without_play)
+    left_out = found.doubts[-1]
+    assert left_out.startswith("1 of 41 runs of rows without a gap were left out")
+    assert f"rows {40 * rows + 1} to {40 * rows + 10}; shorten the longest lag of 16 rows" in left_out
+    assert f"warning: {left_out}" in str(found)
+
+
 def test_joints_need_a_command_each():
     with pytest.raises(InputError, match="1 commands for 2 joints"):
         fit_joints(joint_log(), ["lever.a"], ["a", "b"])

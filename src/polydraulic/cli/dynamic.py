@@ -32,7 +32,8 @@ def fit_joints(
     continuous: Annotated[
         str | None,
         typer.Option(
-            help="Those of --joints that turn without end, such as a swing, separated by commas: no stops, and nothing depends on the angle."
+            help="Those of --joints that turn without end, such as a swing, separated by commas: no stops, and nothing depends on the angle, "
+            "which must go on past a full turn and not jump back."
         ),
     ] = None,
     longest: Annotated[

@@ -102,11 +102,14 @@ class DynamicFit:
         What the models were fitted to.
     source : str
         Where it came from.
+    doubts : list of str
+        What makes the models doubtful, in sentences: values far from all others; of joints, gaps that left no room to learn.
     """
 
     outputs: list[DynamicOutputFit]
     table: Table = field(repr=False)
     source: str
+    doubts: list[str] = field(default_factory=list)
 
     @property
     def models(self) -> list[Model]:
@@ -115,8 +118,9 @@ class DynamicFit:
 
     def text(self, units: str = DEFAULT) -> str:
         """How good the models are, in lines."""
-        far = [f"warning: {said}" for said in far_from_others(self.table, self.models).values()]
-        return "\n".join([*(found.text(units) for found in self.outputs), *far])
+        return "\n".join(
+            [*(found.text(units) for found in self.outputs), *(f"warning: {said}" for said in self.doubts)]
+        )
 
     def __str__(self) -> str:
         return self.text()
@@ -219,7 +223,10 @@ def fit_log(
         if isinstance(final, JointRegressor):
             model.training["response"] = response_facts(final.responses_[k], inputs[k], table.unit(inputs[k]), raster)
         fits.append(_judged(model, found[k], plain[k], table[model.output.name]))
-    return DynamicFit(fits, table, source)
+    doubts = [*far_from_others(table, [fit.model for fit in fits]).values()]
+    if isinstance(final, JointRegressor):
+        doubts += final.doubts_
+    return DynamicFit(fits, table, source, doubts)
 
 
 def statements(fit: DynamicOutputFit) -> list[str]:

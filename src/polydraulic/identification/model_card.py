@@ -14,7 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.export.formula import to_text
 from polydraulic.files import write_texts
 from polydraulic.identification.dynamic_fit import DynamicFit, DynamicOutputFit, remarks
-from polydraulic.identification.judging import OutputFit, far_from_others, unit_after
+from polydraulic.identification.judging import OutputFit, unit_after
 from polydraulic.identification.machine.machine_card import machine_facts
 from polydraulic.identification.machine.machine_fit import MachineFit
 from polydraulic.identification.run_plot import plot_separately
@@ -113,7 +113,7 @@ def _doubts(fit: TableFit | DynamicFit | MachineFit) -> list[str]:
     """What makes the models doubtful; those of a machine say so themselves."""
     if isinstance(fit, MachineFit):
         return []
-    return fit.doubts if isinstance(fit, TableFit) else list(far_from_others(fit.table, fit.models).values())
+    return fit.doubts
 
 
 def _inputs(models: Sequence[Model]) -> list[str]:

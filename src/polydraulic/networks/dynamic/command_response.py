@@ -110,9 +110,9 @@ def most_looked_back(longest_lag: int) -> int:
 
 def find_response(
     command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int, names: tuple[str, str],
-    raster: float | None = None, *, continuous: bool = False,
+    raster: float | None = None, *, continuous: bool = False, with_play: bool = True,
 ) -> Response:  # fmt: skip
-    """Dead time, lag and dead zone with which the travel over windows of rows fits best.
+    """Play, dead time, lag and dead zone with which the travel over windows of rows fits best.
 
     Parameters
     ----------
@@ -127,6 +127,8 @@ def find_response(
         Time between rows in s; messages tell rows without it.
     continuous : bool
         Whether the joint turns without end: it has no stops.
+    with_play : bool
+        Whether play is looked for, too: models with play look back `most_looked_back` rows.
 
     Raises
     ------
@@ -141,6 +143,8 @@ def find_response(
         first = [min(1.5, 0.3 * longest_lag), np.log(1.5), _FIRST_PLAY]
         starts = [np.array([*first, *([share, np.log(0.95 - share)] * n)]) for share in _STARTS]
         plain = min((_search(windows, sides, longest_lag, start, False) for start in starts), key=lambda one: one.cost)
+        if not with_play:
+            return plain.x
         starts.append(np.concatenate([plain.x[:2], [_FIRST_PLAY], plain.x[3:]]))
         loose = min((_search(windows, sides, longest_lag, start, True) for start in starts), key=lambda one: one.cost)
         return loose.x if loose.cost < (1.0 - _WORTH) * plain.cost else plain.x

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.command_response import Response, find_response
+from polydraulic.networks.dynamic.command_response import Response, find_response, most_looked_back
 from polydraulic.networks.dynamic.free_run import pieces
 from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.joint_network import joint_network
@@ -23,6 +23,7 @@ _BEYOND = 0.02  # of its range, by which a joint may leave what was seen where i
 _ENDLESS = 1e4  # of its range, by which a joint that turns without end may: models state finite ranges
 _MARGIN = 0.1  # of their range, by which changes from row to row may
 _ENOUGH = 0.03  # what more terms have to gain over fewer
+_NAMED = 3  # runs of rows in a sentence
 _PATIENCE = 8  # so many more terms without a gain end the growth
 
 
@@ -63,6 +64,8 @@ class JointRegressor(FreeRunner):
         What was chosen.
     warm_up_ : int
         Rows that must be measured before the first answer.
+    doubts_ : list of str
+        Where gaps lie so close to each other that play was not looked for, or rows between them were left out; rows count from 1.
 
     Notes
     -----
@@ -135,15 +138,28 @@ class JointRegressor(FreeRunner):
         said = names if self.signal_names is None else list(self.signal_names)
         if len(said) != len(names):
             raise InputError(f"{len(said)} signal_names for {len(names)} inputs and joints: name each of them, or none")
+        self.doubts_ = self._no_play(spans)
+        with_play = not self.doubts_
         self.responses_ = []
         for k in range(n):
             self.progress(f"dead zone of {said[k]}", k, 2 * n)
             of, joint = (said[k], said[self.n_features_in_ + k]), signals[:, self.n_features_in_ + k]
             endless = k in self.continuous
             self.responses_.append(
-                find_response(signals[:, k], joint, spans, self.longest_lag, of, self.raster, continuous=endless)
+                find_response(
+                    signals[:, k],
+                    joint,
+                    spans,
+                    self.longest_lag,
+                    of,
+                    self.raster,
+                    continuous=endless,
+                    with_play=with_play,
+                )
             )
-        targets = answered(spans, max(self.longest_lag, *(response.reads[-1] for response in self.responses_)))
+        looked_back = max(self.longest_lag, *(response.reads[-1] for response in self.responses_))
+        targets = answered(spans, looked_back)
+        self.doubts_ += self._too_short(spans, looked_back)
         found = []
         for k in range(n):
             self.progress(f"rate of {said[self.n_features_in_ + k]}", n + k, 2 * n)
@@ -161,6 +177,31 @@ class JointRegressor(FreeRunner):
         error = float(np.mean([error for _, _, error in found]))
         self.choice_ = Choice(lags, (1,), True, self.horizon, sum(terms for _, terms, _ in found), error)
         return self
+
+    def _remedy(self) -> str:
+        return f"shorten the longest lag of {self.longest_lag} rows, or fill the gaps"
+
+    def _no_play(self, spans: Sequence[Span]) -> list[str]:
+        """Sentence on too few rows to choose terms by, were they read as far back as play asks for."""
+        before = most_looked_back(self.longest_lag)
+        rows, least = sum(b - a for a, b in answered(spans, before)), self.n_blocks * (self.longest_lag + 1)
+        if rows >= least:
+            return []
+        return [
+            f"play was not looked for: that takes {least} rows after {before} others without a gap between them, and the log has {rows}: "
+            f"{self._remedy()}"
+        ]
+
+    def _too_short(self, spans: Sequence[Span], looked_back: int) -> list[str]:
+        """Sentence on rows between gaps that are too few to be learnt from."""
+        short = [f"{a + 1} to {b}" for a, b in spans if b - a <= looked_back]
+        if not short:
+            return []
+        more = f" and {len(short) - _NAMED} more" if len(short) > _NAMED else ""
+        return [
+            f"{len(short)} of {len(spans)} runs of rows without a gap were left out, as they have no more than the {looked_back} rows that are read "
+            f"before the first one that is learnt from: rows {', '.join(short[:_NAMED])}{more}; {self._remedy()}"
+        ]
 
     def _learn(self, k: int, signals: np.ndarray, spans: list[Span], targets: list[Span]) -> tuple[Model, int, float]:
         """Model of joint `k`, its number of terms, and their error on blocks held out."""
