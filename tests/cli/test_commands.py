@@ -25,6 +25,18 @@ def test_simulate_writes_a_run_and_a_picture(call, tmp_path):
     assert abs(largest) < 0.15
 
 
+def test_simulate_does_not_write_over_a_table_of_its_scenario(call, tmp_path):
+    recorded = "t,v\n0,0\n1,0.5\n"
+    (tmp_path / "rec.csv").write_text(recorded)
+    (tmp_path / "sc.toml").write_text(
+        'title = "a"\nsource = "b"\nduration = { value = 1.0, unit = "s", source = "b" }\n[voltage.boom]\nkind = "table"\n'
+        'file = "rec.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
+    )
+    code, _, error = call("simulate", tmp_path / "sc.toml", "--out", tmp_path / "rec.csv")
+    assert (code, "rec.csv: is the file that is read, which would be replaced" in error) == (2, True)
+    assert (tmp_path / "rec.csv").read_text() == recorded
+
+
 def test_simulate_states_differences_of_all_links_and_the_tip(call, tmp_path):
     (tmp_path / "hand.csv").write_text("time,swing,boom,stick\n0,0.5,0.5,0.5\n0.5,0.5,0.4,0.6\n")
     code, out, _ = call(

@@ -53,6 +53,15 @@ def test_sensors_to_begin_with_explain_every_key(call):
         assert re.search(rf"\b{key}\b", explained), key
 
 
+def test_a_recording_is_not_written_over_by_what_is_recorded_of_it(call, tmp_path):
+    recorded = "time,swing,boom,stick\n0,0,0.5,0\n1,0,0.4,0\n"
+    (tmp_path / "r2.csv").write_text(recorded)
+    call("record --example --out s.toml")
+    code, _, error = call("record r2.csv --sensors s.toml --out r2.csv")
+    assert (code, "r2.csv: is the file that is read, which would be replaced" in error) == (2, True)
+    assert (tmp_path / "r2.csv").read_text() == recorded
+
+
 def test_findings_are_printed_and_the_report_lies_beside_the_table(call, files):
     code, out, _ = call("import bad.csv --channels map.toml --out table.csv")
     assert code == 0

@@ -8,7 +8,7 @@ from polydraulic import ScheduledFault, load_machine, load_scenario, parameters
 from polydraulic.errors import InputError
 from polydraulic.parameters.layout.adapt import adapted
 from polydraulic.parameters.load import machine_text
-from polydraulic.parameters.scenario import scenario_machine, scenario_names
+from polydraulic.parameters.scenario import scenario_files, scenario_machine, scenario_names
 from polydraulic.parameters.signals import Piecewise
 from polydraulic.tables import read_table, write_table
 from polydraulic.thesis.excavator import LINKS
@@ -257,6 +257,15 @@ def test_a_recording_in_a_scenario_file_is_converted_too(written, tmp_path):
     (tmp_path / "r.csv").write_text("t [ms],v [mV]\n0,0\n1000,500\n")
     scenario = written(BASIC[: BASIC.index("[voltage.boom]")] + table)
     assert scenario.voltages(np.array([0.5]))[0, 1] == pytest.approx(0.25)
+
+
+def test_the_files_that_a_scenario_is_read_from(tmp_path):
+    table = '[voltage.stick]\nkind = "table"\nfile = "r.csv"\ntime_column = "t"\nvoltage_column = "v"\n'
+    (tmp_path / "mine.toml").write_text(BASIC + table)
+    assert scenario_files(tmp_path / "mine.toml") == [tmp_path / "mine.toml", tmp_path / "r.csv"]
+    assert scenario_files(tmp_path / "r.csv") == [tmp_path / "r.csv"]
+    assert scenario_files("single_08") == [SHIPPED / "single_08.toml"]
+    assert scenario_files("random:1:2") == []
 
 
 def test_other_names_say_what_may_be_given():

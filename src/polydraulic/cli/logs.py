@@ -150,14 +150,14 @@ def record(
     """
     from dataclasses import replace
 
-    from polydraulic.files import write_text
+    from polydraulic.files import check_apart, write_text
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
     from polydraulic.parameters.fault_catalogue import timed_faults
     from polydraulic.parameters.layout.adapt import at_full_stroke
     from polydraulic.parameters.load import load_machine
-    from polydraulic.parameters.scenario import load_scenario
+    from polydraulic.parameters.scenario import load_scenario, scenario_files
 
     if example:
         if scenario or sensors is not None:
@@ -175,6 +175,7 @@ def record(
             "a recording needs a scenario, --sensors SENSORS.toml and --out LOG; --example writes sensors to begin with"
         )
     log_ending(out)
+    check_apart(out, [sensors, *(path for name in scenario for path in scenario_files(name))])
     bench, plant = load_sensors(sensors), load_machine(machine)
     bench = bench if seed is None else replace(bench, seed=seed)
     given = [at_full_stroke(name, plant) for name in scenario] if full_stroke else scenario

@@ -107,7 +107,7 @@ def simulate(
     from polydraulic.flow.dispatch import build_flow
     from polydraulic.networks.model.model_file import load_models
     from polydraulic.parameters.load import load_machine
-    from polydraulic.parameters.scenario import load_scenario, scenario_machine
+    from polydraulic.parameters.scenario import load_scenario, scenario_files, scenario_machine
     from polydraulic.plotting.run_figure import picture_ending, plot_run, save_figure
     from polydraulic.simulation.runs import simulate as run
     from polydraulic.simulation.summary import run_summary
@@ -120,7 +120,7 @@ def simulate(
         raise InputError("--arrangement goes with --flow polynomial and the package's own networks")
     if out is not None:
         table_ending(out)
-        check_apart(out, [scenario])
+        check_apart(out, [*scenario_files(scenario), *(model or ())])
     if plot is not None:
         picture_ending(plot)
     plant = load_machine(machine or scenario_machine(scenario))

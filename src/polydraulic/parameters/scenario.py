@@ -229,6 +229,30 @@ def scenario_machine(source: str | Path) -> str:
     return _machine_of(data, path)
 
 
+def scenario_files(source: str | Path) -> list[Path]:
+    """Files that a scenario is read from: a recording, or a TOML file and the tables that it names.
+
+    Parameters
+    ----------
+    source : str or Path
+        What `load_scenario` takes.
+
+    Raises
+    ------
+    InputError
+        A scenario that cannot be read.
+    """
+    if str(source).startswith(_RANDOM):
+        return []
+    if _is_recording(source):
+        return [Path(source)]
+    path, data = _read(source)
+    voltage = data.get("voltage")
+    signals = voltage.values() if isinstance(voltage, dict) else ()
+    tables = [item["file"] for item in signals if isinstance(item, dict) and isinstance(item.get("file"), str)]
+    return [path, *(path.parent / table for table in tables)]
+
+
 def _read(source: str | Path) -> tuple[Path, dict[str, Any]]:
     path = find(source, _SCENARIOS, "scenario", ", of a .csv or .parquet recording, or random:SEED")
     return path, read_toml(path)
