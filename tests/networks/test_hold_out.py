@@ -75,18 +75,32 @@ def test_no_block_goes_over_the_end_of_a_part(parts, blocks):
 def test_copies_are_held_out_together(numbers):
     distinct = list(dict.fromkeys(numbers))
     values = np.c_[np.array(numbers), np.array(numbers) % 3]
-    if len(distinct) < 10:
-        with pytest.raises(InputError, match=f"of which {len(distinct)} differ"):
-            held_distinct_rows(values)
+    if len(distinct) < 14:
+        with pytest.raises(
+            InputError, match=f"of which {len(distinct)} differ; fitting and holding out takes 14 or more"
+        ):
+            held_distinct_rows(values, 12)
         return
-    assert held_distinct_rows(values).tolist() == [distinct.index(n) % 5 == 4 for n in numbers]
+    assert held_distinct_rows(values, 12).tolist() == [distinct.index(n) % 5 == 4 for n in numbers]
 
 
 def test_rows_that_all_differ_are_held_out_as_they_come():
     values = np.random.default_rng(0).normal(size=(1000, 3))
-    assert np.array_equal(held_distinct_rows(values), held_rows(1000))
+    assert np.array_equal(held_distinct_rows(values, 12), held_rows(1000))
     zeros = np.r_[np.arange(4.0, 0.0, -1.0), 0.0, -0.0, np.arange(5.0, 11.0)]
-    assert np.flatnonzero(held_distinct_rows(zeros[:, None])).tolist() == [4, 5, 10]
+    assert np.flatnonzero(held_distinct_rows(zeros[:, None], 8)).tolist() == [4, 5, 10]
+
+
+@given(st.integers(2, 60))
+def test_as_many_rows_as_learning_takes_are_left(fewest):
+    with pytest.raises(InputError) as refused:
+        held_distinct_rows(np.zeros((1, 1)), fewest)
+    least = int(str(refused.value).split()[-3])
+    for n in range(least, least + 6):
+        assert (~held_distinct_rows(np.arange(float(n))[:, None], fewest)).sum() >= fewest
+    with pytest.raises(InputError, match=f"takes {least} or more"):
+        held_distinct_rows(np.arange(least - 1.0)[:, None], fewest)
+    assert least == 10 or (~held_rows(least - 1)).sum() < fewest
 
 
 def test_a_single_part_has_the_blocks_of_all_rows():

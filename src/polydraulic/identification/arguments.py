@@ -193,7 +193,7 @@ def models_of(given: Sequence[Model] | str | Path) -> list[Model]:
 def check_columns(table: Table, inputs: Sequence[str], outputs: Sequence[str]) -> None:
     """Refuse columns that are none, twice, both input and output, or constant; the time of several tables, too."""
     for names, what in ((inputs, "input"), (outputs, "output")):
-        if not names:
+        if not len(names):  # an array has no truth of its own
             raise InputError(f"no {what} is given; the table has {table.names}")
         twice = sorted(name for name in set(names) if list(names).count(name) > 1)
         if twice:

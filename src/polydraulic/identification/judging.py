@@ -7,7 +7,6 @@ import numpy as np
 
 from polydraulic.display import DEFAULT, amount, as_shown, shown_unit, with_unit
 from polydraulic.networks.growth.far_values import far_values
-from polydraulic.networks.growth.synthesis import FEWEST_ROWS
 from polydraulic.networks.intervals import half_width
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.networks.model.partition import region_of
@@ -91,8 +90,6 @@ class OutputFit(NamedTuple):
         """Sentence on a constant, or a model that errs no less than the mean of the rows held out would; empty if it errs less."""
         rows: Any = self.model.training["rows"]
         constant = not any(network.nodes for network in self.model.networks)
-        if constant and rows < FEWEST_ROWS:
-            return f"{self.model.output.name}: a network takes {FEWEST_ROWS} rows, and the model of {rows} is a constant; give more rows"
         if constant:
             return (
                 f"{self.model.output.name}: these inputs do not determine it: of {rows} rows no network explains more than a search as wide "

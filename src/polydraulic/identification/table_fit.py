@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from polydraulic.identification.judging import HeldOut, OutputFit, far_from_othe
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.far_values import far_values_told_elsewhere
 from polydraulic.networks.growth.regressor import AbductiveRegressor
+from polydraulic.networks.growth.synthesis import FEWEST_ROWS
 from polydraulic.networks.growth.workers import in_processes, one_after_the_other
 from polydraulic.networks.hold_out import BLOCKS, held_distinct_rows, held_rows
 from polydraulic.networks.model.model import Model, Variable
@@ -139,7 +141,7 @@ def fit_table(
         raise InputError(f"edges name the column {unknown[0]!r}; the inputs are {list(inputs)}")
     for name, cuts in borders.items():
         _check_edges(name, cuts, rows[name])
-    if not isinstance(max_regions, int) or max_regions < 1:
+    if not isinstance(max_regions, Integral) or isinstance(max_regions, bool) or max_regions < 1:
         raise InputError(f"max_regions = {max_regions!r}: must be a whole number, at least 1")
     base = AbductiveRegressor() if estimator is None else estimator
     by_index = {list(inputs).index(name): cuts for name, cuts in borders.items()}
@@ -149,7 +151,7 @@ def fit_table(
     if by_time and len(rows) >= 10 * BLOCKS:
         held = held_rows(len(rows), BLOCKS, parts_of(rows))
     else:
-        held = held_distinct_rows(np.c_[X, rows.matrix(outputs)])
+        held = held_distinct_rows(np.c_[X, rows.matrix(outputs)], FEWEST_ROWS)
     names = [Variable(name, rows.unit(name)) for name in inputs]
     learn, everything = ~held, np.ones(len(rows), dtype=bool)
     # regions that are given need not wait for each other

@@ -67,7 +67,7 @@ def held_rows(n: int, blocks: int | None = None, parts: Sequence[int] | None = N
     return np.asarray(place % FOLD == FOLD - 1)
 
 
-def held_distinct_rows(values: np.ndarray) -> np.ndarray:
+def held_distinct_rows(values: np.ndarray, fewest: int) -> np.ndarray:
     """Which rows are held out, (n,) array of bool: every fifth of the rows that differ, with all its copies.
 
     A row that is learnt from says nothing of its copy.
@@ -76,20 +76,23 @@ def held_distinct_rows(values: np.ndarray) -> np.ndarray:
     ----------
     values : (n, n_column) array
         All that is known of the rows.
+    fewest : int
+        Rows that differ and are not held out: with fewer nothing is learnt, and what is held out would judge another model.
 
     Raises
     ------
     InputError
-        If fewer than two rows would be held out.
+        If fewer than `fewest` would be left to learn from, or fewer than two be held out.
     """
     bits = (np.asarray(values, dtype=np.float64) + 0.0).view(np.uint64)  # without a negative zero
     mixed = np.zeros(len(bits), dtype=np.uint64)
     for column in bits.T:
         mixed = (mixed ^ (mixed >> np.uint64(29)) ^ column) * _MIX
     _, first, copy_of = np.unique(mixed, return_index=True, return_inverse=True)
-    if len(first) < 2 * FOLD:
+    least = max(2 * FOLD, fewest + (fewest - 1) // (FOLD - 1))
+    if len(first) < least:
         differ = "" if len(first) == len(bits) else f", of which {len(first)} differ"
-        raise InputError(f"the table has {len(bits)} rows{differ}; fitting and holding out takes {2 * FOLD} or more")
+        raise InputError(f"the table has {len(bits)} rows{differ}; fitting and holding out takes {least} or more")
     number = np.argsort(np.argsort(first))  # in the order in which they come
     return np.asarray(number[copy_of] % FOLD == FOLD - 1)
 

@@ -31,6 +31,11 @@ def test_a_name_becomes_code(name):
     assert f"link {name!r}: a name is 1 to 40 ASCII letters" in refused(arm(name=name))
 
 
+def test_what_cannot_be_hashed_is_named_like_any_other_value():
+    assert refused(arm(axis=["z"])) == "link arm: axis ['z']; must be one of x, y, z, -x, -y, -z"
+    assert refused(arm(parent=["boom"])).startswith("link arm hangs on ['boom'], which is no link")
+
+
 def test_links_form_a_tree_parents_first():
     hand = arm(name="hand", parent="arm")
     assert refused(hand, arm()) == (

@@ -71,6 +71,7 @@ def test_learners_warn_once_of_rows_as_they_were_given():
             learner.fit(X, y)
         assert [str(w.message).split(" in ")[1].split(",")[0] for w in heard] == ["row 41"]
         assert issubclass(heard[0].category, FarTargetWarning)
+        assert heard[0].filename == __file__
         assert learner.fit(X, y, np.where(y > 1e3, 0.0, 1.0)).score(X[y < 1e3], y[y < 1e3]) > 0.99
     with pytest.warns(FarTargetWarning, match="y1 holds 1e"):
         AbductiveRegressor(max_layers=1).fit(X, np.column_stack([Y, y]))

@@ -30,7 +30,13 @@ def check_tree(links: Sequence[Link]) -> None:
     InputError
         Naming the link, the value and what is allowed.
     """
-    _check_frozen(tuple(Link(*map(_frozen, link)) for link in links))
+    frozen = tuple(Link(*map(_frozen, link)) for link in links)
+    try:
+        hash(frozen)
+    except TypeError:  # a list where a word belongs: the checks say which
+        _check(frozen)
+    else:
+        _check_frozen(frozen)
 
 
 def _frozen(value: Any) -> Any:
@@ -38,8 +44,7 @@ def _frozen(value: Any) -> Any:
     return tuple(value.items()) if isinstance(value, Mapping) else value
 
 
-@lru_cache(maxsize=64)  # a machine that is run again is the same
-def _check_frozen(frozen: tuple[Link, ...]) -> None:
+def _check(frozen: Sequence[Link]) -> None:
     links = [link._replace(at=dict(link.at), cg=dict(link.cg), inertia=dict(link.inertia)) for link in frozen]
     if not 1 <= len(links) <= MAX_LINKS:
         raise InputError(f"{len(links)} links; a machine has 1 to {MAX_LINKS}")
@@ -56,6 +61,9 @@ def _check_frozen(frozen: tuple[Link, ...]) -> None:
     for link in links:
         _check_inertia(link, _turning(link.name, links))
     _check_resistance(links)
+
+
+_check_frozen = lru_cache(maxsize=64)(_check)  # a machine that is run again is the same
 
 
 def _check_name(name: str) -> None:

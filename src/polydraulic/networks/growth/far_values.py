@@ -84,12 +84,15 @@ def far_values(y: np.ndarray) -> FarValues | None:
     return None
 
 
-def warn_of_far_values(y: np.ndarray) -> None:
-    """Warn of them in targets of shape (n_row,) or (n_row, n_output); rows count from zero, as arrays do."""
+def warn_of_far_values(y: np.ndarray, stacklevel: int) -> None:
+    """Warn of them in targets of shape (n_row,) or (n_row, n_output); rows count from zero, as arrays do.
+
+    The warning is of the line that is `stacklevel` calls up: 2 for whoever called the function that looks here.
+    """
     columns = y.reshape(len(y), -1).T
     for k, column in enumerate(columns):
         if (found := far_values(column)) is not None:
-            warnings.warn(found.sentence(f"y{k}" if len(columns) > 1 else "y"), FarTargetWarning, stacklevel=3)
+            warnings.warn(found.sentence(f"y{k}" if len(columns) > 1 else "y"), FarTargetWarning, stacklevel + 1)
 
 
 @contextmanager

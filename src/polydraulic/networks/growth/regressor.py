@@ -178,7 +178,7 @@ class AbductiveRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         )  # fmt: skip
         y = y.astype(np.float64)
         weight = None if sample_weight is None else _check_sample_weight(sample_weight, X, ensure_non_negative=True)
-        warn_of_far_values(y if weight is None else np.where(weight[:, None] > 0.0, y.reshape(len(y), -1), np.nan))
+        warn_of_far_values(y if weight is None else np.where(weight[:, None] > 0.0, y.reshape(len(y), -1), np.nan), 2)
         blocks = None
         if self.leave_one_out and (groups is not None or weight is None or np.all(weight == 1.0)):
             blocks = row_blocks(X if self.missing == "refuse" else np.nan_to_num(X), groups)

@@ -133,7 +133,8 @@ class RegionRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         weight = np.ones(len(X)) if sample_weight is None else _check_sample_weight(
             sample_weight, X, ensure_non_negative=True
         )  # fmt: skip
-        warn_of_far_values(np.where(weight[:, None] > 0.0, y.reshape(len(y), -1), np.nan))
+        told = np.where(weight[:, None] > 0.0, y.reshape(len(y), -1), np.nan)
+        warn_of_far_values(told, 3)  # `fit` or `refitted` are between this and who called them
         X, y, weight = X[weight > 0.0], y.astype(np.float64)[weight > 0.0], weight[weight > 0.0]
         self._single_output = y.ndim == 1
         base = AbductiveRegressor() if self.estimator is None else self.estimator
