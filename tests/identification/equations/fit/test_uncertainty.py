@@ -1,7 +1,9 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from polydraulic.identification.equations.fit.uncertainty import at_travel
+from polydraulic.identification.equations.fit.uncertainty import _pairs, at_travel
 
 KNOTS = np.array([0.0, 4e-3, 9e-3])
 NONE = np.zeros((3, 3))
@@ -25,3 +27,12 @@ def test_where_a_curve_bends_the_place_of_the_knot_counts():
 def test_the_scale_of_travel_counts_by_the_slope():
     line = np.array([0.0, 4.0, 9.0])
     assert at_travel(NONE, NONE, NONE, KNOTS, line, 1e-2 * KNOTS) == pytest.approx(1e3 * 1e-2 * KNOTS)
+
+
+def test_numbers_with_hardly_any_error_have_no_partner_and_divide_nothing():
+    model = SimpleNamespace(valves=[SimpleNamespace(knots=())])
+    errors = np.array([1.0, 1.0, 1e-200])
+    covariance = np.outer(errors, errors)
+    covariance[0, 1] = covariance[1, 0] = 0.999
+    with np.errstate(all="raise", under="ignore"):
+        assert _pairs(model, covariance) == [(0, 1, 0.999)]

@@ -129,16 +129,12 @@ def _pairs(model: CircuitModel, covariance: np.ndarray) -> list[tuple[int, int, 
     """Pairs of numbers of different curves with nearly the same error, the closest first."""
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     known = sigma > 1e-3 * sigma.max(initial=0.0)
-    r = covariance / np.maximum(sigma[:, None] * sigma, 1e-300)
+    both = known[:, None] & known
+    r = np.divide(covariance, sigma[:, None] * sigma, out=np.zeros_like(covariance), where=both)
     curve = np.concatenate([np.full(len(v.knots), 3 * i + k) for i, v in enumerate(model.valves) for k in range(3)])
     curve = np.concatenate([curve, np.arange(len(sigma) - len(curve)) + 3 * len(model.valves)])
     places = curve % 3 == 2
-    i, j = np.nonzero(
-        np.triu(np.abs(r) > _CLOSE, 1)
-        & (curve[:, None] != curve)
-        & (known[:, None] & known)
-        & ~(places[:, None] | places)
-    )
+    i, j = np.nonzero(np.triu(np.abs(r) > _CLOSE, 1) & (curve[:, None] != curve) & ~(places[:, None] | places))
     order = np.argsort(-np.abs(r[i, j]))[:_SHOWN]
     return [(int(i[k]), int(j[k]), float(r[i[k], j[k]])) for k in order]
 
