@@ -33,7 +33,7 @@ def bad(found):
 
 
 def test_some_hostile_files_of_every_reader_are_read_or_refused():
-    sound, found = outcomes("all", 0, 24)
+    sound, found = outcomes("all", 0, 40)
     assert [outcome for outcome in sound if outcome[2] != RESULT] == []
     assert bad(found) == []
     kinds = {(reader, outcome) for reader, _, outcome, _ in found}
