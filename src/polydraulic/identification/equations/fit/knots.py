@@ -21,11 +21,8 @@ from polydraulic.identification.equations.fit.valve_curves import with_knot
 _PATIENCE = 2  # knots that may save less before growth ends
 _CLOSEST = 2.5e-5  # m, between two knots
 _STEPS = 15
-_SHARES, _FEW, _FIRST_STEPS = (
-    (1.0, 1.6, 0.6),
-    1500,
-    10,
-)  # of curves to begin with, and rows and steps with which they are tried
+_SHARES = (1.0, 1.6, 0.6)  # of curves to begin with
+_FEW, _FIRST_STEPS = 1500, 10  # rows and steps with which these are tried
 
 
 class Growth(NamedTuple):
