@@ -71,6 +71,12 @@ def _check_name(path: Path) -> None:
             raise InputError(f"cannot write {path}: {error.strerror}; choose shorter names") from error
 
 
+def check_new(path: str | Path) -> None:
+    """Raise InputError if a file that people change by hand is there already."""
+    if Path(path).exists():
+        raise InputError(f"{path} is there already; choose another name, or remove it first")
+
+
 def check_apart(out: str | Path, read: Iterable[str | Path]) -> None:
     """Check that what is to be written would not replace a file that it is made from.
 

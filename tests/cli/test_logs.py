@@ -34,6 +34,9 @@ def test_a_map_is_suggested(call, files):
     assert code == 0
     assert 'source = "p_head"\nrole = "input"\nunit = "bar"' in out
     assert call("import --suggest log.csv --out first.toml")[1] == "first.toml: a first channel map; go through it\n"
+    assert call("import --suggest log.csv --out first.toml")[2] == (
+        "error: first.toml is there already; choose another name, or remove it first\n"
+    )
     assert (files / "first.toml").read_text() == out
 
 
@@ -41,6 +44,7 @@ def test_sensors_to_begin_with_read_all_that_a_machine_is_learnt_from_and_run_ag
     code, out, _ = call("record --example")
     assert code == 0
     assert call("record --example --out s.toml")[1] == "s.toml: sensors to begin with; change them as you like\n"
+    assert "s.toml is there already" in call("record --example --out s.toml")[2]
     assert (tmp_path / "s.toml").read_text() == out
     read = {sensor.column for sensor in load_sensors(tmp_path / "s.toml").sensors}
     learnt = {f"{link}.{what}" for link in ("swing", "boom", "stick") for what in MEASURED}

@@ -49,7 +49,7 @@ def import_(
     What comes next: look at the quality report in a browser and correct the map; then `polydraulic fit` learns from the table,
     `polydraulic fit-machine` the pump and valves of a whole machine.
     """
-    from polydraulic.files import check_apart, write_text
+    from polydraulic.files import check_apart, check_new, write_text
     from polydraulic.measure.channels import load_channels
     from polydraulic.measure.formats.campaign import expand
     from polydraulic.measure.importing import import_log
@@ -61,6 +61,7 @@ def import_(
             raise InputError("--suggest writes a channel map; --channels and --report go with an import")
         if out is not None:
             check_apart(out, expand(log))
+            check_new(out)
         with progress_bar("read") as progress:
             text = suggest_channels(log, dbc=dbc or (), progress=progress)
         if out is None:
@@ -150,7 +151,7 @@ def record(
     """
     from dataclasses import replace
 
-    from polydraulic.files import check_apart, write_text
+    from polydraulic.files import check_apart, check_new, write_text
     from polydraulic.measure.bench.recording import log_ending
     from polydraulic.measure.bench.recording import record as write_log
     from polydraulic.measure.bench.sensors import example_sensors, load_sensors
@@ -167,6 +168,7 @@ def record(
         else:
             if out.suffix.lower() != ".toml":
                 raise InputError(f"{out}: sensors are a .toml file")
+            check_new(out)
             write_text(out, example_sensors(machine=machine))
             print(f"{out}: sensors to begin with; change them as you like")
         return

@@ -151,15 +151,15 @@ def new(
 
     What comes next: put in your numbers, then `polydraulic machine check my_crane.toml`.
     """
-    from polydraulic.files import write_text
+    from polydraulic.files import check_new, write_text
     from polydraulic.parameters.keys import is_layout
     from polydraulic.parameters.layout.skeleton import skeleton
     from polydraulic.parameters.load import load_machine, machine_text
 
     if out is not None and out.suffix != ".toml":
         raise InputError(f"{out}: a machine file ends in .toml")
-    if out is not None and out.exists():
-        raise InputError(f"{out} is there already; choose another name, or remove it first")
+    if out is not None:
+        check_new(out)
     text = machine_text(like)
     load_machine(like)
     if not is_layout(tomllib.loads(text)):
