@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from helpers.crossover_made import STATUS, judged, off, random_states, solved
 from helpers.series_made import STATES
 from polydraulic import load_machine
-from polydraulic.machine.circuits.series_check import REPAIRED, UNPROVED
+from polydraulic.machine.circuits.series.check import REPAIRED, UNPROVED
 from show import table
 
 BLOCK = 20_000

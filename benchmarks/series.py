@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from polydraulic import load_machine
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series.text import SERIES_IMPORTS, series_text
 from polydraulic.simulation.layout.prepare import prepare_layout
 from polydraulic.thesis.excavator import pump_of, with_pumps
 from polydraulic.thesis.timing import PAIRED, paired_times
@@ -155,7 +155,7 @@ def circuit(name, n, text, folder):
     imports = [
         *SERIES_IMPORTS,
         "from polydraulic._kernel import driver",
-        "from polydraulic.machine.circuits.series_short import series_2, series_2_at",
+        "from polydraulic.machine.circuits.series.short import series_2, series_2_at",
         "from polydraulic.machine.valve import Orifices",
     ]
     path = Path(folder) / f"benchmark_{name}.py"

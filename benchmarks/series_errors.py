@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from helpers.series_judge_exactly import judged_surely
 from helpers.series_made import STATES, pump_of, series, solved
 from polydraulic import load_machine
-from polydraulic.machine.circuits.series_check import REPAIRED, UNPROVED
+from polydraulic.machine.circuits.series.check import REPAIRED, UNPROVED
 from show import table
 
 BLOCK = 20_000

@@ -39,8 +39,8 @@ TESTED_ELSEWHERE = {
     "export/c/network.py": ("export/c/test_source.py", "the functions are compiled with the source that holds them"),
     "export/c/answers.py": ("export/c/test_source.py", "both forms are compiled and compared there"),
     "export/c/tables.py": ("export/c/test_source.py", "tables are held to the bits of straight-line code there"),
-    "export/onnx_graph.py": ("export/test_onnx.py", "graphs run in ONNX Runtime there"),
-    "export/onnx_tables.py": ("export/test_onnx.py", "both forms run in ONNX Runtime there"),
+    "export/onnx/graph.py": ("export/onnx/test_model.py", "graphs run in ONNX Runtime there"),
+    "export/onnx/tables.py": ("export/onnx/test_model.py", "both forms run in ONNX Runtime there"),
     "export/fresh.py": ("export/test_verify.py", "every target runs in a process of its own there"),
     "export/fresh_script.py": ("export/test_verify.py", "what those processes run"),
     "export/fmu/due.py": ("export/fmu/test_machine.py", "steps of the machine there, and rows in ../watch/test_fmu.py"),
@@ -148,12 +148,12 @@ TESTED_ELSEWHERE = {
         "identification/test_runs.py",
         "pictures of the runs made there, and in test_log_replay.py",
     ),
-    "machine/circuits/series_march_text.py": (
-        "machine/circuits/test_series_text.py",
+    "machine/circuits/series/march_text.py": (
+        "machine/circuits/series/test_text.py",
         "the march is held to the judge of the whole circuit",
     ),
-    "machine/circuits/series_slopes.py": (
-        "machine/circuits/test_series_slopes_text.py",
+    "machine/circuits/series/slopes.py": (
+        "machine/circuits/series/test_slopes_text.py",
         "parts of the slopes held to differences there",
     ),
     "machine/reach/lines.py": ("gym/test_workspace.py", "lines that lead from starts"),

@@ -7,10 +7,16 @@ import numpy as np
 from helpers.crossover_judge import judge_all
 from helpers.series_made import STATES, pump_of
 from polydraulic._kernel import driver, kernel
-from polydraulic.machine.circuits.crossover import crossed_4, crossover_3, crossover_4, joined_4, joined_bracketed
-from polydraulic.machine.circuits.crossover_check import joined_end
-from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice
-from polydraulic.machine.circuits.crossover_pass import JOINED_PASSES, joined_begin, joined_pass, joined_path
+from polydraulic.machine.circuits.crossover.check import joined_end
+from polydraulic.machine.circuits.crossover.circuit import (
+    crossed_4,
+    crossover_3,
+    crossover_4,
+    joined_4,
+    joined_bracketed,
+)
+from polydraulic.machine.circuits.crossover.nodes import CrossoverOrifice
+from polydraulic.machine.circuits.crossover.passes import JOINED_PASSES, joined_begin, joined_pass, joined_path
 from polydraulic.machine.pump import Pump
 from polydraulic.machine.valve import Orifices
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from helpers.valves import circuit_pump, orifices
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series.text import SERIES_IMPORTS, series_text
 
 FOLDER = Path(__file__).parents[1] / "__pycache__" / "series"  # stays, so that compiled kernels are found again
 IMPORTS = "\n".join(

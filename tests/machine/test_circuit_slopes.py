@@ -3,7 +3,7 @@ import pytest
 
 from helpers.valves import circuit_pump, orifice_slopes, orifices
 from polydraulic.machine.circuit_slopes import series_slopes, single_slopes
-from polydraulic.machine.circuits.series_short import series_1, series_2
+from polydraulic.machine.circuits.series.short import series_1, series_2
 from polydraulic.machine.pump import Circuit
 from polydraulic.machine.valve import Orifices
 from polydraulic.thesis.excavator import pump_of, spool_of

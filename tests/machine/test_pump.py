@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from helpers.valves import circuit_pump, orifices
 from polydraulic._kernel import driver
-from polydraulic.machine.circuits.series_short import series_1, series_2
+from polydraulic.machine.circuits.series.short import series_1, series_2
 from polydraulic.machine.pump import Pump, delivered
 from polydraulic.machine.valve import Orifices
 from polydraulic.thesis.excavator import spool_of

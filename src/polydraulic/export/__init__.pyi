@@ -9,7 +9,7 @@ from .formula import to_latex, to_python, to_sympy, to_text
 from .machine import export_machine, machine_c
 from .model_bundle import Bundle, bundle
 from .names import c_name
-from .onnx import export_onnx, to_onnx
+from .onnx.model import export_onnx, to_onnx
 from .targets import TARGETS, export_models
 from .verify import Agreement, agreement_table, verify_models
 from .watch.fmu import export_watch_fmu

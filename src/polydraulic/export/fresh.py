@@ -20,7 +20,7 @@ from polydraulic.export.build import compile_program, find_compiler
 from polydraulic.export.c.source import to_c
 from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.model_bundle import Bundle
-from polydraulic.export.onnx import export_onnx
+from polydraulic.export.onnx.model import export_onnx
 from polydraulic.export.targets import export_models
 
 

@@ -11,7 +11,7 @@ from polydraulic.export.exported import Exported
 from polydraulic.export.fmu.networks import export_fmu
 from polydraulic.export.formula import to_latex, to_python, to_sympy
 from polydraulic.export.model_bundle import Bundle, bundle
-from polydraulic.export.onnx import export_onnx
+from polydraulic.export.onnx.model import export_onnx
 from polydraulic.files import write_text
 from polydraulic.networks.model.lag_words import dynamic_notes
 from polydraulic.networks.model.model import Model

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
-from polydraulic.machine.circuits.series_check import UNPROVED
-from polydraulic.machine.circuits.series_short import Series1, Series2
+from polydraulic.machine.circuits.series.check import UNPROVED
+from polydraulic.machine.circuits.series.short import Series1, Series2
 from polydraulic.machine.pump import Circuit, Pump, delivered
 from polydraulic.machine.valve import Orifices, orifice_flow
 from polydraulic.parameters.layout.schema import LayoutMachine

@@ -18,8 +18,8 @@ from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
-from polydraulic.machine.circuits.series_check import UNPROVED
-from polydraulic.machine.circuits.series_short import Series1, Series2
+from polydraulic.machine.circuits.series.check import UNPROVED
+from polydraulic.machine.circuits.series.short import Series1, Series2
 from polydraulic.machine.pump import Circuit, Pump, limited_pump
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.parameters.load import as_machine

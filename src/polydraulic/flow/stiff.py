@@ -15,7 +15,7 @@ from typing import NamedTuple
 from polydraulic._kernel import kernel
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.model import LayoutFlow, check_circuits, circuits_of
-from polydraulic.machine.circuits.series_short import Series1, Series2, series_1, series_2
+from polydraulic.machine.circuits.series.short import Series1, Series2, series_1, series_2
 from polydraulic.machine.feed import (
     DRAW_PASSES,
     SHUT,

@@ -7,7 +7,7 @@ from helpers.small_crane import write_crossover_crane
 from polydraulic import load_machine
 from polydraulic._kernel import in_plain_python
 from polydraulic.flow.layout.circuit_sample import solved_valves
-from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_3, crossover_4
+from polydraulic.machine.circuits.crossover.circuit import CrossoverOrifice, crossover_3, crossover_4
 from polydraulic.machine.pump import limited_pump
 from polydraulic.machine.valve import Orifices
 from polydraulic.watch.block import AlarmTests, BlockJudge, kernels_of

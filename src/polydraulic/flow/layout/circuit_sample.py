@@ -9,8 +9,8 @@ import numpy as np
 
 from polydraulic.errors import InputError
 from polydraulic.flow.layout.text_module import loaded
-from polydraulic.machine.circuits.series_check import UNPROVED
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series.check import UNPROVED
+from polydraulic.machine.circuits.series.text import SERIES_IMPORTS, series_text
 from polydraulic.machine.circuits.wording import each
 from polydraulic.machine.pump import Pump
 from polydraulic.parameters.layout.parts import ValveCurves
@@ -19,7 +19,7 @@ _IMPORTS = (
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.machine.pump import Pump",
-    "from polydraulic.machine.circuits.series_short import series_1, series_2",
+    "from polydraulic.machine.circuits.series.short import series_1, series_2",
     "from polydraulic.machine.valve import Orifices",
 )
 

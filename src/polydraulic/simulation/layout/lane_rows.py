@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polydraulic.flow.lanes import LANES
-from polydraulic.machine.circuits.crossover_pass import JoinedPath, Joining
-from polydraulic.machine.circuits.torque_limit import Limited
+from polydraulic.machine.circuits.crossover.passes import JoinedPath, Joining
+from polydraulic.machine.circuits.series.torque_limit import Limited
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import (
     CIRCUIT,

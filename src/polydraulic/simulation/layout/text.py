@@ -12,7 +12,7 @@ from importlib.resources import files
 from polydraulic.flow.lanes import LANES
 from polydraulic.flow.layout.model import STORING
 from polydraulic.flow.layout.text_module import kept_text
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series.text import SERIES_IMPORTS, series_text
 from polydraulic.machine.tree.motion_text import MOTION_IMPORTS, motion_text
 from polydraulic.parameters.layout.schema import LayoutMachine
 from polydraulic.simulation.layout.columns import columns_of
@@ -54,16 +54,16 @@ _IMPORTS = (
     "from polydraulic.machine.feed import Bypass, Feed, draw",
     "from polydraulic.flow.lookup import FlowTable1, FlowTable2, lookup_1, lookup_2",
     "from polydraulic.machine.actuator import Triangle, friction_torque",
-    "from polydraulic.machine.circuits.crossover_nodes import CrossoverOrifice",
-    "from polydraulic.machine.circuits.series_check import UNPROVED",
+    "from polydraulic.machine.circuits.crossover.nodes import CrossoverOrifice",
+    "from polydraulic.machine.circuits.series.check import UNPROVED",
     "from polydraulic.machine.drives import Motor, Ram, Rocker, drive_cylinder, drive_four_bar, drive_motor, drive_ram",
     "from polydraulic.machine.hose import LineStep, line_step, ports, rest_outlet",
     "from polydraulic.machine.joints import passes_stop, turned_joint",
     "from polydraulic.machine.pilot import PilotStep, pilot_step",
     "from polydraulic.flow.lanes import LANES, at",
     "from polydraulic.machine.pump import Circuit, Pump",
-    "from polydraulic.machine.circuits.series_short import series_1, series_1_at, series_1_limited, series_2, series_2_at, series_2_limited",
-    "from polydraulic.machine.circuits.torque_limit import LIMIT_PASSES, Limited, limit_begin_1, limit_begin_2, limit_pass_1, limit_pass_2",
+    "from polydraulic.machine.circuits.series.short import series_1, series_1_at, series_1_limited, series_2, series_2_at, series_2_limited",
+    "from polydraulic.machine.circuits.series.torque_limit import LIMIT_PASSES, Limited, limit_begin_1, limit_begin_2, limit_pass_1, limit_pass_2",
     "from polydraulic.simulation.lane_blocks import Kept, LaneBlock, keep_final, keep_range, keep_row",
     "from polydraulic.flow.pressure import PressureNetwork",
     "from polydraulic.flow.residual import ResidualNetwork, corrected",
@@ -73,14 +73,14 @@ _IMPORTS = (
     "from polydraulic.simulation.layout.seen import goes_beyond",
     "from polydraulic.simulation.steps import DIVERGED, FASTEST",
 )
-_LONG_IMPORTS = ("from polydraulic.machine.circuits.series_pass import limited_power",)
+_LONG_IMPORTS = ("from polydraulic.machine.circuits.series.passes import limited_power",)
 _CROSS_IMPORTS = (
-    "from polydraulic.machine.circuits.crossover import crossed_3, crossed_4, crossover_3, crossover_4, joined_3, joined_4, joined_bracketed",
-    "from polydraulic.machine.circuits.crossover import joined_on, joined_ports_3, joined_ports_4",
-    "from polydraulic.machine.circuits.crossover_check import joined_deliver, joined_end",
-    "from polydraulic.machine.circuits.crossover_nodes import JoinedFlows, JoinedPumps",
-    "from polydraulic.machine.circuits.crossover_pass import FEW_LANES, PACKED_PASSES, JoinedPath, Joining, joined_begin, joined_pass",
-    "from polydraulic.machine.circuits.crossover_pass import joined_path",
+    "from polydraulic.machine.circuits.crossover.circuit import crossed_3, crossed_4, crossover_3, crossover_4, joined_3, joined_4, joined_bracketed",
+    "from polydraulic.machine.circuits.crossover.circuit import joined_on, joined_ports_3, joined_ports_4",
+    "from polydraulic.machine.circuits.crossover.check import joined_deliver, joined_end",
+    "from polydraulic.machine.circuits.crossover.nodes import JoinedFlows, JoinedPumps",
+    "from polydraulic.machine.circuits.crossover.passes import FEW_LANES, PACKED_PASSES, JoinedPath, Joining, joined_begin, joined_pass",
+    "from polydraulic.machine.circuits.crossover.passes import joined_path",
 )
 _EFFECT_IMPORTS = (
     "from polydraulic.machine.actuator import dry_friction, sliding_torque, viscous_torque",

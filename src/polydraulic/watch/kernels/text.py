@@ -8,7 +8,7 @@ from functools import cache
 from types import ModuleType
 
 from polydraulic.flow.layout.text_module import loaded
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series.text import SERIES_IMPORTS, series_text
 
 # kinds of steps in the order of their numbers: module, and arrays that a step is given
 STEPS = {
@@ -71,11 +71,14 @@ def block_text(sizes: tuple[int, ...], joined: tuple[int, ...] = ()) -> str:
         "import numpy as np",
         "from polydraulic._kernel import driver, kernel",
         "from polydraulic.machine.pump import Pump",
-        "from polydraulic.machine.circuits.series_check import UNPROVED",
-        "from polydraulic.machine.circuits.series_short import series_1, series_2",
+        "from polydraulic.machine.circuits.series.check import UNPROVED",
+        "from polydraulic.machine.circuits.series.short import series_1, series_2",
         "from polydraulic.machine.valve import Orifices",
         *(line for line in SERIES_IMPORTS if max(sizes, default=0) > 2 and "_kernel" not in line),
-        *(f"from polydraulic.machine.circuits.crossover import CrossoverOrifice, crossover_{n}" for n in joined),
+        *(
+            f"from polydraulic.machine.circuits.crossover.circuit import CrossoverOrifice, crossover_{n}"
+            for n in joined
+        ),
         "from polydraulic.watch.kernels.alarms import decide",
         "from polydraulic.watch.kernels.numbers import WatchNumbers",
         "from polydraulic.watch.kernels.rows import FULL, JUDGED, keep_rows, take_row",

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polydraulic.flow.layout.text_module import loaded
-from polydraulic.machine.circuits.series_check import UNPROVED
-from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
-from polydraulic.machine.circuits.series_text import SERIES_IMPORTS, series_text
+from polydraulic.machine.circuits.series.check import UNPROVED
+from polydraulic.machine.circuits.series.slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
+from polydraulic.machine.circuits.series.text import SERIES_IMPORTS, series_text
 from polydraulic.machine.circuits.wording import each
 from polydraulic.machine.pump import Pump
 
@@ -21,8 +21,8 @@ _IMPORTS = (
     "import numpy as np",
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.machine.pump import Pump",
-    "from polydraulic.machine.circuits.series_short import series_1, series_2",
-    "from polydraulic.machine.circuits.series_short_slopes import series_1_slopes, series_2_slopes",
+    "from polydraulic.machine.circuits.series.short import series_1, series_2",
+    "from polydraulic.machine.circuits.series.short_slopes import series_1_slopes, series_2_slopes",
     "from polydraulic.machine.valve import Orifices",
 )
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from types import ModuleType
 
 from polydraulic.flow.layout.text_module import loaded
-from polydraulic.machine.circuits.series_slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
+from polydraulic.machine.circuits.series.slopes_text import SERIES_SLOPES_IMPORTS, series_slopes_text
 from polydraulic.machine.tree.equations import entry_name
 from polydraulic.machine.tree.motion_slopes_text import MOTION_SLOPES_IMPORTS, motion_slopes_text
 from polydraulic.parameters.layout.parts import Crossover, MachineFunction
@@ -30,10 +30,10 @@ _IMPORTS = (
     "from polydraulic._kernel import driver, kernel",
     "from polydraulic.flow.interface import NOT_CONVERGED, OK, OUT_OF_DOMAIN",
     "from polydraulic.machine.actuator import friction_slope",
-    "from polydraulic.machine.circuits.series_short_slopes import Slopes1, Slopes2, series_1_slopes, series_2_slopes",
+    "from polydraulic.machine.circuits.series.short_slopes import Slopes1, Slopes2, series_1_slopes, series_2_slopes",
     "from polydraulic.machine.drives import drive_cylinder_slopes, drive_four_bar_slopes, drive_motor_slopes, drive_ram_slopes",
     "from polydraulic.machine.pilot import spool_target",
-    "from polydraulic.machine.circuits.series_short import Series1, Series2",
+    "from polydraulic.machine.circuits.series.short import Series1, Series2",
     "from polydraulic.machine.valve import Orifices",
     "from polydraulic.simulation.events import EventLog",
     "from polydraulic.simulation.layout.methods.event_log import EventLimits, fill_flags, observe_flags",
@@ -47,8 +47,8 @@ _IMPORTS = (
     "from polydraulic.simulation.solvers.stop_conditions import BLINK, CREEP, between_stops, joint_changes, rests, stands, strikes",
 )
 _CROSSED_IMPORTS = (
-    "from polydraulic.machine.circuits.crossover import Crossed3, Crossed4",
-    "from polydraulic.machine.circuits.crossover_slopes import CrossedSlopes3, CrossedSlopes4, crossover_3_slopes, crossover_4_slopes",
+    "from polydraulic.machine.circuits.crossover.circuit import Crossed3, Crossed4",
+    "from polydraulic.machine.circuits.crossover.slopes import CrossedSlopes3, CrossedSlopes4, crossover_3_slopes, crossover_4_slopes",
 )
 _SLOW = ("p_a", "p_b", "angle", "rate")  # all of a state that is integrated: spools are known
 # of the text of the step
