@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
+from polydraulic.identification.arguments import table_of
 from polydraulic.identification.log_rows import log_rows, rows_for
 from polydraulic.networks import Dynamics, Lag, Model, Network, Variable
 from polydraulic.tables import Table
@@ -60,3 +61,35 @@ def test_a_model_without_a_raster_takes_rows_as_they_are():
     found = rows_for([model(None)], Table({"u": np.zeros(5)}, {}))
     assert (found.segments.tolist(), found.raster) == ([0] * 5, None)
     assert rows_for([model(None)], table([0.0, 1.0, 2.0])).raster == 1.0
+
+
+@pytest.mark.parametrize(("step", "segments"), [(1.5, 1), (1.51, 2), (0.5, 1), (0.49, 2), (-1.0, 2)])
+def test_a_step_that_is_half_off_begins_a_segment(step, segments):
+    found = log_rows(table(np.cumsum([0.0, *[1.0] * 10, step, *[1.0] * 10])))
+    assert found.n_segment == segments
+    assert found.segments.tolist() == [0] * 11 + [segments - 1] * 11
+    assert found.raster == pytest.approx(1.0 if segments == 2 else (20.0 + step) / 21.0, rel=1e-5)
+
+
+@pytest.mark.parametrize(("n", "has_one"), [(10, True), (9, False)])
+def test_a_tenth_of_the_steps_may_jump(n, has_one):
+    time = np.cumsum([0.0, *[1.0] * (n - 1), 3.0])
+    if has_one:
+        assert log_rows(table(time)).n_segment == 2
+    else:
+        with pytest.raises(InputError, match=f"no raster: 1 of {n} steps are not the usual 1 s"):
+            log_rows(table(time))
+
+
+@pytest.mark.parametrize(("raster", "same"), [(0.1009, True), (0.1011, False), (0.0991, True), (0.0989, False)])
+def test_rasters_are_the_same_within_a_hundredth(raster, same):
+    first, second = (Table({"time": step * np.arange(20), "u": np.arange(20) + step}, {}) for step in (0.1, raster))
+    both, _ = table_of([first, second])
+    if same:
+        assert log_rows(both).n_segment == 2
+        assert rows_for([model(0.1)], second).raster == raster
+    else:
+        with pytest.raises(InputError, match=rf"rows are {raster:g} s apart, those of table \(1\) 0.1 s; import both"):
+            log_rows(both)
+        with pytest.raises(InputError, match=f"are {raster:g} s apart, those of the model 0.1 s"):
+            rows_for([model(0.1)], second)

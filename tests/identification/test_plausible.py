@@ -70,3 +70,68 @@ def test_sensors_contradict_each_other_where_much_of_a_flow_is_left():
     (text,) = contradictions("boom", 1.5e-3, 2.8e-3)
     assert text.startswith("flows of boom are 54 % of the pump's off on rows held out")
     assert "sign of boom.spool" in text
+
+
+def of_hundred(value, n, rest=0.0):
+    """Rows of which so many have another value than the rest."""
+    return np.where(np.arange(100) < n, value, rest)
+
+
+@pytest.mark.parametrize(
+    ("what", "unit", "most"), [("spool", "m", 0.07163), ("q_in", "m3/s", 0.281), ("q_out", "m3/s", 0.281)]
+)
+def test_spools_and_flows_go_as_far_as_five_travels_and_a_hundred_pumps(excavator, what, unit, most):
+    boom = excavator.function("boom")
+    limit = 5.0 * boom.valve.knots[-1] if what == "spool" else 100.0 * max(c.pump.flow for c in excavator.circuits)
+    assert limit == pytest.approx(most, rel=1e-3)
+    for factor, n in ((0.999, 100), (-0.999, 100), (1.001, 5)):  # a twentieth of the rows may be outliers
+        check_plausible(excavator, Table({f"boom.{what}": of_hundred(factor * limit, n)}, {}))
+    for factor in (1.001, -1.001):
+        with pytest.raises(InputError, match=f"no more than {most:.4g} {unit} can be: it must be in {unit};"):
+            check_plausible(excavator, Table({f"boom.{what}": of_hundred(factor * limit, 6)}, {}))
+
+
+def test_levers_go_as_far_as_ten_times_full_travel(excavator):
+    boom = excavator.function("boom")
+    full = boom.valve.knots[-1] / boom.pilot.gain
+    for factor, n in ((9.99, 100), (-9.99, 100), (10.01, 5)):
+        check_plausible(excavator, Table({"boom.voltage": of_hundred(factor * full, n)}, {}))
+    for factor in (10.01, -10.01):
+        with pytest.raises(InputError, match=r"'boom.voltage' .* by the file's pilot 0.705 V gives full travel: it"):
+            check_plausible(excavator, Table({"boom.voltage": of_hundred(factor * full, 6)}, {}))
+
+
+def test_half_of_the_rows_may_be_a_tenth_of_a_radian_beyond_the_stops(excavator):
+    low, high = excavator.function("boom").stops
+    for angle, n in ((high + 0.099, 100), (low - 0.099, 100), (high + 0.101, 50)):
+        check_plausible(excavator, Table({"boom.angle": of_hundred(angle, n)}, {}))
+    for angle in (high + 0.101, low - 0.101):
+        with pytest.raises(InputError, match=r"its joint's stops at -0.6981 and 1.047 rad: it must be in rad, with"):
+            check_plausible(excavator, Table({"boom.angle": of_hundred(angle, 51)}, {}))
+
+
+@pytest.mark.parametrize(
+    ("columns", "named"),
+    [
+        ({"boom.p_a": 1e5, "boom.p_b": 9e4}, None),
+        ({"boom.p_a": 9.99e4, "boom.p_b": 9e4}, "the largest pressure at a port of the log is 9.99e\\+04 Pa"),
+        ({"boom.p_a": 1e5, "boom.p_b": 1e4}, None),
+        ({"boom.p_a": 1e5, "boom.p_b": 9.99e3}, "column 'boom.p_b' comes to 9990 Pa at most, others to 1 bar"),
+        ({"boom.p_a": 0.0, "boom.p_b": 0.0}, None),  # dead sensors
+        ({"boom.p_pump": 1e5}, None),
+        ({"boom.p_pump": 9.99e4}, "'boom.p_pump' .* a pump that feeds valves has more than 1 bar: it must be in Pa"),
+        ({"boom.p_pump": 0.0}, None),
+    ],
+)
+def test_pressures_come_to_one_bar_and_each_to_a_tenth_of_it(excavator, columns, named):
+    table = Table({name: of_hundred(most, 1) for name, most in columns.items()}, {})
+    if named is None:
+        check_plausible(excavator, table)
+    else:
+        with pytest.raises(InputError, match=named):
+            check_plausible(excavator, table)
+
+
+@pytest.mark.parametrize(("left", "named"), [(0.2, False), (0.201, True)])
+def test_a_fifth_of_the_pumps_flow_is_the_most_that_is_left_of_a_flow(left, named):
+    assert bool(contradictions("boom", left * 2.0, 2.0)) == named
