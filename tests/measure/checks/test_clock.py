@@ -260,6 +260,25 @@ def test_days_count_from_the_zero_of_their_calendar():
         assert day_zero(none) == 0.0
 
 
+@pytest.mark.parametrize("zero", [25_569.0, 719_529.0, 2_440_587.5])
+@pytest.mark.parametrize(("day", "known"), [(3651.0, False), (3652.0, True), (47_482.0, True), (47_483.0, False)])
+def test_days_of_a_calendar_lie_between_1980_and_2100(zero, day, known):
+    assert day_zero(zero + day) == (zero if known else 0.0)
+
+
+@pytest.mark.parametrize(("raster", "named"), [(5.0, False), (5.01, True), (2e-5, False), (1.99e-5, True)])
+def test_rows_that_come_five_hundred_times_less_or_more_often_than_those_of_the_table_are_in_another_unit(
+    raster, named
+):
+    for declared in (None, raster):
+        *_, clock = checked(raster * np.arange(20), raster=declared)
+        clock.raster = raster  # as the map says it, without the rounding of sums
+        clock.compare_table(0.01)
+        assert [(f.kind, f.detail) for f in clock.findings] == [
+            ("raster", f"found {raster:.4g} s, the table has a row every 0.01 s: check the unit of time")
+        ] * (named and declared is None)
+
+
 def test_a_clock_that_ticks_more_slowly_than_rows_come_is_named():
     _, _, findings, clock = checked(np.floor(STEADY / 0.1))
     assert [kind for kind, _ in findings] == ["time repeats"]

@@ -13,8 +13,6 @@ _IRREGULAR = 0.25  # of the raster
 _SHARE = 0.01  # of the intervals that may be irregular
 _FROM, _TO = 315_532_800.0, 4_102_444_800.0  # s since 1970: 1980 and 2100
 _DAY = 86_400.0  # s
-_DAYS = (3652.0, 47482.0)  # the same, in days
-_UNTIL_2050 = 29_220.0  # days since 1970
 _ZEROS = (25_569.0, 719_529.0, 2_440_587.5)  # days before 1970 from which spreadsheets, MATLAB and astronomers count
 _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
 _FAR = 1e12  # s: beyond it no rows can be counted
@@ -46,9 +44,7 @@ class ClockedRows(NamedTuple):
 
 def day_zero(day: float) -> float:
     """Days before 1970 from which a time in days counts: 0 where it can be of no other calendar."""
-    if day < _UNTIL_2050:
-        return 0.0
-    return next((zero for zero in _ZEROS if _DAYS[0] <= day - zero <= _DAYS[1]), 0.0)
+    return next((zero for zero in _ZEROS if _FROM <= (day - zero) * _DAY <= _TO), 0.0)
 
 
 class Clock:
