@@ -103,6 +103,22 @@ def test_tables_with_dates_are_in_their_order_and_times_stay(tmp_path):
     assert "began" not in mixed.info
 
 
+@pytest.mark.parametrize(("begin", "dated"), [(315_532_800.0, False), (315_532_801.0, True)])
+def test_times_from_1980_on_are_dates(begin, dated):
+    for info, own in (({}, begin), ({"began": begin}, 0.0)):
+        later, first = log(own + 9.0, info=info), log(own, n=5, info=info)
+        table, name = table_of([later, first])
+        assert name == ("table (2), table (1)" if dated else "table (1), table (2)")
+        assert table["time"][0] == own + (0.0 if dated else 9.0)
+        last = 9.3 if dated else 9.3 + 60.0 + 0.4  # those that begin anew are a minute apart
+        assert table["time"][-1] == pytest.approx(own + last, abs=1e-6)
+
+
+def test_three_tables_are_in_the_name_of_several():
+    assert table_of([log(n=n) for n in (3, 4, 5)])[1] == "table (1), table (2), table (3)"
+    assert table_of([log(n=n) for n in (3, 4, 5, 6, 7)])[1] == "table (1), table (2), table (3) and 2 more"
+
+
 def test_tables_without_times_are_put_together():
     table, _ = table_of([Table({"a": np.arange(3.0)}, {"a": "m"}), Table({"a": np.arange(2.0)}, {"a": "m"})])
     assert (table["a"].tolist(), table["segment"].tolist()) == ([0, 1, 2, 0, 1], [0, 0, 0, 1, 1])

@@ -1,6 +1,7 @@
 """Several files of one campaign as one log."""
 
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, suggest_channels
 from polydraulic.measure.channels import channel_map
-from polydraulic.measure.formats.campaign import expand
+from polydraulic.measure.formats.campaign import _agree, _Part, expand
+from polydraulic.measure.formats.log import Log, LogBlock, Signal
 from polydraulic.tables import read_table
 
 MAP = {
@@ -140,3 +142,56 @@ def test_a_range_suggested_from_one_file_is_loud_about_the_peaks_of_the_next(tmp
     found = import_log([a, b], channel_map(narrow), tmp_path / "t.parquet")
     assert found.findings.of("implausible", "p")[0].level == "error"
     assert "widen it" in found.findings.of("implausible", "p")[0].detail
+
+
+def with_clock(values):
+    """A log that says when it began: samples of some signals, every 10 ms."""
+    signals = [Signal(key, "bar", 0) for key in values]
+
+    def read(group, wanted, time, findings):
+        n = len(next(iter(values.values())))
+        yield LogBlock(np.arange(n) + 1, 0.01 * np.arange(n), {key: values[key] for key in wanted}, {}, 1.0)
+
+    return Log(Path("log"), signals, True, read, began=1.7e9)
+
+
+def both(first, second):
+    """Whether two logs that began at the same time hold the same."""
+    return _agree(*(_Part(with_clock(values), 1.7e9, 1.7e9 + 1.0, 101) for values in (first, second)))
+
+
+SAW = np.arange(101) % 11 / 10.0  # its spread is 1
+
+
+@pytest.mark.parametrize(("off", "same"), [(0.099, True), (-0.099, True), (0.101, False), (-0.101, False)])
+def test_values_are_the_same_within_a_tenth_of_their_spread(off, same):
+    assert both({"p": 50.0 * SAW}, {"p": 50.0 * (SAW + off)}) == same
+
+
+@pytest.mark.parametrize(
+    ("signals", "same"),
+    [
+        ("aao", True), ("ao", False), ("aaaaoooa", True), ("aaaaoooo", False), ("aaaaooooa", False), ("ss", True), ("sao", False),
+        ("sssssssso", True),
+    ],
+)  # fmt: skip
+def test_most_of_the_first_eight_signals_that_vary_say_whether_files_hold_the_same(signals, same):
+    kinds = {"a": (SAW, SAW), "o": (SAW, SAW + 1.0), "s": (np.ones(101), np.zeros(101))}  # alike, other, still
+    first, second = ({f"p{k}": kinds[kind][side] for k, kind in enumerate(signals)} for side in (0, 1))
+    assert both(first, second) == same
+
+
+@pytest.mark.parametrize(("begin", "anew"), [(0.07, True), (0.08, False)])
+def test_clocks_begin_anew_within_a_twentieth_of_the_shorter_file(tmp_path, begin, anew):
+    put(tmp_path, "a.csv", 0.0), put(tmp_path, "b.csv", begin, n=150)  # 1.49 s
+    found, _ = joined(tmp_path, "a.csv", "b.csv")
+    assert bool(found.findings.of("files begin anew")) == anew
+    assert bool(found.findings.of("files overlap")) != anew
+
+
+@pytest.mark.parametrize(("begin", "dated"), [(315_532_799.0, False), (315_532_801.0, True)])
+def test_times_from_1980_on_are_dates_and_no_clocks_that_begin_anew(tmp_path, begin, dated):
+    put(tmp_path, "a.csv", begin), put(tmp_path, "b.csv", begin, n=150)
+    found, table = joined(tmp_path, "a.csv", "b.csv")
+    assert bool(found.findings.of("files overlap")) == dated
+    assert len(table) == (200 if dated else 350)
