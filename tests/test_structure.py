@@ -135,14 +135,9 @@ TESTED_ELSEWHERE = {
         "signals are read as parts of logs",
     ),
     "identification/equations/words.py": ("identification/equations/test_identify.py", "what a fit says"),
-    "identification/judging.py": ("identification/test_table_fit.py", "errors and intervals of the fits made there"),
     "identification/machine/machine_card.py": (
         "identification/machine/test_machine_fit.py",
         "the card of the machine learnt there",
-    ),
-    "identification/machine/machine_judging.py": (
-        "identification/machine/test_machine_fit.py",
-        "the machine learnt there is judged",
     ),
     "identification/run_plot.py": (
         "identification/test_runs.py",
