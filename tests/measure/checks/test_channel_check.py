@@ -55,6 +55,13 @@ def test_numbers_that_nothing_can_have_are_no_values(number):
     assert check.high == WAVE.max()
 
 
+@pytest.mark.parametrize(("number", "kept"), [(9.99e29, True), (-9.99e29, True), (1e30, False)])
+def test_a_value_is_below_1e30(number, kept):
+    changed = WAVE.copy()
+    changed[700] = number
+    assert len(checked(changed, between="hold")[0].values) == N - (not kept)
+
+
 def test_a_number_far_from_all_others_is_named_and_kept():
     changed = WAVE.copy()
     changed[700:705] = -9999.0
