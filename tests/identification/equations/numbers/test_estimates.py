@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polydraulic.identification.equations.numbers.estimates import correlation_of, estimates_of
+from polydraulic.identification.equations.numbers.estimates import correlation_of, estimates_of, unhidden
 
 
 def told(information, spreads):
@@ -31,3 +31,29 @@ def test_an_interval_holds_nine_tenths_of_a_normal_distribution():
     number = told(np.diag([0.0, 1e4, 1e4]), np.ones(3)).of("a")
     draws = number.value + number.sd * np.random.default_rng(0).normal(size=20_000)
     assert np.mean((number.low < draws) & (draws < number.high)) == pytest.approx(0.9, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sd", "determined", "hidden"),
+    [(0.999, True, False), (1.0, False, False), (1.8, False, False), (1.801, False, True)],
+)
+def test_half_of_the_prior_is_determined_and_nine_tenths_are_hidden(sd, determined, hidden):
+    spread = 2.0
+    (number,) = estimates_of(["a"], np.zeros(1), np.array([[sd * sd]]), np.array([spread]), np.eye(1)).numbers
+    assert number.sd == pytest.approx(sd, rel=1e-12)
+    assert (number.determined, number._replace(sd=sd).hidden) == (determined, hidden)
+
+
+def test_a_number_trades_against_three_others_that_go_with_it_by_nine_tenths():
+    correlation = np.eye(6)
+    correlation[0] = [1.0, 0.9, -0.901, 0.95, 0.93, -0.99]
+    found = estimates_of(list("abcdef"), np.zeros(6), np.eye(6), np.ones(6), correlation)
+    assert found.trades[0] == "a trades against f (falls with it), d (rises with it), e (rises with it)"
+    correlation[0, 3:] = 0.5
+    few = estimates_of(list("abcdef"), np.zeros(6), np.eye(6), np.ones(6), correlation)
+    assert few.trades[:2] == ("a trades against c (falls with it)", "b hardly shows in this log")
+
+
+@pytest.mark.parametrize(("numbers", "factor"), [(0.0, 1.0), (10.0, 2.0), (18.0, 10.0), (19.0, 10.0), (40.0, 10.0)])
+def test_pulls_on_a_solution_hide_their_share_and_a_tenth_is_always_seen(numbers, factor):
+    assert unhidden(20, numbers) == pytest.approx(factor)

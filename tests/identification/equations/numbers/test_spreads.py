@@ -27,3 +27,16 @@ def test_what_has_no_usual_spread_is_refused():
         spreads_of(machine, {"functions.inner.line.leakage": NAN})
     with pytest.raises(InputError, match="no such number"):
         spreads_of(machine, {"links.inner.weight": NAN})
+
+
+@pytest.mark.parametrize(
+    ("path", "share"),
+    [
+        ("circuits.series.pump.flow", 0.1), ("circuits.series.pump.relief", 0.05), ("circuits.series.pump.torque_limit_start", 0.1),
+        ("functions.boom.pilot.gain", 0.2), ("functions.boom.pilot.time_constant", 0.3), ("links.boom.mass", 0.3),
+    ],
+)  # fmt: skip
+def test_a_number_may_be_off_by_a_share_that_goes_by_its_kind(path, share):
+    machine = load_machine("cat215b")
+    value = next(number.value for number in machine.numbers if number.path == path)
+    assert spreads_of(machine, {path: NAN}) == {path: pytest.approx(share * abs(value), rel=1e-12)}
