@@ -89,8 +89,7 @@ bench-joints: .venv/ready
 # changed sources would be compiled anew.
 mutants: export NUMBA_DISABLE_JIT = 1
 mutants: .venv-mutants/ready
-	.venv-mutants/bin/mutmut run --max-children 1 $(if $(MODULE),"polydraulic.$(MODULE)*")
-	.venv-mutants/bin/mutmut results
+	.venv-mutants/bin/python tools/function_mutants.py $(MODULE)
 	.venv-mutants/bin/python tools/constant_mutants.py $(MODULE)
 
 lint: .venv/ready
