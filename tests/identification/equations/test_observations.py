@@ -3,7 +3,7 @@ import pytest
 
 from polydraulic import load_machine, random_operator, simulate
 from polydraulic.identification.equations.circuits import balances
-from polydraulic.identification.equations.observations import mean_weights, windows
+from polydraulic.identification.equations.observations import blocks_of_time, mean_weights, windows
 from polydraulic.identification.equations.sensors import read_function, side_volumes
 from polydraulic.tables import Table
 
@@ -14,6 +14,15 @@ def test_windows_stay_within_segments():
     assert windows(np.array([0, 0, 1]), 1).ravel().tolist() == [0, 1, 2]
     assert mean_weights(1).tolist() == [1.0]
     assert mean_weights(3) @ [1.0, 2.0, 3.0] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(("seconds", "last", "length"), [(580.0, 19, 29.0), (630.0, 20, 30.0)])
+def test_blocks_of_time_are_twenty_or_last_half_a_minute(seconds, last, length):
+    time = 5.0 + 0.5 * np.arange(2 * int(seconds))
+    block = blocks_of_time(time)
+    assert block[-1] == last
+    assert np.bincount(block)[:-1] == pytest.approx(2 * length, abs=1)
+    assert blocks_of_time(np.zeros(3)).tolist() == [0, 0, 0]
 
 
 def test_balanced_flows_are_those_that_were_simulated():

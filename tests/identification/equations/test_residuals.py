@@ -8,7 +8,9 @@ import pytest
 from helpers.machine_log import machine_log
 from polydraulic import InputError, load_machine
 from polydraulic.identification import learn_residuals
-from polydraulic.identification.equations.residuals import residual_rows
+from polydraulic.identification.equations import residuals
+from polydraulic.identification.equations.residuals import _learnt, residual_rows
+from polydraulic.networks import Model, Network
 from polydraulic.tables import Table
 
 SECONDS = 120.0
@@ -66,3 +68,78 @@ def test_circuits_without_sensors_are_named(log):
     with pytest.raises(InputError, match="the log has no boom.q_in"):
         none = Table({n: log[n] for n in log.names if not n.endswith(".q_in")}, log.units)
         learn_residuals(SimpleNamespace(machine=load_machine("cat215b"), table=none))
+
+
+class Halving:
+    """In place of a network: of what its first input says is left it gives the share that the second one says."""
+
+    bounds: list = []  # noqa: RUF012
+
+    def __init__(self, output_bounds):
+        self.bounds.append(output_bounds)
+
+    def fit(self, at, off):
+        assert len(at) == len(off)
+        return self
+
+    def predict(self, at):
+        return at[:, 0] * at[:, 1]
+
+    def to_model(self, inputs, output):
+        flat = Network((), (0.0,) * 2, (1.0,) * 2, (-1.0,) * 2, (1.0,) * 2, 0.0, 1.0)
+        return Model(tuple(inputs), output, (flat,))
+
+
+def judged_with(monkeypatch, *, n=1400, held=280, shares=(0.5,) * 4, empty=()):
+    """What is said of networks that give such shares of what is left in the four blocks held out of twenty."""
+    monkeypatch.setattr(residuals, "AbductiveRegressor", Halving)
+    machine = load_machine("cat215b")
+    time = np.arange(n) / n
+    block = np.arange(n) * 20 // n
+    hold = block % 5 == 4
+    kept = ~hold | ((np.cumsum(hold[::-1])[::-1] <= held) & ~np.isin(block, empty))
+    off = np.where(np.arange(n) % 2, 1e-4, -1e-4)
+    at = np.column_stack([off, np.array(shares)[block // 5]])[kept]
+    return _learnt(machine, machine.circuit("boom"), "boom", at, off[kept], time[kept])
+
+
+@pytest.mark.parametrize(
+    ("shares", "kept"),
+    [
+        ((0.0515,) * 4, True),  # what is left of the squares: (1 - share)^2
+        ((0.0510,) * 4, False),
+        ((0.9, 0.9, 0.9, -0.1), True),
+        ((0.9, 0.9, -0.1, -0.1), False),  # half of the blocks are no most
+    ],
+)
+def test_a_network_saves_a_tenth_of_the_squares_and_helps_in_most_blocks(monkeypatch, shares, kept):
+    found, _ = judged_with(monkeypatch, shares=shares)
+    flow = load_machine("cat215b").circuit("boom").pump.flow
+    assert found.kept == kept
+    assert found.before == pytest.approx(1e-4 / flow)
+    assert found.after == pytest.approx(1e-4 / flow * np.sqrt(np.mean((1.0 - np.array(shares)) ** 2)))
+
+
+@pytest.mark.parametrize(
+    ("rows", "enough"),
+    [({"held": 200}, True), ({"held": 199}, False), ({"empty": (4,)}, True), ({"empty": (4, 9)}, False)],
+)
+def test_two_hundred_rows_of_three_blocks_judge_a_network(monkeypatch, rows, enough):
+    assert (judged_with(monkeypatch, **rows) is not None) == enough
+
+
+def test_a_network_gives_no_more_than_all_but_a_thousandth_of_what_was_left(monkeypatch):
+    monkeypatch.setattr(residuals, "AbductiveRegressor", Halving)
+    Halving.bounds.clear()
+    machine, off = load_machine("cat215b"), np.arange(4001.0) - 2000.0
+    _learnt(machine, machine.circuit("boom"), "boom", np.zeros((4001, 2)), off, np.arange(4001.0))
+    assert Halving.bounds == [pytest.approx((-1996.0, 1996.0))] * 2
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.949, True), (0.951, False)])
+def test_rows_near_the_relief_setting_say_nothing(log, share, told):
+    machine = load_machine("cat215b")
+    p = np.full(len(log), share * machine.circuit("boom").pump.relief)
+    near = Table({**log.columns, "boom.p_a": p, "boom.p_b": p}, log.units)
+    _, off = residual_rows(machine, machine.circuit("boom"), near)
+    assert np.isfinite(off).any() == told
