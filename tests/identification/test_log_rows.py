@@ -93,3 +93,8 @@ def test_rasters_are_the_same_within_a_hundredth(raster, same):
             log_rows(both)
         with pytest.raises(InputError, match=f"are {raster:g} s apart, those of the model 0.1 s"):
             rows_for([model(0.1)], second)
+
+
+def test_two_rows_follow_each_other():
+    found = log_rows(table([3.0, 3.5]))
+    assert (found.segments.tolist(), found.raster) == ([0, 0], 0.5)
