@@ -54,6 +54,30 @@ def test_days_are_told_by_steps_that_no_log_has_in_seconds(tmp_path, step, unit)
     assert f'role = "time"\nunit = "{unit}"\n' in suggest_channels(log)
 
 
+@pytest.mark.parametrize(("least", "below", "unit"), [(1e11, "s", "ms"), (1e14, "ms", "us"), (1e17, "us", "ns")])
+def test_the_unit_of_times_since_1970_goes_by_their_size(tmp_path, least, below, unit):
+    """What is less than 1e11 would be 1973 in ms, what is more the year 5138 in s."""
+    log = tmp_path / "log.csv"
+    for first, expected in ((0.99 * least, below), (1.01 * least, unit)):
+        log.write_text("t,p\n" + "".join(f"{first + k * 1e-6 * least:.0f},{k % 7}\n" for k in range(50)))
+        assert f'role = "time"\nunit = "{expected}"\n' in suggest_channels(log)
+
+
+@pytest.mark.parametrize(("still", "between"), [(6, "linear"), (7, "hold")])
+def test_a_channel_is_held_where_more_than_six_of_ten_samples_are_like_the_one_before(tmp_path, still, between):
+    log = tmp_path / "log.csv"
+    value = [0] * (still + 1) + list(range(1, 11 - still))
+    log.write_text("time,p\n" + "".join(f"{k},{p}\n" for k, p in enumerate(value)))
+    assert f'between = "{between}"' in suggest_channels(log)
+
+
+@pytest.mark.parametrize(("low", "ends"), [(-4.9, "-60, 160"), (-5.1, "-160, 160")])
+def test_the_other_sign_counts_from_a_twentieth_on(tmp_path, low, ends):
+    log = tmp_path / "log.csv"
+    log.write_text("time,p\n" + "".join(f"{k},{low if k == 7 else 2.0 * k}\n" for k in range(51)))
+    assert f"range = [{ends}]" in suggest_channels(log)
+
+
 def test_one_row_is_one_error(tmp_path):
     (tmp_path / "log.csv").write_text("time,p\n45382.5,1\n")
     with pytest.raises(InputError, match="no channel holds numbers that vary"):

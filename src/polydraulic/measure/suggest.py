@@ -35,7 +35,7 @@ _X_NAME = re.compile(r"(?i)^x[ _-]?(value|axis)$")  # of the first column, as La
 _COUNTER = re.compile(r"(?i)^(column 1|unnamed: \d+|index|row|no\.?|nr\.?|#|samples?|scan|record|point|n|count|id)$")
 # 7.8 s; steps below it are days, where the numbers can be: as s they were more than 10,000 rows a second, which no log has
 _LEAST_DAY = 9e-5
-_SINCE_1970 = ((1e8, "s"), (1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
+_SINCE_1970 = ((1e11, "ms"), (1e14, "us"), (1e17, "ns"))  # from which number on it can only be this unit
 # how names end in units where the log has no place for them; those that could be something else (p_A, x_in) are left out
 _ENDINGS = {
     unit: unit
