@@ -78,6 +78,13 @@ def test_the_other_sign_counts_from_a_twentieth_on(tmp_path, low, ends):
     assert f"range = [{ends}]" in suggest_channels(log)
 
 
+@pytest.mark.parametrize(("high", "ends"), [(20, "-10, 30"), (38, "-20, 58"), (90, "-45, 135"), (101, "-60, 160")])
+def test_ends_of_ranges_are_whole_ones_twos_or_fives(tmp_path, high, ends):
+    log = tmp_path / "log.csv"
+    log.write_text("time,p\n" + "".join(f"{k},{high * (k % 2)}\n" for k in range(9)))
+    assert f"range = [{ends}]" in suggest_channels(log)
+
+
 def test_one_row_is_one_error(tmp_path):
     (tmp_path / "log.csv").write_text("time,p\n45382.5,1\n")
     with pytest.raises(InputError, match="no channel holds numbers that vary"):

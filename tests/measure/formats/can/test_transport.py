@@ -66,6 +66,15 @@ def test_frames_that_are_lost_end_their_message_alone(tmp_path):
     }
 
 
+@pytest.mark.parametrize(("late", "kept"), [(1.24, [0, 1]), (1.26, [1])])
+def test_frames_of_a_message_are_at_most_a_second_and_a_quarter_apart(tmp_path, late, kept):
+    first, second = sent(2)
+    pause = late - (first[2][0] - first[1][0])
+    first[2:] = [(t + pause, *rest) for t, *rest in first[2:]]
+    second = [(t + 5.0, *rest) for t, *rest in second]
+    assert read(tmp_path, flat([first, second]))[1]["last"].tolist() == kept
+
+
 def test_groups_that_no_database_knows_are_named_and_their_frames_are_none_of_their_own(tmp_path):
     others = in_parts(0.55, 0xFEEC, b"VIN of a machine*")
     _, values, left_out = read(tmp_path, flat(sent(3)) + others)
