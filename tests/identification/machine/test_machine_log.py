@@ -7,7 +7,7 @@ import pytest
 
 from helpers.machine_log import machine_log
 from polydraulic.errors import InputError
-from polydraulic.identification.machine.machine_log import Known, by_port, judged_by, judging_rows
+from polydraulic.identification.machine.machine_log import Known, KnownCircuit, by_port, judged_by, judging_rows
 from polydraulic.networks import Model, Network, Variable
 from polydraulic.tables import Table
 from polydraulic.thesis.excavator import LINKS
@@ -68,3 +68,18 @@ def test_a_model_that_does_not_say_how_to_read_a_log_is_refused(machine, change)
     model = Model((Variable("boom.p_in", "Pa"),), Variable("boom.q_in", "m3/s"), (network,), training={"log": how})
     with pytest.raises(InputError, match="the model of 'boom.q_in' does not say how to read a log"):
         judged_by(model)
+
+
+@pytest.mark.parametrize(
+    ("output", "column", "limit", "says_below"),
+    [("boom.q_in", "boom.p_a", 0.98 * 3e7, True), ("boom.k_out", "boom.p_b", 75.0 * 6894.757 + 1e5, False)],
+)
+def test_rows_say_something_below_the_relief_setting_and_with_75_psi_at_an_outlet(output, column, limit, says_below):
+    known = Known(1e5, {"boom": 4e-3}, {"boom": KnownCircuit(2e-3, 3e7, ("boom",), (1.0,))})
+    usual = {"boom.spool": 5e-3, "boom.p_a": 1e7, "boom.p_b": 4e6, "boom.q_in": 1e-3, "boom.q_out": 1e-3}
+    values = {name: np.full(2, value) for name, value in usual.items()} | {column: limit * np.array([0.999, 1.001])}
+    log = by_port(known, Table(values, {}))
+    assert judging_rows(output, log, known).tolist() == [says_below, not says_below]
+    # a conductance is that of the drop, or of 75 psi where it is less
+    drop = np.maximum(log["boom.root_p_out"], np.sqrt(75.0 * 6894.757))
+    assert log["boom.k_out"] == pytest.approx(1e-3 / drop, rel=1e-6)
