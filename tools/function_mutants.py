@@ -7,6 +7,7 @@ difference. The changed code goes into mutants/.
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -23,6 +24,7 @@ NOTICED = ("killed", "timeout", "suspicious", "segfault", "caught by type check"
 
 def judge(module: str) -> None:
     """Print what is noticed of the changes of a module; once a process, since its tests are loaded with the changed code."""
+    shutil.rmtree("mutants", ignore_errors=True)  # files of earlier modules would count as changed already
     mutmut = import_module("mutmut.__main__")
     configuration: Any = import_module("mutmut.configuration")
     configuration._config = replace(
