@@ -99,6 +99,40 @@ def channel(**keys):
     return channel_map({"raster": "10 ms", "channel": [{"role": "input", "source": "x", **keys}]}).used[0]
 
 
+@pytest.mark.parametrize(
+    ("key", "good", "bad", "said"),
+    [
+        ("raster", ["1 us", "100000 s"], ["0.99 us", "100001 s"], "raster = '{}': must lie in \\[1e-06, 100000\\] s"),
+        (
+            "interval",
+            ["1 us", "100000 s"],
+            ["0.99 us", "100001 s"],
+            "interval = '{}': must lie in \\[1e-06, 100000\\] s",
+        ),
+        (
+            "atmosphere",
+            ["0.3 bar", "1.2 bar"],
+            ["0.299 bar", "1.201 bar"],
+            "atmosphere = '{}': must lie in \\[0.3, 1.2\\] bar",
+        ),
+    ],
+)
+def test_ends_of_what_is_allowed_are_allowed(key, good, bad, said):
+    data = {"raster": "10 ms", "channel": [{"role": "input", "source": "x", "unit": "mm"}]}
+    for value in good:
+        channel_map({**data, key: value})
+    for value in bad:
+        with pytest.raises(InputError, match=said.format(value)):
+            channel_map({**data, key: value})
+
+
+def test_a_range_goes_as_far_as_its_squares_are_numbers():
+    assert channel(unit="mm", range=[-1e100, 1e100]).high == 1e100
+    for ends in ([-1.01e100, 0.0], [0.0, 1.01e100]):
+        with pytest.raises(InputError, match=r"two numbers in the channel's unit of at most 1e\+100, low below high"):
+            channel(unit="mm", range=ends)
+
+
 def test_pressures_are_known_by_kind_name_and_flows():
     assert channel(unit="kg/cm2", kind="pressure").kind == "Pa"
     assert channel(unit="kg/cm2", source="p_head").kind == "Pa"
