@@ -21,7 +21,7 @@ from io import StringIO
 from math import ceil, floor
 from pathlib import Path
 from time import perf_counter
-from types import ModuleType
+from types import FunctionType, ModuleType
 
 import pytest
 
@@ -76,6 +76,22 @@ def holders(module: ModuleType, name: str) -> list[ModuleType]:
     return [module, *(m for m in others if name[0] != "_" and vars(m).get(name) is value)]
 
 
+def put(module: ModuleType, name: str, value: object) -> None:
+    """Give a constant another value, or none, where it stands for a default argument as well."""
+    old = getattr(module, name)
+    delattr(module, name)
+    if value is not REMOVED:
+        setattr(module, name, value)
+    if isinstance(old, int):  # one object stands for all of its value
+        return
+    for one in vars(module).values():
+        if isinstance(one, FunctionType) and one.__module__ == module.__name__:
+            one.__defaults__ = one.__defaults__ and tuple(value if d is old else d for d in one.__defaults__)
+            one.__kwdefaults__ = one.__kwdefaults__ and {
+                key: value if d is old else d for key, d in one.__kwdefaults__.items()
+            }
+
+
 def passes(tests: list[str], limit: int, places: list[ModuleType], name: str, value: object) -> bool:
     """Whether tests pass within so many seconds in a fork in which a constant has another value, or is none."""
     child = os.fork()
@@ -85,10 +101,7 @@ def passes(tests: list[str], limit: int, places: list[ModuleType], name: str, va
     for stream in (1, 2):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
     for place in places:
-        if value is REMOVED:
-            delattr(place, name)
-        else:
-            setattr(place, name, value)
+        put(place, name, value)
     os._exit(pytest.main([*OPTIONS, *tests]))
 
 
