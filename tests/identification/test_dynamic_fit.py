@@ -11,7 +11,7 @@ from helpers.logs_with_memory import memory_log
 from polydraulic import AbductiveRegressor, load_models, save_models
 from polydraulic.errors import InputError
 from polydraulic.identification import Errors, RunErrors, check_models, fit_dynamic, write_card
-from polydraulic.identification.dynamic_fit import statements
+from polydraulic.identification.dynamic_fit import LAST, LINEAR, _held_out, statements
 from polydraulic.identification.runs import run_on
 from polydraulic.identification.validity import run_validity
 from polydraulic.tables import Table
@@ -170,6 +170,47 @@ def test_few_rows_and_shared_columns_are_named():
         fit_dynamic(few, ["u"], ["y"])
     with pytest.raises(InputError, match="column 'y' is both input and output"):
         fit(LOG, inputs=["u", "y"])
+
+
+@pytest.mark.parametrize(("n", "blocks"), [(280, 10), (559, 10), (560, 20), (700, 20)])
+def test_blocks_hold_twenty_rows_beside_the_longest_lag_and_are_twenty_where_that_is_so(n, blocks):
+    held = _held_out([(0, n)], 8, [n])
+    assert [b - a for a, b in held] == pytest.approx([n / blocks] * (blocks // 5), abs=1)
+    assert held[0][0] == pytest.approx(4 * n / blocks, abs=1)
+    with pytest.raises(
+        InputError, match="the log has 279 rows; to hold blocks of time out it takes 280 with a longest"
+    ):
+        _held_out([(0, 279)], 8, [279])
+
+
+@pytest.mark.parametrize(("covered", "doubted"), [(0.8, False), (0.799, True)])
+def test_intervals_are_doubted_a_tenth_below_their_level(fits, covered, doubted):
+    assert (
+        any("the blocks differ too much" in text for text in statements(fits[0]._replace(covered=covered))) == doubted
+    )
+
+
+@pytest.mark.parametrize(
+    ("scale", "said"),
+    [
+        (1.0, ["the last value held would err less"]),
+        (1.001, []),
+        (0.999, ["would err less", "a linear model", "one step ahead the last value"]),
+    ],
+)
+def test_models_for_scale_are_told_where_they_are_better_and_the_last_value_where_it_is_as_good(fits, scale, said):
+    y, (free, one) = fits[0], fits[0].errors
+    other = RunErrors(free._replace(rms=scale * free.rms), one._replace(rms=scale * one.rms))
+    words = "\n".join(statements(y._replace(others={LAST: other, LINEAR: other}))[3:])
+    for text in ("would err less", "a linear model", "one step ahead the last value"):
+        assert (text in words) == any(text in one for one in said)
+
+
+def test_a_run_as_good_as_the_mean_is_no_better(fits):
+    y = fits[0]
+    for r2, said in ((0.0, True), (0.001, False)):
+        free = y.errors.free_run._replace(r2=r2)
+        assert ("would err less" in "\n".join(statements(y._replace(errors=y.errors._replace(free_run=free))))) == said
 
 
 def test_the_card_shows_the_runs(found, fits, tmp_path):

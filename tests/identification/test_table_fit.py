@@ -1,9 +1,12 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
 from polydraulic.identification import fit_table
+from polydraulic.identification.table_fit import _copied
 from polydraulic.networks.hold_out import held_rows
 from polydraulic.tables import Table, write_table
 
@@ -270,3 +273,13 @@ def test_an_input_that_is_the_output_and_times_are_named():
     assert "warning: y: psi is the same but for scale and offset" in str(found)
     assert "warning: " not in str(fit_table(Table(columns, {}), ["a", "near"], ["y"]))
     assert "warning: time is an input" in str(fit_table(Table(columns, {}), ["a", "time"], ["y"]))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("noise", "same"), [(1.35e-5, True), (1.5e-5, False)])
+def test_no_two_sensors_agree_to_ten_digits_of_their_correlation(noise, same, sign):
+    """1 - r is half of the square of what noise adds to the spread: 0.91e-10 and 1.1e-10."""
+    t = 2.0 * np.pi * np.arange(400) / 400.0
+    table = Table({"y": np.sin(t), "x": sign * (np.sin(t) + noise * np.cos(t)) + 3.0}, {})
+    model = SimpleNamespace(output=SimpleNamespace(name="y"), inputs=[SimpleNamespace(name="x")])
+    assert bool(_copied(SimpleNamespace(model=model), table)) == same
