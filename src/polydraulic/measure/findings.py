@@ -150,8 +150,6 @@ class Findings:
             return
         found = self.add(kind, channel, detail)
         found.count += int(rows.size)
-        if len(found.rows) > SHOWN:
-            return
         cuts = np.flatnonzero(np.diff(rows) > 1)[:SHOWN]
         starts, ends = np.concatenate([[0], cuts + 1]), np.concatenate([cuts, [rows.size - 1]])
         for first, last in zip(rows[starts].tolist(), rows[ends].tolist(), strict=True):

@@ -9,7 +9,7 @@ from polydraulic.files import write_texts
 from polydraulic.measure.checks.channel_check import ChannelCheck, value_in
 from polydraulic.measure.checks.coverage import Coverage, coverage
 from polydraulic.measure.checks.deadband import Deadband, find_deadbands
-from polydraulic.measure.findings import Finding
+from polydraulic.measure.findings import SHOWN, Finding
 from polydraulic.measure.flows import flow_statement, rate_statement
 from polydraulic.measure.importing import Imported
 from polydraulic.pages.html import Cell, bullets, document, table
@@ -188,7 +188,7 @@ def _findings(findings: list[Finding]) -> str:
     rows: list[list[str | Cell]] = []
     for f in findings:
         spans = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in f.rows)
-        more = ", ..." if len(f.rows) == 20 else ""
+        more = ", ..." if len(f.rows) == SHOWN else ""
         kind, count = Cell(f.kind, f.level), Cell(str(f.count or ""), "number")
         rows.append([kind, f.channel or "log", count, spans + more, str(f).partition(": ")[2]])
     return table("", ["what", "channel", "rows", "which", "meaning"], rows) if rows else "<p>Nothing.</p>"
