@@ -25,14 +25,14 @@ from polydraulic import AbductiveRegressor
 from polydraulic.export import export_c
 from polydraulic.export.formula import to_python
 from polydraulic.networks import PerceptronRegressor, Variable
-from polydraulic.networks.growth.moments import moments
+from polydraulic.networks.growth.moments import _parts, moments
 from polydraulic.networks.growth.scoring import squared_errors
 from polydraulic.networks.model.compiled import compiled
 from polydraulic.networks.model.nodes import DOUBLE, TRIPLE, design
 from polydraulic.thesis.timing import paired_ratio, paired_times, timed
 from show import left_out, show
 
-FLOPS = 53  # useful operations a row and Triple: its moments that no pair of variables has
+FLOPS = 53  # a row and Triple: what rates are counted in, whatever it takes to find its moments
 
 
 def scoring(n_row, n=60, sample=12, side=1500):
@@ -51,11 +51,14 @@ def scoring(n_row, n=60, sample=12, side=1500):
     count = len(doubles) + len(triples)
     share = FLOPS * n_row * len(triples) / (2.0 * side**3)  # useful operations of a scoring over those of a product
     useful, alone = (paired_ratio(lambda: a @ a, call, pairs=7) for call in (scored, lambda: moments(v, t)))
+    entries = sum(part.pair.size + part.square.size for part in _parts(n, 0)) + (4 * n + 2) ** 2 / 2 + n * n
+    done = 2.0 * entries / (FLOPS * len(triples))  # by BLAS, over what is counted
     lstsq = paired_ratio(one_by_one, scored, pairs=7)
     print(f"\nscoring {count} candidates, {n} inputs, {n_row} rows; ratios with quartiles of 7 pairs")
     print(
         f"  useful operations, as a share of the DGEMM rate: {useful.times(share)}; moments alone: {alone.times(share)}"
     )
+    print(f"  operations done, {FLOPS * done:.1f} a row and Triple, as a share of it: {alone.times(share * done)}")
     print(f"  a candidate by numpy's lstsq ({sample} tried), in times of scoring: {lstsq.times(count / sample)}")
 
 

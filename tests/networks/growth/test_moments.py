@@ -9,6 +9,7 @@ RNG = np.random.default_rng(3)
 V = RNG.normal(size=(300, 4))
 T = np.sin(V[:, 0]) + V[:, 1] * V[:, 2] + 0.1 * RNG.normal(size=300)
 W = RNG.uniform(0.0, 2.0, size=300)
+SYMMETRIC = {"triple": np.s_[..., 0], "triple_target": np.s_[:], "square": np.s_[..., 1]}
 TABLES = ("power", "pair_target", "triple", "triple_target", "square")
 
 
@@ -52,11 +53,34 @@ def test_only_triples_of_old_variables_are_left_out(n_old):
     whole, new = moments(V, T, W), moments_of_blocks([(V, T, W)], 4, n_old=n_old)
     for name in TABLES:
         table = getattr(new, name)
-        old = np.zeros(table.shape, dtype=bool)
+        old, same = np.zeros(table.shape, dtype=bool), np.zeros(table.shape, dtype=bool)
         if name not in ("power", "pair_target"):
             old[: pair_row(0, n_old), :n_old] = True
-        assert np.array_equal(np.isnan(table), old)
-        assert table[~old] == pytest.approx(getattr(whole, name)[~old], rel=1e-12, abs=1e-10)
+            for j in range(4):  # the same for all choices of the pair: known for one of them
+                same[pair_row(0, j) : pair_row(0, j + 1), : j + 1][SYMMETRIC[name]] = True
+        known = ~np.isnan(table)
+        assert not known[old].any()
+        assert known[~old & ~same].all()
+        assert table[known] == pytest.approx(getattr(whole, name)[known], rel=1e-12, abs=1e-10)
+
+
+@pytest.mark.parametrize("n_old", [0, 7, 17])
+def test_of_many_variables_symmetric_entries_are_summed_for_one_choice_of_the_pair(n_old):
+    v = RNG.normal(size=(500, 30))
+    t = 1.0 + v[:, 0] - v[:, 1] * v[:, 2]
+    m = moments_of_blocks([(v, t, None)], 30, n_old=n_old)
+    for i, j, k in ((0, 1, 2), (3, 20, 29), (0, 28, 29), (5, 6, 17), (15, 16, 18), (2, 9, 18)):
+        x, y, z = v[:, i], v[:, j], v[:, k]
+        row = pair_row(i, j)
+        known = [x @ (y * z**p) for p in (1, 2, 3, 4)] + [(x * y) @ (z * t)] + [(x * y) ** 2 @ z**p for p in (1, 2)]
+        if k >= n_old:
+            found = [*m.triple[row, k], m.triple_target[row, k], *m.square[row, k]]
+            assert found == pytest.approx(known, rel=1e-9, abs=1e-9)
+            other = pair_row(i, k)
+            assert m.triple[other, j, 1:] == pytest.approx([(x * z) @ y**p for p in (2, 3, 4)], rel=1e-9, abs=1e-9)
+            assert m.square[other, j, 0] == pytest.approx((x * z) ** 2 @ y, rel=1e-9, abs=1e-9)
+        else:
+            assert np.isnan(m.triple[row, k]).all()
 
 
 def test_without_triples_their_tables_are_empty():

@@ -39,6 +39,17 @@ def test_errors_are_those_of_least_squares(kind):
         assert error == pytest.approx(np.mean(residual**2), rel=1e-9)
 
 
+def test_triples_of_many_variables_in_any_order():
+    """So many that the moments are summed in parts."""
+    v = RNG.normal(size=(300, 30))
+    inputs = np.array([[29, 3, 17], [3, 17, 29], [17, 29, 3], [20, 28, 1], [0, 1, 2]])
+    gram, right = normal_equations(moments(v, T), TRIPLE, inputs)
+    for k, chosen in enumerate(inputs):
+        matrix = design(TRIPLE, v[:, chosen])
+        assert gram[k] == pytest.approx(matrix.T @ matrix, rel=1e-10, abs=1e-8)
+        assert right[k] == pytest.approx(matrix.T @ T, rel=1e-10, abs=1e-8)
+
+
 def test_many_candidates_are_scored_like_one():
     """More than are held at a time."""
     m = moments(V, T)

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg.blas import dgemm, dsyrk
 
-_FEWEST_ROWS, _MOST_ROWS = 256, 1024  # multiplied at a time
-_CACHED = 1 << 18  # products of pairs held at a time, while that leaves enough rows
+_FEWEST_ROWS, _MOST_ROWS = 384, 1024  # multiplied at a time
+_CACHED = 1 << 18  # products of all pairs for so many rows, while that leaves enough of them
+_PAIRS = 128  # multiplied at a time, at least: with 384 rows they stay in a cache of half a megabyte
 
 Block = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
@@ -21,15 +22,15 @@ class Moments(NamedTuple):
     """Weighted sums of products over rows, for n variables v and a target t.
 
     Tables with three variables have one row a pair i < j, at `pair_row`. Entries between variables that were scored
-    before (`n_old`) are NaN there.
+    before (`n_old`) are NaN there. Entries that are the same for all three choices of the pair may be NaN unless k > j.
     """
 
     weight: float  # sum of the weights; the number of rows where there are none
     power: np.ndarray  # (4 n + 2, 4 n + 2): <a b> of v_k^p at 4 k + p - 1, p = 1 .. 4, then 1, then t
     pair_target: np.ndarray  # (n, n): <v_i v_j t>
-    triple: np.ndarray  # (n_pair, n, 4): <v_i v_j v_k^p>, p = 1 .. 4
-    triple_target: np.ndarray  # (n_pair, n): <v_i v_j v_k t>
-    square: np.ndarray  # (n_pair, n, 2): <v_i^2 v_j^2 v_k^p>, p = 1, 2
+    triple: np.ndarray  # (n_pair, n, 4): <v_i v_j v_k^p>, p = 1 .. 4; of p = 1 the same for all choices
+    triple_target: np.ndarray  # (n_pair, n): <v_i v_j v_k t>, the same
+    square: np.ndarray  # (n_pair, n, 2): <v_i^2 v_j^2 v_k^p>, p = 1, 2; of p = 2 the same
 
     @property
     def target_square(self) -> float:
@@ -83,16 +84,13 @@ class _Sums:
     """Sums over the rows seen so far. A variable is a row here, so that all products run along memory."""
 
     def __init__(self, n: int, n_old: int, triples: bool) -> None:
-        n_pair = pair_row(0, n) if triples else 0
-        self.n, self.n_old = n, n_old
-        self.n_row = int(np.clip(_CACHED // max(n_pair, 1), _FEWEST_ROWS, _MOST_ROWS))
+        self.n = n
+        self.n_row = int(np.clip(_CACHED // max(pair_row(0, n) * triples, 1), _FEWEST_ROWS, _MOST_ROWS))
         self.weight = 0.0
         self.power = np.zeros((4 * n + 2, 4 * n + 2))
         self.pair_target = np.zeros((n, n))
-        self.triple = _PairTable(n, n_old, 4, triples)
-        self.triple_target = _PairTable(n, n_old, 1, triples)
-        self.square = _PairTable(n, n_old, 2, triples)
-        self.pairs = np.empty((n_pair, self.n_row))
+        self.parts = _parts(n, n_old) if triples else []
+        self.products = np.empty(max((part.n_pair for part in self.parts), default=0) * self.n_row)
 
     def add(self, v: np.ndarray, t: np.ndarray, weight: np.ndarray | None) -> None:
         """Add rows; `v` is (n, n_row)."""
@@ -115,48 +113,69 @@ class _Sums:
             _add_product(self.power, weighted, plain)
         with_target = first * weighted[-1]
         _add_product(self.pair_target, first, with_target)
-        if not self.pairs.size:
+        if not self.parts:
             return
-        pairs = self.pairs if n_row == self.n_row else np.empty((len(self.pairs), n_row))
-        for j in range(n):
-            np.multiply(first[:j], first[j], out=pairs[pair_row(0, j) : pair_row(0, j + 1)])
-        self.triple.add(pairs, weighted[:-2])
-        self.triple_target.add(pairs, with_target)
-        np.multiply(pairs, pairs, out=pairs)
-        self.square.add(pairs, weighted[:-2].reshape(n, 4, n_row)[:, :2].reshape(2 * n, n_row))
+        powers = weighted[: 4 * n].reshape(n, 4, n_row)
+        for_pairs, for_squares = np.empty((5 * n, n_row)), np.empty((2 * n, n_row))
+        for_pairs[: 2 * n : 2], for_pairs[1 : 2 * n : 2] = powers[:, 0], with_target
+        for_pairs[2 * n :].reshape(n, 3, n_row)[:] = powers[::-1, 1:]
+        for_squares[:n], for_squares[n:] = powers[:, 1], powers[::-1, 0]
+        for part in self.parts:
+            products = self.products[: part.n_pair * n_row].reshape(part.n_pair, n_row)
+            for j in range(part.first, part.end):
+                row = pair_row(0, j) - pair_row(0, part.first)
+                np.multiply(first[:j], first[j], out=products[row : row + j])
+            _add_product(part.pair, products, for_pairs[2 * part.rising : 5 * n - 3 * part.old])
+            np.multiply(products, products, out=products)
+            _add_product(part.square, products, for_squares[part.rising : 2 * n - part.old])
 
     def moments(self) -> Moments:
         """What has been summed; of symmetric tables only one half was."""
         power = np.triu(self.power) + np.triu(self.power, 1).T
-        triple, square = self.triple.whole(), self.square.whole()
-        return Moments(
-            weight=self.weight,
-            power=power,
-            pair_target=self.pair_target,
-            triple=triple.reshape(len(triple), self.n, 4),
-            triple_target=self.triple_target.whole(),
-            square=square.reshape(len(square), self.n, 2),
-        )
+        n, n_pair = self.n, pair_row(0, self.n) if self.parts else 0
+        triple, triple_target = np.full((n_pair, n, 4), np.nan), np.full((n_pair, n), np.nan)
+        square = np.full((n_pair, n, 2), np.nan)
+        for part in self.parts:
+            rows = slice(pair_row(0, part.first), pair_row(0, part.end))
+            n_rising, n_all = n - part.rising, n - part.old
+            triple[rows, part.rising :, 0] = part.pair[:, : 2 * n_rising : 2]
+            triple_target[rows, part.rising :] = part.pair[:, 1 : 2 * n_rising : 2]
+            triple[rows, part.old :, 1:] = part.pair[:, 2 * n_rising :].reshape(-1, n_all, 3)[:, ::-1]
+            square[rows, part.rising :, 1] = part.square[:, :n_rising]
+            square[rows, part.old :, 0] = part.square[:, : n_rising - 1 : -1]
+        return Moments(self.weight, power, self.pair_target, triple, triple_target, square)
 
 
-class _PairTable:
-    """Sums of pairs times some functions of each variable, without those of old pairs with old variables."""
+class _Part(NamedTuple):
+    """Sums of the pairs i < j of first <= j < end, with functions of each variable k, those first that are the same whichever two are the pair.
 
-    def __init__(self, n: int, n_old: int, n_function: int, used: bool) -> None:
-        self.n_pair, self.n_old_pair = (pair_row(0, n), pair_row(0, n_old)) if used else (0, 0)
-        self.n_column, self.n_old_column = n * n_function, n_old * n_function
-        self.of_old = np.zeros((self.n_old_pair, self.n_column - self.n_old_column))
-        self.of_new = np.zeros((self.n_pair - self.n_old_pair, self.n_column))
+    These are summed for variables from `rising` on, in rising order, and all others from `old` on, in falling order, so that
+    what a part needs stands together in the functions of all variables.
+    """
 
-    def add(self, pairs: np.ndarray, functions: np.ndarray) -> None:
-        _add_product(self.of_old, pairs[: self.n_old_pair], functions[self.n_old_column :])
-        _add_product(self.of_new, pairs[self.n_old_pair :], functions)
+    first: int
+    end: int
+    rising: int
+    old: int
+    pair: np.ndarray  # (n_pair, n_function): pairs with v_k, v_k t; and v_k^2, v_k^3, v_k^4
+    square: np.ndarray  # (n_pair, n_function): squares of pairs with v_k^2; and v_k
 
-    def whole(self) -> np.ndarray:
-        table = np.full((self.n_pair, self.n_column), np.nan)
-        table[: self.n_old_pair, self.n_old_column :] = self.of_old
-        table[self.n_old_pair :] = self.of_new
-        return table
+    @property
+    def n_pair(self) -> int:
+        return len(self.pair)
+
+
+def _parts(n: int, n_old: int) -> list[_Part]:
+    """All pairs of `n` variables, without old pairs with old variables."""
+    parts, first = [], 0
+    for end in range(1, n + 1):
+        n_pair = pair_row(0, end) - pair_row(0, first)
+        if end in (n_old, n) or n_pair >= _PAIRS:
+            rising, old = max(first, n_old), n_old if end <= n_old else 0
+            sizes = (2 * (n - rising) + 3 * (n - old), 2 * n - rising - old)
+            parts.append(_Part(first, end, rising, old, *(np.zeros((n_pair, size)) for size in sizes)))
+            first = end
+    return parts
 
 
 def _add_product(total: np.ndarray, left: np.ndarray, right: np.ndarray) -> None:
