@@ -124,6 +124,38 @@ def test_arguments_are_checked_before_anything_is_learnt():
         watch_log(log, "wheel_loader")
 
 
+def refused_while_learning(of, log, own, rate):
+    raise InputError(f"{own.sum()} rows are learnt from")
+
+
+@pytest.mark.parametrize(("rows", "said"), [(20_000, "its first 600 s"), (17_900, "its first 597 s")])
+def test_a_third_of_a_log_is_taken_for_healthy_and_ten_minutes_at_most(monkeypatch, rows, said):
+    monkeypatch.setattr(watch_log_module, "learnt_from", refused_while_learning)
+    short = log_of(load_machine("wheel_loader"), 34, 10.0)
+    columns = {name: np.resize(short[name], rows) for name in short.names} | {"time": 5.0 + 0.1 * np.arange(rows)}
+    with pytest.raises(InputError, match=f"{said}, taken for healthy: {min(6000, -(-(rows - 1) // 3))} rows"):
+        watch_log(Table(columns, short.units), "wheel_loader")
+
+
+@pytest.mark.parametrize(("factor", "one"), [(1.009, True), (0.991, True), (1.011, False), (0.989, False)])
+def test_rasters_of_a_log_and_of_healthy_work_are_one_within_a_hundredth(monkeypatch, factor, one):
+    monkeypatch.setattr(watch_log_module, "learnt_from", refused_while_learning)
+    log = log_of(load_machine("wheel_loader"), 34, 10.0)
+    other = Table({**log.columns, "time": factor * log["time"]}, log.units)
+    with pytest.raises(InputError, match="rows are learnt from" if one else "import both on one raster"):
+        watch_log(log, "wheel_loader", healthy=other)
+
+
+@pytest.mark.parametrize(
+    ("left", "told"), [(29, False), (30, True)]
+)  # of 0.1 s, 3 s of which are a twentieth of a minute
+def test_three_seconds_that_are_not_judged_are_told(left, told):
+    shape = block_shape(0.1)
+    rows = 20 * shape.inside + left
+    said = watch_log_module._not_judged(Table({"time": 0.1 * np.arange(rows)}, {}), 0, 20, shape)
+    assert bool(said) == told
+
+
 def test_sensors_that_stay_are_told_together():
     """Each for itself: one is no explanation of the other."""
     stays = [
