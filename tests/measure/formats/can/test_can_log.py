@@ -8,7 +8,6 @@ from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.can.database import j1939_codes
 
 ENDINGS = ["mf4", "blf", "asc"]
 
@@ -168,14 +167,6 @@ def test_messages_are_of_j1939_where_the_database_says_so(tmp_path, attributes, 
         if text in f.detail
     ]
     assert said == (["specific", "reserved", "error", "not available"] if j1939 else [])
-
-
-@pytest.mark.parametrize(("name", "low", "high"), [
-    ("parameter specific", 0xFB00, 0xFBFF), ("reserved", 0xFC00, 0xFDFF), ("error", 0xFE00, 0xFEFF), ("not available", 0xFF00, 0xFFFF),
-])  # fmt: skip
-def test_codes_of_two_bytes_are_those_of_the_higher_one(name, low, high):
-    assert [code for code in j1939_codes(16) if code.text == name] == [(low, high, name)]
-    assert [code[:2] for code in j1939_codes(8) if code.text == name] == [(low >> 8, high >> 8)]
 
 
 def test_a_value_that_a_database_names_is_none_of_these_codes(tmp_path):

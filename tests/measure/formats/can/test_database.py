@@ -7,7 +7,7 @@ from helpers.can_made import DBC, bus, write_bus
 from polydraulic.errors import InputError
 from polydraulic.measure import open_log
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.can.database import Messages
+from polydraulic.measure.formats.can.database import Messages, j1939_codes, parameter_group
 
 
 def database(tmp_path, old, new):
@@ -60,3 +60,28 @@ def test_signals_below_a_multiplexer_that_is_no_number_are_left_out_too(tmp_path
     with open_log(write_bus(tmp_path / "a.blf", bus(5)), dbc=[path]) as log:
         assert log.left_out["b"] == "its multiplexer 'inner' has 65 bits, as a text has; a number has at most 64"
         assert {"page", "a"} <= {signal.name for signal in log.signals}
+
+
+@pytest.mark.parametrize(
+    ("length", "codes"),
+    [
+        (2, [(2, 2, "error"), (3, 3, "not available")]),
+        (4, [(14, 14, "error"), (15, 15, "not available")]),
+        (10, [(1022, 1022, "error"), (1023, 1023, "not available")]),
+        (8, [(251, 251, "parameter specific"), (252, 253, "reserved"), (254, 254, "error"), (255, 255, "not available")]),
+        (12, [(0xFB0, 0xFBF, "parameter specific"), (0xFC0, 0xFDF, "reserved"), (0xFE0, 0xFEF, "error"), (0xFF0, 0xFFF, "not available")]),
+        (16, [(0xFB00, 0xFBFF, "parameter specific"), (0xFC00, 0xFDFF, "reserved"), (0xFE00, 0xFEFF, "error"),
+              (0xFF00, 0xFFFF, "not available")]),
+        (32, [(251 << 24, (252 << 24) - 1, "parameter specific"), (252 << 24, (254 << 24) - 1, "reserved"),
+              (254 << 24, (255 << 24) - 1, "error"), (255 << 24, (1 << 32) - 1, "not available")]),
+        (1, []), (3, []), (7, []), (9, []), (11, []), (33, []), (64, []),
+    ],
+)  # fmt: skip
+def test_raw_values_that_are_none_by_the_standard(length, codes):
+    """SAE J1939-71, ranges of transmitted signals, and states of discrete parameters."""
+    assert [tuple(code) for code in j1939_codes(length)] == codes
+
+
+def test_a_group_has_a_destination_below_format_240():
+    assert parameter_group(0x18EF0703) == 0xEF00
+    assert parameter_group(0x18F00703) == 0xF007

@@ -284,3 +284,11 @@ def test_more_rows_than_the_file_can_hold_are_told():
     assert rows_fit(rows, 10, 4)  # may be compressed
     rows.channel_group.cycles_nr = 1 << 40
     assert not rows_fit(rows, 1_000_000, 4)
+
+
+@pytest.mark.parametrize(("version", "most"), [(3, 40_000), (4, 44_000_000)])
+def test_a_file_holds_no_more_rows_than_its_bytes_can(version, most):
+    """Plain ones of version 3; of version 4 up to 1100 bytes in one that is packed."""
+    for rows, fits in ((most // 8, True), (most // 8 + 1, False)):
+        group = SimpleNamespace(channel_group=SimpleNamespace(cycles_nr=rows, samples_byte_nr=8))
+        assert rows_fit(group, 40_000, version) == fits

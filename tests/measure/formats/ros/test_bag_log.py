@@ -154,6 +154,8 @@ def test_names_may_be_shortened_where_no_other_topic_has_them(tmp_path):
 def test_headers_that_are_late_early_or_empty_are_named(tmp_path):
     for late, stamps, said in (
         (0.002, lambda t: BEGAN + t, None),
+        (0.099, lambda t: BEGAN + t, None),
+        (0.101, lambda t: BEGAN + t, ("stamps", "received 0.101 to 0.101 s after their stamps")),
         (2.5, lambda t: BEGAN + t, ("stamps", "received 2.5 to 2.5 s after their stamps")),
         (0.0, lambda t: BEGAN + t + 3.0 * t, ("stamps", "received -1.77 to 0 s after their stamps")),
         (0.25, lambda t: None, ("unstamped", "")),
@@ -174,6 +176,15 @@ def test_a_single_header_without_a_time_is_a_row_without_a_time(tmp_path):
         ("no time", "group 0", ((6, 6),)),
         ("no time", "group 1", ((6, 6),)),
     }
+
+
+@pytest.mark.parametrize(("begin", "began"), [(315_532_799, 0.0), (315_532_801, 315_532_801.0)])
+def test_clocks_of_bags_show_dates_from_1980_on(tmp_path, begin, began):
+    messages = work(MAKE, stamps=lambda t: begin + t)
+    path = write_bag(tmp_path / "log", ((topic, kind, at - BEGAN + begin, m) for topic, kind, at, m in messages))
+    with open_log(path) as log:
+        assert log.began == began
+    assert columns(path)[0]["/pump/fluid_pressure"][0] == pytest.approx(begin + TIME, abs=1e-6)
 
 
 def test_stamps_of_a_simulation_are_times_of_their_own(tmp_path):
