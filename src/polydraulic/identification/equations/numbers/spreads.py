@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 
 from polydraulic.errors import InputError
+from polydraulic.identification.equations.free_numbers import SPREADS
 from polydraulic.parameters.layout.schema import LayoutMachine
 
-_SHARES = {"flow": 0.1, "relief": 0.05, "torque_limit_start": 0.1, "gain": 0.2, "time_constant": 0.3}
+_SHARES = SPREADS | {"gain": 0.2, "time_constant": 0.3}
 _USUAL = 0.3
 _DEAD_TIME = 0.05  # s: zero in most files
 
