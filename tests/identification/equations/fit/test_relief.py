@@ -60,7 +60,7 @@ def found_of(stalled=200, blocks=4, above=0, beyond=0.0, flowing=10, below=1e5, 
         ({"below": 5.8e5}, {"below": 6.2e5}),  # half of it is a hundredth of the setting
         ({"travel": 6.1e-3}, {"travel": 5.9e-3}),  # a fifth more than opens the valve
         ({"still": 0.0199}, {"still": 0.0201}),
-        ({"above": 10, "beyond": 8 * NOISE}, {"above": 10, "beyond": 14 * NOISE}),  # too far from where most stall
+        ({"above": 10, "beyond": 9 * NOISE}, {"above": 10, "beyond": 11 * NOISE}),  # too far from where most stall
     ],
 )
 def test_what_shows_a_setting_is_enough_by_little(enough, short):
