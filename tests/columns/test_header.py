@@ -2,7 +2,7 @@
 
 import pytest
 
-from polydraulic.columns.header import names_and_units
+from polydraulic.columns.header import example, names_and_units
 from polydraulic.measure import open_log
 
 READ = {
@@ -11,12 +11,13 @@ READ = {
     "p,bar": ("p", "bar"), "Q/(l/min)": ("Q", "l/min"), "Q/l/min": ("Q", "l/min"), "v/(m/s)": ("v", "m/s"), "x/mm": ("x", "mm"),
     "T/°C": ("T", "°C"), "T in degC": ("T", "degC"), "M/(N m)": ("M", "N m"), "M/Nm": ("M", "Nm"), "I/A": ("I", "A"), "i_1/mA": ("i_1", "mA"),
     "t/s": ("t", "s"), "t in ms": ("t", "ms"), "Zeit/s": ("Zeit", "s"), "time, s": ("time", "s"), "p/bar(a)": ("p", "bar(a)"),
+    "P (Bar)": ("P", "Bar"), "x (MM)": ("x", "MM"), "n (RPM)": ("n", "RPM"), "boom (Deg)": ("boom", "Deg"), "Q (L/Min)": ("Q", "L/Min"),
     "m/kg": ("m", "kg"), "Boom stroke in mm": ("Boom stroke", "mm"), "p/kg/cm2": ("p", "kg/cm2"), "U/V": ("U", "V"),
 }  # fmt: skip
 NAMES = [
     "p_bar", "p bar", "km/h", "m/s", "l/min", "rev/min", "U/min", "N/mm2", "bar/s", "pulses/s", "count/min", "strokes in h", "fuel, h", "valve/A",
     "flow in A", "port, A", "p/A", "p/V", "pressure in mA", "on/off", "A/C", "a/g", "T/C", "in/out", "/bar", "bar/", "x in tank", "time/mm", "a, b", "p/1",
-    "rate/1", "time/frame", "s/n", "/", "in bar", ", bar",
+    "P (IN)", "P (A)", "Cylinder (Rod)", "Mode (Auto)", "load (LS)", "rate/1", "time/frame", "s/n", "/", "in bar", ", bar",
 ]  # fmt: skip
 
 
@@ -41,3 +42,16 @@ def test_a_log_goes_by_names_and_whole_heads(tmp_path):
     with open_log(tmp_path / "a.csv") as log:
         assert [(s.name, s.unit) for s in log.signals] == [("t", "s"), ("p", "bar"), ("n", "rpm"), ("Q", "l/min")]
         assert log.signal("p/bar").name == "p"
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"),
+    [
+        ("105 bar", "such as '105 bar': numbers with their unit; leave 'bar' out of the cells"),
+        ("-1,5mm", "such as '-1,5mm': numbers with their unit; leave 'mm' out of the cells"),
+        ("0x69", "such as '0x69'"),
+        ("OVERLOAD", "such as 'OVERLOAD'"),
+    ],
+)
+def test_a_cell_that_is_no_number_is_shown_and_its_unit_named(cell, said):
+    assert example(cell) == said

@@ -8,7 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.units import FACTORS, read_unit
 
 _BRACKETS = re.compile(r"^\s*(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*$")
@@ -18,6 +18,9 @@ _SYMBOLS = frozenset(
     "s ms us µs ns min h sec m mm cm km µm um in ft bar mbar barg bara psi psig psia Pa hPa kPa MPa Nm N kN MN J kJ W kW V mV kV "
     "mA kg t l L ml cc cm3 m3 rev U deg ° grad rad rpm RPM 1/min Hz kHz °C degC degF K % gpm GPM lpm LPM lbf lb hp PS g Ω Ohm".split()
 ) | {unit for units in FACTORS.values() for unit in units if len(unit) > 1}
+_FOLDED = frozenset(symbol.casefold() for symbol in _SYMBOLS if len(symbol) > 1)
+_WITH_UNIT = re.compile(r"^\s*[+-]?[0-9][0-9.,]*([eE][+-]?[0-9]+)?\s*(?P<unit>[^\s0-9.,].*?)\s*$")
+_ALSO = ("A", "bar(g)", "bar(a)", "psi(g)", "psi(a)")  # units in parentheses, but for ports of pressures
 _FORMS = (
     re.compile(r"^(?P<name>[^/]*[^/\s])\s*/\s*(?P<unit>\([^()]+\)|[^()\s]+(\([^()]*\))?)$"),
     re.compile(r"(?i)^(?P<name>.*\S)\s+in\s+(?P<unit>\S+)$"),
@@ -70,6 +73,14 @@ def is_unit(text: str) -> bool:
     )
 
 
+def example(cell: str) -> str:
+    """Words on a cell that is not a number, and on what to do where it is one with its unit."""
+    match = _WITH_UNIT.match(cell)
+    unit = match["unit"] if match else ""
+    more = f": numbers with their unit; leave {unit!r} out of the cells" if is_unit(unit) or _kind(unit) else ""
+    return f"such as {briefly(cell)}{more}"
+
+
 def _split(head: str) -> tuple[str, str]:
     match = _BRACKETS.match(head)
     if match:
@@ -78,9 +89,8 @@ def _split(head: str) -> tuple[str, str]:
     if match:
         inner = match["unit"].strip()
         pressure = re.match(r"(?i)^(p|pressure|druck)\b", match["name"])
-        if is_unit(inner) or (
-            inner in ("A", "bar(g)", "bar(a)", "psi(g)", "psi(a)") and not (pressure and inner == "A")
-        ):
+        port = pressure and inner in ("A", "IN")
+        if (is_unit(inner) or _is_capital_unit(inner) or inner in _ALSO) and not port:
             return match["name"].rstrip("/ "), inner
     head = head.strip()
     for form in _FORMS:
@@ -90,6 +100,11 @@ def _split(head: str) -> tuple[str, str]:
             if _measured_in(name, unit, head):
                 return name, unit
     return head, ""
+
+
+def _is_capital_unit(text: str) -> bool:
+    """Whether a text is a unit but for capital letters, as ``Bar``, ``PSI`` or ``Deg``."""
+    return text.casefold() in _FOLDED and bool(_kind(text))
 
 
 def _measured_in(name: str, unit: str, head: str) -> bool:

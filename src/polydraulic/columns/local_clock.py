@@ -22,6 +22,10 @@ class Notes(Protocol):
         """Note rows (their numbers, rising)."""
         ...
 
+    def expect(self, kind: str, channel: str, detail: str) -> None:
+        """Keep the detail of a finding that may come."""
+        ...
+
 
 class LocalClock:
     """Continues local times, block by block.

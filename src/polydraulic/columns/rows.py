@@ -16,6 +16,8 @@ from polydraulic.errors import InputError
 
 BLOCK = 4 << 20  # bytes
 _COMMENT = ("#", "//", "%", ";")
+_COMPARED = 20  # lines that a last one without an end is compared with
+_BEFORE_CUT = 1 << 16  # bytes that these are looked for in
 
 
 class CellBlock(NamedTuple):
@@ -34,6 +36,9 @@ class Silent:
         return None
 
     def add_rows(self, kind: str, channel: str, rows: np.ndarray, detail: str = "") -> None:
+        """Do nothing."""
+
+    def expect(self, kind: str, channel: str, detail: str) -> None:
         """Do nothing."""
 
 
@@ -56,7 +61,7 @@ def cell_blocks(
     columns : sequence of int
         Places of the columns.
     notes : Notes
-        Takes ``missing line``, ``short line`` and ``comment``.
+        Takes ``missing line``, ``short line``, ``cut line`` and ``comment``.
     numeric : collection of int
         Columns that come as numbers in blocks in which they hold nothing else, and as texts in others.
     decimal : str
@@ -70,8 +75,15 @@ def cell_blocks(
     parser = _Parser(dialect, columns, numeric, decimal)
     begun = 0  # lines of data before the block
     waiting: list[tuple[int, str]] = []  # odd rows behind the last good one of their block
-    for text, batch, odd, share in ahead(_parsed(path, found, dialect, parser)):
+    for text, batch, odd, share, cut in ahead(_parsed(path, found, dialect, parser)):
         count, odd = batch.num_rows + len(odd), [(begun + number, line) for number, line in odd]
+        if cut:
+            notes.add_rows(
+                "cut line",
+                "",
+                np.array([begun + count + 1]),
+                f"its last value is {cut!r}: if it is whole, end its line",
+            )
         rows = np.arange(begun + 1, begun + 1 + count)
         rows = np.delete(rows, [number - begun - 1 for number, _ in odd]) if odd else rows
         begun, odd = begun + count, waiting + odd
@@ -93,18 +105,40 @@ def cell_blocks(
         yield mended
 
 
-def _parsed(path: Path, found: Scan, dialect: Dialect, parser: "_Parser") -> Iterator[tuple[bytes, Any, Any, float]]:
-    """Blocks of whole lines, what the parser makes of them, and the share of the file that has been read."""
+def _parsed(
+    path: Path, found: Scan, dialect: Dialect, parser: "_Parser"
+) -> Iterator[tuple[bytes, Any, Any, float, str]]:
+    """Blocks of whole lines, what the parser makes of them, the share of the file that has been read, and a last value that is cut off."""
     import pyarrow as pa
 
     try:
         with Source(path, found.encoding, dialect.begin, dialect.delimiter == BLANKS) as source:
             for block in source.lines(BLOCK):
-                text = without_stray_quotes(block)
-                yield text, *parser.parse(text), source.share
+                text, cut = without_stray_quotes(block), ""
+                if str(dialect.width - 1) in parser.needed:
+                    text, cut = without_cut_line(text, parser.delimiter)
+                yield text, *parser.parse(text), source.share, cut
     except (pa.ArrowException, UnicodeError, *DAMAGED) as error:
         said = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"{path}: cannot be read as a CSV log ({said})") from error
+
+
+def without_cut_line(text: bytes, delimiter: str) -> tuple[bytes, str]:
+    """Lines without a last one that breaks off within its last value, and what is left of this one; empty where none breaks off.
+
+    A logger that loses its power leaves 10 of 101.99. The file then ends without the end of a line, behind a value that is shorter than
+    those of the lines before.
+    """
+    if text.endswith((b"\n", b"\r")) or not text:
+        return text, ""
+    start = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
+    before = text[max(0, start - _BEFORE_CUT) : start].splitlines()[1:][-_COMPARED:]
+    mark = delimiter.encode()
+    lines = [text[start:], *before]
+    last, *others = (line.rpartition(mark)[2].strip() for line in lines)
+    alike = len(others) == _COMPARED and len({line.count(mark) for line in lines}) == 1 and b'"' not in text[start:]
+    cut = alike and 0 < len(last) < min(map(len, others))
+    return (text[:start], last.decode("utf-8", "replace")) if cut else (text, "")
 
 
 def without_stray_quotes(text: bytes) -> bytes:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.columns.dialect import BLANKS, Dialect, find_dialect
+from polydraulic.columns.header import example
 from polydraulic.columns.local_clock import LocalClock, Notes
 from polydraulic.columns.rows import Silent, cell_blocks
 from polydraulic.columns.source import Scan, scan_bytes
@@ -74,12 +75,15 @@ class TextFile:
         self._point = self._scan.point or b"." in body
         self._quote = self._scan.quote or b'"' in body
         self._orders: dict[str, DateOrder] = {}
+        heads = [f"{name} ({unit})" for name, unit in zip(self.names, self.units, strict=True)]
+        self._places: dict[str, int] = {}
+        for names in (self.names, heads):
+            for place, name in enumerate(names):
+                self._places.setdefault(name, place)
 
     def place(self, name: str) -> int:
         """Place of the first column of a name; the header's own text will do, too."""
-        if name in self.names:
-            return self.names.index(name)
-        return [f"{name} ({unit})" for name, unit in zip(self.names, self.units, strict=True)].index(name)
+        return self._places[name]
 
     def kind(self, name: str) -> str:
         """``"stamp"`` or ``"clock"`` for a column of dates or of times of day, otherwise an empty text."""
@@ -137,12 +141,18 @@ class TextFile:
         numeric = {place for place, column in read if column.plain(decimal)}
         numeric -= {place for place, column in read if not column.plain(decimal)}  # read in two ways
         of_time = [] if clock is None else clock.places
+        told: set[str] = set()
         wide = list(dict.fromkeys([*of_time, *places.values()]))
         for block in cell_blocks(self.path, self._scan, self.dialect, wide, notes, numeric, decimal):
             values, text = {}, {}
             for name, place in places.items():
                 values[name], text[name] = columns[name].numbers(block.cells[place])
             at = None if clock is None else clock.times(block.cells, block.rows)
+            for name in set(places) - told:
+                kept = text[name] if at is None else text[name][np.isfinite(at[text[name]])]
+                if kept.size:
+                    told.add(name)
+                    notes.expect("text", name, example(block.cells[places[name]][int(kept[0])].as_py()))
             yield NumberBlock(block.rows, at, values, text, block.done)
 
     def column(self, name: str, notes: Notes) -> TextColumn:
@@ -256,7 +266,7 @@ class _Time:
 
     def _note(self, cells: Any, bad: np.ndarray) -> None:
         if bad.size:
-            self.notes.add("no time", self.name, f"such as {cells[int(bad[0])].as_py()!r}")
+            self.notes.add("no time", self.name, example(cells[int(bad[0])].as_py()))
 
 
 @cache

@@ -15,6 +15,10 @@ KINDS = {
         "warning",
         "lines with fewer fields than others, as many of this log have; missing fields are missing values",
     ),
+    "cut line": (
+        "warning",
+        "the file ends in the middle of a line, behind a value shorter than those before: it may be cut off; left out",
+    ),
     "comment": ("warning", "lines of comment between the rows; left out"),
     "no time": ("error", "rows without a readable time; left out"),
     "clock jump": ("error", "single times that jump away and come back; left out"),
@@ -130,6 +134,7 @@ class Findings:
 
     def __init__(self) -> None:
         self._found: dict[tuple[str, str], Finding] = {}
+        self._expected: dict[tuple[str, str], str] = {}
 
     def __iter__(self):  # type: ignore[no-untyped-def]
         order = {"error": 0, "warning": 1}
@@ -140,9 +145,15 @@ class Findings:
 
     def add(self, kind: str, channel: str = "", detail: str = "") -> Finding:
         """Note something that is not about single rows."""
-        found = self._found.setdefault((kind, channel), Finding(kind, channel))
+        found = self._found.setdefault(
+            (kind, channel), Finding(kind, channel, detail=self._expected.get((kind, channel), ""))
+        )
         found.detail = detail or found.detail
         return found
+
+    def expect(self, kind: str, channel: str, detail: str) -> None:
+        """Keep the detail of a finding that may come: what is wrong with rows that have no time is none."""
+        self._expected.setdefault((kind, channel), detail)
 
     def add_rows(self, kind: str, channel: str, rows: np.ndarray, detail: str = "") -> None:
         """Note rows (their numbers, rising)."""

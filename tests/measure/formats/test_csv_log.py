@@ -309,3 +309,36 @@ def test_a_line_longer_than_a_block_is_refused(tmp_path, monkeypatch):
     (tmp_path / "log.csv").write_text("time,p\n" + "".join(f"{i},1\n" for i in range(300)) + "1," + "9" * 3000 + "\n")
     with pytest.raises(InputError, match="a line is longer than 1000 bytes"), open_log(tmp_path / "log.csv") as log:
         list(log.read(0, ["p"], "time", Findings()))
+
+
+@pytest.mark.parametrize(
+    ("end", "left_out"),
+    [
+        ("0.60,10", "10"),
+        ("0.60,100.5", ""),
+        ("0.60,10\n", ""),
+        ("0.60,", ""),
+        ("0.6", ""),
+    ],
+)
+def test_a_last_value_that_may_be_cut_off_is_left_out(tmp_path, end, left_out):
+    rows = "".join(f"{i / 100:.2f},{100 + i % 7}.5\n" for i in range(60))
+    (tmp_path / "log.csv").write_text("time,p\n" + rows + end)
+    found, table = import_of(tmp_path / "log.csv")
+    cut = found.findings.of("cut line")
+    assert [f.detail for f in cut] == (
+        [f"its last value is {left_out!r}: if it is whole, end its line"] if left_out else []
+    )
+    assert [f.rows for f in cut] == ([[(61, 61)]] if left_out else [])
+    assert (table["p"].min() == 10e5) == (end == "0.60,10\n")
+
+
+def test_of_values_that_are_not_numbers_one_is_shown(tmp_path):
+    rows = "".join(f"{i / 100:.2f},{100 + i % 7}.5{' bar' if i % 2 else ''}\n" for i in range(60))
+    (tmp_path / "log.csv").write_text("time,p\n" + rows)
+    found, _ = import_of(tmp_path / "log.csv")
+    assert (
+        found.findings.of("text")[0].detail
+        == "such as '101.5 bar': numbers with their unit; leave 'bar' out of the cells"
+    )
+    assert found.findings.of("text")[0].count == 30

@@ -24,7 +24,7 @@ def open_csv(path: Path, dates: str | None = None) -> Log:
 
 def _signal(file: TextFile, place: int) -> Signal:
     name = file.names[place]
-    if file.names.index(name) != place:
+    if file.place(name) != place:
         return Signal(name, file.units[place], 0)
     kind = file.kind(name)
     return Signal(name, file.units[place], 0, kind, file.date_beside(name) or "", file.order_in_doubt(name))
