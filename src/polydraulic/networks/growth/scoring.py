@@ -10,8 +10,8 @@ from polydraulic.networks.growth.moments import Moments
 from polydraulic.networks.model.nodes import terms
 
 _PIVOT = 1e-11  # a column whose rest is smaller than this share of it depends on the columns before it
-_CHUNK = 512  # candidates whose moments are held at a time
-_LANES = 8  # candidates solved side by side
+_CHUNK = 512  # candidates whose moments are held at a time, whole lanes of them
+_LANES = 32  # candidates solved side by side
 _POWERS, _TRIPLE, _SQUARE, _PAIR_TARGET, _TRIPLE_TARGET = range(5)
 _TARGET = -1  # in place of an exponent: the target
 
@@ -133,17 +133,20 @@ def _explain(
 
     Candidates are solved side by side, so that the innermost loops are vectors; `work` is (n_term + 3, n_term, n_lane).
     """
-    n, lanes = product.shape[0], range(work.shape[2])
+    n, n_lane = product.shape[0], work.shape[2]
+    lanes = range(n_lane)
     z, inverse, rest = work[n], work[n + 1], work[n + 2]
-    for first in range(0, found.shape[1], work.shape[2]):
+    for first in range(0, found.shape[1], n_lane):
+        end = first + n_lane
         for i in range(n):
+            whole, right = found[product[i, i], first:end], found[target[i], first:end]
             for k in lanes:
-                rest[i, k] = found[product[i, i], first + k]
-                z[i, k] = found[target[i], first + k]
+                rest[i, k] = whole[k]
+                z[i, k] = right[k]
             for j in range(i):
-                entry = work[i, j]
+                entry, moment = work[i, j], found[product[i, j], first:end]
                 for k in lanes:
-                    entry[k] = found[product[i, j], first + k]
+                    entry[k] = moment[k]
                 for l in range(j):  # noqa: E741
                     for k in lanes:
                         entry[k] -= work[i, l, k] * work[j, l, k]
@@ -152,11 +155,10 @@ def _explain(
                     rest[i, k] -= entry[k] * entry[k]
                     z[i, k] -= entry[k] * z[j, k]
             for k in lanes:
-                whole = found[product[i, i], first + k]
-                inverse[i, k] = 1.0 / np.sqrt(rest[i, k]) if rest[i, k] > _PIVOT * whole else 0.0
+                inverse[i, k] = 1.0 / np.sqrt(rest[i, k]) if rest[i, k] > _PIVOT * whole[k] else 0.0
                 z[i, k] *= inverse[i, k]
+        total = explained[first:end]
         for k in lanes:
-            total = 0.0
+            total[k] = 0.0
             for i in range(n):
-                total += z[i, k] * z[i, k]
-            explained[first + k] = total
+                total[k] += z[i, k] * z[i, k]
