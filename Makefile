@@ -19,7 +19,7 @@ test coverage test-all: export PYTHONDONTWRITEBYTECODE =
 # Whatever holds a kernel or calls one by itself: the rest is the same in plain Python, and slower.
 PLAIN := tests/test_elementary.py tests/machine tests/flow tests/simulation tests/control tests/networks/model \
 	tests/networks/growth/test_derivatives.py tests/networks/growth/test_least_squares.py tests/networks/growth/test_refine.py \
-	tests/networks/growth/test_scoring.py tests/networks/proof/test_taylor.py \
+	tests/networks/growth/test_scoring.py tests/networks/growth/test_variables.py tests/networks/proof/test_taylor.py \
 	tests/identification/equations/fit/test_circuit_slopes_at.py tests/identification/equations/test_pilot_fit.py \
 	tests/networks/dynamic/test_free_run.py tests/networks/dynamic/test_lagged_terms.py \
 	tests/export/translate tests/export/test_machine.py tests/export/test_controller.py \

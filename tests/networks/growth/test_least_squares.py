@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from polydraulic.networks.growth.least_squares import add_rows, begin, carve, factor_of, solve_terms
+from polydraulic.networks.model.nodes import LINEAR, TRIPLE, design
 
 RNG = np.random.default_rng(0)
 A = RNG.normal(size=(90, 5))
@@ -14,9 +15,9 @@ def factor(matrix, y, weight, cuts=(30, 70)):
     w = np.ones(len(y)) if weight is None else weight
     weighted = matrix * w[:, None]
     triangle = begin(weighted.T @ matrix, weighted.T @ y, w @ y**2)
+    inputs = np.arange(matrix.shape[1])
     for part in np.split(np.arange(len(y)), cuts):
-        rows = np.asfortranarray(np.column_stack([matrix[part], y[part]]))
-        add_rows(triangle, rows, None if weight is None else weight[part])
+        add_rows(triangle, LINEAR, inputs, np.ascontiguousarray(matrix[part].T), y[part], np.sqrt(w[part]))
     return factor_of(triangle)
 
 
@@ -105,3 +106,15 @@ def test_terms_that_explain_no_more_than_rounding_are_left_out_however_cheap():
     factor = np.linalg.qr(np.column_stack([columns, y]), mode="r")
     factor *= np.where(np.diag(factor) < 0.0, -1.0, 1.0)[:, None]  # as `factor_of` has it
     assert np.flatnonzero(carve(factor, 0.0).coef).tolist() == [1, 3]
+
+
+@pytest.mark.parametrize("weight", [False, True])
+def test_more_rows_than_are_multiplied_at_a_time(weight):
+    v, y = RNG.normal(size=(3, 2300)), RNG.normal(size=2300)
+    w = RNG.uniform(0.1, 2.0, size=2300) if weight else np.ones(2300)
+    matrix = design(TRIPLE, v.T)
+    triangle = begin((matrix * w[:, None]).T @ matrix, (matrix * w[:, None]).T @ y, w @ y**2)
+    add_rows(triangle, TRIPLE, np.arange(3), v, y, np.sqrt(w))
+    exact = np.linalg.qr(np.column_stack([matrix, y]) * np.sqrt(w)[:, None], mode="r")
+    signs = np.sign(np.diagonal(exact))
+    assert factor_of(triangle) == pytest.approx(signs[:, None] * exact, rel=1e-11, abs=1e-11)

@@ -8,14 +8,18 @@ least squares, at the speed of matrix products.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.blas import dsyrk, dtrsm
+from scipy.linalg.blas import dgemm
 from scipy.linalg.lapack import dgelsy
 
 from polydraulic._kernel import driver
+from polydraulic.networks.growth.variables import fill_terms, steps_table
 
 _PIVOT = 1e-11  # of its square: a column with a smaller rest is left as it is by the first factor
 _RCOND = 1e-12  # of its length: a column with a smaller rest depends on the columns before it
 _ROUNDING = 1e-14  # of the target's length: what a term explains that is smaller is rounding
+# rows multiplied at a time, whose terms stay in the cache; no power of two, or columns would take each other's place there
+ROWS = 1000
+_SOLVED = 128  # rows solved at a time
 
 
 class LeastSquaresFit(NamedTuple):
@@ -35,32 +39,36 @@ class TriangularFactor(NamedTuple):
 
 def begin(gram: np.ndarray, right: np.ndarray, target_square: float) -> TriangularFactor:
     """First factor of a node, from its normal equations."""
-    n = len(right)
-    products = np.empty((n + 1, n + 1))
-    products[:n, :n], products[:n, n], products[n, :n], products[n, n] = gram, right, right, target_square
-    square, factor = np.diagonal(products).copy(), np.zeros(products.shape)
-    _cholesky(products, _PIVOT * square, factor)
-    pivots = np.diagonal(factor)
-    first = np.ascontiguousarray(factor.T / np.where(pivots > 0.0, pivots, 1.0))
-    np.fill_diagonal(first, 1.0)
-    return TriangularFactor(square, first, np.zeros(products.shape, order="F"))
+    n = len(right) + 1
+    square, work, first = np.empty(n), np.zeros((2, n, n)), np.zeros((n, n))
+    _begin(gram, right, target_square, square, work, first)
+    return TriangularFactor(square, first, np.zeros((n, n), order="F"))
 
 
-def add_rows(triangle: TriangularFactor, rows: np.ndarray, weight: np.ndarray | None) -> None:
+def add_rows(
+    triangle: TriangularFactor, kind: int, inputs: np.ndarray, values: np.ndarray, y: np.ndarray, root: np.ndarray
+) -> None:
     """Take in a block of rows.
 
     Parameters
     ----------
     triangle : TriangularFactor
         Its total is changed in place.
-    rows : (n_row, n_term + 1) array
-        Of [matrix, y], in column order; overwritten.
-    weight : (n_row,) array or None
+    kind : int
+        Of the node.
+    inputs : (n_input,) array of int
+        Variables that it reads.
+    values : (n_variable, n_row) array
+    y : (n_row,) array
+        Target.
+    root : (n_row,) array
+        Of the weights.
     """
-    if weight is not None:
-        rows *= np.sqrt(weight)[:, None]
-    nearly_orthogonal = dtrsm(1.0, triangle.first.T, rows, side=1, diag=1, overwrite_b=True)
-    dsyrk(1.0, nearly_orthogonal, 1.0, triangle.total, trans=1, overwrite_c=True)
+    steps, work = steps_table(kind, len(inputs)), np.empty((len(triangle.square), _SOLVED))
+    for start in range(0, len(y), ROWS):
+        columns = np.empty((len(triangle.square), min(ROWS, len(y) - start)))
+        _nearly_orthogonal(values, y, root, inputs, steps, triangle.first, start, work, columns)
+        dgemm(1.0, columns.T, columns.T, 1.0, triangle.total, trans_a=True, overwrite_c=True)
 
 
 def factor_of(triangle: TriangularFactor) -> np.ndarray:
@@ -70,11 +78,9 @@ def factor_of(triangle: TriangularFactor) -> np.ndarray:
     -------
     (n_term + 1, n_term + 1) array
     """
-    smallest = _RCOND**2 * triangle.square
-    smallest[-1] = 0.0
-    correction = np.zeros(triangle.total.shape)
-    _cholesky(triangle.total, smallest, correction)
-    found: np.ndarray = correction @ triangle.first.T
+    n = len(triangle.square)
+    smallest, correction, found = np.empty(n), np.zeros((n, n)), np.empty((n, n))
+    _correct(triangle.square, triangle.first, triangle.total, smallest, correction, found)
     return found
 
 
@@ -103,6 +109,88 @@ def carve(factor: np.ndarray, price: float) -> LeastSquaresFit:
     rounding = _ROUNDING**2 * float(factor[:, n] @ factor[:, n])
     _carve(factor, max(price, rounding), np.zeros((n, n)), np.zeros(n), kept)
     return solve_terms(factor, np.flatnonzero(kept))
+
+
+@driver
+def _begin(
+    gram: np.ndarray, right: np.ndarray, target_square: float, square: np.ndarray, work: np.ndarray, first: np.ndarray
+) -> None:
+    """Squares of the columns, and the first factor; `work` holds the products and the factor before its pivots are one."""
+    n = right.shape[0]
+    products, factor = work[0], work[1]
+    for column in range(n):
+        for row in range(column + 1):
+            products[row, column] = gram[row, column]
+        products[column, n] = right[column]
+    products[n, n] = target_square
+    for column in range(n + 1):
+        square[column] = products[column, column]
+        first[0, column] = _PIVOT * square[column]
+    _cholesky(products, first[0], factor)
+    for column in range(n + 1):
+        pivot = factor[column, column] if factor[column, column] > 0.0 else 1.0
+        for row in range(n + 1):
+            first[row, column] = factor[column, row] / pivot if row > column else 0.0
+        first[column, column] = 1.0
+
+
+@driver
+def _nearly_orthogonal(
+    values: np.ndarray,
+    y: np.ndarray,
+    root: np.ndarray,
+    inputs: np.ndarray,
+    steps: np.ndarray,
+    first: np.ndarray,
+    start: int,
+    work: np.ndarray,
+    columns: np.ndarray,
+) -> None:
+    """Rows of [matrix, y] from `start` on, times the roots of their weights and the inverse of the first factor; one column per row."""
+    n, n_row = columns.shape
+    for low in range(0, n_row, work.shape[1]):
+        high = min(low + work.shape[1], n_row)
+        fill_terms(values, root, inputs, steps, start + low, start + high, work)
+        target, r, t = work[n - 1], root[start + low : start + high], y[start + low : start + high]
+        for i in range(high - low):
+            target[i] = r[i] * t[i]
+        for c in range(n):
+            column, written = work[c], columns[c, low:high]
+            whole = c - c % 4
+            for k in range(0, whole, 4):  # four columns for each time that this one is read and written
+                x0, x1, x2, x3 = work[k], work[k + 1], work[k + 2], work[k + 3]
+                f0, f1, f2, f3 = first[c, k], first[c, k + 1], first[c, k + 2], first[c, k + 3]
+                for i in range(high - low):
+                    column[i] = (((column[i] - f0 * x0[i]) - f1 * x1[i]) - f2 * x2[i]) - f3 * x3[i]
+            for k in range(whole, c):
+                x, f = work[k], first[c, k]
+                for i in range(high - low):
+                    column[i] -= f * x[i]
+            for i in range(high - low):
+                written[i] = column[i]
+
+
+@driver
+def _correct(
+    square: np.ndarray,
+    first: np.ndarray,
+    total: np.ndarray,
+    smallest: np.ndarray,
+    correction: np.ndarray,
+    found: np.ndarray,
+) -> None:
+    """The factor of the nearly orthogonal rows times the first one."""
+    n = square.shape[0]
+    for column in range(n):
+        smallest[column] = _RCOND * _RCOND * square[column]
+    smallest[n - 1] = 0.0
+    _cholesky(total, smallest, correction)
+    for row in range(n):
+        for column in range(n):
+            entry = 0.0
+            for k in range(row, column + 1):
+                entry += correction[row, k] * first[column, k]
+            found[row, column] = entry
 
 
 @driver

@@ -25,6 +25,7 @@ from polydraulic.networks.growth.least_squares import (
 from polydraulic.networks.growth.moments import Moments, moments_of_blocks
 from polydraulic.networks.growth.scoring import normal_equations, squared_errors
 from polydraulic.networks.growth.training_rows import TrainingRows
+from polydraulic.networks.growth.variables import GrownVariable, node_output, variable_values
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.nodes import (
     DOUBLE,
@@ -32,7 +33,6 @@ from polydraulic.networks.model.nodes import (
     LINEAR,
     SINGLE,
     TRIPLE,
-    design,
     terms,
     without_idle_inputs,
 )
@@ -73,13 +73,6 @@ class Settings:
     carve: bool
 
 
-class _Variable(NamedTuple):
-    """An input (without node) or a node's output while the network grows."""
-
-    node: Node | None  # its slots count variables, not the final network's slots
-    ancestors: frozenset[int]  # nodes needed to compute it, itself included
-
-
 class _Scored(NamedTuple):
     """Candidate nodes of one kind, scored from moments."""
 
@@ -95,7 +88,7 @@ class _Fitted(NamedTuple):
     pse: float
     n_coefficients: int
     fse: float
-    variable: _Variable
+    variable: GrownVariable
 
 
 def penalty(settings: Settings, k: Any, weight: float, noise: float, variance: float) -> Any:
@@ -150,7 +143,7 @@ def synthesize(
     """
     n_input, weight = len(rows.scaling.x_mean), rows.scaling.weight
     variance = rows.scaling.y_scale**2
-    variables = [_Variable(None, frozenset()) for _ in range(n_input)]
+    variables = [GrownVariable(None, frozenset(), 0) for _ in range(n_input)]
     networks: list[list[Node]] = [[]]
     best_k = 0
     best_fse = sum(float(y @ y if w is None else w @ (y * y)) for _, y, w in rows) / weight
@@ -187,23 +180,8 @@ def synthesize(
     return networks, history
 
 
-def _values(variables: list[_Variable], x: np.ndarray) -> np.ndarray:
-    """All variables on a block of rows, one per row."""
-    values = np.empty((len(variables), len(x)))
-    values[: x.shape[1]] = x.T
-    for place, variable in enumerate(variables):
-        if variable.node is not None:
-            values[place] = _output(variable.node, values)
-    return values
-
-
-def _output(node: Node, values: np.ndarray) -> np.ndarray:
-    found: np.ndarray = design(node.kind, values[list(node.inputs)].T) @ np.array(node.coef)
-    return found
-
-
-def _moments(rows: TrainingRows, variables: list[_Variable], drawn: np.ndarray, n_old: int) -> Moments:
-    blocks = ((_values(variables, x)[drawn].T, y, w) for x, y, w in rows)
+def _moments(rows: TrainingRows, variables: list[GrownVariable], drawn: np.ndarray, n_old: int) -> Moments:
+    blocks = ((variable_values(variables, x)[drawn].T, y, w) for x, y, w in rows)
     return moments_of_blocks(blocks, len(drawn), n_old=n_old)
 
 
@@ -230,26 +208,24 @@ def _rising(n: int, size: int, first: int) -> np.ndarray:
 
 
 def _score(
-    m: Moments, variables: list[_Variable], drawn: np.ndarray, kind: int, inputs: np.ndarray, weight: float
+    m: Moments, variables: list[GrownVariable], drawn: np.ndarray, kind: int, inputs: np.ndarray, weight: float
 ) -> _Scored:
     """Fitting error, from moments, of every candidate of a kind that the data can carry."""
     needed = np.zeros((len(drawn), len(variables)), dtype=np.bool_)
     for row, number in enumerate(drawn.tolist()):
         needed[row, list(variables[number].ancestors)] = True
-    k = needed[inputs].any(axis=1) @ _sizes(variables) + len(terms(kind, inputs.shape[1]))
+    # floats, as BLAS multiplies no whole numbers
+    sizes = np.array([variable.size for variable in variables], dtype=np.float64)
+    before = needed[inputs].any(axis=1).astype(np.float64) @ sizes
+    k = before.astype(np.int64) + len(terms(kind, inputs.shape[1]))
     carried = _ROWS_A_COEFFICIENT * k <= weight
     inputs, k = inputs[carried], k[carried]
     return _Scored(kind, inputs, k, squared_errors(m, kind, inputs))
 
 
-def _sizes(variables: list[_Variable]) -> np.ndarray:
-    """Coefficients of each variable's own node."""
-    return np.array([np.count_nonzero(v.node.coef) if v.node is not None else 0 for v in variables])
-
-
 def _survivors(
     rows: TrainingRows,
-    variables: list[_Variable],
+    variables: list[GrownVariable],
     drawn: np.ndarray,
     m: Moments,
     scored: list[_Scored],
@@ -259,24 +235,20 @@ def _survivors(
     """Fit the best candidates on the rows, rank them again, and keep those that differ from each other."""
     weight = rows.scaling.weight
     tried = _promising(drawn, m, scored, cost, max(_REFIT, 3 * settings.n_survivors))
-    widest = max((len(triangle.square) for _, _, triangle in tried), default=0)
     sample: np.ndarray | None = None  # the first block shows well enough whether two outputs differ
     for x, y, w in rows:
-        values = _values(variables, x)
+        values = variable_values(variables, x)
         sample = values if sample is None else sample
-        columns = np.empty((widest, len(y)))  # filled again for every candidate
+        root = np.ones(len(y)) if w is None else np.sqrt(w)
         for kind, inputs, triangle in tried:
-            matrix = columns[: len(triangle.square)].T
-            design(kind, values[inputs].T, out=matrix[:, :-1])
-            matrix[:, -1] = y
-            add_rows(triangle, matrix, w)
+            add_rows(triangle, kind, inputs, values, y, root)
     assert sample is not None
     fitted = []
     for kind, inputs, triangle in tried:
         factor = factor_of(triangle)
         fit = carve(factor, cost(1) * weight) if settings.carve else solve_terms(factor, np.arange(len(factor) - 1))
         fitted.append(_fitted(variables, kind, inputs, fit, weight, cost))
-    fitted.sort(key=lambda candidate: candidate.pse)
+    fitted.sort(key=_rank)
     return _different(fitted, sample, settings.n_survivors)
 
 
@@ -295,7 +267,7 @@ def _promising(
 
 
 def _fitted(
-    variables: list[_Variable],
+    variables: list[GrownVariable],
     kind: int,
     inputs: np.ndarray,
     fit: LeastSquaresFit,
@@ -305,9 +277,16 @@ def _fitted(
     kind, kept, coef = without_idle_inputs(kind, fit.coef)
     node = Node(kind, tuple(inputs[kept].tolist()), tuple(coef.tolist()))
     ancestors = frozenset().union(*(variables[i].ancestors for i in node.inputs))
-    k = int(_sizes([variables[i] for i in ancestors]).sum()) + int(np.count_nonzero(coef))
-    fse = fit.squares / weight
-    return _Fitted(fse + cost(k), k, fse, _Variable(node, ancestors))
+    size = int(np.count_nonzero(coef))
+    k, fse = sum(variables[i].size for i in ancestors) + size, fit.squares / weight
+    return _Fitted(fse + cost(k), k, fse, GrownVariable(node, ancestors, size))
+
+
+def _rank(candidate: _Fitted) -> tuple[float, tuple[int, ...]]:
+    """Order by the error; of errors that differ by no more than rounding, by which variables were there first."""
+    node = candidate.variable.node
+    assert node is not None
+    return float(f"{candidate.pse:.12g}"), node.inputs
 
 
 def _different(fitted: list[_Fitted], sample: np.ndarray, n: int) -> list[_Fitted]:
@@ -320,7 +299,7 @@ def _different(fitted: list[_Fitted], sample: np.ndarray, n: int) -> list[_Fitte
             break
         node = candidate.variable.node
         assert node is not None
-        output = _output(node, sample)
+        output = node_output(node, sample, np.empty(sample.shape[1]))
         output -= output.mean()
         square, known = output @ output, len(kept)
         if np.all((outputs[:known] @ output) ** 2 < (1.0 - _SAME) * square * squares[:known]):
@@ -329,7 +308,7 @@ def _different(fitted: list[_Fitted], sample: np.ndarray, n: int) -> list[_Fitte
     return kept
 
 
-def _extract(variables: list[_Variable], best: _Variable, n_input: int) -> list[Node]:
+def _extract(variables: list[GrownVariable], best: GrownVariable, n_input: int) -> list[Node]:
     """Only the nodes that the best one needs, with slots renumbered."""
     needed = sorted(best.ancestors)
     slot = {i: i for i in range(n_input)} | {number: n_input + place for place, number in enumerate(needed)}

@@ -47,7 +47,7 @@ def terms(kind: int, n_inputs: int) -> tuple[tuple[int, ...], ...]:
 
 
 @cache
-def _steps(kind: int, n_inputs: int) -> tuple[tuple[int, int], ...]:
+def term_steps(kind: int, n_inputs: int) -> tuple[tuple[int, int], ...]:
     """How each term but the constant follows from an earlier one (-1 for none): that term's place and a further input."""
     exponents = terms(kind, n_inputs)
     found = []
@@ -77,7 +77,7 @@ def design(kind: int, x: np.ndarray, out: np.ndarray | None = None) -> np.ndarra
     (n_row, n_term) array
         In column order, unless `out` is not.
     """
-    steps = _steps(kind, x.shape[1])
+    steps = term_steps(kind, x.shape[1])
     matrix = np.empty((len(x), len(steps)), order="F") if out is None else out
     columns, inputs = list(matrix.T), list(x.T)
     for column, (earlier, j) in zip(columns, steps, strict=True):
@@ -104,13 +104,18 @@ def without_idle_inputs(kind: int, coef: np.ndarray) -> tuple[int, list[int], np
     coef : (n_term_left,) array
     """
     size = coef.size if kind == LINEAR else N_INPUTS[kind]
-    exponents = terms(kind, size)
-    kept = [j for j in range(size) if any(c and e[j] for c, e in zip(coef, exponents, strict=True))] or [0]
+    kept = np.flatnonzero(_reads(kind, size)[coef != 0.0].any(axis=0)).tolist() or [0]
     if len(kept) == size:
         return kind, kept, coef
-    smaller = LINEAR if kind == LINEAR else len(kept) - 1
+    smaller, exponents = LINEAR if kind == LINEAR else len(kept) - 1, terms(kind, size)
     value = {tuple(e[j] for j in kept): c for c, e in zip(coef, exponents, strict=True) if c}
     return smaller, kept, np.array([value.get(e, 0.0) for e in terms(smaller, len(kept))])
+
+
+@cache
+def _reads(kind: int, n_inputs: int) -> np.ndarray:
+    """Which terms read which inputs, (n_term, n_input) array of bool."""
+    return np.array(terms(kind, n_inputs)) > 0
 
 
 @cache
