@@ -2,7 +2,8 @@
 
 Peers integrate the usual stiff form, in which each pump pressure, and the one between swing and stick valve, is a state behind a small
 volume: C dP/dt = Q - Q_i - Q_e. All share the same compiled machine kernels. Two tasks: the whole run, whose input is known in
-advance, and frames of 5 ms, each a start afresh with an input that nobody knew, held for the frame. Errors are against a tight
+advance, and frames of 5 ms, each a start afresh with an input that nobody knew, held for the frame. Numbers of the machine are prepared
+before the clock runs, for all; what is known of the inputs is found out while it runs. Errors are against a tight
 solution of the stiff form: the largest joint error as a share of the joint's travel in the run, and the largest rms
 error of a line pressure as a share of its range. SciPy's LSODA is always there; the other peers need the extra ``bench``, and
 those that are missing are named at the beginning and at the end.
@@ -17,15 +18,16 @@ import numba
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from polydraulic.parameters.faults import faulty_parts
 from polydraulic.simulation.events import new_log
 from polydraulic.simulation.layout.columns import columns_of
 from polydraulic.simulation.layout.methods.event_log import N_KIND, event_limits
-from polydraulic.simulation.layout.methods.known import Watch, known_parts
+from polydraulic.simulation.layout.methods.known import Watch, known_inputs, known_parts
 from polydraulic.simulation.layout.methods.rosenbrock import integrate
 from polydraulic.simulation.layout.methods.text import methods_module
 from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
 from polydraulic.simulation.layout.runs import step_inputs
-from polydraulic.simulation.solvers.spools import SpoolMotion
+from polydraulic.simulation.solvers.spools import SpoolMotion, known_motion
 from polydraulic.thesis.excavator import LINKS, spool_of
 from polydraulic.thesis.timing import paired_ratio, paired_times
 from show import left_out
@@ -115,17 +117,14 @@ def held_motion():
 
 def rosenbrock(rtol, voltages_held):
     rows, x0, n = np.empty((N_FRAME + 1, N_RECORD)), start_vector(MACHINE), len(LINKS)
-    (first,) = known_parts(MACHINE, SCENARIO, SCENARIO.duration)
-    given = first._replace(motion=held_motion()) if voltages_held else None
+    (part,), limits = known_parts(MACHINE, SCENARIO, SCENARIO.duration), event_limits(MACHINE)
+    given, unchanged = held_motion() if voltages_held else None, faulty_parts(MACHINE, (), SCENARIO.duration)
 
     def call():
-        if given is None:  # what is known of the inputs is part of the work
-            (part,) = known_parts(MACHINE, SCENARIO, SCENARIO.duration)
-        else:
-            part = given
-        watch = Watch(new_log(), event_limits(MACHINE), *np.zeros((2, N_FLAG), dtype=np.int64))
+        motion = given or known_motion(known_inputs(unchanged, SCENARIO), SCENARIO.duration)
+        watch = Watch(new_log(), limits, *np.zeros((2, N_FLAG), dtype=np.int64))
         rows[0, : len(x0)] = x0
-        integrate(part, x0[n:], rtol, TIME, rows, 1, watch, {})
+        integrate(part._replace(motion=motion), x0[n:], rtol, TIME, rows, 1, watch, {})
         return rows
 
     return call

@@ -22,16 +22,40 @@ class SpoolCurve(NamedTuple):
     v: float
 
 
+class Curve(NamedTuple):
+    """Coefficients of one curve."""
+
+    c0: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    w: float
+    delay: float
+    rate: float  # 1 / tau
+
+
+@kernel
+def curve_of(c: np.ndarray, link: int) -> Curve:
+    """The curve of input number `link` in a piece with the coefficients c, (n_input, N_COEFFICIENT)."""
+    return Curve(c[link, 0], c[link, 1], c[link, 2], c[link, 3], c[link, 4], c[link, 5], c[link, 6], c[link, 7])
+
+
+@kernel
+def along_curve(k: Curve, t0: float, t: float) -> SpoolCurve:
+    """Where a curve of a piece that begins at t0 is at the time t, and how fast."""
+    s = t - t0
+    fading = k.c2 * exp(-s * k.rate)
+    x = k.c0 + k.c1 * s + fading
+    v = k.c1 - fading * k.rate
+    if k.w != 0.0:
+        turn = sincos(k.w * (t - k.delay))
+        x = x + k.c3 * turn.sin + k.c4 * turn.cos
+        v = v + k.w * (k.c3 * turn.cos - k.c4 * turn.sin)
+    return SpoolCurve(x, v)
+
+
 @kernel
 def spool_curve(c: np.ndarray, link: int, t0: float, t: float) -> SpoolCurve:
     """Input number `link` at the time t of a piece that begins at t0 and has the coefficients c, (n_input, N_COEFFICIENT)."""
-    s = t - t0
-    fading = c[link, 2] * exp(-s * c[link, 7])
-    w = c[link, 5]
-    x = c[link, 0] + c[link, 1] * s + fading
-    v = c[link, 1] - fading * c[link, 7]
-    if w != 0.0:
-        turn = sincos(w * (t - c[link, 6]))
-        x = x + c[link, 3] * turn.sin + c[link, 4] * turn.cos
-        v = v + w * (c[link, 3] * turn.cos - c[link, 4] * turn.sin)
-    return SpoolCurve(x, v)
+    return along_curve(curve_of(c, link), t0, t)

@@ -5,17 +5,26 @@ by a play (`lagging_spools`). A force that is known in advance is the same witho
 """
 
 from collections.abc import Sequence
-from math import asin, ceil, inf, pi
+from math import asin, ceil, inf, log, pi
 from typing import NamedTuple
 
 import numpy as np
 
-from polydraulic._kernel import driver
+from polydraulic._kernel import driver, kernel
 from polydraulic.parameters.schema import Pilot
 from polydraulic.parameters.signals import Constant, Piecewise, Signal, Sine
 from polydraulic.simulation.solvers.lagging_spools import NONE, lagging
-from polydraulic.simulation.solvers.spool_curves import LOOK, N_COEFFICIENT, SAME, spool_curve
+from polydraulic.simulation.solvers.spool_curves import (
+    LOOK,
+    N_COEFFICIENT,
+    SAME,
+    Curve,
+    along_curve,
+    curve_of,
+    spool_curve,
+)
 
+_QUARTERS = np.array([0.25, 0.5, 0.75])
 SHORTEST = 1e-3  # s that are integrated where the start alone is wanted, with its flows
 
 
@@ -40,31 +49,96 @@ def _chain(starts: np.ndarray, c: np.ndarray) -> None:
             x = spool_curve(c[piece], link, starts[piece], starts[piece + 1]).x
 
 
+@kernel
+def _turns_at(k: Curve, length: float) -> float:
+    """After which time of a piece a curve without a sine turns back; its end if it does not."""
+    ratio = k.c2 * k.rate / k.c1 if k.c1 != 0.0 else 0.0
+    after = log(ratio) / k.rate if ratio > 1.0 else length
+    return min(after, length)
+
+
 @driver
 def _crossings(starts: np.ndarray, c: np.ndarray, levels: np.ndarray, found: np.ndarray) -> int:
-    """Times at which inputs pass their levels, (n_input, n_level); more than `found` holds are counted, not kept."""
+    """Times at which inputs pass their levels, (n_input, n_level); more than `found` holds are counted, not kept.
+
+    They are sought between the places where a curve turns back; of sines, which have many, in parts of `LOOK`.
+    """
     n = 0
     for piece in range(starts.shape[0] - 1):
         t0, t1 = starts[piece], starts[piece + 1]
-        parts = int((t1 - t0) / LOOK) + 1
         for link in range(levels.shape[0]):
-            before = spool_curve(c[piece], link, t0, t0).x
+            curve = curve_of(c[piece], link)
+            parts = int((t1 - t0) / LOOK) + 1 if curve.w != 0.0 else 2
+            turn = t0 + _turns_at(curve, t1 - t0)
+            before, low = along_curve(curve, t0, t0).x, t0
             for part in range(parts):
-                low = t0 + (t1 - t0) * part / parts
-                high = t0 + (t1 - t0) * (part + 1) / parts
-                after = spool_curve(c[piece], link, t0, high).x
+                high = t0 + (t1 - t0) * (part + 1) / parts if curve.w != 0.0 else (turn if part == 0 else t1)
+                after = along_curve(curve, t0, high).x
                 for level in levels[link]:
                     if (before < level) != (after < level):
                         a, b = low, high
                         for _ in range(60):
                             middle = 0.5 * (a + b)
-                            inside = (spool_curve(c[piece], link, t0, middle).x < level) == (before < level)
+                            inside = (along_curve(curve, t0, middle).x < level) == (before < level)
                             a, b = (middle, b) if inside else (a, middle)
                         if n < found.shape[0]:
                             found[n] = b
                         n += 1
-                before = after
+                before, low = after, high
     return n
+
+
+@driver
+def _limits_passed(t: np.ndarray, v: np.ndarray, limit: float, found: np.ndarray) -> int:
+    """Times at which straight lines between points pass a limit to either side."""
+    n = 0
+    for k in range(t.shape[0] - 1):
+        for side in (-1.0, 1.0):
+            before, after = v[k] - side * limit, v[k + 1] - side * limit
+            if before * after < 0.0:
+                found[n] = t[k] - before / (v[k + 1] - v[k]) * (t[k + 1] - t[k])
+                n += 1
+    return n
+
+
+@driver
+def _fill_curves(
+    c: np.ndarray,
+    starts: np.ndarray,
+    commands: np.ndarray,
+    tau: float,
+    delay: float,
+    travel: float,
+    wave: float,
+    omega: float,
+) -> None:
+    """Coefficients (n_piece, N_COEFFICIENT) of one spool, but for what is left of its past.
+
+    Parameters
+    ----------
+    c : array
+        Zeros, filled.
+    starts : (n_piece + 1,) array, s
+    commands : (n_piece, 3) array, m
+        What drives the spool at 1/4, 1/2 and 3/4 of each piece.
+    tau, delay : float, s
+    travel : float, m
+    wave : float, m
+        Amplitude of a sine of `omega` in rad/s; 0 where pieces are straight lines.
+    """
+    share = 1.0 / (1.0 + omega * tau * (omega * tau))
+    for piece in range(c.shape[0]):
+        length, middle = starts[piece + 1] - starts[piece], commands[piece, 1]
+        c[piece, 6], c[piece, 7] = delay, 1.0 / tau if tau > 0.0 else 0.0
+        if starts[piece] + 0.5 * length <= delay:
+            continue
+        if abs(middle) >= travel:
+            c[piece, 0] = travel if middle > 0.0 else -travel
+        elif wave != 0.0:
+            c[piece, 3], c[piece, 4], c[piece, 5] = share * wave, -omega * tau * share * wave, omega
+        else:
+            slope = (commands[piece, 2] - commands[piece, 0]) / (0.5 * length)
+            c[piece, 0], c[piece, 1] = middle - slope * (0.5 * length + tau), slope
 
 
 class SpoolMotion(NamedTuple):
@@ -156,7 +230,7 @@ def _levels(inputs: Sequence[KnownInput]) -> np.ndarray:
     """Knots to both sides of each input, (n_input, n_level); NaN, which nothing passes, where there are fewer."""
     levels = np.full((len(inputs), 2 * max(len(one.knots) for one in inputs)), np.nan)
     for row, one in zip(levels, inputs, strict=True):
-        both = np.unique([side * knot for knot in one.knots for side in (-1.0, 1.0)])
+        both = sorted({side * knot for knot in one.knots for side in (-1.0, 1.0)})
         row[: len(both)] = both
     return levels
 
@@ -167,12 +241,9 @@ def _corners(signal: Signal, pilot: Pilot, travel: float, t_end: float) -> list[
     if isinstance(signal, Constant):
         return [delay]
     if isinstance(signal, Piecewise):
-        t, v = np.asarray(signal.time, dtype=float), np.asarray(signal.voltage, dtype=float)
-        found = list(t)
-        for level in (-limit, limit):
-            passing = np.flatnonzero((v[:-1] - level) * (v[1:] - level) < 0.0)
-            share = (level - v[passing]) / (v[passing + 1] - v[passing])
-            found += list(t[passing] + share * (t[passing + 1] - t[passing]))
+        t, v = (np.ascontiguousarray(values, dtype=float) for values in (signal.time, signal.voltage))
+        passed = np.empty(2 * len(t))
+        found = [*t.tolist(), *passed[: _limits_passed(t, v, limit, passed)].tolist()]
         return [delay, *(time + delay for time in found if time > 0.0)]
     if abs(signal.amplitude) <= limit or signal.omega == 0.0:
         return [delay]
@@ -183,19 +254,7 @@ def _corners(signal: Signal, pilot: Pilot, travel: float, t_end: float) -> list[
 
 def _command(c: np.ndarray, starts: np.ndarray, signal: Signal, pilot: Pilot, travel: float) -> None:
     """Coefficients (n_piece, N_COEFFICIENT) of one spool in all pieces, but for what is left of its past."""
-    tau, delay = pilot.time_constant, pilot.dead_time
-    length = np.diff(starts)
-    early, middle, late = (starts[:-1] + share * length for share in (0.25, 0.5, 0.75))
-    alive = middle > delay
-    first, command, last = (pilot.gain * signal(t - delay) for t in (early, middle, late))
-    slope = np.where(alive, (last - first) / (late - early), 0.0)
-    c[:, 0] = np.where(alive, command, 0.0) - slope * (middle - starts[:-1]) - tau * slope
-    c[:, 1], c[:, 6], c[:, 7] = slope, delay, 1.0 / tau if tau > 0.0 else 0.0
-    if isinstance(signal, Sine):
-        turn = signal.omega * tau
-        share = pilot.gain * signal.amplitude / (1.0 + turn * turn)
-        c[alive, 0:2] = 0.0
-        c[alive, 3], c[alive, 4], c[alive, 5] = share, -turn * share, signal.omega
-    full = alive & (np.abs(command) >= travel)
-    c[full, 1:6] = 0.0
-    c[full, 0] = np.copysign(travel, command[full])
+    inside = starts[:-1, None] + _QUARTERS * np.diff(starts)[:, None] - pilot.dead_time
+    wave, omega = (pilot.gain * signal.amplitude, signal.omega) if isinstance(signal, Sine) else (0.0, 0.0)
+    commands = pilot.gain * signal(inside)
+    _fill_curves(c, starts, commands, pilot.time_constant, pilot.dead_time, travel, wave, omega)

@@ -20,6 +20,7 @@ from polydraulic.simulation.layout.columns import columns_of, has
 from polydraulic.simulation.layout.methods.event_log import N_KIND, EventLimits, event_limits, listed_events
 from polydraulic.simulation.layout.methods.text import methods_module, pushed_functions
 from polydraulic.simulation.layout.prepare import prepare_layout, start_vector
+from polydraulic.simulation.layout.tree import tree_of
 from polydraulic.simulation.solvers.lagging_spools import curve_at
 from polydraulic.simulation.solvers.spools import SHORTEST, KnownInput, SpoolMotion, known_force, known_motion
 
@@ -35,6 +36,8 @@ class KnownPart(NamedTuple):
         Of the methods for its layout, and of its step.
     valves, plant
         Numbers of its kernels, for dt = 1 s.
+    slopes
+        Numbers for slopes of the motion; None where no method that solves with slopes serves.
     motion : SpoolMotion
         Inputs of the whole run.
     start, end : float, s
@@ -45,6 +48,7 @@ class KnownPart(NamedTuple):
     step: ModuleType
     valves: Any
     plant: Any
+    slopes: Any
     motion: SpoolMotion
     start: float
     end: float
@@ -140,7 +144,7 @@ def known_parts(
     masses = {0.0: 0.0} | (dict(zip(payload.time, payload.mass, strict=True)) if payload else {})
     machines = {part.begin: part for part in parts}
     times = sorted({*masses, *machines})
-    motion = known_motion(_inputs(parts, scenario), t_end, times)
+    motion = known_motion(known_inputs(parts, scenario), t_end, times)
     # of two corners at the same time one stays: it is where the machine changes
     begins = [float(motion.starts[np.abs(motion.starts - t).argmin()]) for t in times]
     mass, now = 0.0, parts[0]
@@ -153,10 +157,11 @@ def known_parts(
             module = methods_module(whole, flow=flow.kernels, force=force)
             exact = flow.kernels == "exact"
             valves = ready.valves if exact else module.Valves(ready.valves, np.zeros(flow.n_memory))
-            yield KnownPart(whole, module, ready.module, valves, ready.plant, motion, start, end)
+            slopes = module.prepare_slopes(tree_of(whole), whole.gravity) if hasattr(module, "prepare_slopes") else None
+            yield KnownPart(whole, module, ready.module, valves, ready.plant, slopes, motion, start, end)
 
 
-def _inputs(parts: Sequence[FaultyPart], scenario: Scenario) -> list[KnownInput]:
+def known_inputs(parts: Sequence[FaultyPart], scenario: Scenario) -> list[KnownInput]:
     """Spools of all functions, then the force at the tip if the scenario has one."""
     found = []
     for place, f in enumerate(parts[0].machine.functions):

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from polydraulic.simulation.layout.methods.known import KnownPart, Reached, Watch, breaks_of, first_piece, sizes
-from polydraulic.simulation.layout.tree import tree_of
 from polydraulic.simulation.solvers.adaptive import DONE, FAILURES, RODAS
 
 _COUNTS = ("steps", "steps_rejected", "events_located")
@@ -29,14 +28,13 @@ def integrate(
 ) -> Reached:
     """Integrate a part of a run; see `known.Integrate`."""
     module, machine, motion = part.module, part.machine, part.motion
-    slopes = module.prepare_slopes(tree_of(machine), machine.gravity)
     work = step_scratch(
         module, len(machine.names), motion.coefficients.shape[1], len(machine.circuits) + len(machine.crossovers)
     )
     work.y[:] = y
     numbers = np.array([*(counts.get(name, 0) for name in _COUNTS), row], dtype=np.int64)
     status = module.run_rosenbrock(
-        part.valves, part.plant, slopes, RODAS, motion, breaks_of(part), first_piece(motion, part.start), part.start,
+        part.valves, part.plant, part.slopes, RODAS, motion, breaks_of(part), first_piece(motion, part.start), part.start,
         rtol, time, rows, numbers, watch.log, watch.limits, watch.had, watch.flags, work,
     )  # fmt: skip
     counts |= {name: int(number) for name, number in zip(_COUNTS, numbers, strict=False)}
@@ -48,7 +46,7 @@ def step_scratch(module: Any, n: int, n_input: int, n_valve: int) -> Any:
     y, f, y_new, f_new, y_stage, f_stage = np.zeros((6, 4 * n))
     return module.Work(
         y=y, f=f, y_new=y_new, f_new=f_new, y_stage=y_stage, f_stage=f_stage,
-        stages=np.zeros((len(RODAS.time), 4 * n)), free=np.ones(2 * n), scale=sizes(n),
+        stages=np.zeros((len(RODAS.time), 4 * n)), cubic=np.zeros((3, 4 * n)), free=np.ones(2 * n), scale=sizes(n),
         known=np.zeros(n_input), known_rate=np.zeros(n_input), inside=np.zeros(n_input), unused=np.zeros(n_input),
         by_position=np.zeros((n, n)), by_rate=np.zeros((n, n)), matrix=np.zeros((2 * n, 2 * n)),
         order=np.zeros(2 * n, dtype=np.int64), right=np.zeros(2 * n),

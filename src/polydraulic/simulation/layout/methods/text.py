@@ -43,6 +43,7 @@ _IMPORTS = (
     "from polydraulic.simulation.solvers.line_slopes import EliminatedOutlet, Hoses, eliminate_outlet, hoses_at, line_sides",
     "from polydraulic.simulation.solvers.line_slopes import outlet_change, outlet_root, torque_change",
     "from polydraulic.simulation.solvers.small_system import factorise_system, solve_system",
+    "from polydraulic.simulation.solvers.spool_curves import along_curve, curve_of",
     "from polydraulic.simulation.solvers.spools import SpoolMotion, inputs_at",
     "from polydraulic.simulation.solvers.stop_conditions import BLINK, CREEP, between_stops, joint_changes, rests, stands, strikes",
 )
