@@ -45,6 +45,7 @@ def test_only_the_columns_asked_for_are_checked(tmp_path):
         ("x,y\n1,inf\n3,4\n", "column 'y' holds inf in row 1"),
         ("x,y\n1,2\n3,\n", "column 'y' holds nan in row 2"),
         ("x,y\n1,red\n3,blue\n", "column 'y' holds 'red'"),
+        ("x,y\n1,\n3,\n", "column 'y' holds no value; every value"),
         ("x,x [m]\n1,2\n", "column 'x' appears twice"),
         ("x,y\n1\n", "cannot be read as a csv table"),
         (

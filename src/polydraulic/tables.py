@@ -17,7 +17,7 @@ import numpy as np
 
 from polydraulic.arrow_columns import arrow_floats
 from polydraulic.display import DEFAULT, as_shown, shown_unit
-from polydraulic.errors import InputError
+from polydraulic.errors import InputError, briefly
 from polydraulic.files import replacing
 from polydraulic.names import checked_name, checked_text
 from polydraulic.pages import html
@@ -324,8 +324,8 @@ def _numbers(column: Any, name: str, where: str) -> np.ndarray:
     import pyarrow as pa
 
     if len(column) and not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
-        shown = next((str(v) for v in column.to_pylist() if v is not None), "no values")
-        raise InputError(f"{where}column {name!r} holds {shown!r}; every value must be a number; {_OF_LOGS}")
+        shown = next((briefly(str(v)) for v in column.to_pylist() if v is not None), "no value")
+        raise InputError(f"{where}column {name!r} holds {shown}; every value must be a number; {_OF_LOGS}")
     try:
         floats = column.cast(pa.float64())
     except pa.ArrowInvalid as error:

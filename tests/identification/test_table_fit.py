@@ -6,6 +6,7 @@ import pytest
 from polydraulic import AbductiveRegressor
 from polydraulic.errors import InputError
 from polydraulic.identification import fit_table
+from polydraulic.identification.judging import r2_text
 from polydraulic.identification.table_fit import _copied
 from polydraulic.networks.hold_out import held_rows
 from polydraulic.tables import Table, write_table
@@ -113,10 +114,57 @@ def test_what_was_found_is_said_and_progress_told():
     found = fit_table(TABLE, ["a", "b"], ["y", "z"], progress=lambda *step: told.append(step))
     assert told == [("y", 0, 2), ("z", 1, 2)]
     z = found.outputs[1]
-    assert str(found).splitlines()[1] == (
+    line, where = str(found).splitlines()[2:]
+    assert line == (
         f"z: 1 network(s), {z.model.n_coefficients} coefficients; "
-        f"held-out R2 {z.r2:.4f}, rms {z.rms:.4g}, largest {z.largest:.4g}"
+        f"held-out {r2_text(z.r2)}, rms {z.rms:.4g}, largest {z.largest:.4g}"
     )
+    row = np.argmax(np.abs(z.held.predicted - z.held.y))
+    a, b = z.held.X[row]
+    assert where == (
+        f"  the largest error is at a = {1e3 * a:.4g} mm, b = {b:.4g}: {z.held.predicted[row]:.4g} predicted, {z.held.y[row]:.4g} in the table"
+    )
+
+
+@pytest.mark.parametrize(
+    ("r2", "said"),
+    [
+        (0.99746, "R2 0.9975"),
+        (0.99995, "R2 1 - 5e-05"),
+        (1.0 - 2.5e-9, "R2 1 - 2.5e-09"),
+        (1.0, "R2 1.0000"),
+        (-3.0, "R2 -3.0000"),
+    ],
+)
+def test_an_r2_below_one_is_not_read_as_one(r2, said):
+    assert r2_text(r2) == said
+
+
+def test_regions_that_were_asked_for_and_not_found_are_told():
+    a = np.random.default_rng(2).uniform(size=400)
+    smooth, kinked = Table({"a": a, "y": a * a}, {}), Table({"a": a, "y": np.abs(a - 0.4)}, {})
+    said = "  up to 3 regions were asked for: no cut lowers the predicted squared error enough, so it stays one"
+    assert said in fit_table(smooth, ["a"], ["y"], max_regions=3).text().splitlines()
+    assert "asked for" not in fit_table(smooth, ["a"], ["y"]).text()
+    assert "asked for" not in fit_table(kinked, ["a"], ["y"], max_regions=3).text()
+
+
+def test_rows_beyond_bounds_are_told_rather_than_that_nothing_was_learnt():
+    a = np.random.default_rng(2).uniform(size=400)
+    table = Table({"a": a, "y": 10.0 * a * a}, {"y": "bar"})
+    beyond = int((10.0 * a * a > 1.05).sum())
+    bounded = fit_table(table, ["a"], ["y"], estimator=AbductiveRegressor(output_bounds=(0.0, 1.0)))
+    assert bounded.doubts == [
+        f"y: {beyond} of 400 rows lie beyond its bounds [0, 1] bar, which the model cannot leave: widen them, unless these rows are wrong"
+    ]
+    near = fit_table(table, ["a"], ["y"], estimator=AbductiveRegressor(output_bounds=(0.2, 9.9)))
+    assert not any("bounds" in doubt for doubt in near.doubts)
+
+
+def test_tiny_numbers_are_no_copies_of_each_other():
+    a, b = np.random.default_rng(3).uniform(size=(2, 200))
+    found = fit_table(Table({"a": 1e-300 * a, "b": b, "y": a * b}, {}), ["a", "b"], ["y"])
+    assert found.doubts == []
 
 
 def test_regions_of_the_rows_not_held_out_are_those_of_the_model():

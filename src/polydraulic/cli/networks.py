@@ -107,7 +107,7 @@ def fit(
     settings |= {} if cpm is None else {"cpm": cpm}
     if prior is not None:
         words = prior in ("adaptive", "half-variance")
-        settings["prior_variance"] = prior if words else _numbers(prior, "--prior", 1)[0]
+        settings["prior_variance"] = prior if words else _prior(prior)
     limits = None if bounds is None else _ends(bounds, "--bounds", partial(_units_of, table, targets))
     borders = _edges(edges or [], table)
     if dynamic:
@@ -282,6 +282,13 @@ def names_in(text: str, option: str) -> list[str]:
     return names
 
 
+def _prior(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"--prior {text!r}: must be adaptive, half-variance, or a number") from None
+
+
 def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
     try:
         values = [float(part) for part in text.split(",")]
@@ -296,7 +303,7 @@ def _numbers(text: str, option: str, count: int | None = None) -> list[float]:
 
 def _in_unit(text: str, option: str, own: Callable[[], list[str]], count: int | None = None) -> list[float]:
     """Numbers in a column's unit, which `own` finds, from numbers in it or from numbers with a unit of the same kind."""
-    from polydraulic.units import si_unit, to_si
+    from polydraulic.units import from_si, si_unit, to_si
 
     numbers, comma, last = text.rpartition(",")
     number, _, unit = last.strip().partition(" ")
@@ -310,9 +317,11 @@ def _in_unit(text: str, option: str, own: Callable[[], list[str]], count: int | 
     units = own()
     if len(units) > 1:
         raise InputError(f"{option} {text!r}: the outputs are in {units}; give numbers without a unit")
-    if units[0] not in (unit, si_unit(unit)):
+    if units[0] == unit:
+        return values
+    if not units[0] or si_unit(units[0]) != si_unit(unit):
         raise InputError(f"{option} {text!r}: is in {unit!r}, the column in {units[0]!r}; give a unit of that kind")
-    return values if units[0] == unit else [to_si(value, unit) for value in values]
+    return [from_si(to_si(value, unit), units[0]) for value in values]
 
 
 def _ends(text: str, option: str, own: Callable[[], list[str]]) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from sklearn.base import BaseEstimator
 from polydraulic.display import DEFAULT, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, parts_of, table_of
-from polydraulic.identification.judging import LEVEL, Errors, errors_of, far_from_others, unit_after
+from polydraulic.identification.judging import LEVEL, Errors, errors_of, far_from_others, r2_text, unit_after
 from polydraulic.identification.log_rows import log_rows
 from polydraulic.identification.runs import DynamicRun, last_value_held, side_by_side
 from polydraulic.networks.dynamic.command_response import response_facts, response_in_words
@@ -235,7 +235,7 @@ def statements(fit: DynamicOutputFit) -> list[str]:
     runs, *others = remarks(fit)
     return [
         *(
-            f"{name}: R2 {kind.r2:.4f}, rms {kind.rms:.4g}{unit}, largest {kind.largest:.4g}{unit}"
+            f"{name}: {r2_text(kind.r2)}, rms {kind.rms:.4g}{unit}, largest {kind.largest:.4g}{unit}"
             for name, kind in ((runs, fit.errors.free_run), ("one step ahead", fit.errors.one_step))
         ),
         f"rms for scale, free run / one step: {'; '.join(f'{n} {o.free_run.rms:.4g} / {o.one_step.rms:.4g}' for n, o in scale)}",

@@ -14,6 +14,7 @@ from polydraulic.networks.model.shown_model import shown_columns, shown_model
 from polydraulic.tables import Table
 
 LEVEL = 0.9  # of the intervals
+_NEARLY_ONE = 0.99995  # which four digits would show as 1
 
 
 class Errors(NamedTuple):
@@ -77,13 +78,24 @@ class OutputFit(NamedTuple):
         )
 
     def text(self, units: str = DEFAULT) -> str:
-        """How good the model is, in one line."""
+        """How good the model is, and where it errs most, in two lines."""
         model, unit = self.model, self.model.output.unit
         return (
             f"{with_unit(model.output.name, shown_unit(unit, units))}: {len(model.networks)} network(s), "
-            f"{model.n_coefficients} coefficients; held-out R2 {self.r2:.4f}, rms {amount(self.rms, unit, units)}, "
-            f"largest {amount(self.largest, unit, units)}"
+            f"{model.n_coefficients} coefficients; held-out {r2_text(self.r2)}, rms {amount(self.rms, unit, units)}, "
+            f"largest {amount(self.largest, unit, units)}\n{self._where(units)}"
         )
+
+    def _where(self, units: str) -> str:
+        """Where the largest error is, in one line."""
+        model, unit, held = self.model, self.model.output.unit, self.held
+        row = int(np.argmax(np.abs(held.predicted - held.y)))
+        place = ", ".join(
+            f"{variable.name} = {amount(value, variable.unit, units)}"
+            for variable, value in zip(model.inputs, held.X[row], strict=True)
+        )
+        said, true = (amount(values[row], unit, units) for values in (held.predicted, held.y))
+        return f"  the largest error is at {place}: {said} predicted, {true} in the table"
 
     @property
     def doubt(self) -> str:
@@ -115,6 +127,11 @@ def far_from_others(table: Table, models: Sequence[Model]) -> dict[str, str]:
         for name, (model, far) in found.items()
         if far is not None
     }
+
+
+def r2_text(r2: float) -> str:
+    """R2 as it is read: what is missing to 1 where four digits would not show it."""
+    return f"R2 {r2:.4f}" if r2 < _NEARLY_ONE or r2 == 1.0 else f"R2 1 - {1.0 - r2:.2g}"
 
 
 def errors_of(measured: np.ndarray, predicted: np.ndarray) -> Errors:

@@ -11,7 +11,7 @@ import numpy as np
 from polydraulic.display import DEFAULT, amount, as_shown
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import models_of, table_of
-from polydraulic.identification.judging import errors_of
+from polydraulic.identification.judging import errors_of, r2_text
 from polydraulic.identification.log_rows import rows_for
 from polydraulic.networks.dynamic.free_run import dynamics_of, free_run
 from polydraulic.networks.dynamic.spans import Span, rows_of, spans_of
@@ -170,7 +170,7 @@ class ModelRuns:
             for name, values in (("free run", run.free), ("one step", run.one_step)):
                 r2, rms, largest = errors_of(run.measured, values)
                 sizes = (amount(size, model.output.unit, units) for size in (rms, largest))
-                lines.append(f"{model.output.name}, {name}: R2 {r2:.4f}, rms {next(sizes)}, largest {next(sizes)}")
+                lines.append(f"{model.output.name}, {name}: {r2_text(r2)}, rms {next(sizes)}, largest {next(sizes)}")
         return "\n".join(lines)
 
     def __str__(self) -> str:

@@ -12,7 +12,7 @@ from sklearn.base import clone
 from polydraulic.display import DEFAULT
 from polydraulic.errors import InputError
 from polydraulic.identification.arguments import check_columns, parts_of, table_of
-from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged
+from polydraulic.identification.judging import HeldOut, OutputFit, far_from_others, judged, unit_after
 from polydraulic.measure.log_units import conversion_shown
 from polydraulic.networks.growth.far_values import far_values_told_elsewhere
 from polydraulic.networks.growth.regressor import AbductiveRegressor
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 
 _COPY = 1e-10  # below one, of a correlation: no two sensors agree so well
+_NOISE = 0.05  # of the span of bounds, by which noise may lie beyond them
 _TIMED = "time is an input: the models know the times of this table alone, and others lie outside of their domain"
 _LONG = 100_000  # rows times regions: with fewer, processes take longer to start than the fits take
 
@@ -47,12 +48,15 @@ class TableFit:
         What the models were fitted to.
     source : str
         Where it came from.
+    asked : int
+        Regions that might have been found.
     """
 
     outputs: list[OutputFit]
     deadbands: list["Deadband"]
     table: Table = field(repr=False)
     source: str
+    asked: int = 1
 
     @property
     def models(self) -> list[Model]:
@@ -66,7 +70,10 @@ class TableFit:
         of_outputs = [
             doubt
             for found in self.outputs
-            for doubt in ("" if found.model.output.name in far else found.doubt, _copied(found, self.table))
+            for doubt in (
+                _beyond_bounds(found, self.table) or ("" if found.model.output.name in far else found.doubt),
+                _copied(found, self.table),
+            )
             if doubt
         ]
         timed = any(variable.name == "time" for found in self.outputs for variable in found.model.inputs)
@@ -76,7 +83,16 @@ class TableFit:
         """What was found, in lines."""
         deadbands = [d.statement(conversion_shown(self.table.unit(d.input), units)) for d in self.deadbands]
         warnings = [f"warning: {doubt}" for doubt in self.doubts]
-        return "\n".join([*deadbands, *(found.text(units) for found in self.outputs), *warnings])
+        outputs = [line for found in self.outputs for line in (found.text(units), *self._one_region(found))]
+        return "\n".join([*deadbands, *outputs, *warnings])
+
+    def _one_region(self, found: OutputFit) -> list[str]:
+        """A line where regions were asked for, and none was found."""
+        if self.asked == 1 or len(found.model.networks) > 1:
+            return []
+        return [
+            f"  up to {self.asked} regions were asked for: no cut lowers the predicted squared error enough, so it stays one"
+        ]
 
     def __str__(self) -> str:
         return self.text()
@@ -170,7 +186,7 @@ def fit_table(
     for output, without, final in zip(outputs, learnt, learnt, strict=True):
         y, model = rows[output], final.to_model(names, Variable(output, rows.unit(output)))
         fits.append(judged(model, HeldOut(X[held], y[held], without.predict(X[held]), by_time), len(y)))
-    return TableFit(fits, found, rows, source)
+    return TableFit(fits, found, rows, source, 1 if by_index else int(max_regions))
 
 
 def _check_edges(name: str, cuts: Sequence[float], values: np.ndarray) -> None:
@@ -195,12 +211,26 @@ def _copied(found: OutputFit, table: Table) -> str:
     y = table[found.model.output.name]
     for variable in found.model.inputs:
         x = table[variable.name]
-        if 1.0 - abs(float(np.corrcoef(x, y)[0, 1])) < _COPY:
+        together = np.corrcoef(x / np.abs(x).max(), y / np.abs(y).max())  # squares of tiny numbers are 0
+        if 1.0 - abs(float(together[0, 1])) < _COPY:
             return (
                 f"{found.model.output.name}: {variable.name} is the same but for scale and offset: if it is made of it, or of what it is made of, "
                 "the model says nothing; leave it out then"
             )
     return ""
+
+
+def _beyond_bounds(found: OutputFit, table: Table) -> str:
+    """Sentence on rows that bounds of the output keep out of reach; empty if hardly any is."""
+    y, networks = table[found.model.output.name], found.model.networks
+    low, high = min(n.y_low for n in networks), max(n.y_high for n in networks)
+    beyond = int(np.sum((y < low - _NOISE * (high - low)) | (y > high + _NOISE * (high - low))))
+    if not beyond:
+        return ""
+    return (
+        f"{found.model.output.name}: {beyond} of {len(y)} rows lie beyond its bounds [{low:.6g}, {high:.6g}]{unit_after(found.model.output)}, which the "
+        "model cannot leave: widen them, unless these rows are wrong"
+    )
 
 
 def _fitted(work: tuple[RegionRegressor, np.ndarray, np.ndarray, tuple[np.ndarray, ...]]) -> list[RegionRegressor]:

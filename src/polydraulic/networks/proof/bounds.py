@@ -242,7 +242,7 @@ def range_sentence(model: Model, answer: RangeCheck) -> str:
                 f"{variable.name} = {value:.6g} {variable.unit}".rstrip()
                 for variable, value in zip(model.inputs, found.point, strict=True)
             )
-            points.append(f"{found.value:.6g} at {at} ({found.region})")
+            points.append(f"{found.value:.6g} {model.output.unit}".rstrip() + f" at {at} ({found.region})")
         return f"{name} leaves {asked}: {'; '.join(points)}"
     if answer.undecided:
         return (
