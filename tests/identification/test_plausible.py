@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from helpers.small_crane import write_crane
 from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.identification.plausible import (
@@ -60,15 +61,45 @@ def test_pressures_of_what_the_machine_does_not_have_are_not_looked_at():
         check_pressures(table, ["boom", "winch"])
 
 
-def test_the_column_of_a_joint_goes_by_its_kind(excavator):
+def test_a_sensor_that_hangs_below_zero_is_no_pressure_in_another_unit(excavator):
+    check_pressures(Table({"boom.p_a": of_hundred(1e5, 1), "boom.p_b": of_hundred(0.0, 50, -5.0)}, {}), ["boom"])
+
+
+def test_the_column_of_a_joint_goes_by_its_kind(excavator, tmp_path):
     assert [position_column(excavator, f) for f in excavator.functions] == ["swing.angle", "boom.angle", "stick.angle"]
+    crane = load_machine(write_crane(tmp_path))
+    assert [position_column(crane, f) for f in crane.functions] == ["slew.angle", "lift.angle", "extend.position"]
+    low, high = crane.function("extend").stops
+    check_plausible(crane, Table({"extend.position": of_hundred(high + 0.099, 100)}, {}))
+    with pytest.raises(
+        InputError, match=rf"its joint's stops at {low:.4g} and {high:.4g} m: it must be in m, with the"
+    ):
+        check_plausible(crane, Table({"extend.position": of_hundred(high + 0.101, 100)}, {}))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "si"),
+    [
+        ("boom.spool", "mm", "m"), ("boom.p_a", "bar", "Pa"), ("boom.p_b", "bar", "Pa"), ("boom.q_in", "l/min", "m3/s"),
+        ("boom.q_out", "l/min", "m3/s"), ("boom.voltage", "mV", "V"), ("boom.angle", "deg", "rad"), ("arm.position", "mm", "m"),
+        ("main.p_pump", "bar", "Pa"),
+    ],
+)  # fmt: skip
+def test_columns_that_say_another_unit_are_refused(name, unit, si):
+    values = {"time": WAVE, name: WAVE}
+    for fine in ({name: si}, {name: ""}, {}, {name: si, "time": "h"}):
+        check_units(Table(values, fine))
+    with pytest.raises(
+        InputError, match=f"column '{name}' is in '{unit}'; a machine is identified in SI, this in '{si}'"
+    ):
+        check_units(Table(values, {name: unit}))
 
 
 def test_sensors_contradict_each_other_where_much_of_a_flow_is_left():
     assert contradictions("boom", 0.05 * 2.8e-3, 2.8e-3) == []
     assert contradictions("boom", np.nan, 2.8e-3) == []
-    (text,) = contradictions("boom", 1.5e-3, 2.8e-3)
-    assert text.startswith("flows of boom are 54 % of the pump's off on rows held out")
+    (text,) = contradictions("boom", 2.8e-3, 2.8e-3)
+    assert text.startswith("flows of boom are 100 % of the pump's off on rows held out")
     assert "sign of boom.spool" in text
 
 
@@ -118,6 +149,9 @@ def test_half_of_the_rows_may_be_a_tenth_of_a_radian_beyond_the_stops(excavator)
         ({"boom.p_a": 1e5, "boom.p_b": 1e4}, None),
         ({"boom.p_a": 1e5, "boom.p_b": 9.99e3}, "column 'boom.p_b' comes to 9990 Pa at most, others to 1 bar"),
         ({"boom.p_a": 0.0, "boom.p_b": 0.0}, None),  # dead sensors
+        ({"boom.p_a": 0.9, "boom.p_b": 0.0}, "the largest pressure at a port of the log is 0.9 Pa"),
+        ({"boom.p_a": 1e5, "boom.p_b": 0.9}, "column 'boom.p_b' comes to 0.9 Pa at most, others to 1 bar"),
+        ({"boom.p_pump": 0.9}, "'boom.p_pump' lies between 0 and 0.9, and a pump"),
         ({"boom.p_pump": 1e5}, None),
         ({"boom.p_pump": 9.99e4}, "'boom.p_pump' .* a pump that feeds valves has more than 1 bar: it must be in Pa"),
         ({"boom.p_pump": 0.0}, None),
