@@ -58,15 +58,20 @@ def constants(module: str) -> list[str]:
     ]
 
 
-def changed(value: object) -> list[object]:
-    """Smaller and larger ones; of a tuple or a dictionary one of its numbers at a time."""
+def changed(value: object) -> list[tuple[str, object]]:
+    """Smaller and larger ones, with what becomes of what; of a tuple or a dictionary one of its numbers at a time."""
     if isinstance(value, tuple):
-        return [(*value[:i], other, *value[i + 1 :]) for i, one in enumerate(value) for other in changed(one)]
+        parts = [(i, words, other) for i, one in enumerate(value) for words, other in changed(one)]
+        return [(f"[{i}]{words}", (*value[:i], other, *value[i + 1 :])) for i, words, other in parts]
     if isinstance(value, dict):
-        return [{**value, key: other} for key, one in value.items() for other in changed(one)]
-    if isinstance(value, int) and not isinstance(value, bool):
-        return [floor(0.75 * value) if value > 0 else value - 1, ceil(1.25 * value) if value > 0 else value + 1]
-    return [0.75 * value, 1.25 * value] if isinstance(value, float) else []
+        items = [(key, words, other) for key, one in value.items() for words, other in changed(one)]
+        return [(f"[{key!r}]{words}", {**value, key: other}) for key, words, other in items]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return []
+    others: list[float] = [0.75 * value, 1.25 * value]
+    if isinstance(value, int):
+        others = [floor(others[0]), ceil(others[1])] if value > 0 else [value - 1, value + 1]
+    return [(f" = {value:.6g} -> {other:.6g}", other) for other in others]
 
 
 def holders(module: ModuleType, name: str) -> list[ModuleType]:
@@ -116,16 +121,15 @@ def judge(module: str) -> tuple[Counter[str], list[str]]:
     limit = 10.0 + 10.0 * (process_time() - begun)
     counts, left = Counter[str](), []
     for name in constants(module):
-        value, places = getattr(loaded, name), holders(loaded, name)
-        others = changed(value)
-        unnoticed = [other for other in others if passes(tests, limit, places, name, other)]
-        if others and unnoticed == others and passes(tests, limit, places, name, REMOVED):
+        places, others = holders(loaded, name), changed(getattr(loaded, name))
+        unnoticed = [words for words, other in others if passes(tests, limit, places, name, other)]
+        if others and len(unnoticed) == len(others) and passes(tests, limit, places, name, REMOVED):
             counts["not covered"] += len(others)
             left.append(f"{name} is read by none of these tests")
         else:
             counts["killed"] += len(others) - len(unnoticed)
             counts["survived"] += len(unnoticed)
-            left += [f"{name} = {value} -> {other}" for other in unnoticed]
+            left += [f"{name}{words}" for words in unnoticed]
     return counts, left
 
 
