@@ -7,6 +7,7 @@ from helpers.joint_log import joint_log
 from polydraulic import save_models
 from polydraulic.errors import InputError
 from polydraulic.identification import check_models, fit_joints, write_card
+from polydraulic.identification.joint_fit import _check_goes_on, _went_round
 from polydraulic.identification.run_plot import plot_separately
 from polydraulic.measure import import_log, load_channels, load_sensors, record, suggest_channels
 from polydraulic.tables import Table
@@ -136,3 +137,25 @@ def test_joints_need_a_command_each():
         fit_joints(joint_log(), ["lever.a"], ["a"], horizon=0.0)
     with pytest.raises(InputError, match="'lever.b' explains"):
         fit_joints(joint_log(), ["lever.b"], ["a"])
+
+
+@pytest.mark.parametrize(("unit", "turn"), [("rad", 2.0 * np.pi), ("deg", 360.0), ("m", np.inf), ("", np.inf)])
+def test_an_angle_goes_round_beyond_a_turn_and_back_beyond_half_a_turn_a_row(unit, turn):
+    size = turn if turn < np.inf else 1e9
+    table = Table({"time": np.arange(9.0), "a": np.linspace(-0.3, 0.7, 9) * size * 1.001}, {"a": unit})
+    assert _went_round(table, "a") == (turn < np.inf)
+    assert not _went_round(Table(table.columns | {"a": 0.998 * table["a"]}, {"a": unit}), "a")
+    for way in (1.0, -1.0):
+        angle = np.where(np.arange(9) < 4, 0.0, way * 0.499 * size)
+        _check_goes_on(Table(table.columns | {"a": angle}, {"a": unit}), "a")
+        angle = np.where(np.arange(9) < 4, 0.0, way * 0.501 * size)
+        further = Table(table.columns | {"a": angle}, {"a": unit})
+        if turn < np.inf:
+            with pytest.raises(
+                InputError, match=rf"in row 5, and so by more than half a turn in 1 row\(s\).* period={turn:.6g}"
+            ):
+                _check_goes_on(further, "a")
+        else:
+            _check_goes_on(further, "a")
+        # where rows do not follow each other nobody knows how far it went between
+        _check_goes_on(Table(further.columns | {"segment": 1.0 * (np.arange(9) >= 4)}, {"a": unit}), "a")
