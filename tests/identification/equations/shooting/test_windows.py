@@ -78,10 +78,14 @@ def test_commands_and_positions_are_the_least(without, said):
         cut_windows(machine, table, ["slew.angle"], seconds=2.0, most=50)
 
 
-def test_a_short_log_is_refused():
-    machine, log = commanded(seconds=2.0)
-    with pytest.raises(InputError, match="no piece of the log lasts 3 s without a gap"):
-        cut_windows(machine, log, ["slew.angle"], seconds=2.0, most=50)
+def test_a_piece_lasts_as_long_as_a_refusal_says():
+    """1 s leads in, a tenth of a second gives the rate at the start, and 2 s are run."""
+    machine, log = commanded(seconds=4.0)
+    enough, short = (Table({n: v[:rows] for n, v in log.columns.items()}, log.units) for rows in (157, 156))
+    windows = cut_windows(machine, enough, ["slew.angle"], seconds=2.0, most=50)
+    assert windows.time == pytest.approx([log["time"][55]])
+    with pytest.raises(InputError, match=r"no piece of the log lasts 3.12 s without a gap"):
+        cut_windows(machine, short, ["slew.angle"], seconds=2.0, most=50)
 
 
 def test_another_unit_is_refused():

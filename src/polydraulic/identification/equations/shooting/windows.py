@@ -126,7 +126,8 @@ def cut_windows(machine: LayoutMachine, table: Table, sensors: Sequence[str], *,
     lead, near = int(np.ceil(LEAD / raster)), max(3, round(_NEAR / raster))
     starts = [(k, row) for k, (at, _) in enumerate(pieces) for row in range(lead + near, len(at) - n_row - 1, n_row)]
     if not starts:
-        raise InputError(f"no piece of the log lasts {LEAD + seconds:g} s without a gap; choose shorter windows")
+        least = (lead + near + n_row + 1) * raster
+        raise InputError(f"no piece of the log lasts {least:.4g} s without a gap; choose shorter windows")
     if len(starts) > most:
         starts = [starts[i] for i in np.linspace(0, len(starts) - 1, most).round().astype(int)]
     n, channels = (
