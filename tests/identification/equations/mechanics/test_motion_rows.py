@@ -8,6 +8,7 @@ from polydraulic import load_machine
 from polydraulic.errors import InputError
 from polydraulic.identification.equations.mechanics.inertia import inertial_numbers, inertial_values
 from polydraulic.identification.equations.mechanics.motion_rows import FRICTION, measured_pieces, motion_rows
+from polydraulic.tables import Table
 
 
 def truth_of(machine, late):
@@ -27,7 +28,11 @@ def test_rows_hold_with_the_true_numbers(late):
     assert late == 0.0 or np.abs(without).max() > 3.0 * np.abs(off).max()
 
 
-def test_a_log_of_scraps_is_refused():
+def test_a_piece_lasts_as_long_as_a_refusal_says():
     machine = load_machine("loader_crane")
-    with pytest.raises(InputError, match="no piece of the log lasts 1 s"):
-        motion_rows(machine, inertial_numbers(machine), measured_pieces(machine, motion_log(machine, seconds=0.5)))
+    log = motion_log(machine, seconds=3.0)
+    enough, short = (Table({n: v[:rows] for n, v in log.columns.items()}, log.units) for rows in (104, 103))
+    assert enough["time"][-1] - enough["time"][0] == pytest.approx(2.06)
+    assert len(motion_rows(machine, inertial_numbers(machine), measured_pieces(machine, enough)).time)
+    with pytest.raises(InputError, match=r"no piece of the log lasts 2.06 s without a gap; the mechanics cannot"):
+        motion_rows(machine, inertial_numbers(machine), measured_pieces(machine, short))

@@ -66,17 +66,19 @@ def motion_rows(machine: LayoutMachine, numbers: Sequence[Inertial], pieces: Seq
     """
     made = [rows for piece in pieces for rows in [_of_piece(machine, numbers, piece)] if rows is not None]
     if not made:
+        raster = min(_raster_of(piece) for piece in pieces)
+        least = (_least_rows(*(len(_gaussian(width, raster, 0.0)[0]) for width in (_FILTER, _WEIGHT))) - 1) * raster
         raise InputError(
-            f"no piece of the log lasts {2.0 * _FAR * (_FILTER + _WEIGHT):.2g} s without a gap; the mechanics cannot be identified from it"
+            f"no piece of the log lasts {least:.3g} s without a gap; the mechanics cannot be identified from it"
         )
     return MotionRows(*(np.concatenate(parts) for parts in zip(*made, strict=True)))
 
 
 def _of_piece(machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece) -> MotionRows | None:
-    raster = float(np.median(np.diff(piece.time))) if len(piece.time) > 1 else np.inf
+    raster = _raster_of(piece)
     smooth, slope = _gaussian(_FILTER, raster, 0.5)
     weight, weight_slope = _gaussian(_WEIGHT, raster, 0.0)
-    if len(piece.time) < 2 * (len(smooth) + len(weight)):
+    if len(piece.time) < _least_rows(len(smooth), len(weight)):
         return None
     position, rate = _passed(piece.position, smooth), _passed(piece.position, slope)
     oil = oil_torques(machine, piece.position, piece.p_a, piece.p_b)
@@ -96,6 +98,16 @@ def _of_piece(machine: LayoutMachine, numbers: Sequence[Inertial], piece: Piece)
         windows[::stride],
         piece.time[len(smooth) // 2 + half :][: len(windows) : stride],
     )
+
+
+def _raster_of(piece: Piece) -> float:
+    """Time between rows, s; infinite for a single one."""
+    return float(np.median(np.diff(piece.time))) if len(piece.time) > 1 else np.inf
+
+
+def _least_rows(smooth: int, weight: int) -> int:
+    """Rows of a piece, so that at least as many are left as both weights reach over."""
+    return 2 * (smooth + weight)
 
 
 def oil_torques(machine: LayoutMachine, position: np.ndarray, p_a: np.ndarray, p_b: np.ndarray) -> np.ndarray:
