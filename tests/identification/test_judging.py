@@ -23,7 +23,8 @@ def fit_of(errors, *, by_time=False, a=0.0, regions=1):
     """The fit of a model that errs by so much on rows held out, at `a`."""
     errors = np.asarray(errors, dtype=float)
     X = (a + np.zeros(len(errors)))[:, None]
-    return judged(model(regions), HeldOut(X, np.zeros(len(errors)), errors, by_time), 500)
+    y = 8.0 * np.arange(len(errors))  # so that differences are exact
+    return judged(model(regions), HeldOut(X, y, y + errors, by_time), 500)
 
 
 def test_errors_are_measured_by_their_squares_next_to_the_spread():
@@ -34,7 +35,8 @@ def test_errors_are_measured_by_their_squares_next_to_the_spread():
 
 def test_a_region_without_rows_has_no_errors():
     found = errors_by_region(model(2), np.full((2, 1), -0.5), np.array([3.0, -4.0]))
-    assert [(r["rows"], r["rms"], r["largest"]) for r in found] == [(2, 12.5**0.5, 4.0), (0, 0.0, 0.0)]
+    assert [tuple(r.values()) for r in found] == [("a in (-inf, 0]", 2, 12.5**0.5, 4.0), ("a in (0, inf)", 0, 0.0, 0.0)]
+    assert list(found[0]) == ["region", "rows", "rms", "largest"]
 
 
 @pytest.mark.parametrize(("n", "rank"), [(9, 9), (10, 10), (19, 18), (29, 27)])
@@ -67,6 +69,7 @@ def test_a_region_with_too_few_rows_has_the_interval_of_all(own, width):
     low = np.arange(100) < 2 * own
     fit = fit_of(np.where(low, 1.0, 5.0), a=np.where(low, -0.5, 0.5), regions=2)
     assert fit.half_widths == [width, 5.0]
+    assert [r["rows"] for r in fit.model.training["held_out_by_region"]] == [2 * own, 100 - 2 * own]
 
 
 def test_too_few_rows_state_no_interval():
