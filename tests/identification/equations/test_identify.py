@@ -12,6 +12,7 @@ from polydraulic import InputError, load_machine
 from polydraulic.flow.layout.circuit_sample import sample_valves
 from polydraulic.identification import identify
 from polydraulic.identification.equations.finished import Finished
+from polydraulic.identification.equations.identify import _segments
 from polydraulic.identification.equations.shooting.fit import ShootingStage
 from polydraulic.machine.pump import limited_pump
 from polydraulic.tables import Table
@@ -261,3 +262,18 @@ def test_how_far_simulation_has_come_is_read_as_it_was(tmp_path):
     assert all(np.array_equal(ours, was) for ours, was in zip(again[2:], reached[2:], strict=True))
     assert Finished(tmp_path, "other").runs() is None
     assert Finished(None, "digest").runs() is None
+
+
+def test_a_log_has_five_hundred_rows_that_rise_and_is_cut_where_a_step_is_a_twentieth_off():
+    def segments(time, **columns):
+        return _segments(Table({"time": np.asarray(time, dtype=float), **columns}, {}), "log.csv").tolist()
+
+    even = np.arange(500.0)
+    assert segments(even) == [0] * 500
+    with pytest.raises(InputError, match="log.csv determines nothing of this machine: it has 499 rows; 500 at least"):
+        segments(even[1:])
+    with pytest.raises(InputError, match="column 'time' does not rise from row to row"):
+        segments(np.repeat(even, 2))
+    for off, cut in ((0.049, 0), (-0.049, 0), (0.051, 1), (-0.051, 1)):
+        assert segments(even + off * (even >= 5.0)) == [0] * 5 + [cut] * 495
+    assert segments(even, segment=1.0 * (even >= 7.0)) == [0] * 7 + [1] * 493
