@@ -121,10 +121,6 @@ TESTED_ELSEWHERE = {
         "identification/equations/test_identify.py",
         "circuits that were fitted there are kept",
     ),
-    "identification/equations/ways/by_flows.py": (
-        "identification/equations/test_identify.py",
-        "pilots and circuits of an identification",
-    ),
     "identification/equations/free_runs.py": ("identification/equations/test_card.py", "runs that the card shows"),
     "identification/equations/fit/knots.py": (
         "identification/equations/fit/test_circuit_fit.py",

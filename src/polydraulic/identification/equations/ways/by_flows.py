@@ -18,7 +18,7 @@ from polydraulic.parameters.layout.schema import LayoutMachine
 
 LEAST_ROWS = 500
 STEP_LAG = 2.5e-3  # s: half of the step of 5 ms that `simulate` holds a voltage for, and so adds to every dead time
-_KNOWN = 0.5  # of its spread, or of itself: a number whose standard error is larger is not determined
+_KNOWN = 0.1  # of a conductance: one whose standard error is larger is told
 
 
 def find_pilots(so_far: SoFar, signals: dict[str, Signals]) -> dict[str, PilotFit]:
@@ -167,11 +167,11 @@ def _remarks(machine: LayoutMachine, circuits: dict[str, CircuitFound]) -> list[
             for key in CURVES:
                 values, errors = np.array(getattr(v.curves, key)), v.errors[key]
                 open_ = values > 0.02 * values.max()
-                unsure = open_ & ~(errors < _KNOWN * 0.2 * np.maximum(values, 1e-300)) & (knots <= v.seen[1] + 1e-9)
+                unsure = open_ & ~(errors < _KNOWN * np.maximum(values, 1e-300)) & (knots <= v.seen[1] + 1e-9)
                 if unsure.any():
                     at = ", ".join(amount(k, "m") for k in knots[unsure])
                     found.append(
-                        f"functions.{name}.valve.{key} is not known within 10 % at {at}: there the log hardly depends on it"
+                        f"functions.{name}.valve.{key} is not known within {100.0 * _KNOWN:.0f} % at {at}: there the log hardly depends on it"
                     )
             if v.seen[1] < machine.function(name).valve.knots[-1] - 1e-4:
                 found.append(
