@@ -205,3 +205,16 @@ def test_doubtful_rates_are_refused(change, message):
     assert text != MAP + FLOW + RATE
     with pytest.raises(InputError, match=message):
         channel_map(tomllib.loads(text))
+
+
+@pytest.mark.parametrize("raster", [1, 7, 10, 13, 100, 700])
+def test_a_window_of_exactly_three_rasters_is_long_enough(raster):
+    def read(flow, rate):
+        flows = FLOW.replace("compliance", f'window = "{flow * raster} ms"\ncompliance')
+        rates = RATE.replace("50 ms", f"{rate * raster} ms")
+        return channel_map(tomllib.loads((MAP + flows + rates).replace('"10 ms"', f'"{raster} ms"')))
+
+    read(3, 3)
+    for windows, short in (((2.999, 3), "flow 'q'"), ((3, 2.999), "derivative 'stroke.rate'")):
+        with pytest.raises(InputError, match=f"window of {short} = .* s: must be"):
+            read(*windows)

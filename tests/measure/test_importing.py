@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from helpers.logs_made import MAP, RASTER, UNITS, healthy, imported, lose, put
 from polydraulic.errors import InputError
 from polydraulic.measure import import_log, write_quality
 from polydraulic.measure.channels import channel_map
-from polydraulic.measure.findings import KINDS
+from polydraulic.measure.columns_made import RateChannel
+from polydraulic.measure.findings import KINDS, Findings
+from polydraulic.measure.importing import _check_windows, _copies
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -254,3 +257,25 @@ def test_a_held_channel_that_is_written_only_when_it_changes_is_no_fault(tmp_pat
     found = imported(tmp_path, columns, changed, units={**UNITS, "lever": ""})
     assert [str(f) for f in found.findings] == []
     assert np.array_equal(found.excerpt["lever"], level[:3999])
+
+
+@pytest.mark.parametrize(("n", "named"), [(9, []), (10, ["q"])])
+def test_ten_numbers_alike_are_a_copy(n, named):
+    def channel(source, crc, given, low=0.0):
+        return SimpleNamespace(channel=SimpleNamespace(source=source), crc=crc, given=given, low=low, high=5.0)
+
+    findings = Findings()
+    of = [channel("p", 7, n), channel("q", 7, n), channel("r", 8, n), channel("s", 7, n + 1)]
+    _copies([*of, channel("still", 9, n, 5.0), channel("still too", 9, n, 5.0)], findings)
+    assert [(f.kind, f.channel, f.detail) for f in findings] == [("copy", name, "of 'p'") for name in named]
+
+
+@pytest.mark.parametrize(("window", "allowed"), [(0.3, True), (0.2999, False)])
+def test_a_rate_is_made_of_three_samples(window, allowed):
+    channels = SimpleNamespace(rates=[RateChannel("v", "x", window)])
+    checks = [SimpleNamespace(channel=SimpleNamespace(name="x"), raster=0.1)]
+    if allowed:
+        _check_windows(channels, checks)
+    else:
+        with pytest.raises(InputError, match="= 0.2999 s: 'x' has a sample every 0.1 s only; 0.3 s at least"):
+            _check_windows(channels, checks)

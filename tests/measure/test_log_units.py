@@ -132,3 +132,24 @@ def test_a_missing_library_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "asammdf", None)
     with pytest.raises(InputError, match=r"asammdf is not installed.*pip install 'polydraulic\[measure\]'"):
         need("asammdf")
+
+
+@pytest.mark.parametrize(
+    ("text", "allowed"),
+    [
+        ("1e20 s", True),
+        ("-1e20 s", True),
+        ("1.01e20 s", False),
+        ("1e-30 s", True),
+        ("0.99e-30 s", False),
+        ("0 s", True),
+    ],
+)
+def test_a_quantity_is_zero_or_of_a_size_whose_squares_are_numbers(text, allowed):
+    if allowed:
+        assert quantity(text, "s", "lag") == float(text.split()[0])
+    else:
+        with pytest.raises(
+            InputError, match=f"lag = '{text}': must be 0 or between 1e-30 and 1e20 in size, in SI units"
+        ):
+            quantity(text, "s", "lag")

@@ -21,6 +21,7 @@ RESERVED = ("time", "segment")  # columns that every imported table has
 SHORTEST, LONGEST = 1e-6, 1e5  # s, of rasters
 FARTHEST = 1e100  # of ranges: differences and squares are numbers
 THINNEST, DENSEST = 0.3e5, 1.2e5  # Pa, of atmospheres: from the highest mountain to the deepest mine
+_NEARLY = 1.0 - 1e-9  # three times 0.1 s are more than 0.3 s in floats
 _SI_OF_KIND = {kind.name: kind.si for kind in KINDS}
 _MAP = {"raster", "interval", "atmosphere", "channel", "flow", "derivative"}
 _CHANNEL = {"source", "name", "role", "kind", "unit", "raster", "between", "range", "sign", "dates"}
@@ -340,7 +341,7 @@ def _check_rate(rate: RateChannel, channels: ChannelMap) -> None:
             f'of in derivative {rate.name!r} = {rate.of!r} is held between its samples: steps have no rate; use between = "linear"'
         )
     least = 3.0 * max(channels.raster, source.raster or 0.0)
-    if rate.window < least:
+    if rate.window < least * _NEARLY:
         raise InputError(
             f"window of derivative {rate.name!r} = {rate.window:g} s: must be {least:g} s at least, three rasters of table and channel"
         )
@@ -361,7 +362,7 @@ def _check_flow(flow: FlowChannel, channels: ChannelMap) -> None:
             raise InputError(f"{key} of flow {flow.name!r} = {name!r} is in {columns[name]}; it must be in {kinds[0]}")
     if flow.compliance < 0.0 or flow.area == 0.0:
         raise InputError(f"flow {flow.name!r}: area must not be 0, compliance not negative")
-    if flow.window < 3.0 * channels.raster:
+    if flow.window < 3.0 * channels.raster * _NEARLY:
         raise InputError(
             f"window of flow {flow.name!r} = {flow.window:g} s: must be three rasters of the table ({channels.raster:g} s) "
             f"at least, with an area in {area}"
