@@ -205,6 +205,17 @@ def test_a_window_begins_where_five_rows_are_within_a_tenth_of_a_second(raster, 
     assert first_rows(raster * np.arange(200))[:1] == ([] if begun is None else [begun])
 
 
+@pytest.mark.parametrize("began", [0.0, 17.3, 1.7e9])  # s since 1970: no difference of them is exact
+@pytest.mark.parametrize(("raster", "first"), [(0.01, 0), (0.02, 0), (1.0 / 30.0, 1), (0.05, 2)])
+def test_windows_are_the_same_whenever_a_log_began(began, raster, first):
+    n = round(2.0 / raster)
+    time = began + raster * np.arange(3 * n + first + 1)
+    assert first_rows(time, 2.0) == [first, first + n, first + 2 * n]
+    bridged = np.delete(time, np.arange(n, n + round(0.1 / raster) - 1))  # a tenth of a second
+    assert first_rows(bridged, 2.0)[:1] == [first]
+    assert len(first_rows(bridged, 5.0)) == 1
+
+
 def test_windows_stay_in_their_part_and_in_rows_that_follow_each_other():
     time = RASTER * np.arange(200)
     assert first_rows(time, parts=[100, 100]) == [0, 100]

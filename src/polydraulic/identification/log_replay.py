@@ -321,16 +321,17 @@ def _begins(time: np.ndarray, rows: np.ndarray, seconds: float, parts: Sequence[
     allowed = np.flatnonzero(rows)
     if not allowed.size:
         return []
-    part = np.repeat(np.arange(len(parts)), parts)[allowed]
-    cuts = np.flatnonzero((np.diff(allowed) > 1) | (np.diff(time[allowed]) > _BRIDGED) | (np.diff(part) > 0)) + 1
+    part, lost = np.repeat(np.arange(len(parts)), parts)[allowed], _rounding(time)
+    gap = np.diff(time[allowed]) > _BRIDGED + lost
+    cuts = np.flatnonzero((np.diff(allowed) > 1) | gap | (np.diff(part) > 0)) + 1
     found = []
     for piece in np.split(allowed, cuts):
         last, own = time[piece[-1]], _part_with(parts, piece[0])
         earliest = time[piece[0]]
         for row in piece.tolist():
-            if time[row] + seconds > last + 1e-9:
+            if time[row] + seconds > last + lost:
                 break
-            if time[row] >= earliest - 1e-9 and len(_near(time, row, own)) >= _ROWS_NEAR:
+            if time[row] >= earliest - lost and len(_near(time, row, own)) >= _ROWS_NEAR:
                 found.append(row)
                 earliest = time[row] + seconds
     return found
@@ -345,8 +346,14 @@ def _part_with(parts: Sequence[int], row: int) -> slice:
 
 def _near(time: np.ndarray, row: int, own: slice) -> np.ndarray:
     """Rows of a part of the log that are near to a row in time."""
-    low, high = np.searchsorted(time[own], [time[row] - _NEAR - 1e-9, time[row] + _NEAR + 1e-9])
+    reach = _NEAR + _rounding(time)
+    low, high = np.searchsorted(time[own], [time[row] - reach, time[row] + reach])
     return np.arange(low, high) + own.start
+
+
+def _rounding(time: np.ndarray) -> float:
+    """What rounding may take from differences of rising times, s: those since 1970 are known to a quarter of a microsecond."""
+    return max(1e-9, 4.0 * float(np.spacing(np.abs(time[[0, -1]]).max())))
 
 
 def _state(log: Table, row: int, own: slice, joints: Sequence[Joint]) -> np.ndarray:
