@@ -85,6 +85,7 @@ TEXTS = {
         "every third row shorter": (
             "time,p,x\n" + "".join(f"{t:.2f},{p}" + (",1\n" if i % 3 else "\n")
                                     for i, (t, p) in enumerate(zip(TIME, PRESSURE, strict=True))), ("short line",)),
+        "a last line that breaks off within its last value": (PLAIN + "0.60,1", ("cut line",)),
         "single rows with too few or too many fields": (PLAIN.replace("0.30,", "0.30,,,"), ("missing line",)),
         "a column without a name, as pandas writes its index": (lines("{i},{t:.2f},{p}\n", ",time,p\n"), READ),
         "columns called by numbers": (lines("{t:.2f},{p},{i}\n", "time,p,1\n"), READ),

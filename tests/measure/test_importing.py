@@ -225,6 +225,18 @@ def test_a_wrong_unit_of_time_is_named_where_the_map_has_no_raster_for_the_time(
     assert ["check the unit of time" in finding.detail for finding in named] == [True]
 
 
+def test_a_table_of_thousands_of_rows_between_two_samples_is_refused(tmp_path):
+    columns = healthy(n=200)
+    columns["time"] = 1e6 * columns["time"]  # us
+    plain = MAP.replace('unit = "s"\nraster = "10 ms"', 'unit = "s"')
+    with pytest.raises(
+        InputError,
+        match=r"raster = 0\.01 s: samples come every 1e\+04 s, and the table would have 1000000 rows .* unit of time",
+    ):
+        imported(tmp_path, columns, plain, units={**UNITS, "time": ""})
+    assert not (tmp_path / "table.parquet").exists()
+
+
 def test_a_log_is_not_replaced_by_its_table(tmp_path, monkeypatch):
     log = tmp_path / "log.csv"
     log.write_text("time,p\n" + "".join(f"{0.01 * k:.2f},{k % 7}\n" for k in range(50)))

@@ -18,6 +18,14 @@ _LEAST_LINES = 4  # that are looked for
 _BLANKS = re.compile(rb"[ \t]+")
 _RUN = re.compile(rb"\0+")
 _CONTROL = re.compile(rb"[\x01-\x08\x0e-\x1f\x7f]")
+_OTHER_FILES = {  # by how they begin
+    b"\x1f\x8b": "it is packed by gzip: call it .csv.gz",
+    b"PK\x03\x04": "it is a workbook or an archive: save the sheet as CSV, or unpack it",
+    b"\xd0\xcf\x11\xe0": "it is a workbook: save the sheet as CSV",
+    b"\x89HDF": "it is HDF5: a MAT file of version 7.3 ends in .mat",
+    b"MDF ": "it is MDF: call it .mf4",
+    b"PAR1": "it is Parquet: call it .parquet",
+}
 DAMAGED = (OSError, EOFError, zlib.error)  # what gzip raises on damaged files, and a disk
 
 
@@ -48,6 +56,9 @@ def scan_bytes(path: Path) -> Scan:
     """
     try:
         return _scan(path)
+    except gzip.BadGzipFile as error:
+        said = f"damaged, or not packed by gzip: {error}"
+        raise InputError(f"{path}: cannot be read ({said}); copy it again, or call it .csv if it is text") from error
     except DAMAGED as error:
         damaged = f"damaged: {error}" if path.suffix == ".gz" else str(error)
         raise InputError(f"{path}: cannot be read ({damaged}); copy it again, or unpack what is left of it") from error
@@ -61,6 +72,9 @@ def _scan(path: Path) -> Scan:
             if not more:
                 break
             first += more
+        kind = next((kind for begin, kind in _OTHER_FILES.items() if first.startswith(begin)), "")
+        if kind:
+            raise InputError(f"{path}: is not text; a CSV log must be: {kind}")
         following = file.read(CHUNK)
         wide = _wide(first)
         if wide:

@@ -204,9 +204,12 @@ class _Merged:
 
     def compare_rasters(self, table: float) -> None:
         """Compare the fastest clock with the raster of the table."""
+        if (fastest := self._fastest()) is not None:
+            fastest.compare_table(table)
+
+    def _fastest(self) -> Clock | None:
         begun = [clock for clock in self.clocks if np.isfinite(clock.raster)]
-        if begun:
-            min(begun, key=lambda clock: clock.raster).compare_table(table)
+        return min(begun, key=lambda clock: clock.raster, default=None)
 
     def __iter__(self) -> Iterator[_Done]:
         reading = dict(enumerate(self.sources))
@@ -224,6 +227,10 @@ class _Merged:
                     self.resampler.tracks[self.place[check.channel.source]].add(samples, check.raster)
             reach = max(track.reach for track in self.resampler.tracks)
             until = min((self.clocks[n].last for n in reading), default=inf) - reach
+            if (
+                until > -inf and (fastest := self._fastest()) is not None
+            ):  # all groups have begun, and no row is written yet
+                fastest.check_table(self.resampler.raster)
             yield _Done(until, float(np.mean(shares)))
 
 

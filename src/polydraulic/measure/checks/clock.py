@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import LogBlock
 
@@ -17,6 +18,9 @@ _ZEROS = (25_569.0, 719_529.0, 2_440_587.5)  # days before 1970 from which sprea
 _BEFORE = -86_400.0  # s: more than a day before the zero of a clock that is none of dates
 _FAR = 1e12  # s: beyond it no rows can be counted
 _OTHER = 0.2  # difference of rasters that is worth a word
+_MOST_ROWS = (
+    1e4  # of a table between two samples: with us read as s there were a million, and a log of minutes filled a disk
+)
 _ANOTHER_UNIT = 500.0  # times the raster of a table, or that part of it: s and ms are a thousand apart
 
 
@@ -195,6 +199,14 @@ class Clock:
         if declared is not None and abs(found - declared) > _OTHER * declared:
             detail = f"found {found:.4g} s, the map says {declared:.4g} s: check the unit of time, or the map"
             self.findings.add("raster", name, detail)
+
+    def check_table(self, raster: float) -> None:
+        """Refuse samples between which a table would have thousands of rows."""
+        if self.declared is None and self.raster > _MOST_ROWS * raster:
+            raise InputError(
+                f"raster = {raster:g} s: samples come every {self.raster:.4g} s, and the table would have {self.raster / raster:.0f} rows from one to the "
+                "next: check the unit of time, or give a raster nearer to that"
+            )
 
     def compare_table(self, raster: float) -> None:
         """Note rows that come so much more, or less, often than those of the table that the unit of time may be wrong."""

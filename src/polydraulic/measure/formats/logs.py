@@ -24,6 +24,7 @@ ENDINGS = (
 )
 _BUS = (".mf4", ".blf", ".asc")
 _SHEETS = (".xlsx", ".xls", ".xlsm", ".xlsb", ".ods")
+_PACKED = (".zip", ".bz2", ".xz", ".7z", ".zst", ".tar", ".tgz", ".rar")
 _BAGS = (".mcap", ".db3", ".bag")
 
 
@@ -52,6 +53,7 @@ def open_log(path: str | Path, *, dates: str | None = None, dbc: Sequence[str | 
     ending = next((e for e in ENDINGS if path.name.lower().endswith(e)), None)
     if ending is None:
         hint = "save the sheet as .csv" if path.suffix.lower() in _SHEETS else "a text of columns is read as .csv"
+        hint = "unpack it" if path.suffix.lower() in _PACKED else hint
         raise InputError(f"{path}: a log ends in one of {list(ENDINGS)}, not in {path.suffix!r}; {hint}")
     if not path.is_file():
         raise InputError(f"{path}: no such file")

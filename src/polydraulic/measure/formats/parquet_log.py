@@ -14,6 +14,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import BLOCK, Log, LogBlock, Signal, once
 
+_SHOWN = 60  # letters of a kind of values
 _SAMPLE = 200  # cells that tell whether texts are times
 
 
@@ -32,7 +33,7 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
     fields: dict[str, Any] = {}
     for f in schema:
         fields.setdefault(f.name, f)  # of columns of one name the first is read
-    left_out = {f.name: f"values of kind {f.type}, not single numbers" for f in schema if pa.types.is_nested(f.type)}
+    left_out = {f.name: _nested(f.type) for f in schema if pa.types.is_nested(f.type)}
     kinds = {f.name: _kind(path, f) for f in fields.values() if not pa.types.is_nested(f.type)}
     orders = {name: _order(path, name, kind, dates) for name, kind in kinds.items() if _is_text(fields[name].type)}
     doubts = {name: "" if order.settled else order.example for name, order in orders.items()}
@@ -72,6 +73,17 @@ def open_parquet(path: Path, dates: str | None = None) -> Log:
             )
 
     return Log(path, signals, False, read, twice, left_out=left_out)
+
+
+def _nested(kind: Any) -> str:
+    """Why a column of records or lists is none, and what to do."""
+    import pyarrow as pa
+
+    how = (
+        "pyarrow.Table.flatten() makes a column of each field" if pa.types.is_struct(kind) else "write one number a row"
+    )
+    said = str(kind)
+    return f"values of kind {said if len(said) <= _SHOWN else said[:_SHOWN] + '...'}, not single numbers: {how}"
 
 
 def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:

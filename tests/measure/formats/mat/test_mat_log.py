@@ -6,6 +6,7 @@ from polydraulic.errors import InputError
 from polydraulic.measure import import_log, open_log, suggest_channels
 from polydraulic.measure.channels import channel_map
 from polydraulic.measure.findings import Findings
+from polydraulic.measure.formats.mat.arrays import CELL, COMPLEX, CUBE, SPARSE
 
 
 def test_matrices_are_signals_by_column(tmp_path):
@@ -73,7 +74,7 @@ def test_signals_that_are_matrices_have_time_as_their_last_side(tmp_path, versio
             file["out/time"], file["out/signals/values"], file["loose"] = np.arange(7.0)[None], cube.T, cube.T
     with open_log(path) as log:
         (block,) = log.read(0, [f"out.signals.values[{k}]" for k in range(1, 7)], "out.time", Findings())
-        assert log.left_out == {"loose": "an array of more than two dimensions"}
+        assert log.left_out == {"loose": CUBE}
     for k in range(6):  # MATLAB counts down the columns
         assert np.array_equal(block.values[f"out.signals.values[{k + 1}]"], cube[k % 2, k // 2])
 
@@ -101,9 +102,9 @@ def test_what_is_no_array_is_named_in_v7_3(tmp_path):
         ):
             log.signal("timetable")
     assert reasons["empty"] == "an empty array"
-    assert reasons["sparse"] == "a sparse matrix"
+    assert reasons["sparse"] == SPARSE
     assert reasons["string"] == "an object of class string"
-    assert reasons["complex"] == "complex numbers"
+    assert reasons["complex"] == COMPLEX
     assert len(reasons) == 5
 
 
@@ -139,8 +140,8 @@ def test_what_is_no_array_is_named_in_v5(tmp_path):
                                  "text": "a word", "part": {"empty": np.zeros(0), "z": np.ones(9) * 1j}})  # fmt: skip
     with open_log(tmp_path / "a.mat") as log:
         assert [s.name for s in log.signals] == ["t"]
-        assert log.left_out == {"empty": "an empty array", "sparse": "a sparse matrix", "cells": "a cell array",
-                                "part.empty": "an empty array", "part.z": "complex numbers"}  # fmt: skip
+        assert log.left_out == {"empty": "an empty array", "sparse": SPARSE, "cells": CELL,
+                                "part.empty": "an empty array", "part.z": COMPLEX}  # fmt: skip
 
 
 def test_the_report_of_an_import_names_what_was_not_read(tmp_path):
@@ -170,3 +171,18 @@ def test_a_damaged_file_is_one_error_or_what_is_left_of_it(tmp_path, version):
         except InputError as error:
             refused += str(path) in str(error)
     assert refused >= 20
+
+
+def test_structures_that_hold_themselves_come_to_an_end(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "b.mat", "w") as file:
+        s = file.create_group("s")
+        s["p"] = np.arange(9.0)[None]
+        for name in ("a", "b", "c"):
+            s[name] = s
+        refs = s.create_dataset("runs", shape=(2, 1), dtype=h5py.ref_dtype)
+        refs[:, 0] = [refs.ref, refs.ref]
+    with open_log(tmp_path / "b.mat") as log:
+        assert [signal.name for signal in log.signals] == ["s.p"]
+        assert set(log.left_out.values()) == {"the same as another structure"}
+        assert {"s.a", "s.b", "s.c"} < set(log.left_out)

@@ -7,10 +7,10 @@ import numpy as np
 
 DEEPEST = 20  # structures in structures
 EMPTY = "an empty array"
-SPARSE = "a sparse matrix"
-CELL = "a cell array"
-COMPLEX = "complex numbers"
-CUBE = "an array of more than two dimensions"
+SPARSE = "a sparse matrix: save p = full(p)"
+CELL = "a cell array: save what is in it, as p = c{1}"
+COMPLEX = "complex numbers: save real(z) or abs(z)"
+CUBE = "an array of more than two dimensions: save matrices of it, as p = a(:, :, 1)"
 # what MATLAB must be asked for, since only MATLAB reads its objects
 _HINTS = {
     "timetable": "writetimetable(tt, 'log.csv'), or s = table2struct(timetable2table(tt), 'ToScalar', true) with s.Time = seconds(tt.Time)",

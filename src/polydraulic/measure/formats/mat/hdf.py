@@ -53,9 +53,12 @@ class _Kept:
         self.where: dict[str, tuple[Any, int, tuple[int, ...]]] = {}
         self.lengths: dict[str, int] = {}
         self.left_out: dict[str, str] = {}
+        self._looked_at: set[int] = set()
 
     def members(self, name: str, group: Any, rows: int | None, deep: int) -> None:
         """Look at what is in a structure."""
+        if self._again(name, group):
+            return
         time = group.get("time") if "signals" in group else None
         if isinstance(time, self.library.Dataset):
             rows = int(time.size)
@@ -85,8 +88,19 @@ class _Kept:
         elif isinstance(item, self.library.Dataset) and kind != "char":
             self._dataset(name, item, rows, deep)
 
+    def _again(self, name: str, item: Any) -> bool:
+        """Whether an item was looked at before: one that holds itself would never come to an end."""
+        place = self.library.h5o.get_info(item.id).addr
+        if place in self._looked_at:
+            self.left_out[name] = "the same as another structure"
+            return True
+        self._looked_at.add(place)
+        return False
+
     def _dataset(self, name: str, item: Any, rows: int | None, deep: int) -> None:
         if self.library.check_ref_dtype(item.dtype) is self.library.Reference:  # a field of an array of structures
+            if self._again(name, item):
+                return
             of, _, field = name.rpartition(".")
             for number, reference in enumerate(np.ravel(item[()].T, order="F"), 1):
                 label = f"{of}[{number}].{field}" if of else f"{field}[{number}]"
