@@ -140,7 +140,7 @@ def test_sample_fit_export(call, tmp_path):
     assert (tmp_path / "boom.fmu").stat().st_size > 10_000
     code, out, _ = call("verify", model, "--points", 60)
     assert code == 0
-    assert re.search(r"^python: boom.p_pump \[Pa\] +0 +0 +0 ", out, re.MULTILINE)
+    assert re.search(r"^python: boom.p_pump \[bar\] +0 +0 +0 ", out, re.MULTILINE)
 
 
 @pytest.mark.slow

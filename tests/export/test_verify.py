@@ -33,9 +33,24 @@ def test_all_targets_agree(exported_models):
             assert (a.allowance, a.used) == (None, None)
     table = agreement_table(found, not_tried)
     assert table.count("of the proved allowance of") == 3
-    assert "fmi3 cs: out put [Pa]" in table
+    assert "fmi3 cs: out put [bar]" in table
+    assert "fmi3 cs: out put [Pa]" in agreement_table(found, not_tried, "si")
     assert "not tried: sympy, latex" in table
     assert "DIFFERS" not in table
+    assert table.splitlines()[-1] == (
+        "verified: python, c double, c float, fmi2 me, fmi2 cs, fmi3 me, fmi3 cs, onnx double give what the package gives, "
+        "c float within what is proved of it"
+    )
+
+
+def test_differences_are_shown_in_the_unit_of_the_output_and_borders_that_round_are_no_fault():
+    agreement = verify.Agreement("onnx float", "p [Pa]", 2e4, 3e4, 0.0, None, 7, 2e7, False, unit="Pa", rounded=7)
+    lines = agreement_table([agreement], {}).splitlines()
+    assert lines[2].split() == ["onnx", "float:", "p", "[bar]", "0.2", "0.3", "0", "-", "7", "rounded"]
+    assert lines[3].endswith("as at 7 of the points, which all lie on borders: no fault of it")
+    assert lines[4] == "verified: nothing could be judged here"
+    assert agreement_table([agreement._replace(rounded=6)], {}).splitlines()[2].endswith("7 differ")
+    assert agreement_table([agreement], {}, "si").splitlines()[2].split()[2:5] == ["p", "[Pa]", "2e+04"]
 
 
 def test_a_wrong_number_is_told(exported_models, monkeypatch):
@@ -55,6 +70,7 @@ def test_a_wrong_number_is_told(exported_models, monkeypatch):
     assert not found[0].holds
     assert found[0].inside == pytest.approx(1e-6)
     assert agreement_table(found, not_tried).count("DIFFERS") == 1
+    assert agreement_table(found, not_tried).endswith("verified: no: python does not give what the package gives")
     assert not_tried["c double"] == "no C compiler is installed"
     assert not_tried["fmi2 me"] == 'needs fmpy: pip install "polydraulic[verify]"'
     assert not_tried["onnx float"] == 'needs onnx: pip install "polydraulic[verify]"'

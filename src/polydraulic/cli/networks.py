@@ -250,11 +250,12 @@ def verify(
         bool | None,
         typer.Option(help="Hold C in single precision to what is proved of it; by default, of up to 16 networks."),
     ] = None,
+    units: UnitsOption = METRIC,
 ) -> None:
     """Export a model to every target that can be built here, and compare them with the package at thousands of points.
 
-    Prints the largest difference of every output in its unit, of slopes and of the domain, and what was not tried. The exit
-    code is 1 if a target of double precision does not agree to rounding, or C in single precision not within what is proved of it.
+    Prints the largest difference of every output in its unit, of slopes and of the domain, what was not tried, and in the last line
+    whether all is well. The exit code is 1 if a target of double precision does not agree to rounding, or C in single precision not within what is proved of it.
 
     Example: `polydraulic verify q_in.json`
 
@@ -267,7 +268,7 @@ def verify(
     models = load_models(model)
     with progress_bar("verify") as progress:
         found, not_tried = verify_models(models, n=points, seed=seed, prove=prove, progress=progress)
-    print(agreement_table(found, not_tried))
+    print(agreement_table(found, not_tried, units))
     for note in dynamic_notes(models):
         print(f"note: {note}")
     if not all(agreement.holds for agreement in found):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polydraulic.display import DEFAULT, as_shown, shown_unit, with_unit
 from polydraulic.errors import InputError
 from polydraulic.export.c.allowance import model_allowance
 from polydraulic.export.c.network import input_limits
@@ -45,6 +46,10 @@ class Agreement(NamedTuple):
         Proved largest difference in the domain, in the output's unit; of C in single precision alone, where it was proved.
     used : float or None
         Largest difference that was found there, as a part of it.
+    unit : str
+        Of the output.
+    rounded : int
+        Of the points at which it disagrees on the domain those on its faces, and on borders of regions.
     """
 
     target: str
@@ -58,6 +63,8 @@ class Agreement(NamedTuple):
     exact: bool
     allowance: float | None = None
     used: float | None = None
+    unit: str = ""
+    rounded: int = 0
 
     @property
     def holds(self) -> bool:
@@ -138,33 +145,77 @@ def verify_models(
     return found, not_tried
 
 
-def agreement_table(found: Sequence[Agreement], not_tried: dict[str, str]) -> str:
-    """`verify_models` as text.
+def agreement_table(found: Sequence[Agreement], not_tried: dict[str, str], units: str = DEFAULT) -> str:
+    """`verify_models` as text; its last line says whether all targets hold.
 
     Parameters
     ----------
     found : sequence of Agreement
     not_tried : dict
+    units : str
+        Of what is said: ``"metric"``, ``"field"`` or ``"si"``; what is in units of its own stays.
+
+    Raises
+    ------
+    InputError
+        An unknown system of units.
     """
-    names = [f"{a.target}: {a.output}" for a in found]
+    names = [f"{a.target}: {with_unit(_name(a), shown_unit(a.unit, units))}" for a in found]
     width = max((len(name) for name in names), default=0)
     titles = ("inside", "on borders", "outside", "slopes", "domain")
     lines = ["largest differences from the package, in units of the output; slopes as a share of the largest one"]
     lines.append(f"{'':{width}s}" + "".join(f"{title:>12s}" for title in titles))
     for name, a in zip(names, found, strict=True):
         slopes = "-" if a.slopes is None else f"{a.slopes:.2g}"
-        domain = "-" if a.domain is None else "agrees" if a.domain == 0 else f"{a.domain} differ"
-        numbers = "".join(f"{value:12.2g}" for value in (a.inside, a.border, a.outside))
-        lines.append(f"{name:{width}s}{numbers}{slopes:>12s}{domain:>12s}{'' if a.holds else '  DIFFERS'}")
+        numbers = "".join(f"{_difference(value, a, units):12.2g}" for value in (a.inside, a.border, a.outside))
+        lines.append(f"{name:{width}s}{numbers}{slopes:>12s}{_domain(a):>12s}{'' if a.holds else '  DIFFERS'}")
     lines += [
-        f"{name}: {a.used:.2g} of the proved allowance of {a.allowance:.2g} used, borders included"
+        f"{name}: {a.used:.2g} of the proved allowance of {_difference(a.allowance, a, units):.2g} used, borders included"
         for name, a in zip(names, found, strict=True)
-        if a.used is not None
+        if a.used is not None and a.allowance is not None
     ]
+    rounded = max((a.rounded for a in found if not a.exact), default=0)
     if any(a.target == "onnx float" for a in found):
-        lines.append("onnx float rounds borders too: next to one it may answer for the other side")
+        lines.append(
+            "onnx float rounds borders too: next to one it may answer for the other side"
+            + (f", as at {rounded} of the points, which all lie on borders: no fault of it" if rounded else "")
+        )
     lines += [f"not tried: {target}: {why}" for target, why in not_tried.items()]
-    return "\n".join(lines)
+    return "\n".join([*lines, _verdict(found)])
+
+
+def _difference(value: float, of: Agreement, units: str) -> float:
+    return (
+        float(as_shown(value, of.unit, units)) - float(as_shown(0.0, of.unit, units)) if np.isfinite(value) else value
+    )
+
+
+def _name(of: Agreement) -> str:
+    return of.output.removesuffix(f" [{of.unit}]")
+
+
+def _domain(of: Agreement) -> str:
+    """Whether a target says of the same points that they are in the domain."""
+    if of.domain is None:
+        return "-"
+    if of.domain == 0:
+        return "agrees"
+    return f"{of.domain} rounded" if not of.exact and of.domain == of.rounded else f"{of.domain} differ"
+
+
+def _verdict(found: Sequence[Agreement]) -> str:
+    """One line on all targets."""
+    wrong = list(dict.fromkeys(a.target for a in found if not a.holds))
+    if wrong:
+        return f"verified: no: {', '.join(wrong)} does not give what the package gives"
+    proved = any(a.used is not None for a in found)
+    judged = list(dict.fromkeys(a.target for a in found if a.exact or a.used is not None))
+    return (
+        f"verified: {', '.join(judged)} give what the package gives"
+        + (", c float within what is proved of it" if proved else "")
+        if judged
+        else "verified: nothing could be judged here"
+    )
 
 
 class _Expected(NamedTuple):
@@ -186,9 +237,10 @@ def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, foun
     difference[np.isnan(difference)] = np.inf
     parts = [difference[start:end].max(axis=0) for start, end in (
         (0, 2 * n // 3), (2 * n // 3, 5 * n // 6), (5 * n // 6, n))]  # fmt: skip
-    domain = None
+    domain, rounded = None, 0
     if found.outside is not None:
-        domain = int(np.sum((found.outside > 0.0) != (expected.outside > 0.0)))
+        other = (found.outside > 0.0) != (expected.outside > 0.0)
+        domain, rounded = int(other.sum()), int(other[2 * n // 3 : 5 * n // 6].sum())
     for k, output in enumerate(whole.outputs):
         slopes = None
         if found.slopes is not None:
@@ -197,7 +249,8 @@ def _compared(whole: Bundle, target: str, exact: bool, expected: _Expected, foun
             off = np.abs(found.slopes[rows, k] - expected.slopes[rows, k]) / np.where(scale > 0.0, scale, 1.0)
             slopes = float(np.where(np.isnan(off), np.inf, off).max())
         inside, border, outside = (float(part[k]) for part in parts)
-        yield Agreement(target, str(output), inside, border, outside, slopes, domain, float(size[k]) or 1.0, exact)
+        sizes = (inside, border, outside, slopes, domain, float(size[k]) or 1.0)
+        yield Agreement(target, str(output), *sizes, exact, unit=output.unit, rounded=rounded)
 
 
 def _judged(
