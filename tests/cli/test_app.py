@@ -7,9 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 
 import polydraulic
 from polydraulic.cli import app
+from polydraulic.cli.application import PANELS
 from polydraulic.parameters.scenario import scenario_names
 
 COMMANDS = [c.name or c.callback.__name__.replace("_", "-") for c in app.registered_commands]
@@ -64,6 +66,14 @@ def test_the_help_names_first_steps_and_all_commands(call):
     assert code == 0
     assert "polydraulic simulate task --plot task.svg" in re.sub(r"\s+", " ", out)
     assert all(re.search(rf"(?<![\w-]){name}\s", out) for name in [*COMMANDS, "--version", "--install-completion"])
+
+
+def test_every_command_stands_in_one_panel_of_the_help(call):
+    named = [name for names in PANELS.values() for name in names]
+    assert sorted(named) == sorted(set(get_command(app).commands))
+    _, out, _ = call("--help")
+    places = [out.index(f" {text} ") for panel, names in PANELS.items() for text in (panel, f"│ {names[0]}")]
+    assert places == sorted(places)
 
 
 def test_bash_completes_commands_options_and_values():

@@ -26,7 +26,7 @@ def test_every_fault_that_sensors_may_show_is_watched_for(name):
 def test_sizes_are_the_smallest_that_count():
     found = {d.name: d for d in directions_of(load_machine("cat215b"), frozenset(["boom.p_a"]))[::-1]}
     assert found["boom.pump_worn"].size == 0.05
-    assert found["boom.pump_relief_low"].smallest == "relief valve of boom's pump 10 % low"
+    assert found["boom.pump_relief_low"].smallest == "relief valve of the pump of boom 10 % low"
     assert found["boom.spool_slow"].smallest == "spool of boom slow: its time constant is 100 % longer"
     assert found["boom.p_a.bias"].both
     assert not found["boom.leak_across"].both

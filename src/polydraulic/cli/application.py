@@ -1,13 +1,36 @@
 """The application that commands join, and what several of them take."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from polydraulic.terminal import loading
 
+# commands as people come to them, under what they are after
+PANELS = {
+    "Simulate a machine": ("simulate", "animate", "scenarios", "cockpit", "cockpit-export", "faults", "loadchart"),
+    "Describe a machine": ("machine", "export-machine"),
+    "Read a measured log": ("import", "record", "identify", "fit-machine", "fit-joints", "replay", "watch", "payload"),
+    "Learn from a table, and use what was learnt": ("fit", "check", "run", "export", "verify", "sample", "train"),
+    "The thesis": ("report",),
+}
+
+
+class _InPanels(TyperGroup):
+    """Lists commands in the order of `PANELS`."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of all commands, each put under its panel."""
+        for panel, names in PANELS.items():
+            for name in names:
+                self.commands[name].rich_help_panel = panel  # type: ignore[attr-defined]
+        return [name for names in PANELS.values() for name in names]
+
+
 app = typer.Typer(
+    cls=_InPanels,
     help="Polynomial abductive networks and real-time simulation of mobile hydraulic machines.\n\n"
     "First steps: `polydraulic simulate task --plot task.svg` moves an excavator that comes with the package, "
     "`polydraulic fit --help` learns from a table, `polydraulic import --help` reads a measured log. "

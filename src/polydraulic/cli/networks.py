@@ -147,7 +147,7 @@ def check(
         str | None,
         typer.Option(
             "--range",
-            help="LOW,HIGH: is it proved that no output leaves this range? In the unit of the model file, or with a unit: '0,170 l/min'.",
+            help="LOW,HIGH: prove that no output can leave this range, or show where one does; in the unit of the model file, or with a unit: '0,170 l/min'.",
         ),
     ] = None,
     box: Annotated[
@@ -162,10 +162,10 @@ def check(
     ] = None,
     units: UnitsOption = METRIC,
 ) -> None:
-    """Prove which range the outputs of a model cannot leave, anywhere in its domain or a box: a proof, not a sample.
+    """Prove where the outputs of a model can go, anywhere in its domain or a box; or judge the model by new data.
 
-    Prints the proved range and the ranges of the slopes by region. With `--range`, says whether the model stays in it, or
-    where it leaves; the exit code is 1 unless it is proved to stay.
+    Prints a range that each output cannot leave, and the ranges of its slopes by region: a proof, not a sample. With `--range`, says
+    whether the outputs stay in that range, or where one leaves it; the exit code is 1 unless it is proved that they stay.
 
     With `--data`, judges the model by new measurements next to what was stated when it was fitted; the exit code is 1 if it
     no longer holds. Dynamic models run on their own through the new log, restarted as often as when they were fitted.

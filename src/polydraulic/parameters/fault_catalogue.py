@@ -225,12 +225,12 @@ def _of_circuit(c: SupplyCircuit) -> Iterator[FaultKind]:
         (Change(f"{pump}.flow", "times", 1.0, -1.0),),
     )  # fmt: skip
     yield FaultKind(
-        f"{name}.pump_relief_low", f"relief valve of {name}'s pump {{}} low", (0.1, 0.2, 0.3), _LESS,
+        f"{name}.pump_relief_low", f"relief valve of the pump of {name} {{}} low", (0.1, 0.2, 0.3), _LESS,
         (Change(f"{pump}.relief", "times", 1.0, -1.0),),
     )  # fmt: skip
     if c.pump.torque_limit_enabled:
         yield FaultKind(
-            f"{name}.torque_limit_off", f"torque limit of {name}'s pump does not act", (), _MORE,
+            f"{name}.torque_limit_off", f"torque limit of the pump of {name} does not act", (), _MORE,
             (Change(f"{pump}.torque_limit_start", "is", _NEVER, 0.0),),
         )  # fmt: skip
 
