@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from polydraulic.networks.growth.variables import GrownVariable, fill_terms, node_output, steps_table, variable_values
+from polydraulic.networks.growth.variables import (
+    GrownVariable,
+    count_before,
+    fill_terms,
+    node_output,
+    steps_table,
+    variable_values,
+)
 from polydraulic.networks.model.nodes import DOUBLE, LINEAR, SINGLE, TRIPLE, design, terms
 from polydraulic.networks.model.table import Node
 
@@ -44,3 +51,10 @@ def test_nodes_read_nodes_before_them():
     assert np.array_equal(values[:4], X.T)
     assert np.array_equal(values[4], node_output(first, values, np.empty(300)))
     assert values[5] == pytest.approx(design(TRIPLE, values[[1, 3, 4]].T) @ np.array(second.coef), rel=1e-12, abs=1e-13)
+
+
+def test_coefficients_of_nodes_that_several_inputs_need_count_once():
+    needed = np.array([[False, False, False], [True, False, False], [True, True, False], [False, False, True]])
+    inputs, k = np.array([[0, 1], [1, 2], [2, 3], [0, 0]]), np.full(4, 8)
+    count_before(needed, np.array([3, 5, 14]), inputs, k)
+    assert k.tolist() == [11, 16, 30, 8]

@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg.blas import dgemm, dsyrk
 
-_FEWEST_ROWS, _MOST_ROWS = 384, 1024  # multiplied at a time
-_CACHED = 1 << 18  # products of all pairs for so many rows, while that leaves enough of them
-_PAIRS = 128  # multiplied at a time, at least: with 384 rows they stay in a cache of half a megabyte
+_ROWS = 384  # multiplied at a time: enough for matrix products, and few enough for the cache
+_PAIRS = 128  # multiplied at a time, at least, and hardly more
 
 Block = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
@@ -74,8 +73,8 @@ def moments_of_blocks(blocks: Iterable[Block], n: int, *, n_old: int = 0, triple
     """
     sums = _Sums(n, n_old, triples)
     for v, t, weight in blocks:
-        for start in range(0, len(v), sums.n_row):
-            rows = slice(start, start + sums.n_row)
+        for start in range(0, len(v), _ROWS):
+            rows = slice(start, start + _ROWS)
             sums.add(v[rows].T, t[rows], None if weight is None else weight[rows])
     return sums.moments()
 
@@ -85,17 +84,20 @@ class _Sums:
 
     def __init__(self, n: int, n_old: int, triples: bool) -> None:
         self.n = n
-        self.n_row = int(np.clip(_CACHED // max(pair_row(0, n) * triples, 1), _FEWEST_ROWS, _MOST_ROWS))
         self.weight = 0.0
         self.power = np.zeros((4 * n + 2, 4 * n + 2))
         self.pair_target = np.zeros((n, n))
         self.parts = _parts(n, n_old) if triples else []
-        self.products = np.empty(max((part.n_pair for part in self.parts), default=0) * self.n_row)
+        most = max((part.n_pair for part in self.parts), default=0)
+        # used again for all rows: memory that is new to the process takes longer than what is done in it
+        self.memory = [np.empty(rows * _ROWS) for rows in (4 * n + 2, 5 * n, 2 * n, most)]
 
     def add(self, v: np.ndarray, t: np.ndarray, weight: np.ndarray | None) -> None:
         """Add rows; `v` is (n, n_row)."""
         n, n_row = self.n, t.size
-        plain = np.empty((4 * n + 2, n_row))
+        plain, for_pairs, for_squares, products = (
+            memory[: len(memory) // _ROWS * n_row].reshape(-1, n_row) for memory in self.memory
+        )
         powers = plain[: 4 * n].reshape(n, 4, n_row)
         powers[:, 0] = v
         np.multiply(powers[:, 0], powers[:, 0], out=powers[:, 1])
@@ -116,18 +118,17 @@ class _Sums:
         if not self.parts:
             return
         powers = weighted[: 4 * n].reshape(n, 4, n_row)
-        for_pairs, for_squares = np.empty((5 * n, n_row)), np.empty((2 * n, n_row))
         for_pairs[: 2 * n : 2], for_pairs[1 : 2 * n : 2] = powers[:, 0], with_target
         for_pairs[2 * n :].reshape(n, 3, n_row)[:] = powers[::-1, 1:]
         for_squares[:n], for_squares[n:] = powers[:, 1], powers[::-1, 0]
         for part in self.parts:
-            products = self.products[: part.n_pair * n_row].reshape(part.n_pair, n_row)
+            pairs = products[: part.n_pair]
             for j in range(part.first, part.end):
                 row = pair_row(0, j) - pair_row(0, part.first)
-                np.multiply(first[:j], first[j], out=products[row : row + j])
-            _add_product(part.pair, products, for_pairs[2 * part.rising : 5 * n - 3 * part.old])
-            np.multiply(products, products, out=products)
-            _add_product(part.square, products, for_squares[part.rising : 2 * n - part.old])
+                np.multiply(first[:j], first[j], out=pairs[row : row + j])
+            _add_product(part.pair, pairs, for_pairs[2 * part.rising : 5 * n - 3 * part.old])
+            np.multiply(pairs, pairs, out=pairs)
+            _add_product(part.square, pairs, for_squares[part.rising : 2 * n - part.old])
 
     def moments(self) -> Moments:
         """What has been summed; of symmetric tables only one half was."""

@@ -25,7 +25,7 @@ from polydraulic.networks.growth.least_squares import (
 from polydraulic.networks.growth.moments import Moments, moments_of_blocks
 from polydraulic.networks.growth.scoring import normal_equations, squared_errors
 from polydraulic.networks.growth.training_rows import TrainingRows
-from polydraulic.networks.growth.variables import GrownVariable, node_output, variable_values
+from polydraulic.networks.growth.variables import GrownVariable, count_before, node_output, variable_values
 from polydraulic.networks.model.history import GrowthStep
 from polydraulic.networks.model.nodes import (
     DOUBLE,
@@ -214,10 +214,9 @@ def _score(
     needed = np.zeros((len(drawn), len(variables)), dtype=np.bool_)
     for row, number in enumerate(drawn.tolist()):
         needed[row, list(variables[number].ancestors)] = True
-    # floats, as BLAS multiplies no whole numbers
-    sizes = np.array([variable.size for variable in variables], dtype=np.float64)
-    before = needed[inputs].any(axis=1).astype(np.float64) @ sizes
-    k = before.astype(np.int64) + len(terms(kind, inputs.shape[1]))
+    sizes = np.array([variable.size for variable in variables])
+    k = np.full(len(inputs), len(terms(kind, inputs.shape[1])))
+    count_before(needed, sizes, inputs, k)
     carried = _ROWS_A_COEFFICIENT * k <= weight
     inputs, k = inputs[carried], k[carried]
     return _Scored(kind, inputs, k, squared_errors(m, kind, inputs))

@@ -109,3 +109,25 @@ def _output(
             if c != 0.0:
                 for i in range(end - first):
                     total[i] += c * column[i]
+
+
+@driver
+def count_before(needed: np.ndarray, sizes: np.ndarray, inputs: np.ndarray, k: np.ndarray) -> None:
+    """Add to each candidate's number of coefficients those of all nodes that it needs, each once.
+
+    Parameters
+    ----------
+    needed : (n_drawn, n_variable) array of bool
+        Which nodes the variables that are drawn on need.
+    sizes : (n_variable,) array of int
+    inputs : (n_candidate, n_input) array of int
+        Places among the variables that are drawn on.
+    k : (n_candidate,) array of int
+        Changed in place.
+    """
+    for candidate in range(k.shape[0]):
+        for node in range(sizes.shape[0]):
+            for place in range(inputs.shape[1]):
+                if needed[inputs[candidate, place], node]:
+                    k[candidate] += sizes[node]
+                    break

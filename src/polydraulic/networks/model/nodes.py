@@ -104,7 +104,10 @@ def without_idle_inputs(kind: int, coef: np.ndarray) -> tuple[int, list[int], np
     coef : (n_term_left,) array
     """
     size = coef.size if kind == LINEAR else N_INPUTS[kind]
-    kept = np.flatnonzero(_reads(kind, size)[coef != 0.0].any(axis=0)).tolist() or [0]
+    read = 0
+    for c, inputs in zip(coef.tolist(), _reads(kind, size), strict=True):
+        read |= inputs if c else 0
+    kept = [j for j in range(size) if read >> j & 1] or [0]
     if len(kept) == size:
         return kind, kept, coef
     smaller, exponents = LINEAR if kind == LINEAR else len(kept) - 1, terms(kind, size)
@@ -113,9 +116,9 @@ def without_idle_inputs(kind: int, coef: np.ndarray) -> tuple[int, list[int], np
 
 
 @cache
-def _reads(kind: int, n_inputs: int) -> np.ndarray:
-    """Which terms read which inputs, (n_term, n_input) array of bool."""
-    return np.array(terms(kind, n_inputs)) > 0
+def _reads(kind: int, n_inputs: int) -> tuple[int, ...]:
+    """Which inputs each term reads, as bits of a number."""
+    return tuple(sum(1 << j for j, power in enumerate(exponent) if power) for exponent in terms(kind, n_inputs))
 
 
 @cache
