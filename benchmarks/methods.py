@@ -54,7 +54,7 @@ def calls_of(machine, scenario):
         return lambda: (ready.module.run(*arguments), rows)[1]
 
     def known(rtol, method):
-        return run_known(machine, scenario, times, rtol, method.__name__, method.integrate).rows
+        return run_known(machine, scenario, (), times, rtol, method.__name__, method.integrate).rows
 
     return loop, lambda rtol: lambda: known(rtol, rosenbrock), lambda: known(1e-9, lsoda)
 

@@ -8,10 +8,9 @@ from collections.abc import Iterator, Sequence
 from importlib.resources import files
 from itertools import accumulate
 from string import Template
-from textwrap import fill
 
 from polydraulic.export.c.network import helpers, nested, nested_slopes, offset, output_limits, times_exponents
-from polydraulic.export.c.text import Real, block_comment, literal, rounded_down
+from polydraulic.export.c.text import Real, block_comment, listed, literal, rounded_down
 from polydraulic.export.model_bundle import Bundle
 from polydraulic.networks.model.nodes import DOUBLE, KIND_NAMES, LINEAR, RAMP, SIGMOID, SINGLE, TRIPLE, terms
 from polydraulic.networks.model.partition import flatten
@@ -207,4 +206,4 @@ def _numbers(name: str, values: Sequence[float], real: Real) -> str:
 
 
 def _array(start: str, texts: Sequence[str]) -> str:
-    return f"{start}[{len(texts)}] = {{\n{fill(', '.join(texts), _WIDTH, initial_indent='    ', subsequent_indent='    ')}\n}};"
+    return f"{start}[{len(texts)}] = {{\n{listed(texts, _WIDTH)}\n}};"

@@ -1,5 +1,8 @@
 """Pieces of C: numbers of both precisions, comments, strings."""
 
+from collections.abc import Sequence
+from ctypes import c_float
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +35,7 @@ def literal(value: float, real: Real = DOUBLE) -> str:
     """
     if real is FLOAT:
         single = held_in(value, real)
-        if not np.isfinite(single) or (value != 0.0 and abs(single) < real.smallest):
+        if not isfinite(single) or (value != 0.0 and abs(single) < real.smallest):
             raise InputError(f"the number {value!r} does not fit into a float: fit in other units, or export as double")
         text = str(np.float32(single))
     else:
@@ -54,10 +57,7 @@ def inner_ends(low: float, high: float, real: Real = DOUBLE) -> tuple[float, flo
 
 def held_in(value: float, real: Real) -> float:
     """The number of `real` that is nearest to `value`."""
-    if real is DOUBLE:
-        return value
-    with np.errstate(over="ignore", under="ignore"):
-        return float(np.float32(value))
+    return value if real is DOUBLE else c_float(value).value
 
 
 def rounded_down(value: float, real: Real = DOUBLE) -> float:
@@ -68,6 +68,17 @@ def rounded_down(value: float, real: Real = DOUBLE) -> float:
         single = np.float32(value)
         below = single if float(single) <= value else np.nextafter(single, np.float32(-np.inf))
     return float(below) + 0.0  # no negative zero
+
+
+def listed(texts: Sequence[str], width: int) -> str:
+    """Texts with commas between them, in lines that are indented and no wider than `width` unless one text is."""
+    lines, line = [], "   "
+    for text in [*(f"{text}," for text in texts[:-1]), texts[-1]]:
+        if len(line) + 1 + len(text) > width and line.strip():
+            lines.append(line)
+            line = "   "
+        line = f"{line} {text}"
+    return "\n".join([*lines, line])
 
 
 def block_comment(lines: list[str]) -> str:
