@@ -1,10 +1,12 @@
+from textwrap import fill
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from polydraulic.errors import InputError
-from polydraulic.export.c.text import FLOAT, block_comment, inner_ends, literal, one_line, rounded_down, string
+from polydraulic.export.c.text import FLOAT, block_comment, inner_ends, listed, literal, one_line, rounded_down, string
 
 
 @pytest.mark.parametrize("value", [0.1, 1e300, -2.5, 5.0, 1e-320, 123456789.0])
@@ -21,6 +23,12 @@ def test_floats_have_their_suffix_and_their_limits():
     for value in (1e39, 1e-42):
         with pytest.raises(InputError, match="does not fit into a float"):
             literal(value, FLOAT)
+
+
+@pytest.mark.parametrize("n", [1, 2, 9, 40])
+def test_lists_are_filled_as_prose_is(n):
+    texts = [str(10**k) for k in np.random.default_rng(n).integers(0, 12, n)]
+    assert listed(texts, 30) == fill(", ".join(texts), 30, initial_indent="    ", subsequent_indent="    ")
 
 
 def test_nothing_in_a_comment_ends_it_or_is_a_trigraph():

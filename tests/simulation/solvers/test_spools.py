@@ -9,8 +9,10 @@ from scipy.integrate import solve_ivp
 from helpers.valves import changed
 from polydraulic import load_scenario
 from polydraulic.parameters.scenario import Scenario
+from polydraulic.parameters.schema import Pilot
 from polydraulic.parameters.signals import Constant, Piecewise, Sine
 from polydraulic.simulation.layout.runs import step_inputs
+from polydraulic.simulation.solvers.lagging_spools import curve_at
 from polydraulic.simulation.solvers.spools import KnownInput, inputs_at, known_motion
 from polydraulic.thesis.excavator import LINKS, spool_of
 
@@ -77,6 +79,21 @@ def test_breaks_are_where_spools_pass_knots(machine):
     travel = np.array([at(motion, t).x for t in fine])
     passed = sum(np.count_nonzero(np.diff(np.sign(travel - sign * k), axis=0)) for k in levels[1:] for sign in (-1, 1))
     assert np.isin(motion.breaks, motion.starts, invert=True).sum() >= passed
+
+
+@pytest.mark.parametrize("share", [0.5, 0.99, 1.0 - 1e-6])
+def test_a_knot_that_is_passed_twice_within_a_piece_is_found_twice(share):
+    """However little before it turns back a spool has passed it."""
+    fall = Piecewise(np.array([0.0, 1e-3, 2.0]), np.array([0.0, 1.0, -1.0]))
+    one = KnownInput(fall, Pilot(1.0, 0.3, 0.0), 2.0)
+    fine = np.linspace(0.0, 1.0, 200_001)
+    x = curve_at(*known_motion([one], 2.0)[:2], 0, fine)
+    level = share * x.max()
+    breaks = known_motion([one._replace(knots=(level,))], 2.0).breaks
+    inside = breaks[(breaks > 2e-3) & (breaks < 1.0)]
+    assert (np.diff(x > level).sum(), len(inside)) == (2, 2)
+    assert inside[0] < fine[x.argmax()] < inside[1]
+    assert curve_at(*known_motion([one], 2.0)[:2], 0, inside) == pytest.approx(level, rel=1e-12)
 
 
 def test_locked_spools_stay(machine):
