@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from polydraulic.errors import InputError
+from polydraulic.identification.arguments import table_of
 from polydraulic.identification.machine.machine_judging import (
     check_numbers,
     check_rows,
@@ -86,6 +87,8 @@ def test_two_hundred_rows_teach_a_network_and_fifty_judge_it(what, useless, lear
 def test_a_valve_that_never_opens_teaches_nothing():
     with pytest.raises(InputError, match=r"boom.spool goes to 0.004 m in 1001 rows and its valve opens at 0.004 m"):
         check_rows(log(spool=OPENS), np.zeros(1001, dtype=bool), KNOWN)
+    with pytest.raises(InputError, match=r"boom.spool goes to 0 m in 0 rows and its valve opens at 0.004 m"):
+        check_rows(log(0), np.zeros(0, dtype=bool), KNOWN)
 
 
 @pytest.mark.parametrize(("n", "sides"), [(60, []), (59, ["negative"])])
@@ -98,7 +101,9 @@ def test_an_outlet_is_learnt_from_sixty_rows(n, sides):
 
 @pytest.mark.parametrize(("r2", "share", "named"), [(0.9, 0.05, False), (0.899, 0.05, True), (0.9, 0.0501, True)])
 def test_a_network_is_weak_below_nine_tenths_or_beyond_a_twentieth_of_the_pumps_flow(r2, share, named):
-    model = SimpleNamespace(output=SimpleNamespace(name="q"), training={"held_out_flow_rms": share, "pump_flow": 1.0})
+    model = SimpleNamespace(
+        output=SimpleNamespace(name="q"), training={"held_out_flow_rms": 2.0 * share, "pump_flow": 2.0}
+    )
     assert bool(weak([SimpleNamespace(model=model, r2=r2)])) == named
 
 
@@ -110,24 +115,32 @@ def test_blocks_last_half_a_minute_and_are_twenty_at_least(n, blocks):
     assert held_out(Table({"time": np.zeros(1)}, {})).tolist() == [False]
 
 
+def test_no_block_goes_over_the_end_of_one_of_several_logs():
+    several, _ = table_of([Table({"time": 0.02 * np.arange(n), "x": np.arange(n) + n}, {}) for n in (310, 690)])
+    held = held_out(several)
+    counts = [held[:310].sum(), held[310:].sum()]
+    assert counts == pytest.approx([60, 140], abs=50)
+    assert not np.array_equal(held, held_out(Table(several.columns, {})))
+
+
 def answering(value, output):
     flat = Network((), (0.0,), (1.0,), (-1.0,), (1.0,), value, 1.0)
     return Model((Variable("boom.travel", "m"),), Variable(output), (flat,))
 
 
-@pytest.mark.parametrize(("off", "released"), [(1.099, True), (-1.099, True), (1.101, False), (-1.101, False)])
+@pytest.mark.parametrize(("off", "released"), [(2.199, True), (-2.199, True), (2.201, False), (-2.201, False)])
 @pytest.mark.parametrize(("output", "drop"), [("boom.q_in", 1.0), ("boom.k_out", 2000.0)])
 def test_what_errs_by_a_tenth_more_with_all_rows_is_not_released(off, released, output, drop):
-    """It has seen the rows held out; the errors that are stated are those of the one that has not."""
-    table, held = log(q_in=0.0, q_out=0.0), some(True, 200, False)
-    one, earlier = answering(off, output), answering(1.0, output)
+    """It has seen the rows held out; the errors that are stated are those of the one that has not, which errs by 2."""
+    table, held = log(q_in=8.0, q_out=8.0 * 2000.0), some(True, 200, False)
+    one, earlier = answering(8.0 + off, output), answering(6.0, output)
     fit = judged_network(KNOWN, table, held, one, earlier)
     assert fit.model is (one if released else earlier)
     said = fit.model.training
     assert (said["learnt_from"], said["rows"]) == (("all rows", 1001) if released else ("rows not held out", 801))
-    assert (fit.rms, said["held_out_rms"], said["pump_flow"], said["log"]) == (1.0, 1.0, FLOW, KNOWN.to_data())
+    assert (fit.rms, said["held_out_rms"], said["pump_flow"], said["log"]) == (2.0, 2.0, FLOW, KNOWN.to_data())
     assert (said["held_out_flow_rms"], said["held_out_flow_largest"]) == (
-        drop,
-        drop,
-    )  # of an outlet by the root of 40 bar
-    assert len(fit.held.y) == 200
+        2.0 * drop,
+        2.0 * drop,
+    )  # by the root of 40 bar
+    assert (len(fit.held.y), said["held_out"]) == (200, "blocks of time")
