@@ -25,3 +25,11 @@ def test_what_a_derivative_assumes_is_what_it_does(raster, window):
         passed = np.sqrt(2.0) * np.std(rate) / w
         assert (passed > 0.5**0.5) == (factor < 1.0)
     assert "smooth over this time" in str(stated)
+
+
+def test_ends_are_those_of_the_cubic_of_the_last_whole_window():
+    values, t = np.random.default_rng(1).normal(size=40), 0.01 * np.arange(40)
+    found = differentiate(values, 0.01, 0.1)  # eleven samples
+    for window, rows in ((slice(0, 11), range(6)), (slice(29, 40), range(34, 40))):
+        cubic = np.polynomial.Polynomial.fit(t[window], values[window], 3).deriv()
+        assert found[rows] == pytest.approx(cubic(t[rows]), rel=1e-9)
