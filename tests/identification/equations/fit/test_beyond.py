@@ -39,6 +39,15 @@ def test_a_bypass_that_stays_shuts_late():
     assert y[-2:].tolist() == [0.0, 0.0]
 
 
+def test_a_bypass_falls_as_over_the_last_quarter_of_its_travel_and_shuts_in_a_tenth_of_the_way():
+    """From 4 to 8 mm the last quarter begins at 7 mm; from 8 to 10 mm the last tenth at 9.8 mm."""
+    knots = np.array([0.0, 4.0, 7.0, 8.0])
+    turn, values = shutting(knots, np.array([30.0, 12.0, 10.0, 7.0]), OLD_KNOTS, OLD, 4.0)
+    assert (turn, values.tolist()) == (pytest.approx(9.8), [pytest.approx(7.0 - 3.0 * 1.8), 0.0, 0.0])
+    turn, values = shutting(knots, np.array([30.0, 12.0, 10.0, 5.0]), OLD_KNOTS, OLD, 4.0)
+    assert (turn, values.tolist()) == (pytest.approx(9.0), [pytest.approx(0.0), 0.0, 0.0])
+
+
 def test_an_old_bypass_that_never_shuts_lends_its_shape():
     open_ = np.array([30.0, 12.0, 3.0, 1.0])
     knots, bypass = np.array([0.0, 4.0, 8.0]), np.array([30.0, 12.0, 3.0])
