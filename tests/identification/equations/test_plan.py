@@ -6,6 +6,7 @@ import pytest
 from helpers.operator_log import operator_log
 from polydraulic import InputError, load_machine
 from polydraulic.identification import plan_identification
+from polydraulic.identification.equations.plan import Candidate, IdentificationPlan, candidate_rows, unsure_rows
 from polydraulic.tables import Table
 
 NAME = "wheel_loader"
@@ -60,3 +61,22 @@ def test_what_cannot_be_planned_says_why():
     without = Table({n: v for n, v in log.columns.items() if n != "tilt.angle"}, log.units)
     with pytest.raises(InputError, match="no column 'tilt.angle'"):
         plan_identification(without, load_machine(NAME), free=FREE)
+
+
+@pytest.mark.parametrize(("left", "helps"), [(0.559, True), (0.561, False)])
+def test_what_leaves_less_than_seven_tenths_narrows_a_number(left, helps):
+    """Of 0.8; a number of which less than half is unsure is determined."""
+    candidates = (
+        Candidate("p_pump", False, np.array([left, 0.5])),
+        Candidate("q_in", False, np.array([0.79, 0.499])),
+        Candidate("the same again", True, np.array([0.8, 0.4])),
+    )
+    made = IdentificationPlan(("a", "b"), np.array([0.8, 0.51]), candidates, "log.csv")
+    best = ["p_pump", "0.56"] if helps else ["-", "-"]
+    assert unsure_rows(made) == [["a", "0.8", *best, "-", "-"], ["b", "0.51", "-", "-", "-", "-"]]
+    assert candidate_rows(made) == [
+        ["nothing", "0 of 2", "-"],
+        ["the same again", "1 of 2", "-"],
+        ["q_in", "1 of 2", "-"],
+        ["p_pump", "0 of 2", "a, 0.8 to 0.56" if helps else "-"],
+    ]
