@@ -32,8 +32,17 @@ OUTCOMES = ("killed", "survived", "not covered")
 REMOVED = object()
 
 
-def modules() -> list[str]:
-    """Modules that mutmut changes as well."""
+def source_of(module: str) -> Path:
+    """Its file."""
+    return (SRC / Path(*module.split("."))).with_suffix(".py")
+
+
+def modules(chosen: list[str]) -> list[str]:
+    """Those chosen, or if none is the modules that mutmut changes as well."""
+    if missing := [module for module in chosen if not source_of(module).is_file()]:
+        sys.exit(f"there is no module {missing[0]}; name one such as measure.checks.clock")
+    if chosen:
+        return chosen
     patterns = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mutmut"]["only_mutate"]
     paths = [path.relative_to(SRC).with_suffix("") for pattern in patterns for path in sorted(ROOT.glob(pattern))]
     return [".".join(path.parts) for path in paths if path.name != "__init__"]
@@ -49,7 +58,7 @@ def tests_of(module: str) -> list[str]:
 
 def constants(module: str) -> list[str]:
     """Names in capitals that the module itself gives a value, in its order."""
-    tree = ast.parse((SRC / Path(*module.split("."))).with_suffix(".py").read_text())
+    tree = ast.parse(source_of(module).read_text())
     stored = [node for one in tree.body if isinstance(one, ast.Assign | ast.AnnAssign) for node in ast.walk(one)]
     return [
         node.id
@@ -149,7 +158,7 @@ def main(chosen: list[str]) -> None:
     total = Counter[str]()
     with tempfile.TemporaryDirectory() as examples:
         os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = examples  # of failures, which are meant here
-        for module in chosen or modules():
+        for module in modules(chosen):
             counts, left = judge(module)
             total += counts
             print("\n    ".join([f"{module}: {told(counts)}", *left]), flush=True)

@@ -17,7 +17,7 @@ from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
-from constant_mutants import OUTCOMES, ROOT, modules, tests_of
+from constant_mutants import OUTCOMES, ROOT, modules, source_of, tests_of
 
 NOTICED = ("killed", "timeout", "suspicious", "segfault", "caught by type check")
 
@@ -29,7 +29,7 @@ def judge(module: str) -> None:
     configuration: Any = import_module("mutmut.configuration")
     configuration._config = replace(
         configuration.config(),
-        only_mutate=[f"src/polydraulic/{module.replace('.', '/')}.py"],
+        only_mutate=[str(source_of(module).relative_to(ROOT))],
         pytest_add_cli_args_test_selection=tests_of(module),
     )
     _quietly(lambda: mutmut._run([f"polydraulic.{module}.*"], 1))
@@ -70,10 +70,11 @@ def _quietly(work: Callable[[], object]) -> None:
 def main(chosen: list[str]) -> None:
     """Print what is noticed, module by module."""
     os.chdir(ROOT)
-    if len(chosen) == 1:
-        judge(chosen[0])
+    found = modules(chosen)
+    if len(found) == 1:
+        judge(found[0])
         return
-    for module in chosen or modules():
+    for module in found:
         subprocess.run([sys.executable, __file__, module], check=True)
 
 
