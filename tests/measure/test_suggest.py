@@ -114,7 +114,7 @@ def test_channels_of_one_unit_have_one_range_and_angles_none(tmp_path):
     log.write_text("\n".join([",".join(columns), *rows]) + "\n")
     found = {c["source"]: c.get("range") for c in tomllib.loads(suggest_channels(log))["channel"]}
     assert found == {
-        "time": None, "p_a": [-160, 480], "p_b": [-160, 480], "left": [-200, 200], "right": [-200, 200],
+        "time": None, "p_a": [-1, 480], "p_b": [-1, 480], "left": [-200, 200], "right": [-200, 200],
         "slew.angle": None, "turned": None, "depth": None, "reach": [0, 400], "a": [0, 4], "b": [0, 40],
     }  # fmt: skip
 
@@ -124,7 +124,28 @@ def test_numbers_that_stand_for_no_value_widen_no_range(tmp_path):
     largest = [1.7976931348623157e308 if k % 9 == 0 else 100.0 + k for k in range(50)]
     log.write_text("time [s],pa [bar],pb [bar]\n" + "".join(f"{k},{v!r},{k}\n" for k, v in enumerate(largest)))
     ranges = re.findall(r"range = (.*)", suggest_channels(log))
-    assert ranges == ["[-80, 230]"] * 2
+    assert ranges == ["[-1, 230]"] * 2
+
+
+@pytest.mark.parametrize(
+    ("head", "first", "least"),
+    [
+        ("p [bar]", 0.0, -1), ("p [bar]", -0.9, -1), ("p [kPa]", 0.0, -100), ("p [psi]", 0.0, -15), ("p [MPa]", 0.05, -0.1), ("p [bar(a)]", 1.0, 0),
+        ("p [bar]", -3.0, -300), ("dp [bar]", 0.0, -250), ("Δp [bar]", 0.0, -250), ("p_diff [bar]", 0.0, -250), ("x [mm]", 0.0, -250),
+    ],
+)  # fmt: skip
+def test_no_pressure_is_suggested_below_a_vacuum_but_differences_and_what_was_seen(tmp_path, head, first, least):
+    log = tmp_path / "log.csv"
+    log.write_text(f"time [s],{head}\n" + "".join(f"{k},{first + 10 * k}\n" for k in range(51)))
+    assert tomllib.loads(suggest_channels(log))["channel"][1]["range"][0] == least
+
+
+def test_flows_are_suggested_as_outputs_and_all_else_as_inputs(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("time [s],q [l/min],p [bar],x\n" + "".join(f"{k},{k % 7},{k % 5},{k % 3}\n" for k in range(51)))
+    text = suggest_channels(log)
+    assert [c["role"] for c in tomllib.loads(text)["channel"]] == ["time", "output", "input", "input"]
+    assert "flows are outputs here and all else is an input, so choose" in text.replace("\n#   ", " ")
 
 
 def test_a_little_below_zero_is_no_other_sign(tmp_path):
@@ -132,7 +153,7 @@ def test_a_little_below_zero_is_no_other_sign(tmp_path):
     log.write_text(
         "time [s],p [bar],u [V]\n" + "".join(f"{k},{-0.3 if k == 7 else 5.0 * k},{k % 9 - 4}\n" for k in range(51))
     )
-    assert re.findall(r"range = (.*)", suggest_channels(log)) == ["[-140, 380]", "[-8, 8]"]
+    assert re.findall(r"range = (.*)", suggest_channels(log)) == ["[-1, 380]", "[-8, 8]"]
 
 
 def test_a_column_that_counts_the_rows_is_no_input(tmp_path):

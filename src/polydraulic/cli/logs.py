@@ -68,7 +68,9 @@ def import_(
             print(text, end="")
         else:
             write_text(out, text)
-            print(f"{out}: a first channel map; go through it")
+            print(
+                f"{out}: a first channel map; go through it: say which channels are outputs, and whether units and ranges are right"
+            )
         return
     if channels is None or out is None:
         raise InputError("an import needs --channels MAP.toml and --out TABLE; --suggest writes a first map")

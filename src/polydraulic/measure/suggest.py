@@ -17,7 +17,7 @@ from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.campaign import expand
 from polydraulic.measure.formats.log import Log, Signal, by_reason
 from polydraulic.measure.formats.logs import open_log
-from polydraulic.measure.log_units import conversion, says_pressure
+from polydraulic.measure.log_units import ATMOSPHERE, conversion, says_pressure
 from polydraulic.progress import Progress, quiet
 from polydraulic.units import unit_kind
 
@@ -27,6 +27,7 @@ _TIME_NAME = re.compile(
     r"(time|t|tout|timestamps?|time[ _]?stamp|date[ _]?time|zeit|zeitstempel|uhrzeit|zeitpunkt|epoch|datum|date)"
     r"([ _]?(?P<unit>s|sec|ms|us|µs|ns))?$"
 )
+_DIFFERENCE = re.compile(r"(?i)Δ|δ|delta|diff|(^|[^a-z])dp([^a-z]|$)")  # in names of pressures that may be negative
 _UNITS = {"sec": "s"}
 _UNIT_NAME = re.compile(
     r"(?i)^(?P<s>s|secs?|seconds?|sekunden?)$|^(?P<ms>ms|msec|millis|milliseconds|millisekunden)$|^(?P<us>us|µs|micros|microseconds)$"
@@ -54,11 +55,13 @@ _OTHER_SIGN = 0.05  # of the larger values: less to the other side of 0 is noise
 
 _HEAD = """\
 # A first channel map, made from what the log shows. Go through it:
-# - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out.
+# - role: what is to be predicted is an "output", what it is predicted from an "input"; "ignore" leaves a channel out. A log does not
+#   tell: flows are outputs here and all else is an input, so choose.
 # - unit: of the numbers in the log; the table will be in SI. Pressures are gauge pressures; from bar(a), psia and the like an
 #   atmosphere is taken: put atmosphere = "1.013 bar" at the top.
 # - range: what was seen in all channels of that unit, half as much on either side, and symmetric where both signs were seen; values
-#   beyond it are taken as missing, so put what is physically possible. Angles have none: they may add up turn by turn.
+#   beyond it are taken as missing, so put what is physically possible; no pressure here goes below a vacuum. Angles have none: they
+#   may add up turn by turn.
 # - between: "linear" or "hold", what is true between two samples. sign = -1 turns a channel round.
 # - name: the column in the table, such as "boom.p_a"; the source if not given.
 """
@@ -134,12 +137,14 @@ def suggest_channels(
             why = "it counts the rows" if _counts_rows(signal, found) else why
             lines += [f'role = "ignore"  # {why}']
             continue
-        lines += ['role = "input"', *units[signal.name].lines]
+        role = "output" if _known(units[signal.name].unit) == "m3/s" else "input"
+        lines += [f"role = {_text(role)}", *units[signal.name].lines]
         if SHORTEST <= found.raster <= LONGEST:
             lines.append(f"raster = {_text(_span(found.raster))}")
         lines.append(f"between = {_text('hold' if found.held > _HOLD else 'linear')}")
         if signal.name in ranges:
             low, high = ranges[signal.name]
+            low = max(low, _least(signal, units[signal.name].unit, found.low))
             ends = f"{low:.10g}, {high:.10g}"
             lines.append(f"range = [{ends if high - low > _ALIKE * abs(low) else f'{low!r}, {high!r}'}]")
         if signal.name in log.duplicates:
@@ -296,6 +301,15 @@ def _round_range(low: float, high: float) -> tuple[float, float]:
     below, above = step * floor((low - margin) / step), step * ceil((high + margin) / step)
     most = max(-below, above)
     return (-most, most) if _OTHER_SIGN * max(-low, high) < min(-low, high) else (below, above)
+
+
+def _least(signal: Signal, unit: str, seen: float) -> float:
+    """What a pressure cannot be below, a vacuum, on a round number of its unit; none for differences, and where more was seen."""
+    if _known(unit) != "Pa" or _DIFFERENCE.search(signal.name):
+        return -inf
+    of = conversion(unit, kind="Pa")
+    least = 0.0 if of.absolute else float(f"{-ATMOSPHERE / of.factor:.2g}")
+    return least if seen >= least else -inf
 
 
 def _text(text: str) -> str:
