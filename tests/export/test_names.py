@@ -14,6 +14,7 @@ from fmpy import validation
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.in_turn import in_turn
 from polydraulic.errors import InputError
 from polydraulic.export import bundle, c_name, export_c, export_fmu, export_models, export_onnx, fresh
 from polydraulic.export.formula import to_latex
@@ -195,11 +196,7 @@ def test_fmus_have_all_names_as_they_are(version, tmp_path):
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 @pytest.mark.parametrize(
     ("name", "version"),
-    [
-        pytest.param(name, version, marks=[] if (k + version) % 2 else [pytest.mark.slow])  # each in one version
-        for k, name in enumerate("v memory y fmu config equations instance failed fmi2 main write S".split())
-        for version in (2, 3)
-    ],
+    in_turn("v memory y fmu config equations instance failed fmi2 main write S".split(), [2, 3]),
 )
 def test_fmus_of_names_that_their_sources_use_compile_and_answer(name, version, tmp_path):
     whole = bundle([model(name)])

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from helpers.exact import exact_output
 from helpers.exports import NAMES, drawn_nodes
 from helpers.float_c import float_c, ways
+from helpers.in_turn import in_turn
 from polydraulic.errors import InputError
 from polydraulic.export import bundle, export_c, to_c
 from polydraulic.export.c import allowance
@@ -105,8 +106,7 @@ def test_no_network_of_any_scale_leaves_its_allowance(tmp_path_factory, drawn):
             assert y[:, k].max() <= found.high
 
 
-@pytest.mark.parametrize("way", ways())
-@pytest.mark.parametrize("which", NAMES)
+@pytest.mark.parametrize(("which", "way"), in_turn(NAMES, ways()))
 def test_exported_models_keep_their_allowances_and_ranges(which, way, exported_models, tmp_path, record_property):
     models = exported_models[which]
     whole = bundle(models)

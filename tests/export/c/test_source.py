@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 
 from helpers.exports import NAMES, networks
+from helpers.in_turn import in_turn
 from polydraulic.errors import InputError
 from polydraulic.export import bundle, export_c, to_c
 from polydraulic.export.c import answers
@@ -65,8 +66,7 @@ def test_double_c_equals_the_package_bit_for_bit_with_its_slopes_and_domain(whic
     assert np.allclose(dfar[status == 1][:20] * step, ahead - far[status == 1][:20, None], atol=1e-9)
 
 
-@pytest.mark.parametrize("real", ["double", "float"])
-@pytest.mark.parametrize("which", NAMES)
+@pytest.mark.parametrize(("which", "real"), in_turn(NAMES, ["double", "float"]))
 def test_tables_give_the_bits_of_straight_line_code(which, real, exported_models, tmp_path, monkeypatch):
     found = []
     for form, most in (("straight", 10**9), ("tables", 0)):

@@ -13,6 +13,7 @@ from fmpy import validation
 from fmpy.build import build_platform_binary
 
 from helpers.exports import NAMES
+from helpers.in_turn import in_turn
 from polydraulic.errors import InputError
 from polydraulic.export import build, bundle
 from polydraulic.export.fmu.networks import export_fmu
@@ -65,8 +66,7 @@ def reference(folder, whole, version):
     )
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("which", NAMES)
+@pytest.mark.parametrize(("which", "version"), in_turn(NAMES, [2, 3]))
 def test_fmpy_finds_no_fault_and_simulates_the_reference_results(which, version, made):
     path, whole, folder = made(which, version)
     assert validation.validate_fmu(str(path)) == []
