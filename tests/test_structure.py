@@ -3,6 +3,7 @@
 import ast
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -225,11 +226,16 @@ def test_files_and_folders_are_small():
     assert {folder: len(names) for folder, names in flat.items() if len(names) > 16} == {}
 
 
+@cache
+def statements(name):
+    return ast.parse((SRC / name).read_text(encoding="utf-8")).body
+
+
 def defined(kind):
     """Modules by the public names of a kind that they define."""
     found = defaultdict(list)
     for name in MODULES:
-        for node in ast.parse((SRC / name).read_text(encoding="utf-8")).body:
+        for node in statements(name):
             overload = any(ast.unparse(d) == "overload" for d in getattr(node, "decorator_list", ()))
             if isinstance(node, kind) and not node.name.startswith("_") and not overload:
                 found[node.name].append(name)

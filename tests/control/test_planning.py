@@ -10,26 +10,30 @@ from polydraulic.control.planning import followed_path
 DIGGER = load_machine("cat215b_crossover")
 PLACE = {"reach": 7.2, "height": -1.6, "pitch": -1.6}
 TIP = [PLACE["reach"], PLACE["height"], 0.0, PLACE["pitch"]]
-JOINTS = np.array(list(joints_at(DIGGER, **PLACE).values()))
+
+
+@pytest.fixture(scope="module")
+def joints():
+    return np.array(list(joints_at(DIGGER, **PLACE).values()))
 
 
 def line(**changes):
     return straight_line(TIP, **({"length": 4.0, "slope": -0.3} | changes))
 
 
-def test_a_line_that_the_bucket_cannot_follow_is_named_with_what_can_be_done():
+def test_a_line_that_the_bucket_cannot_follow_is_named_with_what_can_be_done(joints):
     words = r"after 2\.\d\d m of its 4\.00 m bucket comes to its high stop, at 25 deg; it can if its pitch turns by -45 deg on the way; or shorten it"
     with pytest.raises(InputError, match=words):
-        check_path(DIGGER, line(), JOINTS)
-    check_path(DIGGER, line(turn=np.radians(-45.0)), JOINTS)
-    check_path(DIGGER, line(length=2.0), JOINTS)
+        check_path(DIGGER, line(), joints)
+    check_path(DIGGER, line(turn=np.radians(-45.0)), joints)
+    check_path(DIGGER, line(length=2.0), joints)
     with pytest.raises(InputError, match="bucket comes to its high stop"):
-        check_path(DIGGER, line(turn=np.radians(-35.0)), JOINTS)
+        check_path(DIGGER, line(turn=np.radians(-35.0)), joints)
 
 
-def test_what_is_found_is_where_positions_of_its_places_reach_the_stop():
+def test_what_is_found_is_where_positions_of_its_places_reach_the_stop(joints):
     """The same line, place by place, by the search for joints at a place."""
-    way, stop = followed_path(DIGGER, line(), JOINTS).way, DIGGER.function("bucket").stops.high
+    way, stop = followed_path(DIGGER, line(), joints).way, DIGGER.function("bucket").stops.high
     for share, inside in ((way - 0.05, True), (way + 0.05, False)):
         at = {"reach": 7.2 - share * np.cos(-0.3), "height": -1.6 + share * np.sin(-0.3), "pitch": -1.6}
         if inside:
@@ -84,8 +88,8 @@ class Untouched:
 
 
 @pytest.mark.slow_to_compile
-def test_a_run_along_it_does_not_begin():
-    start = {f"{name}.angle": at for name, at in zip(DIGGER.names, JOINTS, strict=True)}
+def test_a_run_along_it_does_not_begin(joints):
+    start = {f"{name}.angle": at for name, at in zip(DIGGER.names, joints, strict=True)}
     with pytest.raises(InputError, match="bucket comes to its high stop"):
         run_controlled(
             DIGGER, Untouched(), lambda tip: straight_line(tip, length=4.0, slope=-0.3), start=start, settle=0.005
