@@ -262,6 +262,7 @@ def towards_a_tip(machine, payload, start, wanted, seconds, *, release=None, **s
     return np.array(rows).T
 
 
+@pytest.mark.slow_to_compile
 @pytest.mark.parametrize(("name", "mass", "payload", "start", "wanted", "margin", "seconds"), NEAR)
 def test_a_motion_that_would_tip_is_slowed_and_refused(name, mass, payload, start, wanted, margin, seconds):
     light = load_machine(name).with_values({"chassis.mass": mass})
@@ -276,6 +277,7 @@ def test_a_motion_that_would_tip_is_slowed_and_refused(name, mass, payload, star
     assert len(slowed) > 10  # ahead of it
 
 
+@pytest.mark.slow_to_compile
 def test_a_lever_that_is_let_go_leaves_the_margin(machine):
     light = load_machine("wheel_loader").with_values({"chassis.mass": 6000.0})
     distance, dynamic, _ = towards_a_tip(
@@ -285,6 +287,7 @@ def test_a_lever_that_is_let_go_leaves_the_margin(machine):
     assert distance.min() > 0.18
 
 
+@pytest.mark.slow_to_compile
 def test_a_motion_away_from_a_tip_is_not_slowed(machine):
     light = load_machine("wheel_loader").with_values({"chassis.mass": 5000.0})
     start, kept = {"lift": 0.2}, {"tip_margin": 0.3}  # nearer than that already

@@ -154,6 +154,7 @@ def test_bad_points_are_refused(machine, points):
         lookup_flow(machine, points=points)
 
 
+@pytest.mark.slow_to_compile
 def test_tables_of_any_layout_are_exact_at_their_points():
     """One valve with its torque limit in a table of its own, two valves in another."""
     tree, points = excavator_tree(), 6
@@ -191,7 +192,7 @@ def test_circuits_of_more_than_two_valves_are_refused_by_name():
         build_flow("lookup", "wheel_loader", points=65)
 
 
-@pytest.mark.skipif(PLAIN, reason="needs the compiler to fill the tables in time")
+@pytest.mark.slow
 def test_more_points_come_closer_to_the_exact_run_of_any_layout():
     exact = simulate("wheel_loader", "exact", "wheel_loader_cycle")
     errors = []

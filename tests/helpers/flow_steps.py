@@ -43,6 +43,16 @@ def flow_step(machine, model, memory, spool, p_in, p_out, dt=0.005):
     return Flows(Links(*found.q_in), Links(*found.k_out), *circuits, found.between_series_1, found.status)
 
 
+def held_still(machine, model, memory, spool, p_in, steps):
+    """Flows after so many steps with nothing moved, or as soon as a step changes nothing that is kept: all later ones are alike."""
+    for _ in range(steps):
+        before = memory.copy()
+        flows = flow_step(machine, model, memory, spool, p_in, p_in)
+        if np.array_equal(before, memory):
+            break
+    return flows
+
+
 def step(machine, model, spool, p_in, p_out):
     """Flows with the boom's valve moved and the other two centred."""
     return step_all(machine, model, Links(0.0, spool, 0.0), Links(0.0, p_in, 0.0), Links(0.0, p_out, 0.0))

@@ -188,6 +188,7 @@ def test_outlets_that_read_pressures_have_the_bits_of_simulate(machine, keep):
         assert {name: batch.final[place, batch.place(name)] for name in last} == last
 
 
+@pytest.mark.slow_to_compile
 def test_flow_forces_beside_networks_of_pressure_have_the_bits_of_simulate():
     plain = load_machine("wheel_loader")
     loader = with_effects(plain, flow_force=FlowForce(2e4, 870.0, np.radians(69.0)))
