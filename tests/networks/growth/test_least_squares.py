@@ -118,3 +118,12 @@ def test_more_rows_than_are_multiplied_at_a_time(weight):
     exact = np.linalg.qr(np.column_stack([matrix, y]) * np.sqrt(w)[:, None], mode="r")
     signs = np.sign(np.diagonal(exact))
     assert factor_of(triangle) == pytest.approx(signs[:, None] * exact, rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize("terms", [[0], [1, 3, 4], [0, 1, 2, 3, 4]])
+def test_some_of_the_terms(terms):
+    expected = np.linalg.lstsq(A[:, terms], Y)[0]
+    fit = solve_terms(factor(A, Y, None), np.array(terms))
+    assert fit.coef[terms] == pytest.approx(expected, rel=1e-12)
+    assert np.count_nonzero(fit.coef) == len(terms)
+    assert fit.squares == pytest.approx(squares(A, Y, terms), rel=1e-12)

@@ -16,6 +16,7 @@ from polydraulic.networks.growth.variables import fill_terms, steps_table
 
 _PIVOT = 1e-11  # of its square: a column with a smaller rest is left as it is by the first factor
 _RCOND = 1e-12  # of its length: a column with a smaller rest depends on the columns before it
+_CLEAR = 1e-10  # of the largest pivot: where none is smaller, no terms depend on each other
 _ROUNDING = 1e-14  # of the target's length: what a term explains that is smaller is rounding
 # rows multiplied at a time, whose terms stay in the cache; no power of two, or columns would take each other's place there
 ROWS = 1000
@@ -88,7 +89,7 @@ def solve_terms(factor: np.ndarray, terms: np.ndarray) -> LeastSquaresFit:
     """Least squares with some of the terms; of equally good solutions the smallest."""
     n, right = terms.size, factor[:, -1]
     coef = np.zeros(factor.shape[1] - 1)
-    if n:
+    if n and not _solve(factor, terms, np.empty((n + 1, len(factor))), coef):
         coef[terms] = dgelsy(factor[:, terms], right, np.zeros(n, dtype=np.int32), _RCOND, 64 * (n + 1))[1][:n]
     rest = right - factor[:, :-1] @ coef
     return LeastSquaresFit(coef, float(rest @ rest))
@@ -191,6 +192,41 @@ def _correct(
             for k in range(row, column + 1):
                 entry += correction[row, k] * first[column, k]
             found[row, column] = entry
+
+
+@driver
+def _solve(factor: np.ndarray, terms: np.ndarray, work: np.ndarray, coef: np.ndarray) -> bool:
+    """Least squares by Householder's reflections; false where terms may depend on each other, which takes pivots."""
+    n, m = terms.size, work.shape[1]
+    for j in range(n + 1):
+        column = terms[j] if j < n else factor.shape[1] - 1
+        for i in range(m):
+            work[j, i] = factor[i, column]
+    smallest, largest = np.inf, 0.0
+    for j in range(n):
+        square = 0.0
+        for i in range(j, m):
+            square += work[j, i] * work[j, i]
+        pivot = -np.sqrt(square) if work[j, j] > 0.0 else np.sqrt(square)
+        smallest, largest = min(smallest, abs(pivot)), max(largest, abs(pivot))
+        if not smallest > _CLEAR * largest:
+            return False
+        half = square - pivot * work[j, j]  # of the square of the reflection's direction
+        work[j, j] -= pivot
+        for k in range(j + 1, n + 1):
+            share = 0.0
+            for i in range(j, m):
+                share += work[j, i] * work[k, i]
+            share /= half
+            for i in range(j, m):
+                work[k, i] -= share * work[j, i]
+        work[j, j] = pivot
+    for j in range(n - 1, -1, -1):
+        entry = work[n, j]
+        for k in range(j + 1, n):
+            entry -= work[k, j] * coef[terms[k]]
+        coef[terms[j]] = entry / work[j, j]
+    return True
 
 
 @driver
