@@ -7,7 +7,8 @@ with an irregular clock; commands of the valves, strokes of the cylinders, angle
 Windows of 10 s and 30 s begin every half second, from 2 s on, as far as models with play look back; the error at their end, mean over windows,
 is given in % of the joint's range in the logs that were learnt from. The swing is said to turn without end. Runs 4 and 5 play no part in any
 choice. The last row is learnt from these two themselves: what models of this form can do at all, next to which the row above shows how much
-differs from run to run. A second table judges each of runs 1 to 3 by a model of the other two.
+differs from run to run. A last table judges each of runs 1 to 3 by a model of the other two, which all choices go by, and by one of
+itself, which says what is left where a model has seen how strong the machine was that day.
 """
 
 import argparse
@@ -108,16 +109,20 @@ def joint_models(logs, commands, joints):
 
 
 def show_left_out(logs):
-    """Errors of each log by a model of the others, as the mean over logs."""
+    """Errors of each log by a model of the others, and by one of itself, as the mean over logs."""
     scale = np.ptp(np.vstack([log.matrix(JOINTS) for log in logs]), axis=0)
-    errors = {length: [] for length in SECONDS}
-    for log in logs:
-        run = free_run_of(joint_models([other for other in logs if other is not log], COMMANDS, JOINTS).models)
-        for length, found in errors.items():
-            found.append(ends(run, log, round(length / RASTER)).mean(axis=0) / scale)
-    print("\n### Runs 1 to 3, each by a model of the other two, mean over runs\n")
+    print("\n### Runs 1 to 3, each by a model of the other two, and of itself, mean over runs\n")
     print("| model | after 10 s | after 30 s |\n|---|---|---|")
-    print(f"| `fit_joints` | {' | '.join(in_percent(np.mean(found, axis=0)) for found in errors.values())} |")
+    for name, learnt in (
+        ("of the other two", lambda log: [o for o in logs if o is not log]),
+        ("of itself", lambda log: [log]),
+    ):
+        errors = {length: [] for length in SECONDS}
+        for log in logs:
+            run = free_run_of(joint_models(learnt(log), COMMANDS, JOINTS).models)
+            for length, found in errors.items():
+                found.append(ends(run, log, round(length / RASTER)).mean(axis=0) / scale)
+        print(f"| {name} | {' | '.join(in_percent(np.mean(found, axis=0)) for found in errors.values())} |", flush=True)
 
 
 def show_speeds(logs, responses):

@@ -43,7 +43,9 @@ def fit_joints(
             "these are shorter."
         ),
     ] = None,
-    horizon: Annotated[float, typer.Option(help="Length in s of the free runs that are fitted.")] = 10.0,
+    horizon: Annotated[
+        float, typer.Option(help="Length in s of the free runs by which is chosen what rates depend on.")
+    ] = 10.0,
     card: Annotated[
         Path | None, typer.Option(help="Model card to write, .html: errors of free runs, intervals, proofs, equations.")
     ] = None,

@@ -47,7 +47,7 @@ def fit_joints(
         After which the response of a rate to its command must be over, nearly; at most 120 rows. 0.8 if not given, or 120 rows where these
         are shorter.
     horizon : float, s
-        Of the free runs that are fitted.
+        Of the free runs by which is chosen what rates depend on.
     progress : Progress, optional
         Called with each joint.
 

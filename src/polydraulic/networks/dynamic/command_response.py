@@ -5,6 +5,8 @@ side of the dead zone. Play remembers longer than a lag does, so the command is 
 rows it counts as having come from rest. Where play explains hardly more there is none. The rate is taken
 for proportional to each ramp while these numbers are sought, so that an edge is where the straight line through the motion begins; what the line
 leaves is learnt afterwards. Rates are compared as travel over windows of time: noise of the joint, which a derivative would blow up, hardly counts.
+Windows are half as long as the longest lag, so that speeds which differ from one piece of work to the next hardly count either, and as long as that
+where a response takes longer than half of it.
 A joint that is driven against a stop says nothing of its command: once stops are found, windows that touch them are left out.
 """
 
@@ -15,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.spans import Span
+from polydraulic.networks.dynamic.spans import Span, rows_of
 
 _STARTS = (0.2, 0.5, 0.75)  # edges of the dead zone, as shares of the way from rest to the end
 _SIDE = 0.02  # of its range, by which a command leaves its rest for the side to be there
@@ -29,7 +31,7 @@ _SHORTEST = 0.5  # dead time in rows; a shorter one cannot be told from none
 _LEAST_ROWS, _MOST_ROWS = 4, 120  # of the longest lag
 _USUAL = 0.8  # s
 _FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
-_SCALE = 0.02  # of the range: errors of the travel beyond it count less
+_SCALE = 0.01  # of the range: errors of the travel beyond it count less
 _EVALUATIONS = 40
 _REMEMBERS, _LONGER = (
     2.5,
@@ -84,6 +86,15 @@ class Response(NamedTuple):
         return _ramps(_filtered(command, spans, self.weights, self.play, self.rest), self.edges)
 
 
+def away_from_stops(joint: np.ndarray, spans: Sequence[Span], stops: tuple[bool, bool]) -> np.ndarray:
+    """Rows in which a joint is away from the stops that it was driven against; (n_row,) of bool."""
+    known = joint[rows_of(spans)]
+    low, high = float(known.min()), float(known.max())
+    place = (joint - low) / max(high - low, 1e-300)
+    at_stop = (stops[0] & (place < _NEAR)) | (stops[1] & (place > 1.0 - _NEAR))
+    return np.logical_not(at_stop)
+
+
 def longest_lag_in_rows(longest: float | None, raster: float) -> int:
     """Rows of the longest lag, from times in s; as many as usual of None.
 
@@ -135,7 +146,7 @@ def find_response(
     InputError
         A command that stands still, one that does not move the joint, or a response longer than `longest_lag`.
     """
-    windows = _Windows(command, joint, spans, longest_lag)
+    windows = _Windows(command, joint, spans, longest_lag, max(2, longest_lag // 2))
     sides = _sides(command[windows.known], names[0])
     n = len(sides)
 
@@ -150,21 +161,26 @@ def find_response(
         return loose.x if loose.cost < (1.0 - _WORTH) * plain.cost else plain.x
 
     best = best_of(windows)
-    stops = windows.stops(windows.fitted(*_response(best, sides, longest_lag))[1])
+    longer = _Windows(command, joint, spans, longest_lag, longest_lag)
+    if _left_after(longest_lag // 2, best) > _CUT:
+        windows = longer
+        best = best_of(windows)
+    stops = longer.stops(longer.fitted(*_response(best, sides, longest_lag))[1])
     stops = (False, False) if continuous else stops
     if any(stops):
         windows = windows.away_from(stops)
         best = best_of(windows)
     weights, play, rest, edges = _response(best, sides, longest_lag)
-    errors, _ = windows.fitted(weights, play, rest, edges)
-    explained = 1.0 - float(errors @ errors) / max(float(windows.travel @ windows.travel), 1e-300)
+    longer = longer.away_from(stops)
+    errors, _ = longer.fitted(weights, play, rest, edges)
+    explained = 1.0 - float(errors @ errors) / max(float(longer.travel @ longer.travel), 1e-300)
     if not explained >= _EXPLAINED:
         raise InputError(
             f"the command {names[0]!r} explains {max(explained, 0.0):.0%} of how {names[1]!r} moves; {_EXPLAINED:.0%} is the least: each joint "
             "needs the command that moves it, in the same order, and a log in which it moves"
         )
     dead_time, lag = float(best[0]), float(np.exp(best[1]))
-    if np.exp(-(longest_lag - dead_time) / lag) > _CUT:
+    if _left_after(longest_lag, best) > _CUT:
         raise InputError(f"{names[1]!r} follows {names[0]!r} with {_not_over(dead_time, lag, longest_lag, raster)}")
     return Response(dead_time, lag, weights, play, rest, edges, tuple(end for _, end in sides), stops, continuous)
 
@@ -191,6 +207,11 @@ def _search(
     )  # fmt: skip
     found.x = whole(found.x)
     return found
+
+
+def _left_after(rows: int, unknowns: np.ndarray) -> float:
+    """Share of a response that comes later than these rows, at unknowns of `_response`."""
+    return float(np.exp(-(rows - unknowns[0]) / np.exp(unknowns[1])))
 
 
 def _not_over(dead_time: float, lag: float, longest_lag: int, raster: float | None) -> str:
@@ -252,11 +273,13 @@ def response_in_words(facts: Mapping[str, Any]) -> str:
 
 
 class _Windows:
-    """Windows of as many rows as the longest lag, half overlapping, and how far the joint moves in each as a share of its range."""
+    """Windows of so many rows, half overlapping, behind the longest lag, and how far the joint moves in each as a share of its range."""
 
-    def __init__(self, command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int) -> None:
+    def __init__(
+        self, command: np.ndarray, joint: np.ndarray, spans: Sequence[Span], longest_lag: int, length: int
+    ) -> None:
         n = longest_lag
-        ends = [(s, s + n) for a, b in spans for s in range(a + n, b - n, max(1, n // 2))]
+        ends = [(s, s + length) for a, b in spans for s in range(a + n, b - n, max(1, length // 2))]
         self.known = np.zeros(len(command), dtype=bool)
         for a, b in spans:
             self.known[a:b] = True
@@ -284,9 +307,7 @@ class _Windows:
 
     def away_from(self, stops: tuple[bool, bool]) -> "_Windows":
         """Windows in which the joint keeps off its stops; all of them if hardly any do."""
-        place = (self.joint - self.low) / self.range
-        at_stop = (stops[0] & (place < _NEAR)) | (stops[1] & (place > 1.0 - _NEAR))
-        count = np.concatenate([[0], np.cumsum(at_stop)])
+        count = np.concatenate([[0], np.cumsum(~away_from_stops(self.joint, self.spans, stops))])
         off = count[self.stop + 1] == count[self.start]
         if off.sum() < _FEWEST:
             return self

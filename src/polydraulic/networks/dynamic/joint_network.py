@@ -9,24 +9,28 @@ from polydraulic.networks.dynamic.lagged_terms import Frame, Terms
 from polydraulic.networks.dynamic.refine_free_run import spread
 from polydraulic.networks.dynamic.spans import Span, rows_of
 from polydraulic.networks.dynamic.term_network import by_slots, places_read, term_nodes
-from polydraulic.networks.model.nodes import RAMP
+from polydraulic.networks.model.nodes import LINEAR, RAMP
 from polydraulic.networks.model.table import Network, Node
 
 Read = tuple[int, float, float]  # slot of a lagged command, its mean and its scale
 
 
 def joint_network(
-    frame: Frame, terms: Terms, ramps: Sequence[tuple[int, Response, int]], signals: np.ndarray, columns: Sequence[int], spans: Sequence[Span]
+    frame: Frame, terms: Terms, ramps: Sequence[tuple[int, Response, int]], n_own: int, signals: np.ndarray, columns: Sequence[int],
+    spans: Sequence[Span],
 ) -> tuple[Network, list[tuple[int, int]]]:  # fmt: skip
     """Network of one joint, and what it reads: pairs of a column of `signals` and how many rows ago.
 
     Parameters
     ----------
     frame : Frame
-        Its first signals are `ramps`, the others `columns` of the log, one row ago; the joint's own is the last.
+        Its first signals are the joint's own ramps, and where there are others their sum; then come `columns` of the log, one row ago, the
+        joint's own as the last.
     terms : Terms
     ramps : sequence of (column, Response, side)
-        Command, and which of its edges.
+        Command, and which of its edges; the joint's own first.
+    n_own : int
+        How many of them are its own.
     signals : (n_row, n_signal) array
         The log, in its own units.
     columns : sequence of int
@@ -34,10 +38,14 @@ def joint_network(
         Rows that were learnt from.
     """
     used = places_read(terms)
-    opened = [place for place in used if place < len(ramps)]
-    reads = sorted({(column, ago) for column, response, _ in (ramps[p] for p in opened) for ago in response.reads})
+    n_raw = n_own + (len(ramps) > n_own)
+    opened = [place for place in used if place < n_own]
+    others = [*range(n_own, len(ramps))] if n_own < n_raw and n_own in used else []
+    reads = sorted(
+        {(column, ago) for column, response, _ in (ramps[p] for p in opened + others) for ago in response.reads}
+    )
     n_command = len(reads)
-    reads += [(columns[place - len(ramps)], 1) for place in used if place >= len(ramps)]
+    reads += [(columns[place - n_raw], 1) for place in used if place >= n_raw]
     rows = rows_of(spans)
     command = signals[rows][:, [column for column, _ in reads[:n_command]]]
     mean, scale, low, high = command.mean(axis=0), spread(command), command.min(axis=0), command.max(axis=0)
@@ -45,15 +53,18 @@ def joint_network(
     nodes: list[Node] = []
     plays: dict[int, dict[int, int]] = {}
     openings = []
-    for column, response, side in (ramps[place] for place in opened):
+    for column, response, side in (ramps[place] for place in opened + others):
         if column not in plays:
             chain = _play_nodes(column, response, at, len(reads) + len(nodes))
             plays[column] = {ago: len(reads) + len(nodes) + n for n, ago in enumerate(chain)}
             nodes += chain.values()
         openings.append(len(reads) + len(nodes))
         nodes.append(_ramp_node(column, response, side, at, plays[column]))
-    slot = {place + 1: node for place, node in zip(opened, openings, strict=True)}
-    behind = [place for place in used if place >= len(ramps)]
+    slot = {place + 1: node for place, node in zip(opened, openings, strict=False)}
+    if others:
+        slot[n_own + 1] = len(reads) + len(nodes)
+        nodes.append(Node(LINEAR, tuple(openings[len(opened) :]), (1.0,) * len(others)))
+    behind = [place for place in used if place >= n_raw]
     slot |= {place + 1: n_command + n for n, place in enumerate(behind)}
     own = [*frame.column[behind]]
     nodes += term_nodes(by_slots(terms, 0, slot), len(reads) + len(nodes))

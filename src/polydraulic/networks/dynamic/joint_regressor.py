@@ -6,15 +6,14 @@ from typing import Any
 import numpy as np
 
 from polydraulic.errors import InputError
-from polydraulic.networks.dynamic.command_response import Response, find_response, most_looked_back
-from polydraulic.networks.dynamic.free_run import pieces
+from polydraulic.networks.dynamic.command_response import Response, away_from_stops, find_response, most_looked_back
 from polydraulic.networks.dynamic.free_runner import FreeRunner
 from polydraulic.networks.dynamic.joint_network import joint_network
+from polydraulic.networks.dynamic.joint_rate import Factors, learn_rate
 from polydraulic.networks.dynamic.lag_selection import Choice
-from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of, run_terms
-from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of, without
-from polydraulic.networks.dynamic.term_growth import Drives, grow_average, grow_terms
-from polydraulic.networks.growth.workers import in_threads, one_blas_thread
+from polydraulic.networks.dynamic.lagged_terms import Frame, frame_of
+from polydraulic.networks.dynamic.spans import Span, answered, blocks_of, rows_of, spans_of
+from polydraulic.networks.growth.workers import one_blas_thread
 from polydraulic.networks.model.lags import Dynamics, Lag
 from polydraulic.networks.model.model import Model, Variable
 from polydraulic.progress import Progress, quiet
@@ -22,29 +21,27 @@ from polydraulic.progress import Progress, quiet
 _BEYOND = 0.02  # of its range, by which a joint may leave what was seen where it met no stop: few logs end far from the end of a travel
 _ENDLESS = 1e4  # of its range, by which a joint that turns without end may: models state finite ranges
 _MARGIN = 0.1  # of their range, by which changes from row to row may
-_ENOUGH = 0.03  # what more terms have to gain over fewer
 _NAMED = 3  # runs of rows in a sentence
-_PATIENCE = 8  # so many more terms without a gain end the growth
 
 
 class JointRegressor(FreeRunner):
     """Angles or strokes of joints from their commands, for machines whose hydraulics nobody describes.
 
-    From row to row each joint moves by a rate: a polynomial in the openings of its valve to either side, in angles and openings of all joints,
-    and in further inputs. It begins with its own openings, alone or with what openings of other valves take from them (a shared pump); more
-    terms have to earn their place on blocks held out. Every term holds an opening of its own valve, so that a joint whose command is within
-    its dead zone stands still.
+    From row to row each joint moves by a rate: the openings of its valve to either side, alone, times its own angle, and times what the other
+    valves are opened in all (a shared pump). Each opening squared, angles of other joints and further inputs have to earn their place on blocks
+    held out. Every term holds an opening of its own valve, so that a joint whose command is within its dead zone stands still. See
+    `polydraulic.networks.dynamic.joint_rate`.
 
     Parameters
     ----------
     longest_lag : int, default=16
         Rows after which the response of a rate to its command must be over.
     horizon : int, default=200
-        Rows of the free runs that are fitted.
+        Rows of the free runs by which is chosen.
     max_terms : int, default=16
-        Of each joint's rate, beside its openings alone, while it is being chosen.
+        Of what each joint's openings are multiplied by, beside its angle and the other openings.
     n_blocks : int, default=4
-        Blocks of rows that follow each other in time, each held out once to choose the number of terms.
+        Blocks of rows that follow each other in time, each held out once to choose.
     continuous : sequence of int, default=()
         Joints, by their columns of `y`, that turn without end: they have no stops, and no rate depends on their angle.
     raster : float, optional
@@ -61,7 +58,7 @@ class JointRegressor(FreeRunner):
     responses_ : list of Response
         Play, dead time, lag and dead zone of each joint's command.
     choice_ : Choice
-        What was chosen.
+        What was chosen; its error is the mean size of errors, not their rms.
     warm_up_ : int
         Rows that must be measured before the first answer.
     doubts_ : list of str
@@ -205,22 +202,29 @@ class JointRegressor(FreeRunner):
 
     def _learn(self, k: int, signals: np.ndarray, spans: list[Span], targets: list[Span]) -> tuple[Model, int, float]:
         """Model of joint `k`, its number of terms, and their error on blocks held out."""
-        first = self.n_features_in_
-        ramps = [
-            (j, response, side) for j, response in enumerate(self.responses_) for side in range(len(response.edges))
-        ]
+        first, response = self.n_features_in_, self.responses_[k]
+        short = [sum(b - a for a, b in block) for block in blocks_of(targets, self.n_blocks)]
+        if min(short) <= self.longest_lag:
+            raise InputError(
+                f"{sum(short)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} blocks needs more "
+                f"than the longest lag, {self.longest_lag}; shorten it, or record more rows"
+            )
+        ramps = [(j, one, side) for j, one in enumerate(self.responses_) for side in range(len(one.edges))]
         ramps.sort(key=lambda ramp: ramp[0] != k)  # its own first
+        others = [self.responses_[j].ramps(signals[:, j], spans).sum(axis=1) for j in range(self.n_outputs_) if j != k]
+        opened = np.column_stack([response.ramps(signals[:, k], spans), *([np.sum(others, axis=0)] if others else [])])
         seen = [first + j for j in range(self.n_outputs_) if j != k and j not in self.continuous]
         columns = [*range(self.n_outputs_, first), *seen, first + k]
-        opened = np.column_stack([response.ramps(signals[:, j], spans) for j, response in sorted(
-            enumerate(self.responses_), key=lambda one: one[0] != k)])  # fmt: skip
         inner = np.column_stack([opened, signals[:, columns]])
-        frame = self._frame(inner, len(ramps), self.responses_[k], targets)
-        n_own, unread = len(self.responses_[k].edges), (inner.shape[1] - 1,) if k in self.continuous else ()
-        alone = Drives(tuple(range(n_own)), unread=unread)
-        driven, n_term, error = self._fewest(frame, targets, alone, tuple(range(n_own, len(ramps))))
-        terms = grow_average(frame, targets, self.horizon, n_term, driven=driven)
-        network, reads = joint_network(frame, terms, ramps, signals, columns, targets)
+        frame = self._frame(inner, opened.shape[1], response, targets)
+        n_own, last = len(response.edges), inner.shape[1] - 1
+        known = (*range(n_own, opened.shape[1]), *(() if k in self.continuous else (last,)))
+        factors = Factors(tuple(range(n_own)), known, (*range(n_own), *range(opened.shape[1], last)))
+        away = away_from_stops(signals[:, first + k], spans, response.stops)
+        terms, error = learn_rate(
+            frame, factors, targets, away, self.longest_lag, self.horizon, self.n_blocks, self.max_terms
+        )
+        network, reads = joint_network(frame, terms, ramps, n_own, signals, columns, targets)
         names = self._names()
         lags = tuple(Lag(names[column], steps) for column, steps in reads)
         rows = rows_of(targets)
@@ -229,7 +233,7 @@ class JointRegressor(FreeRunner):
         wider = _MARGIN * (ends[1] - ends[0])
         dynamics = Dynamics(lags, (ends[0] - wider, ends[1] + wider), self.raster)
         inputs = tuple(Variable(str(lag)) for lag in lags)
-        return Model(inputs, Variable(names[first + k]), (network,), dynamics=dynamics), n_term, error
+        return Model(inputs, Variable(names[first + k]), (network,), dynamics=dynamics), len(terms.coef), error
 
     def _frame(self, inner: np.ndarray, n_ramp: int, response: Response, targets: list[Span]) -> Frame:
         """Ramps as they are now, all else one row ago; the joint goes as far as its stop, or a little beyond what was seen."""
@@ -241,45 +245,3 @@ class JointRegressor(FreeRunner):
         low, high = frame.low.copy(), frame.high.copy()
         low[-1], high[-1] = y_low[0], y_high[0]
         return frame._replace(y_low=y_low, y_high=y_high, low=low, high=high)
-
-    def _fewest(
-        self, frame: Frame, targets: list[Span], alone: Drives, others: tuple[int, ...]
-    ) -> tuple[Drives, int, float]:
-        """What drives the joint, number of terms, the last value and those that growth begins with included, and their error on blocks held out.
-
-        Others share the flow where that gains; of the numbers of terms the least with which runs are about as good as they get counts.
-        """
-        driven, errors = alone, self._errors(frame, targets, alone)
-        if others:
-            shared = alone._replace(shared_with=others)
-            found = self._errors(frame, targets, shared)
-            driven, errors = (shared, found) if min(found) < (1.0 - _ENOUGH) * min(errors) else (driven, errors)
-        enough = (1.0 + _ENOUGH) * min(errors)
-        chosen = next(n for n, error in enumerate(errors) if error <= enough)
-        return driven, 1 + len(driven.by) * (1 + len(driven.shared_with)) + chosen, errors[chosen]
-
-    def _errors(self, frame: Frame, targets: list[Span], driven: Drives) -> list[float]:
-        """Errors of runs through blocks held out, of one term more at a time."""
-        blocks = blocks_of(targets, self.n_blocks)
-        warm_up = self.longest_lag
-        if any(sum(b - a for a, b in block) <= warm_up for block in blocks):
-            raise InputError(
-                f"{sum(b - a for a, b in targets)} rows are too few to choose from: each of the n_blocks = {self.n_blocks} blocks needs more "
-                f"than the longest lag, {warm_up}; shorten it, or record more rows"
-            )
-        paths = [grow_terms(frame, without(targets, block), self.horizon, driven=driven) for block in blocks]
-        errors: list[float] = []
-
-        def one_more(place: int) -> float | None:
-            terms, windows = next(paths[place], None), pieces(blocks[place], self.horizon)
-            if terms is None:
-                return None
-            return float(
-                np.sqrt(np.mean(np.concatenate([e for e, _ in run_terms(frame, terms, windows, slopes=False)]) ** 2))
-            )
-
-        while None not in (steps := in_threads(one_more, range(len(blocks)))):
-            errors.append(float(np.mean([error for error in steps if error is not None])))
-            if len(errors) > self.max_terms or len(errors) - 1 - int(np.argmin(errors)) >= _PATIENCE:
-                break
-        return errors

@@ -6,7 +6,6 @@ after each one all coefficients are refined over the same runs. Terms are those 
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, solve_triangular
@@ -18,9 +17,6 @@ from polydraulic.networks.growth.levenberg_marquardt import Damping, Equations, 
 from polydraulic.networks.growth.workers import in_threads
 
 _RIDGE = 0.01  # weight of the sum of squared coefficients, as a part of the error before, all in normalized units
-_SHRINK = (
-    0.05  # the same of a term that changes what a drive does, in units of the largest coefficient of a drive alone
-)
 _STEPS = 3  # of refinement after each term
 # a step that lowers the loss by less than a thousandth of what is left is the last
 _RULES = Damping(largest=1e3, raise_by=6.0, lower=lambda share: 0.2, least_added=1e-12, enough=1e-3 / (1.0 + 1e-3))
@@ -32,32 +28,7 @@ _NEW = 1e-6  # share of a term that others do not explain: less is rounding
 _EXACT = 1e-12  # mean squared error at which there is nothing left to learn
 
 
-class Drives(NamedTuple):
-    """What moves outputs that rest otherwise: places of lagged values.
-
-    Each term holds one of `by`, and the last value counts as it is, so that outputs rest where all of these are zero. Growth begins with each
-    of them alone. Without any, anything may stand alone.
-
-    Attributes
-    ----------
-    by : tuple of int
-    shared_with : tuple of int
-        What takes from them: growth begins with their products with each of these, too.
-    unread : tuple of int
-        What stands in no term, but for the last value.
-    """
-
-    by: tuple[int, ...] = ()
-    shared_with: tuple[int, ...] = ()
-    unread: tuple[int, ...] = ()
-
-
-_FREE = Drives()  # nothing that outputs rest without
-
-
-def grow_terms(
-    frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS, driven: Drives = _FREE
-) -> Iterator[Terms]:
+def grow_terms(frame: Frame, spans: Sequence[Span], horizon: int, *, all_pairs: int = _ALL_PAIRS) -> Iterator[Terms]:
     """Polynomials of one term more at a time, as long as there is something to add and rows to learn it from.
 
     Parameters
@@ -69,36 +40,21 @@ def grow_terms(
         Rows that runs go on before they restart from measured outputs.
     all_pairs : int
         Lagged values at most, of which any two may be multiplied.
-    driven : Drives
-        What moves the outputs.
     """
     windows = np.array(pieces(spans, horizon), dtype=np.int64)
     many, few = _spread_evenly(windows, _REFINE_ROWS), _spread_evenly(windows, _JUDGE_ROWS)
-    drives, unread = ({1 + place for place in places} for places in (driven.by, driven.unread))
-    start, fixed = _held(frame, sorted(drives)), len(frame.y_low) if drives else 0
-    terms, error = _refined(frame, start, many, np.full(len(start.coef), _RIDGE), fixed)
-    # what a drive does alone is the measure of what changes it
-    weight = _SHRINK / float((terms.coef[fixed:] ** 2).max(initial=1e-300)) if drives else _RIDGE
-
-    def refined(more: Terms, error: float) -> tuple[Terms, float]:
-        ridge = np.full(len(more.coef), weight * error)
-        ridge[: len(start.coef)] = _RIDGE * error
-        return _refined(frame, more, many, ridge, fixed)
-
-    if driven.shared_with:
-        pairs = [[max(a, b), min(a, b), 0] for a in sorted(drives) for b in (1 + place for place in driven.shared_with)]
-        terms, error = refined(terms.and_also(np.array(pairs), np.zeros(len(pairs), dtype=np.int64)), error)
+    terms, error = _refined(frame, _held(frame), many, _RIDGE)
     most = sum(b - a for a, b in spans) * len(frame.y_low) // _ROWS_A_TERM
     yield terms
     while len(terms.coef) < most:
-        more = _best_term(frame, terms, few, all_pairs, drives, unread, fixed) if error > _EXACT else None
+        more = _best_term(frame, terms, few, all_pairs) if error > _EXACT else None
         if more is None:
             return
-        terms, error = refined(more, error)
+        terms, error = _refined(frame, more, many, _RIDGE * error)
         yield terms
 
 
-def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int, *, driven: Drives = _FREE) -> Terms:
+def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int) -> Terms:
     """Grow polynomials of this many terms, each without another part of the rows, and average them.
 
     Which terms are chosen, and so how a run ends, hangs on a few rows; the average hangs on them less. One that runs badly through
@@ -112,12 +68,11 @@ def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int,
     horizon : int
     n_term : int
         Of each polynomial at most.
-    driven : Drives
     """
 
     def without_block(left_out: list[Span]) -> tuple[Terms, float]:
         rest = without(spans, left_out) or spans
-        for member in grow_terms(frame, rest, horizon, driven=driven):
+        for member in grow_terms(frame, rest, horizon):
             if len(member.coef) >= n_term:
                 break
         return member, 1.0 / (1e-12 + _loss(frame, member, np.array(spans)))
@@ -126,55 +81,47 @@ def grow_average(frame: Frame, spans: Sequence[Span], horizon: int, n_term: int,
     return averaged(members, np.array(weights))
 
 
-def _held(frame: Frame, drives: Sequence[int]) -> Terms:
-    """The last value of each output and a constant, or the last values and all that drives: where growth begins."""
+def _held(frame: Frame) -> Terms:
+    """The last value of each output and a constant, where growth begins."""
     n_output, factors, output, coef = len(frame.y_low), [], [], []
     for k in range(n_output):
         own = np.flatnonzero(frame.column == frame.signals.shape[1] - n_output + k)
         latest = [1 + int(own[np.argmin(frame.steps[own])])] if own.size else []
-        places = latest if drives else [0, *latest]
-        factors += [[place, 0, 0] for place in places]
-        output += [k] * len(places)
+        factors += [[place, 0, 0] for place in (0, *latest)]
+        output += [k] * (1 + len(latest))
         # a run that holds forever has no slopes to go by
-        coef += [1.0] if drives else [1e-6, *([0.98] * len(latest))]
-    held = Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
-    alone = np.array([[place, 0, 0] for place in drives] * n_output, dtype=np.int64).reshape(-1, 3)
-    return held.and_also(alone, np.repeat(np.arange(n_output), len(drives)))
+        coef += [1e-6, *([0.98] * len(latest))]
+    return Terms(np.array(factors, dtype=np.int64), np.array(output, dtype=np.int64), np.array(coef))
 
 
-def _candidates(
-    terms: Terms, n_lag: int, all_pairs: int, drives: set[int], unread: set[int]
-) -> tuple[np.ndarray, np.ndarray]:
+def _candidates(terms: Terms, n_lag: int, all_pairs: int) -> tuple[np.ndarray, np.ndarray]:
     """Terms that may be added: powers, products of two values, and of three where the product of two of them is there.
 
-    With many lagged values one of two has to be in the polynomial, too, since there are too many pairs; where some drive the outputs, one
-    of these has to be in each term.
+    With many lagged values one of two has to be in the polynomial, too, since there are too many pairs.
     """
     factors, output = [], []
-    places = [place for place in range(1, n_lag + 1) if place not in unread]
+    places = range(1, n_lag + 1)
     powers = {(a, *power) for a in places for power in ((0, 0), (a, 0), (a, a))}
     for k in np.unique(terms.output):
         there = {tuple(one) for one in terms.factors[terms.output == k].tolist()}
-        partners = places if n_lag <= all_pairs else {a for one in there for a in one if a} - unread
+        partners = places if n_lag <= all_pairs else {a for one in there for a in one if a}
         pairs = {(max(a, b), min(a, b), 0) for a in partners for b in places if a != b}
         grown = [(a, b) for a, b, d in there if d == 0 and b > 0 and a != b]
         triples = {tuple(sorted((a, b, c), reverse=True)) for a, b in grown for c in places if c not in (a, b)}
-        new = sorted(one for one in (powers | pairs | triples) - there if not drives or drives & set(one))
+        new = sorted((powers | pairs | triples) - there)
         factors += new
         output += [k] * len(new)
     return np.array(factors, dtype=np.int64).reshape(-1, 3), np.array(output, dtype=np.int64)
 
 
-def _best_term(
-    frame: Frame, terms: Terms, windows: np.ndarray, all_pairs: int, drives: set[int], unread: set[int], fixed: int
-) -> Terms | None:
+def _best_term(frame: Frame, terms: Terms, windows: np.ndarray, all_pairs: int) -> Terms | None:
     """Terms with the candidate that lowers the squared error most; None if none does."""
-    candidates = _candidates(terms, len(frame.column), all_pairs, drives, unread)
-    n, wider = len(terms.coef) - fixed, terms.and_also(*candidates)
+    candidates = _candidates(terms, len(frame.column), all_pairs)
+    n, wider = len(terms.coef), terms.and_also(*candidates)
     gram, cross, size = np.zeros((n, n)), np.zeros((n, len(candidates[1]))), np.zeros(len(candidates[1]))
-    downhill = np.zeros(len(wider.coef) - fixed)
+    downhill = np.zeros(len(wider.coef))
     for errors, every in run_side_by_side(frame, wider, windows):
-        slopes = every[fixed:].reshape(n + len(size), -1)
+        slopes = every.reshape(n + len(size), -1)
         own, new = slopes[:n], slopes[n:]
         gram += own @ own.T
         cross += own @ new.T
@@ -184,9 +131,9 @@ def _best_term(
         root = np.linalg.cholesky(gram + 1e-9 * np.diag(np.diagonal(gram) + 1e-300))
     except LinAlgError:
         return None
-    explained = solve_triangular(root, cross, lower=True) if n else cross
+    explained = solve_triangular(root, cross, lower=True)
     left = size - np.einsum("ij,ij->j", explained, explained)
-    across = downhill[n:] - (solve_triangular(root, downhill[:n], lower=True) @ explained if n else 0.0)
+    across = downhill[n:] - solve_triangular(root, downhill[:n], lower=True) @ explained
     gain = np.where(left > _NEW * size, across**2 / np.where(left > 0.0, left, 1.0), 0.0)
     if not gain.size or not gain.max() > 0.0:
         return None
@@ -194,40 +141,35 @@ def _best_term(
     return terms.and_also(candidates[0][best], candidates[1][best])
 
 
-def _refined(frame: Frame, terms: Terms, windows: np.ndarray, ridge: np.ndarray, fixed: int) -> tuple[Terms, float]:
-    """Terms with better coefficients (a few steps of Levenberg-Marquardt) but the first `fixed`, and the mean squared error of runs.
+def _refined(frame: Frame, terms: Terms, windows: np.ndarray, weight: float) -> tuple[Terms, float]:
+    """Terms with better coefficients (a few steps of Levenberg-Marquardt), and the mean squared error of runs.
 
-    `ridge` (n_term,) weighs the squares of the coefficients.
+    `weight` is that of the squares of the coefficients.
     """
-    if len(terms.coef) == fixed:
-        return terms, _loss(frame, terms, windows)
-
-    def moved(coef: np.ndarray) -> Terms:
-        return terms._replace(coef=np.append(terms.coef[:fixed], coef))
+    ridge = np.full(len(terms.coef), weight)
 
     def evaluate(coef: np.ndarray, limit: float) -> Equations | None:
-        here = moved(coef)
-        near = _loss(frame, here, windows) + ridge @ here.coef**2 < limit  # runs without slopes cost little
-        return _normal_equations(frame, here, windows, ridge, fixed) if near else None
+        here = terms._replace(coef=coef)
+        near = _loss(frame, here, windows) + ridge @ coef**2 < limit  # runs without slopes cost little
+        return _normal_equations(frame, here, windows, ridge) if near else None
 
-    here = _normal_equations(frame, terms, windows, ridge, fixed)
-    coef, there = lower_loss(terms.coef[fixed:], here, evaluate, _RULES, max_steps=_STEPS)
-    return moved(coef), there.error
+    here = _normal_equations(frame, terms, windows, ridge)
+    coef, there = lower_loss(terms.coef, here, evaluate, _RULES, max_steps=_STEPS)
+    return terms._replace(coef=coef), there.error
 
 
-def _normal_equations(frame: Frame, terms: Terms, windows: np.ndarray, ridge: np.ndarray, fixed: int) -> Equations:
-    n = len(terms.coef) - fixed
+def _normal_equations(frame: Frame, terms: Terms, windows: np.ndarray, ridge: np.ndarray) -> Equations:
+    n = len(terms.coef)
     gram, gradient, squares, count = np.zeros((n, n)), np.zeros(n), 0.0, _n_answer(frame, windows)
     for errors, every in run_side_by_side(frame, terms, windows):
-        slopes, flat = every[fixed:].reshape(n, -1), errors.ravel()
+        slopes, flat = every.reshape(n, -1), errors.ravel()
         gram += slopes @ slopes.T
         gradient += slopes @ flat
         squares += float(flat @ flat)
     coef, error = terms.coef, squares / count
     return Equations(
-        gram / count + np.diag(ridge[fixed:]), gradient / count + ridge[fixed:] * coef[fixed:], error + float(ridge @ coef**2),
-        error,
-    )  # fmt: skip
+        gram / count + np.diag(ridge), gradient / count + ridge * coef, error + float(ridge @ coef**2), error
+    )
 
 
 def _loss(frame: Frame, terms: Terms, windows: np.ndarray) -> float:

@@ -1,0 +1,155 @@
+"""The rate of a joint: what the openings of its valve do, alone and changed by what else a log shows.
+
+Coefficients are those with which the travel over short windows of rows fits best. What differs from one piece of work to the next (soil, payload,
+oil that has not warmed up) makes an error that adds up, so that squared errors of long runs are those of a few stretches; over short windows a
+log holds many of them, and one that fits badly counts by its size, not by its square. More factors have to earn their place on blocks held out,
+there over as many rows as runs are meant to go on.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from polydraulic.networks.dynamic.free_run import pieces
+from polydraulic.networks.dynamic.lagged_terms import Frame, Terms, run_terms
+from polydraulic.networks.dynamic.spans import Span, blocks_of, without
+
+_SCALE = 0.01  # of the joint's range: errors of the travel beyond it count by their size
+_REWEIGHED = 8  # times
+_RIDGE = 1e-3  # weight of what changes an opening, as a part of the openings' own; the openings themselves are held by next to nothing
+_OWN_RIDGE = 1e-6
+_ENOUGH = 0.03  # of the error, that a further factor has to gain
+_OVERLAP = 4  # windows begin every so many parts of their length
+_FEWEST = 50  # windows away from stops, with fewer of which those at stops stay in
+
+
+class Factors(NamedTuple):
+    """What the rate of a joint is made of: places of lagged values.
+
+    Attributes
+    ----------
+    own : tuple of int
+        Openings of the joint's valve: every term holds one, so that the joint stands still where all of them are zero.
+    known : tuple of int
+        What each opening is multiplied by in any case.
+    offered : tuple of int
+        What else it may be multiplied by.
+    """
+
+    own: tuple[int, ...]
+    known: tuple[int, ...]
+    offered: tuple[int, ...]
+
+
+def learn_rate(
+    frame: Frame, factors: Factors, spans: Sequence[Span], away: np.ndarray, window: int, horizon: int, n_blocks: int, most: int
+) -> tuple[Terms, float]:  # fmt: skip
+    """Terms of a joint's rate, and the mean size of errors of runs through blocks held out as a part of the standard deviation.
+
+    Parameters
+    ----------
+    frame : Frame
+        The joint is its only output.
+    factors : Factors
+    spans : sequence of (start, stop)
+        Rows to learn from.
+    away : (n_row,) array of bool
+        Where the joint is away from its stops: at one it does not follow its valve.
+    window : int
+        Rows over which travel is fitted.
+    horizon : int
+        Rows of the runs that judge.
+    n_blocks : int
+        Blocks of rows, each held out once.
+    most : int
+        Factors beside those that are known, at most.
+    """
+    blocks = [(without(spans, block), pieces(block, horizon)) for block in blocks_of(spans, n_blocks)]
+
+    def errors_with(chosen: Sequence[int]) -> np.ndarray:
+        """Of runs through each block by a rate that the others made."""
+        total = np.cumsum(_design(frame, factors.own, chosen), axis=0)
+        found = []
+        for rest, runs in blocks:
+            terms = _terms(
+                frame, factors.own, chosen, _fitted(frame, total, _windows(rest, away, window), len(factors.own))
+            )
+            found.append(
+                np.abs(np.concatenate([errors for errors, _ in run_terms(frame, terms, runs, slopes=False)])).mean()
+            )
+        return np.array(found)
+
+    chosen, offered = list(factors.known), list(factors.offered)
+    best = errors_with(chosen)
+    for _ in range(min(most, len(offered))):
+        errors = [errors_with([*chosen, place]) for place in offered]
+        gains = [best.mean() - one.mean() if (one < best).all() else 0.0 for one in errors]
+        if not max(gains) > _ENOUGH * best.mean():
+            break
+        best = errors[int(np.argmax(gains))]
+        chosen.append(offered.pop(int(np.argmax(gains))))
+    total = np.cumsum(_design(frame, factors.own, chosen), axis=0)
+    coef = _fitted(frame, total, _windows(spans, away, window), len(factors.own))
+    return _terms(frame, factors.own, chosen, coef), float(best.mean())
+
+
+def _terms(frame: Frame, own: Sequence[int], chosen: Sequence[int], coef: np.ndarray) -> Terms:
+    """The joint's own angle, one row ago, and what a design adds to it."""
+    pairs = [(1 + place, 0) for place in own] + [
+        (1 + max(place, other), 1 + min(place, other)) for other in chosen for place in own
+    ]
+    weighs = [(a, b, 0) for (a, b), value in zip(pairs, coef, strict=True) if value != 0.0]
+    every = np.array([(len(frame.column), 0, 0), *weighs], dtype=np.int64)
+    return Terms(every, np.zeros(len(every), dtype=np.int64), np.append(1.0, coef[coef != 0.0]))
+
+
+def _design(frame: Frame, own: Sequence[int], chosen: Sequence[int]) -> np.ndarray:
+    """By row, each opening alone, and then times each of the chosen values; (n_row, n_term)."""
+    values = np.ones((len(frame.signals), 1 + len(chosen)))
+    for n, place in enumerate(chosen):
+        ago = int(frame.steps[place])
+        read = frame.signals[:, frame.column[place]]
+        read = np.nan_to_num(np.concatenate([read[:ago], read[: len(read) - ago]]))  # what is not known is in no window
+        values[:, n + 1] = np.clip(read, frame.low[place], frame.high[place])
+    opened = frame.signals[:, frame.column[list(own)]]
+    return (values[:, :, None] * opened[:, None, :]).reshape(len(values), -1)
+
+
+def _windows(spans: Sequence[Span], away: np.ndarray, length: int) -> np.ndarray:
+    """First row and last of windows, (n, 2), that keep away from stops; all of them if hardly any do. A shorter span is one window."""
+    step = max(1, length // _OVERLAP)
+    whole = [(s, min(s + length, b - 1)) for a, b in spans for s in range(a, max(a + 1, b - length), step)]
+    ends = np.array(whole, dtype=np.int64).reshape(-1, 2)
+    at_stop = np.concatenate([[0], np.cumsum(~away)])
+    off = at_stop[ends[:, 1] + 1] == at_stop[ends[:, 0]]
+    return ends[off] if off.sum() >= _FEWEST else ends
+
+
+def _travelled(total: np.ndarray, windows: np.ndarray) -> np.ndarray:
+    """Sums of a design over the rows of windows but the first."""
+    found: np.ndarray = total[windows[:, 1]] - total[windows[:, 0]]
+    return found
+
+
+def _travel(frame: Frame, windows: np.ndarray) -> np.ndarray:
+    """How far the joint moves in windows."""
+    return _travelled(frame.signals[:, -1], windows)
+
+
+def _fitted(frame: Frame, total: np.ndarray, windows: np.ndarray, n_own: int) -> np.ndarray:
+    """Coefficients with which the travel in windows fits best, in absolute errors where these are large; (n_term,)."""
+    design, travel = _travelled(total, windows), _travel(frame, windows)
+    places = frame.signals[windows.ravel(), -1]
+    scale = _SCALE * float(np.ptp(places)) + 1e-300 if len(places) else 1.0
+    weight = np.ones(len(travel))
+    coef = np.zeros(total.shape[1])
+    held = np.full(total.shape[1], _RIDGE)
+    held[:n_own] = _OWN_RIDGE
+    for _ in range(_REWEIGHED):
+        weighed = design * weight[:, None]
+        gram = weighed.T @ design
+        size = float(np.diagonal(gram)[:n_own].mean()) + 1e-12
+        coef = np.linalg.solve(gram + size * np.diag(held), weighed.T @ travel)
+        weight = 1.0 / np.sqrt(1.0 + ((design @ coef - travel) / scale) ** 2)
+    return coef
