@@ -116,3 +116,12 @@ def test_every_part_has_a_block():
 def test_four_of_the_twenty_blocks_of_a_log_are_held_out():
     assert np.flatnonzero(held_rows(1000, BLOCKS).reshape(20, 50).all(axis=1)).tolist() == [4, 9, 14, 19]
     assert held_rows(1000, BLOCKS).sum() == 200
+
+
+def test_two_rows_that_differ_are_held_out_at_least_and_numbers_differ_however_small():
+    small = 1e-20 * np.arange(10.0)[:, None]
+    assert held_distinct_rows(small, 1).tolist() == [k % 5 == 4 for k in range(10)]
+    with pytest.raises(InputError, match="^the table has 9 rows; fitting and holding out takes 10 or more$"):
+        held_distinct_rows(small[:9], 1)
+    with pytest.raises(InputError, match="^the table has 11 rows, of which 9 differ; fitting and holding out takes 10"):
+        held_distinct_rows(np.concatenate([small[:9], small[:1], -small[:1]]), 1)
