@@ -19,6 +19,12 @@ def test_gaps_and_segments_end_a_piece():
     assert [round(float(at[-1] - at[0]), 2) for at, _ in pieces] == [2.98, 2.98, 3.46]
 
 
+@pytest.mark.parametrize(("step", "pieces"), [(1.49, 1), (1.51, 2)])
+def test_rows_more_than_one_and_a_half_rasters_apart_end_a_piece(step, pieces):
+    time = 0.1 * np.cumsum([0.0, *[1.0] * 9, step, *[1.0] * 9])
+    assert len(even_pieces(table_of(time), ["x"])) == pieces
+
+
 def test_an_uneven_clock_becomes_even():
     time = np.arange(200) * 0.02 + np.random.default_rng(0).uniform(0.0, 0.004, 200)
     ((at, values),) = even_pieces(table_of(time), ["x"])

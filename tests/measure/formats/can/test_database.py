@@ -1,5 +1,7 @@
 """Databases that are damaged, or say what no number can be."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from helpers.can_made import DBC, bus, write_bus
 from polydraulic.errors import InputError
 from polydraulic.measure import open_log
 from polydraulic.measure.findings import Findings
-from polydraulic.measure.formats.can.database import Messages, j1939_codes, parameter_group
+from polydraulic.measure.formats.can.database import Messages, _no_number, j1939_codes, parameter_group
 
 
 def database(tmp_path, old, new):
@@ -85,3 +87,12 @@ def test_raw_values_that_are_none_by_the_standard(length, codes):
 def test_a_group_has_a_destination_below_format_240():
     assert parameter_group(0x18EF0703) == 0xEF00
     assert parameter_group(0x18F00703) == 0xF007
+
+
+@pytest.mark.parametrize("length", [8, 12, 16, 20, 24, 32, 40, 48, 64])
+def test_real_numbers_have_16_32_or_64_bits(length):
+    signal = SimpleNamespace(length=length, is_float=True, scale=1.0, offset=0.0, multiplexer_signal=None)
+    told = f"is a real number of {length} bits; there are those of 16, 32 and 64"
+    assert _no_number(signal, {}) == ("" if length in (16, 32, 64) else told)
+    signal.is_float = False
+    assert _no_number(signal, {}) == ""
