@@ -239,6 +239,12 @@ def export(
         progress(f"{to} to {out}", 0, 1)
         written = export_models(models, to, out, name=name, real=real, cross=cross, progress=progress)
     print(written)
+    if to == "c":
+        source = written.files[1]
+        print(
+            f"it tests itself: gcc -std=c99 -D{source.stem.upper()}_SELF_TEST {source} -lm, and run what comes of it: exit code 0 where it answers "
+            "as the package does"
+        )
 
 
 @app.command()
