@@ -266,7 +266,7 @@ def test_a_range_that_holds():
     model = model_of(single(0.0, -1.0, 0.0, 1.0), unit="m")
     check = check_range(model, -0.385, 0.385)  # 2 / sqrt(27) = 0.3849
     assert check.holds is True
-    assert str(check).startswith("y cannot leave [-0.385, 0.385] m anywhere in the box: it lies within [-0.38")
+    assert str(check).startswith("y cannot leave [-0.385, 0.385] m: it is proved to stay in [-0.38")
     assert check_range(model, -np.inf, 0.5).holds is True
     assert check_range(model, 0.0, 1.0, [[-0.9, -0.1]]).holds is True
 
@@ -276,7 +276,7 @@ def test_a_range_that_does_not_hold():
     check = check_range(model, -0.25, 2.0)
     assert check.holds is False
     assert [found.region for found in check.leaving] == ["x0 in (-inf, 0.5]"]
-    assert str(check) == "y leaves [-0.25, 2]: -1 at x0 = -1 (x0 in (-inf, 0.5])"
+    assert str(check) == "y leaves [-0.25, 2]: it is -1 at x0 = -1 (x0 in (-inf, 0.5])"
     both = check_range(model, 0.0, 0.3)
     assert len(both.leaving) == 2
     assert "; 1 at x0 = 1 (x0 in (0.5, inf))" in str(both)

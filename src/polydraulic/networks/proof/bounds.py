@@ -243,15 +243,13 @@ def range_sentence(model: Model, answer: RangeCheck) -> str:
                 for variable, value in zip(model.inputs, found.point, strict=True)
             )
             points.append(f"{found.value:.6g} {model.output.unit}".rstrip() + f" at {at} ({found.region})")
-        return f"{name} leaves {asked}: {'; '.join(points)}"
+        return f"{name} leaves {asked}: it is {'; '.join(points)}"
     if answer.undecided:
         return (
             f"{name}: not decided with {answer.max_boxes} boxes per region whether it stays in {asked}; it is proved to stay "
             f"in {proved}, and no point outside was found; open: {'; '.join(answer.undecided)}"
         )
-    return (
-        f"{name} cannot leave {asked} anywhere in the box: it lies within {proved}, which may be wider than its range"
-    )
+    return f"{name} cannot leave {asked}: it is proved to stay in {proved} for all inputs of the box, and may use less of it"
 
 
 def _checked_box(box: np.ndarray, names: list[str]) -> np.ndarray:
