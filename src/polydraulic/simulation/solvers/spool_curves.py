@@ -22,7 +22,7 @@ class SpoolCurve(NamedTuple):
     v: float
 
 
-class Curve(NamedTuple):
+class KnownCurve(NamedTuple):
     """Coefficients of one curve."""
 
     c0: float
@@ -36,13 +36,13 @@ class Curve(NamedTuple):
 
 
 @kernel
-def curve_of(c: np.ndarray, link: int) -> Curve:
+def curve_of(c: np.ndarray, link: int) -> KnownCurve:
     """The curve of input number `link` in a piece with the coefficients c, (n_input, N_COEFFICIENT)."""
-    return Curve(c[link, 0], c[link, 1], c[link, 2], c[link, 3], c[link, 4], c[link, 5], c[link, 6], c[link, 7])
+    return KnownCurve(c[link, 0], c[link, 1], c[link, 2], c[link, 3], c[link, 4], c[link, 5], c[link, 6], c[link, 7])
 
 
 @kernel
-def along_curve(k: Curve, t0: float, t: float) -> SpoolCurve:
+def along_curve(k: KnownCurve, t0: float, t: float) -> SpoolCurve:
     """Where a curve of a piece that begins at t0 is at the time t, and how fast."""
     s = t - t0
     fading = k.c2 * exp(-s * k.rate)

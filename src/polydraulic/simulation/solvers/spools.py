@@ -18,7 +18,7 @@ from polydraulic.simulation.solvers.spool_curves import (
     LOOK,
     N_COEFFICIENT,
     SAME,
-    Curve,
+    KnownCurve,
     along_curve,
     curve_of,
     spool_curve,
@@ -50,7 +50,7 @@ def _chain(starts: np.ndarray, c: np.ndarray) -> None:
 
 
 @kernel
-def _turns_at(k: Curve, length: float) -> float:
+def _turns_at(k: KnownCurve, length: float) -> float:
     """After which time of a piece a curve without a sine turns back; its end if it does not."""
     ratio = k.c2 * k.rate / k.c1 if k.c1 != 0.0 else 0.0
     after = log(ratio) / k.rate if ratio > 1.0 else length
