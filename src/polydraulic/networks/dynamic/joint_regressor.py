@@ -58,7 +58,7 @@ class JointRegressor(FreeRunner):
     responses_ : list of Response
         Play, dead time, lag and dead zone of each joint's command.
     choice_ : Choice
-        What was chosen; its error is the mean size of errors, not their rms.
+        What was chosen: its horizon is that of the windows that rates are fitted to, its error the mean size of errors rather than their rms.
     warm_up_ : int
         Rows that must be measured before the first answer.
     doubts_ : list of str
@@ -172,7 +172,7 @@ class JointRegressor(FreeRunner):
         }
         lags = tuple(sorted(steps for own, steps in read if not own))
         error = float(np.mean([error for _, _, error in found]))
-        self.choice_ = Choice(lags, (1,), True, self.horizon, sum(terms for _, terms, _ in found), error)
+        self.choice_ = Choice(lags, (1,), True, self.longest_lag, sum(terms for _, terms, _ in found), error)
         return self
 
     def _remedy(self) -> str:
