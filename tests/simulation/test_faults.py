@@ -53,7 +53,9 @@ def state_of(run, machine):
     return run.matrix([*names, *joints])
 
 
-@pytest.mark.parametrize("name", ["cat215b", "wheel_loader", "excavator_22t"])
+@pytest.mark.parametrize(
+    "name", ["cat215b", "wheel_loader", pytest.param("excavator_22t", marks=pytest.mark.slow_to_compile)]
+)
 def test_a_run_with_faults_is_a_healthy_one_until_they_begin_and_a_changed_one_after(name):
     machine = load_machine(name)
     scenario = random_operator(3, 2.0, functions=machine.names)
@@ -91,6 +93,7 @@ def test_a_fault_that_grows_changes_the_machine_at_each_stage():
     np.testing.assert_array_equal(state_of(run, machine), broken_by_hand(machine, scenario, changes, 300))
 
 
+@pytest.mark.slow_to_compile
 @pytest.mark.parametrize("flow", ["iterative", "stiff", "tlm"])
 def test_other_flow_models_break_as_by_hand(flow):
     machine = load_machine("wheel_loader")
@@ -102,7 +105,7 @@ def test_other_flow_models_break_as_by_hand(flow):
     np.testing.assert_array_equal(state_of(run, machine), broken_by_hand(machine, scenario, changes, 200, flow))
 
 
-@pytest.mark.parametrize("flow", ["exact", "iterative"])
+@pytest.mark.parametrize("flow", ["exact", pytest.param("iterative", marks=pytest.mark.slow_to_compile)])
 def test_machines_of_a_batch_break_each_in_its_own_way(flow):
     """Side by side, with the bits of single runs; also where a payload comes and goes."""
     machine = load_machine("wheel_loader")
