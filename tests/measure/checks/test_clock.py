@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from polydraulic.errors import InputError
 from polydraulic.measure.checks.clock import Clock, day_zero
 from polydraulic.measure.findings import Findings
 from polydraulic.measure.formats.log import LogBlock
@@ -277,6 +278,19 @@ def test_rows_that_come_five_hundred_times_less_or_more_often_than_those_of_the_
         assert [(f.kind, f.detail) for f in clock.findings] == [
             ("raster", f"found {raster:.4g} s, the table has a row every 0.01 s: check the unit of time")
         ] * (named and declared is None)
+
+
+@pytest.mark.parametrize(("every", "refused"), [(99.0, False), (101.0, True)])
+def test_ten_thousand_rows_from_one_sample_to_the_next_are_refused(every, refused):
+    for declared in (None, every):
+        *_, clock = checked(every * np.arange(5), raster=declared)
+        if refused and declared is None:
+            with pytest.raises(
+                InputError, match="raster = 0.01 s: samples come every 101 s, .* 10100 rows from one to"
+            ):
+                clock.check_table(0.01)
+        else:
+            clock.check_table(0.01)
 
 
 def test_a_clock_that_ticks_more_slowly_than_rows_come_is_named():
