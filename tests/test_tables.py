@@ -45,7 +45,7 @@ def test_only_the_columns_asked_for_are_checked(tmp_path):
         ("x,y\n1,inf\n3,4\n", "column 'y' holds inf in row 1"),
         ("x,y\n1,2\n3,\n", "column 'y' holds nan in row 2"),
         ("x,y\n1,red\n3,blue\n", "column 'y' holds 'red'"),
-        ("x,y\n1,\n3,\n", "column 'y' holds no value; every value"),
+        ("x,y\n1,\n3,\n", "column 'y' holds no value .null.; every value"),
         ("x,x [m]\n1,2\n", "column 'x' appears twice"),
         ("x,y\n1\n", "cannot be read as a csv table"),
         (
@@ -175,19 +175,28 @@ def test_numbers_of_any_kind_become_columns():
 @pytest.mark.parametrize(
     ("columns", "units", "message"),
     [
-        ({"a": ["x", "y"]}, {}, "column 'a' holds 'x'; every value must be a number"),
+        ({"a": ["x", "y"]}, {}, r"column 'a' holds 'x' \(string\); every value must be a number"),
+        ({"a": pd.Categorical([10, 20])}, {}, r"column 'a' holds '10' \(dictionary.*\); every value must be a number"),
         ({"a": [True, False]}, {}, "column 'a' holds 'True'"),
         ({"a": np.zeros((2, 2))}, {}, "column 'a' is not a sequence of numbers"),
         ({"a": 3.0}, {}, "column 'a' is not a sequence of numbers"),
         ({"a": [1.0, "x"]}, {}, "column 'a' is not a sequence of numbers"),
         ({"a": [2**53 + 1]}, {}, "column 'a' holds whole numbers beyond 2.53"),
         ({"a": [1.0], "b": [1.0, 2.0]}, {}, "the columns have {'a': 1, 'b': 2} rows; they must be equally long"),
+        ({"a": [1.0]}, {"a": None}, "unit of column 'a', None: must be a string"),
         ({"a": [1.0]}, {"b": "s"}, "a unit is given for the column 'b'; the table has .'a'."),
     ],
 )
 def test_what_is_no_table_is_one_clear_error(columns, units, message):
     with pytest.raises(InputError, match=message):
         Table.from_dict(columns, units)
+
+
+@pytest.mark.parametrize(("of_field", "of_schema"), [({"unit": b"\xff"}, {}), ({}, {"polydraulic": "{"})])
+def test_damaged_metadata_is_one_clear_error(of_field, of_schema):
+    schema = pa.schema([pa.field("a", pa.float64(), metadata=of_field)], metadata=of_schema)
+    with pytest.raises(InputError, match="metadata of the table are damaged"):
+        Table.from_arrow(pa.table([[1.0]], schema=schema))
 
 
 def test_names_that_stand_twice_are_refused():

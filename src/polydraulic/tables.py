@@ -94,7 +94,8 @@ class Table:
         strange = [name for name in units or {} if name not in data]
         if strange:
             raise InputError(f"a unit is given for the column {strange[0]!r}; the table has {list(data)}")
-        return cls(data, {name: (units or {}).get(name, "") for name in data}, dict(info or {}))
+        given = {name: checked_text((units or {}).get(name, ""), f"unit of column {name!r},") for name in data}
+        return cls(data, given, dict(info or {}))
 
     @classmethod
     def from_arrow(cls, table: "pa.Table") -> "Table":
@@ -112,7 +113,10 @@ class Table:
         """
         _refuse_twice(table.column_names, "")
         columns = {name: _numbers(table.column(name), name, "") for name in table.column_names}
-        return cls(columns, {entry.name: _unit_of(entry) for entry in table.schema}, _info_of(table.schema))
+        try:
+            return cls(columns, {entry.name: _unit_of(entry) for entry in table.schema}, _info_of(table.schema))
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"units or info in the metadata of the table are damaged ({error})") from error
 
     @classmethod
     def from_pandas(cls, frame: "pd.DataFrame", units: Mapping[str, str] | None = None) -> "Table":
@@ -325,7 +329,9 @@ def _numbers(column: Any, name: str, where: str) -> np.ndarray:
 
     if len(column) and not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
         shown = next((briefly(str(v)) for v in column.to_pylist() if v is not None), "no value")
-        raise InputError(f"{where}column {name!r} holds {shown}; every value must be a number; {_OF_LOGS}")
+        raise InputError(
+            f"{where}column {name!r} holds {shown} ({column.type}); every value must be a number; {_OF_LOGS}"
+        )
     try:
         floats = column.cast(pa.float64())
     except pa.ArrowInvalid as error:
